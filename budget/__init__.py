@@ -1,0 +1,80 @@
+"""Error budgets for the discrete turntable calibration of strapdown IMUs.
+
+Five lines carry a data sheet to the budget of its calibration parameters; see
+the README. Everything public is importable from here and loaded when first asked
+for, so that importing the package costs nothing.
+
+Sources, cited in the code by their short names:
+
+Zhao 2019
+    Zhao X., Zhang L., Li S., "Coupling Effects of SINS Calibration Parameters in
+    Discrete Calibration", Metrology & Measurement Technology 39 (3), 2019, 34-40,
+    doi 10.11823/j.issn.1674-5795.2019.03.06 (in Chinese).
+JCGM 100
+    JCGM 100:2008, Evaluation of measurement data - Guide to the expression of
+    uncertainty in measurement (GUM).
+JCGM 101
+    JCGM 101:2008, Supplement 1 to the GUM - Propagation of distributions using a
+    Monte Carlo method.
+JCGM 102
+    JCGM 102:2011, Supplement 2 to the GUM - Extension to any number of output
+    quantities.
+IEEE 528
+    IEEE Std 528-2019, Standard for Inertial Sensor Terminology.
+WGS 84
+    NIMA TR8350.2, Department of Defense World Geodetic System 1984, third edition.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from budget.version import __version__
+
+if TYPE_CHECKING:
+    from budget.errors import BudgetError, SpecError
+    from budget.methods.gum import propagate
+    from budget.methods.monte_carlo import sample
+    from budget.problem import Group, Output, Problem
+    from budget.results import Budget
+    from budget.spec import load_device, load_procedure, load_requirement
+    from budget.studies.analysis import analyze
+
+_HOME = {
+    "Budget": "budget.results",
+    "BudgetError": "budget.errors",
+    "Group": "budget.problem",
+    "Output": "budget.problem",
+    "Problem": "budget.problem",
+    "SpecError": "budget.errors",
+    "analyze": "budget.studies.analysis",
+    "load_device": "budget.spec",
+    "load_procedure": "budget.spec",
+    "load_requirement": "budget.spec",
+    "propagate": "budget.methods.gum",
+    "sample": "budget.methods.monte_carlo",
+}
+
+__all__ = [
+    "Budget",
+    "BudgetError",
+    "Group",
+    "Output",
+    "Problem",
+    "SpecError",
+    "__version__",
+    "analyze",
+    "load_device",
+    "load_procedure",
+    "load_requirement",
+    "propagate",
+    "sample",
+]
+
+
+def __getattr__(name: str) -> object:
+    """Import a public name from its module when it is first used (PEP 562)."""
+    if name in _HOME:
+        return getattr(import_module(_HOME[name]), name)
+    raise AttributeError(f"module 'budget' has no attribute {name!r}")

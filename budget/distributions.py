@@ -1,0 +1,57 @@
+"""Shapes of input quantities: mean 0, standard uncertainty 1, symmetric."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, pi, sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from budget.arrays import Array
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """A probability density of unit standard uncertainty, JCGM 101:2008, 6.4.
+
+    Attributes
+    ----------
+    name : str
+        The word a device file uses.
+    half_width : float
+        Half-width over standard uncertainty, a/u [1]; infinite for the normal one.
+    kurtosis : float
+        Fourth central moment over u^4 [1]; the second-order law needs it.
+    """
+
+    name: str
+    half_width: float
+    kurtosis: float
+
+    def draw(self, rng: np.random.Generator, out: Array) -> None:
+        """Fill `out` (any shape, C-contiguous) with independent variates [u]."""
+        if self.name == "normal":
+            rng.standard_normal(out=out)
+            return
+        rng.random(out=out)
+        if self.name == "uniform":  # JCGM 101:2008, 6.4.2
+            out -= 0.5
+            out *= 2.0 * self.half_width
+        elif self.name == "triangular":  # JCGM 101:2008, 6.4.5: two rectangular ones
+            out += rng.random(out.shape)
+            out -= 1.0
+            out *= self.half_width
+        else:  # arcsine, JCGM 101:2008, 6.4.6
+            out *= 2.0 * pi
+            np.sin(out, out=out)
+            out *= self.half_width
+
+
+NORMAL = Distribution("normal", inf, 3.0)
+UNIFORM = Distribution("uniform", sqrt(3.0), 9.0 / 5.0)  # JCGM 100:2008, 4.3.7
+TRIANGULAR = Distribution("triangular", sqrt(6.0), 12.0 / 5.0)  # JCGM 100:2008, 4.3.9
+ARCSINE = Distribution("arcsine", sqrt(2.0), 3.0 / 2.0)  # JCGM 101:2008, 6.4.6
+
+BY_NAME = {d.name: d for d in (NORMAL, UNIFORM, TRIANGULAR, ARCSINE)}

@@ -1,0 +1,1 @@
+"""What the methods do with a Problem: propagate, sample, decompose."""

@@ -1,0 +1,1 @@
+"""Sensors on a turntable: from data sheet and schedule to a Problem."""

@@ -1,0 +1,265 @@
+"""The waist of the house: what is uncertain, what is asked, how one gives the other.
+
+A Problem knows no sensors and no statistics. Sensors make Problems (budget.physics),
+methods solve them (budget.methods); the published examples are Problems too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.arrays import Array
+from budget.distributions import NORMAL, Distribution
+from budget.errors import ProblemError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+Function = Callable[[Array], Array]
+
+# A covariance matrix may miss symmetry and positive semidefiniteness by rounding.
+ROUNDING = 1e-10  # [1], relative to the product of the two standard uncertainties
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Group:
+    """Input quantities that belong to one source and are drawn together.
+
+    Attributes
+    ----------
+    name : str
+        The source, as it stands in budgets.
+    mean : ndarray, shape (n,)
+        Best estimates [SI].
+    covariance : ndarray, shape (n, n)
+        Covariance within the group [SI squared]; groups are independent.
+    distributions : tuple of Distribution, length n
+        Shapes; correlated inputs must be normal.
+
+    Raises
+    ------
+    ProblemError
+        Shapes do not fit, the covariance is no covariance, or inputs that are not
+        normal are correlated.
+    """
+
+    name: str
+    mean: Array
+    covariance: Array
+    distributions: tuple[Distribution, ...]
+
+    def __post_init__(self) -> None:
+        """Check the group once, where it enters."""
+        n = self.mean.size
+        where = f"input group {self.name!r}"
+        if self.mean.ndim != 1 or self.covariance.shape != (n, n):
+            raise ProblemError(
+                f"{where}: mean has shape {self.mean.shape}, covariance "
+                f"{self.covariance.shape}; expected (n,) and (n, n)"
+            )
+        if len(self.distributions) != n:
+            raise ProblemError(
+                f"{where}: {len(self.distributions)} distributions for {n} inputs; "
+                "give one each"
+            )
+        if not (np.isfinite(self.mean).all() and np.isfinite(self.covariance).all()):
+            raise ProblemError(f"{where}: a mean or covariance is not finite")
+        scale = np.sqrt(np.abs(np.diag(self.covariance)))
+        slack = ROUNDING * np.outer(scale, scale)
+        if (np.abs(self.covariance - self.covariance.T) > slack).any():
+            raise ProblemError(f"{where}: the covariance matrix is not symmetric")
+        if (np.diag(self.covariance) < 0.0).any():
+            raise ProblemError(f"{where}: a variance is negative")
+        if (np.abs(self.covariance) > np.outer(scale, scale) + slack).any():
+            raise ProblemError(f"{where}: a correlation is larger than 1")
+        if not self.is_independent and any(d != NORMAL for d in self.distributions):
+            raise ProblemError(
+                f"{where}: correlated inputs must be normal; "
+                "put inputs of other shapes into groups without correlation"
+            )
+        for array in (self.mean, self.covariance):
+            array.flags.writeable = False
+
+    @classmethod
+    def independent(
+        cls,
+        name: str,
+        *,
+        u: ArrayLike,
+        mean: ArrayLike = 0.0,
+        distribution: Distribution | tuple[Distribution, ...] = NORMAL,
+    ) -> Group:
+        """Make a group of uncorrelated inputs from standard uncertainties [SI]."""
+        u_x = np.atleast_1d(np.array(u, dtype=float))
+        shapes = (
+            (distribution,) * u_x.size
+            if isinstance(distribution, Distribution)
+            else distribution
+        )
+        return cls(
+            name=name,
+            mean=np.broadcast_to(np.array(mean, dtype=float), u_x.shape).copy(),
+            covariance=np.diag(u_x**2),
+            distributions=shapes,
+        )
+
+    @property
+    def size(self) -> int:
+        """Number of inputs, n."""
+        return self.mean.size
+
+    @cached_property
+    def is_independent(self) -> bool:
+        """Whether no two inputs of the group are correlated."""
+        return np.count_nonzero(self.covariance) == np.count_nonzero(
+            np.diag(self.covariance)
+        )
+
+    @cached_property
+    def is_constant(self) -> bool:
+        """Whether nothing in the group varies."""
+        return not self.covariance.any()
+
+    @cached_property
+    def factor(self) -> Array:
+        """Matrix F, shape (n, n): F z has the covariance, z being unit variates [SI].
+
+        Taken of the correlation matrix, so that inputs of very different size keep
+        their relative accuracy. Cholesky where it exists, else the symmetric
+        eigendecomposition with its rounding below zero cut (JCGM 101:2008, C.5).
+
+        Raises
+        ------
+        ProblemError
+            The covariance has a negative eigenvalue beyond rounding.
+        """
+        u = np.sqrt(np.diag(self.covariance))
+        if self.is_independent:
+            return np.diag(u)
+        safe = np.where(u > 0.0, u, 1.0)
+        correlation = self.covariance / np.outer(safe, safe)
+        try:
+            return np.asarray(safe[:, None] * np.linalg.cholesky(correlation))
+        except np.linalg.LinAlgError:
+            values, vectors = np.linalg.eigh(correlation)
+        if values[0] < -ROUNDING * self.size:
+            raise ProblemError(
+                f"input group {self.name!r}: the covariance matrix has the negative "
+                f"eigenvalue {values[0]:.3g} (of the correlation matrix)"
+            )
+        return np.asarray(u[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Output:
+    """One quantity that is asked for.
+
+    Attributes
+    ----------
+    name : str
+        Dotted, from the general to the particular: 'gyro.scale_factor.x'.
+    unit : str
+        The unit it is printed in.
+    si_per_unit : float
+        Size of that unit [SI].
+    resolution : float
+        A spread at or below this is rounding of the computation, not spread [SI].
+    """
+
+    name: str
+    unit: str = "1"
+    si_per_unit: float = 1.0
+    resolution: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Problem:
+    """Independent groups of inputs, named outputs, and the function between them.
+
+    Attributes
+    ----------
+    groups : tuple of Group
+        Sources; the inputs of the function are theirs, one group after another.
+    outputs : tuple of Output
+        What the function returns, in its order.
+    function : callable, (n_inputs, trials) -> (n_outputs, trials)
+        The model [SI]. Plain numpy arithmetic that keeps the dtype of its argument:
+        the methods pass float, complex and object arrays through it.
+
+    Raises
+    ------
+    ProblemError
+        A name stands twice, or there are no groups or no outputs.
+    """
+
+    groups: tuple[Group, ...]
+    outputs: tuple[Output, ...]
+    function: Function = field(repr=False)
+
+    def __post_init__(self) -> None:
+        """Check names; shapes are checked where the function is first called."""
+        for kind, names in (
+            ("input group", [g.name for g in self.groups]),
+            ("output", [o.name for o in self.outputs]),
+        ):
+            if not names:
+                raise ProblemError(f"a Problem needs at least one {kind}")
+            twice = sorted({n for n in names if names.count(n) > 1})
+            if twice:
+                raise ProblemError(f"{kind} named twice: {', '.join(twice)}")
+
+    @property
+    def n_inputs(self) -> int:
+        """Number of input quantities over all groups."""
+        return sum(group.size for group in self.groups)
+
+    @property
+    def normals_per_trial(self) -> int:
+        """Number of variates that one Monte Carlo trial draws."""
+        return sum(group.size for group in self.groups if not group.is_constant)
+
+    @cached_property
+    def slices(self) -> tuple[slice, ...]:
+        """Rows of the input array that belong to each group."""
+        ends = np.cumsum([group.size for group in self.groups])
+        return tuple(
+            slice(int(end) - group.size, int(end))
+            for end, group in zip(ends, self.groups, strict=True)
+        )
+
+    @cached_property
+    def mean(self) -> Array:
+        """Best estimates of all inputs, shape (n_inputs,) [SI]."""
+        return np.concatenate([group.mean for group in self.groups])
+
+    def evaluate(self, x: Array) -> Array:
+        """Call the function and hold it to its shape.
+
+        Parameters
+        ----------
+        x : ndarray, shape (n_inputs, trials)
+            Input values [SI].
+
+        Returns
+        -------
+        ndarray, shape (n_outputs, trials)
+            Output values [SI].
+
+        Raises
+        ------
+        ProblemError
+            The function returns another shape.
+        """
+        y = np.asarray(self.function(x))
+        expected = (len(self.outputs), x.shape[1])
+        if y.shape != expected:
+            raise ProblemError(
+                f"the function returned shape {y.shape} for {x.shape[1]} trials, "
+                f"expected {expected}: one row for each output"
+            )
+        return y

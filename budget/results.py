@@ -1,0 +1,240 @@
+"""What comes out: frozen records of a budget; SI inside, printed units on paper."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    import pandas as pd
+
+    from budget.arrays import Array
+    from budget.problem import Output
+
+SCHEMA = "budget/1"
+INTERACTION = "interaction"  # the row of products of two sources
+TOTAL = "total"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contribution:
+    """What one source alone does to one output, by the first- and second-order law."""
+
+    source: str
+    standard_uncertainty: float  # [SI unit of the output]
+    share: float  # of the law's own total variance [1]
+    sobol_first: float | None = None  # first-order index [1]
+    sobol_total: float | None = None  # total index [1]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Validation:
+    """The law against Monte Carlo for one output, JCGM 101:2008, 8.1."""
+
+    trials: int
+    holds: bool
+    difference_low: float  # of the lower interval ends [SI unit of the output]
+    difference_high: float  # of the upper interval ends [SI unit of the output]
+    tolerance: float  # numerical tolerance, JCGM 101:2008, 7.9.2 [same]
+
+
+@dataclass(frozen=True, kw_only=True)
+class OutputBudget:
+    """Expected error, its uncertainty and the causes, for one output [SI]."""
+
+    output: Output
+    mean: float
+    standard_uncertainty: float
+    interval: tuple[float, float]
+    contributions: tuple[Contribution, ...]
+    validation: Validation | None = None
+
+    @property
+    def sensor(self) -> str:
+        """First part of the output's name: gyro or accelerometer."""
+        return self.output.name.split(".")[0]
+
+    @property
+    def parameter(self) -> str:
+        """Second part: scale_factor, mounting_angle or bias."""
+        return self.output.name.split(".")[1]
+
+    @property
+    def axis(self) -> str:
+        """Third part: x, y, z or, of an angle, xy, xz, yx, yz, zx, zy."""
+        return self.output.name.split(".")[2]
+
+    @property
+    def is_resolved(self) -> bool:
+        """Whether the spread is more than the rounding of the computation."""
+        return self.standard_uncertainty > self.output.resolution
+
+    @property
+    def largest_error(self) -> float:
+        """Largest absolute end of the coverage interval [SI]."""
+        return max(abs(self.interval[0]), abs(self.interval[1]))
+
+    @property
+    def ranked(self) -> tuple[Contribution, ...]:
+        """Contributions, the largest first."""
+        return tuple(sorted(self.contributions, key=lambda c: -c.share))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """Everything besides the input files that a result depends on."""
+
+    method: str
+    trials: int | None
+    seed: int
+    coverage: float
+    interval: str
+    reference: str
+    formulas: str
+    normals_per_trial: int
+    only: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class InputFile:
+    """One file that a result depends on, by base name and content."""
+
+    role: str  # device, procedure, requirement
+    name: str
+    sha256: str
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Budget:
+    """The error budget of a calibration: every output, and how they go together.
+
+    Attributes
+    ----------
+    title : str
+        Names of the devices.
+    outputs : tuple of OutputBudget
+        One for each calibration parameter [SI].
+    covariance : ndarray, shape (n_out, n_out)
+        Joint covariance of all outputs in their order [products of SI units].
+    """
+
+    command: str
+    title: str
+    inputs: tuple[InputFile, ...]
+    settings: Settings
+    outputs: tuple[OutputBudget, ...]
+    covariance: Array = field(repr=False)
+    not_given: tuple[str, ...]
+    assumptions: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+    @property
+    def correlation(self) -> Array:
+        """Correlation matrix, shape (n_out, n_out) [1]; 0 beside a constant output."""
+        u = np.sqrt(np.diag(self.covariance))
+        safe = np.where(u > 0.0, u, np.inf)
+        return np.asarray(self.covariance / np.outer(safe, safe))
+
+    def output(self, name: str) -> OutputBudget:
+        """Return the budget of one output by its dotted name; KeyError if unknown."""
+        for row in self.outputs:
+            if row.output.name == name:
+                return row
+        raise KeyError(name)
+
+    def rows(self) -> Iterator[dict[str, Any]]:
+        """Yield one flat record for each output and source, and one `total` each.
+
+        In printed units. Mean and interval belong to the total; on the rows of single
+        sources they are None.
+        """
+        for row in self.outputs:
+            scale = row.output.si_per_unit
+            key = {
+                "sensor": row.sensor,
+                "parameter": row.parameter,
+                "axis": row.axis,
+                "unit": row.output.unit,
+            }
+            for part in row.contributions:
+                yield {
+                    **key,
+                    "source": part.source,
+                    "standard_uncertainty": part.standard_uncertainty / scale,
+                    "share": part.share,
+                    "mean": None,
+                    "interval_low": None,
+                    "interval_high": None,
+                }
+            yield {
+                **key,
+                "source": TOTAL,
+                "standard_uncertainty": row.standard_uncertainty / scale,
+                "share": sum(part.share for part in row.contributions),
+                "mean": row.mean / scale,
+                "interval_low": row.interval[0] / scale,
+                "interval_high": row.interval[1] / scale,
+            }
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return `rows()` as a tidy pandas frame, in printed units."""
+        import pandas as pd
+
+        return pd.DataFrame.from_records(list(self.rows()))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON document of schema `budget/1`, in printed units."""
+        scale = np.array([row.output.si_per_unit for row in self.outputs])
+        return {
+            "schema": SCHEMA,
+            "command": self.command,
+            "title": self.title,
+            "inputs": {
+                file.role: {"name": file.name, "sha256": file.sha256}
+                for file in self.inputs
+            },
+            "settings": asdict(self.settings),
+            "outputs": [_output_document(row) for row in self.outputs],
+            "covariance": (self.covariance / np.outer(scale, scale)).tolist(),
+            "not_given": list(self.not_given),
+            "assumptions": list(self.assumptions),
+            "warnings": list(self.warnings),
+        }
+
+
+def _output_document(row: OutputBudget) -> dict[str, Any]:
+    """Return one entry of `outputs` in the JSON document, in printed units."""
+    scale = row.output.si_per_unit
+    validation = None
+    if row.validation is not None:
+        validation = {
+            "trials": row.validation.trials,
+            "holds": row.validation.holds,
+            "difference_low": row.validation.difference_low / scale,
+            "difference_high": row.validation.difference_high / scale,
+            "tolerance": row.validation.tolerance / scale,
+        }
+    return {
+        "sensor": row.sensor,
+        "parameter": row.parameter,
+        "axis": row.axis,
+        "unit": row.output.unit,
+        "mean": row.mean / scale,
+        "standard_uncertainty": row.standard_uncertainty / scale,
+        "interval": [end / scale for end in row.interval],
+        "contributions": [
+            {
+                "source": part.source,
+                "standard_uncertainty": part.standard_uncertainty / scale,
+                "share": part.share,
+                "sobol_first": part.sobol_first,
+                "sobol_total": part.sobol_total,
+            }
+            for part in row.contributions
+        ],
+        "validation": validation,
+    }

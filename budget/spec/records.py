@@ -1,0 +1,195 @@
+"""What a validated file says: frozen records in SI, no text left to interpret."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from budget.arrays import Array
+    from budget.distributions import Distribution
+
+AXES = ("x", "y", "z")
+ANGLES = ("xy", "xz", "yx", "yz", "zx", "zy")  # order of the six mounting angles
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ErrorLine:
+    """One line of a data sheet that an error model uses.
+
+    Attributes
+    ----------
+    name : str
+        Key in the device file: 'bias_stability'.
+    u : ndarray, shape (3,) or, of mounting_repeatability, (6,)
+        Standard uncertainty, process sigma or density by axis [SI].
+    distributions : tuple of Distribution
+        Shape by axis; processes are normal.
+    correlation_time : ndarray, shape (3,), or None
+        Of bias_stability only [s].
+    printed : str
+        The figure as the file gives it, for people: '0.04 deg/h' or
+        'x 0.02 deg/h, y 0.03 deg/h, z 0.02 deg/h'.
+    unit : str
+        Its unit as the file gives it (of the first axis).
+    si_per_unit : float
+        Size of that unit [SI].
+    meaning : str
+        '1 sigma', 'max', ... as the file gives it or by default.
+    definition, includes, horizon, condition, source : str
+        The maker's own words; '' where not given.
+    """
+
+    name: str
+    u: Array
+    distributions: tuple[Distribution, ...]
+    correlation_time: Array | None = None
+    printed: str
+    unit: str
+    si_per_unit: float
+    meaning: str = "1 sigma"
+    definition: str = ""
+    includes: str = ""
+    horizon: str = ""
+    condition: str = ""
+    source: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MakerFigure:
+    """A figure that the maker prints and no model uses: shown, not budgeted."""
+
+    name: str
+    value: str
+    condition: str = ""
+    meaning: str = ""
+    source: str = ""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sensor:
+    """One triad of a device: its nominal values and the lines of its data sheet.
+
+    Attributes
+    ----------
+    kind : str
+        'gyro' or 'accelerometer'.
+    device : str
+        Name of the device it belongs to, with the variant.
+    nominal_bias : ndarray, shape (3,)
+        [rad/s] or [m/s^2].
+    nominal_mounting_angle : ndarray, shape (6,)
+        In the order of ANGLES [rad].
+    lines : tuple of ErrorLine
+        What is given, in the order of the model lines.
+    not_given : tuple of str
+        Model lines that are absent, 'gyro.rate_random_walk'.
+    expected_missing : tuple of str
+        Those of them that a verdict 'meets' cannot do without; 'gyro.noise' stands
+        for the one noise line.
+    """
+
+    kind: str
+    device: str
+    nominal_bias: Array
+    nominal_mounting_angle: Array
+    lines: tuple[ErrorLine, ...]
+    not_given: tuple[str, ...]
+    expected_missing: tuple[str, ...]
+
+    def line(self, name: str) -> ErrorLine | None:
+        """Return the line of that name, or None where the data sheet has none."""
+        return next((line for line in self.lines if line.name == name), None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Source:
+    """Where a record came from."""
+
+    file: str  # base name, with #VARIANT where one was chosen
+    sha256: str  # of the file's bytes
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Device:
+    """One device file, one variant of it.
+
+    Texts that say what it is and costs move no number; they are '' where not given.
+    """
+
+    name: str
+    gyro: Sensor | None
+    accelerometer: Sensor | None
+    figures: tuple[MakerFigure, ...]
+    assumptions: tuple[str, ...]
+    origin: Source
+    source: str = ""
+    vendor: str = ""
+    technology: str = ""
+    price: str = ""
+    mass: str = ""
+    power: str = ""
+    range: str = ""
+    notes: str = ""
+
+    @property
+    def sensors(self) -> tuple[Sensor, ...]:
+        """The triads that are there, gyro first."""
+        return tuple(s for s in (self.gyro, self.accelerometer) if s is not None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class GyroProcedure:
+    """Rate turns, then a static test at several azimuths."""
+
+    rate: float  # [rad/s]
+    turns: int
+    order: tuple[str, ...]  # axes in the order they are turned about
+    pause: float  # between all windows [s]
+    azimuths: tuple[float, ...]  # [rad]
+    dwell: float  # at each azimuth [s]
+
+
+@dataclass(frozen=True, kw_only=True)
+class AccelerometerProcedure:
+    """The twelve-position static test."""
+
+    dwell: float  # at each position [s]
+    pause: float  # between all windows [s]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Procedure:
+    """Where and how the calibration is done."""
+
+    name: str
+    latitude: float  # [rad]
+    gravity: float  # at the place [m/s^2]
+    sample_rate: float  # [Hz]
+    formulas: str  # 'corrected' or 'paper'
+    gyro: GyroProcedure
+    accelerometer: AccelerometerProcedure
+    assumptions: tuple[str, ...]
+    origin: Source
+
+
+@dataclass(frozen=True, kw_only=True)
+class Limit:
+    """The largest absolute error allowed for one output."""
+
+    output: str  # dotted name: 'gyro.bias.x'
+    limit: float  # [SI]
+    printed: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Requirement:
+    """What a calibrated system must hold."""
+
+    name: str
+    coverage: float  # [1]
+    reference: str  # 'nominal', 'as_tested' or 'next_turn_on'
+    limits: tuple[Limit, ...]
+    caps: tuple[tuple[str, str], ...]  # ('price', '50000 EUR'), ...
+    assumptions: tuple[str, ...]
+    origin: Source

@@ -1,0 +1,1 @@
+"""Questions a user asks, answered with the methods."""
