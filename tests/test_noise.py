@@ -1,0 +1,111 @@
+"""Noise processes: closed forms against printed values, quadrature and mpmath."""
+
+from __future__ import annotations
+
+import mpmath
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import dblquad
+
+from budget.physics.noise import GaussMarkov, RandomWalk, White
+from budget.physics.schedule import Schedule, Window
+
+
+def schedule(*windows):
+    """Return a schedule of (start, length) windows."""
+    return Schedule(
+        windows=tuple(
+            Window(name=str(i), start=start, length=length)
+            for i, (start, length) in enumerate(windows)
+        )
+    )
+
+
+@pytest.mark.parametrize(
+    ("length", "variance", "adjacent"),
+    [(18.0, "1.6567009763", "1.5920595937"), (300.0, "1.2434325112", "0.6752841175")],
+)
+def test_gauss_markov_check_values(length, variance, adjacent):
+    """Sigma 1.3, tau 300 s: variance and adjacent covariance are as stated."""
+    C = GaussMarkov(1.3, 300.0).covariance(schedule((0.0, length), (length, length)))
+    assert_allclose(C[0, 0], float(variance), rtol=0, atol=1e-10)
+    assert_allclose(C[0, 1], float(adjacent), rtol=0, atol=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("process", "kernel"),
+    [
+        (GaussMarkov(0.7, 40.0), lambda t, s: 0.49 * np.exp(-abs(t - s) / 40.0)),
+        (RandomWalk(0.3), lambda t, s: 0.09 * min(t, s)),
+    ],
+)
+def test_covariance_is_the_double_integral_of_the_kernel(process, kernel):
+    """Each element is the mean of the autocovariance over both windows."""
+    windows = [(0.0, 18.0), (18.0, 18.0), (60.0, 30.0)]
+    C = process.covariance(schedule(*windows))
+    for a, (s_a, L_a) in enumerate(windows):
+        for b, (s_b, L_b) in enumerate(windows[a:], start=a):
+            # Split at the kink of the kernel on the diagonal.
+            below, above = (s_a, s_a + L_a) if a == b else (s_b, s_b + L_b)
+            pieces = (
+                [(below, lambda t: t), (lambda t: t, above)]
+                if a == b
+                else [(below, above)]
+            )
+            total = sum(
+                dblquad(kernel, s_a, s_a + L_a, low, high, epsabs=0, epsrel=1e-9)[0]
+                for low, high in pieces
+            )
+            assert_allclose(C[a, b], total / (L_a * L_b), rtol=1e-8)
+            assert_allclose(C[b, a], C[a, b], rtol=1e-14)
+
+
+def test_white_average_has_density_squared_over_length():
+    """Windows of white noise are independent with variance N^2/L."""
+    C = White(0.2).covariance(schedule((0.0, 10.0), (10.0, 40.0)))
+    assert_allclose(C, np.diag([0.004, 0.001]), rtol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("process", "expected"),
+    [
+        (White(0.5), 2.0 * 0.25 / 20.0),
+        (RandomWalk(0.5), 0.25 * (50.0 - 20.0 / 3.0)),
+    ],
+)
+def test_difference_of_two_windows(process, expected):
+    """Length T = 20, starts L = 50 apart: 2 N^2/T and K^2 (L - T/3)."""
+    two = schedule((7.0, 20.0), (57.0, 20.0))
+    assert_allclose(
+        process.reduce(two, np.array([[1.0, -1.0]]))[0, 0], expected, rtol=1e-12
+    )
+
+
+@pytest.mark.parametrize("tau", [1e-9, 1e-3, 1.0, 17.9, 18.1, 300.0, 1e4, 1e9, 1e14])
+def test_gauss_markov_differences_keep_their_digits(tau):
+    """From far below a sample to far beyond the test, to 1e-9 of mpmath's 60 digits."""
+    windows = schedule((0.0, 18.0), (18.0, 18.0), (40.0, 18.0))
+    weights = np.array([[1.0, -1.0, 0.0], [0.0, 1.0, -1.0], [0.5, 0.0, 0.5]])
+    actual = GaussMarkov(1.0, tau).reduce(windows, weights)
+
+    with mpmath.workdps(60):
+        t, x = mpmath.mpf(tau), mpmath.mpf(18) / mpmath.mpf(tau)
+        same = 2 * (x - 1 + mpmath.exp(-x)) / x**2
+
+        def other(gap):
+            return mpmath.exp(-gap / t) * ((1 - mpmath.exp(-x)) / x) ** 2
+
+        C = mpmath.matrix(
+            [
+                [same, other(0), other(22)],
+                [other(0), same, other(4)],
+                [other(22), other(4), same],
+            ]
+        )
+        W = mpmath.matrix(weights.tolist())
+        exact = W * C * W.T
+        exact = np.array([[float(exact[i, j]) for j in range(3)] for i in range(3)])
+    # Elements far below the geometric mean of their diagonal carry its rounding.
+    scale = np.sqrt(np.outer(np.diag(exact), np.diag(exact)))
+    assert_allclose(actual / scale, exact / scale, rtol=0, atol=1e-9)
