@@ -1,0 +1,145 @@
+"""The law of propagation of uncertainty, second-order terms always carried.
+
+With c the sensitivities, H the second derivatives, U_x the input covariance:
+
+    E[y] - y(x)  = 1/2 tr(H U_x)
+    cov(y_k, y_l) = c_k^T U_x c_l + 1/2 tr(H_k U_x H_l U_x) + quartic term ,
+
+JCGM 100:2008, eq. (13) and the note to 5.1.2, for normal inputs; an input of another
+shape adds (kurtosis - 3)/4 H_kii H_lii u_i^4, symmetric shapes nothing else. The third
+derivatives of that note are left out: they only ever multiply a first-order term, and
+are smaller than it by the square of a relative uncertainty.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.methods.jets import expand
+
+if TYPE_CHECKING:
+    from budget.arrays import Array
+    from budget.problem import Problem
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Propagation:
+    """What the law says of every output, and what each source adds.
+
+    Attributes
+    ----------
+    value : ndarray, shape (n_out,)
+        Outputs at the best estimates.
+    mean : ndarray, shape (n_out,)
+        The same with the second-order mean.
+    covariance : ndarray, shape (n_out, n_out)
+        First and second order.
+    first_order : ndarray, shape (n_out, n_out)
+        First order alone, C U_x C^T.
+    source_variance : ndarray, shape (n_groups, n_out)
+        Variance from each source alone, its own second order included.
+    interaction_variance : ndarray, shape (n_out,)
+        Variance from products of two sources; with the rows above it adds up to the
+        diagonal of `covariance`.
+    C : ndarray, shape (n_out, n_in)
+        Sensitivities.
+    H : ndarray, shape (n_out, n_in, n_in)
+        Second derivatives.
+    """
+
+    value: Array
+    mean: Array
+    covariance: Array
+    first_order: Array
+    source_variance: Array
+    interaction_variance: Array
+    C: Array
+    H: Array
+
+    @property
+    def standard_uncertainty(self) -> Array:
+        """Standard uncertainties of the outputs, shape (n_out,)."""
+        return np.sqrt(np.diag(self.covariance))
+
+    def interval(self, coverage: float) -> Array:
+        """Return mean +- k u, k of the normal law, shape (n_out, 2)."""
+        from scipy.special import ndtri
+
+        k = float(ndtri((1.0 + coverage) / 2.0))
+        U = k * self.standard_uncertainty
+        return np.stack([self.mean - U, self.mean + U], axis=1)
+
+
+def propagate(problem: Problem) -> Propagation:
+    """Propagate means and covariances through a Problem to second order.
+
+    Parameters
+    ----------
+    problem : Problem
+        Any; its function must be made of numpy arithmetic that jets.Jet knows.
+
+    Returns
+    -------
+    Propagation
+        [SI units of the outputs].
+    """
+    taylor = expand(problem.evaluate, problem.mean)
+    C, H = taylor.C, taylor.H
+    blocks = [np.asarray(group.covariance) for group in problem.groups]
+    U_x = _block_diagonal(blocks)
+
+    first_order = C @ U_x @ C.T  # JCGM 102:2011, 6.2.1.3
+    HU = H @ U_x
+    second = 0.5 * np.einsum("kij,lji->kl", HU, HU)
+    # Per pair of sources: 1/2 sum over i in one, j in the other of (HU)_ij (HU)_ji.
+    pair = 0.5 * HU * HU.transpose(0, 2, 1)
+    excess = _excess(problem)
+    diagonal = np.einsum("kii->ki", H)
+    second += np.einsum("ki,li,i->kl", diagonal, diagonal, excess)
+
+    alone = np.stack(
+        [
+            np.einsum("ki,ij,kj->k", C[:, rows], block, C[:, rows])
+            + pair[:, rows, rows].sum(axis=(1, 2))
+            + diagonal[:, rows] ** 2 @ excess[rows]
+            for rows, block in zip(problem.slices, blocks, strict=True)
+        ]
+    )
+    within = np.zeros(pair.shape[1:], dtype=bool)
+    for rows in problem.slices:
+        within[rows, rows] = True
+    return Propagation(
+        value=taylor.value,
+        mean=taylor.value + 0.5 * np.einsum("kii->k", HU),
+        covariance=first_order + second,
+        first_order=first_order,
+        source_variance=alone,
+        interaction_variance=np.where(within, 0.0, pair).sum(axis=(1, 2)),
+        C=C,
+        H=H,
+    )
+
+
+def _excess(problem: Problem) -> Array:
+    """Return (kurtosis - 3)/4 u^4 of every input, shape (n_in,)."""
+    return np.concatenate(
+        [
+            np.array([(d.kurtosis - 3.0) / 4.0 for d in group.distributions])
+            * np.diag(group.covariance) ** 2
+            for group in problem.groups
+        ]
+    )
+
+
+def _block_diagonal(blocks: list[Array]) -> Array:
+    """Return the covariance of all inputs: groups are independent."""
+    n = sum(len(block) for block in blocks)
+    U_x, row = np.zeros((n, n)), 0
+    for block in blocks:
+        end = row + len(block)
+        U_x[row:end, row:end] = block
+        row = end
+    return U_x
