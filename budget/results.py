@@ -238,3 +238,40 @@ def _output_document(row: OutputBudget) -> dict[str, Any]:
         ],
         "validation": validation,
     }
+
+
+@dataclass(frozen=True, kw_only=True)
+class OutputAssessment:
+    """One required output against its limit [SI]."""
+
+    output: Output
+    limit: float
+    printed_limit: str  # as the requirement file gives it
+    largest_error: float  # largest absolute end of the coverage interval
+    utilisation: float  # largest error over limit [1]
+
+    @property
+    def is_within(self) -> bool:
+        """Whether the largest error is at most the limit."""
+        return self.utilisation <= 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class SensorAssessment:
+    """The verdict on one triad."""
+
+    sensor: str  # gyro or accelerometer
+    verdict: str  # 'meets', 'fails', 'undecided' or 'undecidable'
+    utilisation: float  # the largest over its required outputs [1]
+    worst_output: str  # dotted name
+    limiting_source: str  # dotted name
+    expected_missing: tuple[str, ...]  # lines that a 'meets' cannot do without
+
+
+@dataclass(frozen=True, kw_only=True)
+class Assessment:
+    """A budget held against a requirement."""
+
+    requirement: str  # its name
+    outputs: tuple[OutputAssessment, ...]
+    sensors: tuple[SensorAssessment, ...]
