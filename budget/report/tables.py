@@ -1,0 +1,421 @@
+"""Numbers and tables for people: the only place where a result is rounded.
+
+The records hold text beside the exact value, so that terminal, page and paper print
+the same digits.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from decimal import ROUND_HALF_UP, Context, Decimal
+from itertools import groupby
+from math import fsum, isfinite
+from typing import TYPE_CHECKING
+
+from budget.results import INTERACTION, Contribution
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from budget.results import Budget, OutputBudget, Settings
+
+# Plain notation between 1e-4 and 1e7, as 2.3e-9 outside: nobody counts nine zeros.
+PLAIN_FROM, PLAIN_BELOW = -4, 7  # decimal exponents of the first digit
+EXACT = Context(prec=700, rounding=ROUND_HALF_UP)  # digits from 1e308 to 1e-324
+
+SMALL_SHARE = 0.01  # of the variance [1]; below it a cause is not worth a sentence
+ALL = 1.0 - 1e-9  # [1]; a share above is the whole, short of it by rounding only
+NEAR_LIMIT = 0.01  # [1]; a utilisation this close to 1 gets one more digit
+
+REFERENCES = {
+    "nominal": "nominal values: a repeatability counts in full",
+    "as_tested": "the values during this test: what the procedure alone adds, "
+    "repeatabilities cancel",
+    "next_turn_on": "the values at a later, independent turn-on: what the navigation "
+    "system will meet, a repeatability counts twice in variance",
+}
+METHODS = {
+    "gum": "gum, law of propagation with second-order terms (JCGM 100)",
+    "monte-carlo": "monte-carlo, propagation of distributions (JCGM 101)",
+    "simulation": "simulation, sample by sample",
+}
+INTERVALS = {
+    "symmetric": "symmetric, equal probability outside at both ends",
+    "shortest": "shortest that holds the coverage",
+}
+FORMULAS = {"paper": "paper, the gyro bias by eq. (4) as printed"}
+
+# What a line of a data sheet reaches, Zhao 2019, section 2; all others reach all.
+REACH = {
+    "bias_repeatability": "biases",
+    "scale_factor_repeatability": "scale factors",
+    "scale_factor_nonlinearity": "scale factors",
+    "mounting_repeatability": "mounting angles",
+}
+EVERYTHING = "scale factors, mounting angles and biases"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Number:
+    """A number as people read it, and as it is."""
+
+    text: str
+    exact: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class OutputRow:
+    """One output of a parameter group, in the unit of the group."""
+
+    axis: str
+    mean: Number
+    u: Number
+    expanded: Number  # U, half the width of the coverage interval
+    low: Number
+    high: Number
+
+    @property
+    def is_centred(self) -> bool:
+        """Whether the interval is mean +- U, to the digits that are printed."""
+        middle = (self.low.exact + self.high.exact) / 2.0
+        return round_value(middle, self.u.exact) == self.mean.text
+
+
+@dataclass(frozen=True, kw_only=True)
+class SourceCell:
+    """What one source alone does to one output."""
+
+    u: Number  # [unit of the group]
+    share: Number  # of the variance of the output
+    sobol_first: Number | None
+    sobol_total: Number | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class SourceRow:
+    """One source over a parameter group, cells in the order of its outputs."""
+
+    source: str
+    title: str
+    share: Number  # of the variance, over the group
+    cells: tuple[SourceCell, ...]
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether the source moves no output of the group, to rounding."""
+        return all(cell.u.text == "0" for cell in self.cells)
+
+
+@dataclass(frozen=True, kw_only=True)
+class GroupTable:
+    """The budget of one parameter of one sensor: its outputs, its causes ranked."""
+
+    sensor: str
+    parameter: str
+    unit: str
+    coverage: float
+    rows: tuple[OutputRow, ...]
+    sources: tuple[SourceRow, ...]
+    validation: str  # the law against Monte Carlo in words; '' if not validated
+
+    @property
+    def title(self) -> str:
+        """'gyro scale factor'."""
+        return f"{self.sensor} {words(self.parameter)}"
+
+    @property
+    def widest(self) -> OutputRow:
+        """The output with the largest U."""
+        return max(self.rows, key=lambda row: row.expanded.exact)
+
+    @property
+    def causes(self) -> str:
+        """'bias repeatability 79 %, bias stability 21 %, rest 0.2 %'."""
+        return print_causes([(row.title, row.share.exact) for row in self.sources])
+
+
+def round_uncertainty(u: float, *, resolution: float = 0.0) -> str:
+    """Round to two significant digits, JCGM 100:2008, 7.2.6; halves go up.
+
+    Parameters
+    ----------
+    u : float
+        Standard or expanded uncertainty [any unit].
+    resolution : float
+        A spread at or below it is rounding of the computation: '0' [same].
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    ValueError
+        u is negative or not finite.
+    """
+    _check(u)
+    if u <= resolution:
+        return "0"
+    return _print_decimal(_quantize(u, _last_place(u)))
+
+
+def round_value(value: float, u: float, *, resolution: float = 0.0) -> str:
+    """Round a value to the last digit that its uncertainty is printed to.
+
+    Without spread (u at or below `resolution`) the value is as sure as the
+    computation: six digits, or '0' at or below the resolution.
+
+    Raises
+    ------
+    ValueError
+        The value is not finite, or u is negative or not finite.
+    """
+    _check(u)
+    if not isfinite(value):
+        raise ValueError(f"a value of {value}, expected a finite number")
+    if u <= resolution:
+        return "0" if abs(value) <= resolution else print_given(value, digits=6)
+    return _print_decimal(_quantize(value, _last_place(u)))
+
+
+def print_given(value: float, *, digits: int = 4) -> str:
+    """Print a figure that was given, not computed: '0.0125', no zeros added."""
+    return _print_decimal(Decimal(f"{value:.{digits - 1}e}").normalize(EXACT))
+
+
+def print_share(share: float) -> str:
+    """Print a share of the variance: '79 %', '0.3 %', '<0.1 %', '>99 %', '0 %'."""
+    if share == 0.0:
+        return "0 %"
+    if 0.0 < share < SMALL_SHARE / 10.0:
+        return "<0.1 %"
+    if share < ALL and round(100.0 * share) == 100:  # noqa: PLR2004 - per cent
+        return ">99 %"
+    digits = 1 if abs(share) < SMALL_SHARE else 0
+    return f"{100.0 * share:.{digits}f} %"
+
+
+def print_utilisation(utilisation: float) -> str:
+    """Print a part of a limit so that 100 % stands only where it is met exactly."""
+    near = utilisation != 1.0 and abs(utilisation - 1.0) < NEAR_LIMIT
+    text = f"{100.0 * utilisation:.{1 if near else 0}f} %"
+    if near and text == "100.0 %":
+        return "<100 %" if utilisation < 1.0 else ">100 %"
+    return text
+
+
+def print_coverage(coverage: float) -> str:
+    """Print a coverage probability in per cent without the sign: '95', '99.73'."""
+    return f"{100.0 * coverage:.6g}"
+
+
+def print_causes(shares: Sequence[tuple[str, float]], *, named: int = 2) -> str:
+    """Name the largest causes and gather the rest; shares are of one variance."""
+    if not any(share > 0.0 for _, share in shares):
+        return "no spread"
+    ranked = sorted(shares, key=lambda pair: -pair[1])
+    head = [pair for pair in ranked[:named] if pair[1] >= SMALL_SHARE]
+    rest = fsum(share for _, share in ranked[len(head) :])
+    parts = [f"{title} {print_share(share)}" for title, share in head]
+    return ", ".join([*parts, f"rest {print_share(rest)}"] if rest > 0.0 else parts)
+
+
+def words(name: str) -> str:
+    """Turn a key into words: 'scale_factor' to 'scale factor'."""
+    return name.replace("_", " ")
+
+
+def source_title(source: str) -> str:
+    """Name a source for people: 'gyro.bias_stability' to 'bias stability'."""
+    if source == INTERACTION:
+        return "products of two sources"
+    return words(source.rpartition(".")[2])
+
+
+def output_title(name: str) -> str:
+    """Name an output for people: 'gyro.bias.z' to 'gyro bias z'."""
+    return words(name.replace(".", " "))
+
+
+def not_given_lines(names: Iterable[str]) -> tuple[str, ...]:
+    """Say for each absent line what it could change."""
+    lines = []
+    for name in names:
+        sensor, _, line = name.rpartition(".")
+        reach = REACH.get(line, EVERYTHING)
+        lines.append(f"{sensor} {words(line)}: it could widen {reach}")
+    return tuple(lines)
+
+
+def settings_lines(settings: Settings) -> tuple[tuple[str, str], ...]:
+    """Say in words what the result depends on besides the files: (label, text)."""
+    trials = "none" if settings.trials is None else f"{settings.trials:,}"
+    interval = INTERVALS.get(settings.interval, settings.interval)
+    if settings.method == "gum":
+        interval = "mean +- U, by the normal law"
+    lines = [
+        ("method", METHODS.get(settings.method, settings.method)),
+        ("trials", trials.replace(",", " ")),
+        ("seed", str(settings.seed)),
+        ("coverage", f"{print_coverage(settings.coverage)} %"),
+        ("interval", interval),
+        ("reference", REFERENCES.get(settings.reference, settings.reference)),
+        ("formulas", FORMULAS.get(settings.formulas, settings.formulas)),
+    ]
+    if settings.only:
+        lines.append(("only", f"{', '.join(settings.only)}; all other lines set to 0"))
+    return tuple(lines)
+
+
+def group_tables(budget: Budget) -> tuple[GroupTable, ...]:
+    """Gather the outputs of a budget by sensor and parameter, in their order."""
+    return tuple(
+        _group_table(sensor, parameter, tuple(rows), budget.settings.coverage)
+        for (sensor, parameter), rows in groupby(
+            budget.outputs, key=lambda row: (row.sensor, row.parameter)
+        )
+    )
+
+
+def align_decimals(
+    texts: Sequence[str], *, digit: str = " ", point: str = " "
+) -> tuple[str, ...]:
+    """Pad texts on the right so that, set flush right, their points are in line."""
+    tails = [len(text) - len(text.partition(".")[0]) for text in texts]
+    longest = max(tails, default=0)
+    return tuple(
+        text
+        + (point if tail == 0 and longest else "")
+        + digit * (longest - tail - (tail == 0 and longest > 0))
+        for text, tail in zip(texts, tails, strict=True)
+    )
+
+
+def _group_table(
+    sensor: str, parameter: str, outputs: tuple[OutputBudget, ...], coverage: float
+) -> GroupTable:
+    """Make the table of one group; sources ranked by variance over the group."""
+    # Where the spread is only rounding, so are the shares of it.
+    spread = [part for row in outputs if row.is_resolved for part in row.contributions]
+    total = fsum(part.standard_uncertainty**2 for part in spread)
+    sources = []
+    for source in dict.fromkeys(p.source for row in outputs for p in row.contributions):
+        own = fsum(p.standard_uncertainty**2 for p in spread if p.source == source)
+        share = own / total if total > 0.0 else 0.0
+        sources.append(
+            SourceRow(
+                source=source,
+                title=source_title(source),
+                share=Number(text=print_share(share), exact=share),
+                cells=tuple(_source_cell(row, source) for row in outputs),
+            )
+        )
+    return GroupTable(
+        sensor=sensor,
+        parameter=parameter,
+        unit=outputs[0].output.unit,
+        coverage=coverage,
+        rows=tuple(_output_row(row) for row in outputs),
+        sources=tuple(sorted(sources, key=lambda row: -row.share.exact)),
+        validation=_validation(outputs),
+    )
+
+
+def _output_row(row: OutputBudget) -> OutputRow:
+    """Round one output, everything to the last digit of its standard uncertainty."""
+    scale = row.output.si_per_unit
+    u = row.standard_uncertainty / scale
+    resolution = row.output.resolution / scale
+
+    def value(x: float) -> Number:
+        text = round_value(x / scale, u, resolution=resolution)
+        return Number(text=text, exact=x / scale)
+
+    expanded = (row.interval[1] - row.interval[0]) / 2.0 / scale
+    return OutputRow(
+        axis=row.axis,
+        mean=value(row.mean),
+        u=Number(text=round_uncertainty(u, resolution=resolution), exact=u),
+        expanded=Number(
+            text=round_uncertainty(expanded) if row.is_resolved else "0",
+            exact=expanded,
+        ),
+        low=value(row.interval[0]),
+        high=value(row.interval[1]),
+    )
+
+
+def _source_cell(row: OutputBudget, source: str) -> SourceCell:
+    """Round what one source does to one output; zeros where it is not in the list."""
+    part = next(
+        (p for p in row.contributions if p.source == source),
+        Contribution(source=source, standard_uncertainty=0.0, share=0.0),
+    )
+    scale = row.output.si_per_unit
+    u = part.standard_uncertainty / scale
+    share = part.share if row.is_resolved else 0.0
+    return SourceCell(
+        u=Number(
+            text=round_uncertainty(u, resolution=row.output.resolution / scale), exact=u
+        ),
+        share=Number(text=print_share(share), exact=share),
+        sobol_first=_index(part.sobol_first),
+        sobol_total=_index(part.sobol_total),
+    )
+
+
+def _index(value: float | None) -> Number | None:
+    """Print a Sobol index [1], where there is one."""
+    return None if value is None else Number(text=f"{value:.3f}", exact=value)
+
+
+def _validation(outputs: tuple[OutputBudget, ...]) -> str:
+    """Say in words how the law fared against Monte Carlo, JCGM 101:2008, 8.1."""
+    checked = [(row, row.validation) for row in outputs if row.validation is not None]
+    if not checked:
+        return ""
+    trials = f"{max(v.trials for _, v in checked):,}".replace(",", " ")
+    misses = []
+    for row, check in checked:
+        if not check.holds:
+            scale = row.output.si_per_unit
+            worse = max(check.difference_low, check.difference_high) / scale
+            misses.append(
+                f"{row.axis} differs by {round_uncertainty(worse)} {row.output.unit}, "
+                f"tolerance {round_uncertainty(check.tolerance / scale)}"
+            )
+    if misses:
+        return f"against Monte Carlo with {trials} trials: fails, {'; '.join(misses)}"
+    return f"against Monte Carlo with {trials} trials: holds for every axis"
+
+
+def _check(u: float) -> None:
+    """Refuse what is no uncertainty."""
+    if not (isfinite(u) and u >= 0.0):
+        raise ValueError(f"an uncertainty of {u}, expected a finite number from 0")
+
+
+def _last_place(u: float) -> int:
+    """Return the decimal exponent of the second digit of u > 0, after rounding."""
+    exact = Decimal(repr(float(u)))
+    place = exact.adjusted() - 1
+    # 0.0995 rounds to 0.10: the carry moves the second digit.
+    return place + (_quantize(u, place).adjusted() - exact.adjusted())
+
+
+def _quantize(value: float, place: int) -> Decimal:
+    """Round to a multiple of 10**place; never to a negative zero."""
+    rounded = Decimal(repr(float(value))).quantize(
+        Decimal(1).scaleb(place), context=EXACT
+    )
+    return abs(rounded) if rounded == 0 else rounded
+
+
+def _print_decimal(number: Decimal) -> str:
+    """Write all digits of a decimal, plainly or, where it is long, with an exponent."""
+    if PLAIN_FROM <= number.adjusted() < PLAIN_BELOW:
+        return f"{number:f}"
+    if number == 0:
+        return "0"
+    places = max(0, len(number.as_tuple().digits) - 1)
+    return f"{number:.{places}e}".replace("e+", "e")

@@ -1,0 +1,235 @@
+"""The budget on a terminal: of any width from 40 columns, without colour, in ASCII."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from typing import TYPE_CHECKING
+
+from budget.report.tables import (
+    align_decimals,
+    group_tables,
+    not_given_lines,
+    print_coverage,
+    settings_lines,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from rich.console import Console
+
+    from budget.report.tables import GroupTable, Number, OutputRow, SourceRow
+    from budget.results import Budget
+
+EIGHTHS = " ▏▎▍▌▋▊▉█"
+TEXT_WIDTH = 78  # running text is no wider, however wide the terminal
+BAR_WIDTHS = (4, 40)  # [columns]
+GAP = 2  # columns between columns
+SETTING = len("reference") + GAP  # room for the names of the settings
+NARROWEST_NAME = len("repeatability")  # a longer word is not in any source
+
+NO_BREAK = "\N{NO-BREAK SPACE}"
+ASCII = {"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u", "°": "deg", "±": "+-"}
+
+
+def render_budget(budget: Budget, console: Console) -> None:
+    """Print the tables of all parameter groups, then what they rest on.
+
+    Parameters
+    ----------
+    budget : Budget
+        The result.
+    console : rich.console.Console
+        Its width and encoding decide the layout; numbers are never cut or wrapped.
+    """
+    page = _Page(console)
+    page.line(budget.title, style="bold")
+    groups = group_tables(budget)
+    checks = {group.validation for group in groups}
+    for group in groups:
+        page.line()
+        _print_group(group, page)
+        if len(checks) > 1 and group.validation:
+            page.paragraph(group.validation, first="Checked ")
+    for label, lines in (
+        ("Not given", not_given_lines(budget.not_given)),
+        ("Assumptions", budget.assumptions),
+        ("Warnings", budget.warnings),
+    ):
+        page.line()
+        page.line(label if lines else f"{label}: none", style="bold")
+        for text in lines:
+            page.paragraph(text, first="- ")
+    page.line()
+    page.line("Settings", style="bold")
+    for label, text in settings_lines(budget.settings):
+        page.paragraph(text, first=f"{label:<{SETTING}}")
+    if len(checks) == 1 and any(checks):
+        page.paragraph(*checks, first=f"{'checked':<{SETTING}}")
+
+
+class _Page:
+    """A console that is written line by line, in characters that it can show."""
+
+    def __init__(self, console: Console) -> None:
+        self._console = console
+        self.width = console.width
+        self.has_blocks = _encodes(EIGHTHS, console.encoding)
+
+    def line(self, text: str = "", *, style: str = "") -> None:
+        """Print one line; rich neither wraps nor reads markup in it."""
+        from rich.text import Text
+
+        encoding = self._console.encoding
+        if not _encodes(text, encoding):
+            for character, plain in ASCII.items():
+                text = text.replace(character, plain)
+            text = text.encode(encoding, errors="replace").decode(encoding)
+        self._console.print(Text(text.rstrip(), style=style), soft_wrap=True)
+
+    def paragraph(self, text: str, *, first: str = "") -> None:
+        """Print running text, indented below `first`; a number keeps its unit."""
+        bound = re.sub(r"(?<=\d) (?=\S)", NO_BREAK, text)
+        for line in textwrap.wrap(
+            bound,
+            min(self.width, TEXT_WIDTH),
+            initial_indent=first,
+            subsequent_indent=" " * len(first),
+            break_long_words=False,
+            break_on_hyphens=False,
+        ):
+            self.line(line.replace(NO_BREAK, " "))
+
+    def bar(self, share: float, width: int) -> str:
+        """Draw a share of `width` columns, to an eighth of one where possible."""
+        eighths = round(8 * width * min(max(share, 0.0), 1.0))
+        if not self.has_blocks:
+            return "#" * round(eighths / 8)
+        return EIGHTHS[8] * (eighths // 8) + EIGHTHS[eighths % 8].rstrip()
+
+
+def _print_group(group: GroupTable, page: _Page) -> None:
+    """Print the outputs of one group, then its sources with their bars."""
+    title = group.title.capitalize()
+    page.line(f"{title} [{group.unit}]", style="bold underline")
+    head, lines = _output_lines(group)
+    width = max(len(line) for line in (head, *lines))
+    if width <= page.width:
+        page.line(head, style="bold")
+        for line in lines:
+            page.line(line)
+    else:
+        for row in group.rows:
+            for label, text in _output_cells(group, row):
+                page.line(f"{row.axis:<3}{label}  {text}")
+    page.line()
+    _print_sources(group, page)
+
+
+def _output_cells(group: GroupTable, row: OutputRow) -> tuple[tuple[str, str], ...]:
+    """Return (column head, text) of the numbers of one output."""
+    coverage = print_coverage(group.coverage)
+    cells = [("mean", row.mean.text), ("u", row.u.text)]
+    if all(other.is_centred for other in group.rows):
+        return (*cells, (f"U{coverage}", row.expanded.text))
+    # Not mean +- U: the two ends must be seen.
+    return (
+        *cells,
+        (f"{coverage} % from", row.low.text),
+        ("to", row.high.text),
+    )
+
+
+def _output_lines(group: GroupTable) -> tuple[str, tuple[str, ...]]:
+    """Set the outputs as columns: the head line and one line for each axis."""
+    cells = [_output_cells(group, row) for row in group.rows]
+    heads = ["axis", *(label for label, _ in cells[0])]
+    columns = [tuple(row.axis for row in group.rows)]
+    columns += [
+        align_decimals([row[place][1] for row in cells])
+        for place in range(len(cells[0]))
+    ]
+    return _set_columns(heads, columns)
+
+
+def _print_sources(group: GroupTable, page: _Page) -> None:
+    """Print one line for each source, the largest first, with a bar of its share."""
+    acting = [row for row in group.sources if not row.is_idle]
+    idle = [row.title for row in group.sources if row.is_idle]
+    page.line("Causes, by share of the variance")
+    if acting:
+        _print_bars(acting, page)
+    if idle:
+        page.paragraph(", ".join(idle), first="no effect: ")
+
+
+def _print_bars(sources: Sequence[SourceRow], page: _Page) -> None:
+    """Print the sources that have an effect: share and u as columns, then the bar."""
+    largest = [max((cell.u for cell in row.cells), key=_exact) for row in sources]
+    ranges = _axis_ranges(sources)
+    heads = ["share", "u, worst axis" if ranges else "u alone"]
+    columns = [
+        tuple(row.share.text for row in sources),
+        align_decimals([u.text for u in largest]),
+    ]
+    head, lines = _set_columns(heads, columns, flush_left=False)
+    if ranges:
+        wide_head, wide = _set_columns(
+            [*heads, "share by axis"], [*columns, ranges], flush_left=False
+        )
+        if len(wide_head) + NARROWEST_NAME + 2 * GAP + BAR_WIDTHS[0] <= page.width:
+            head, lines = wide_head, wide
+    room = page.width - len(head) - 2 * GAP
+    longest = max(len(row.title) for row in sources)
+    name = min(longest, max(NARROWEST_NAME, room - BAR_WIDTHS[0]))
+    bar = min(BAR_WIDTHS[1], room - name)
+    page.line(" " * (name + GAP) + head, style="bold")
+    for row, numbers in zip(sources, lines, strict=True):
+        first, *more = textwrap.wrap(row.title, name, break_long_words=False)
+        drawn = page.bar(row.share.exact, bar) if bar > 0 else ""
+        page.line(f"{first:<{name}}{' ' * GAP}{numbers}{' ' * GAP}{drawn}")
+        for line in more:
+            page.line(f"  {line}")
+
+
+def _exact(number: Number) -> float:
+    """Return what a number is sorted by."""
+    return number.exact
+
+
+def _axis_ranges(sources: Sequence[SourceRow]) -> tuple[str, ...]:
+    """Return 'least to most' of the shares by axis; empty where the axes agree."""
+    ranges = []
+    differ = False
+    for row in sources:
+        shares = sorted((cell.share for cell in row.cells), key=_exact)
+        least, most = shares[0].text, shares[-1].text
+        differ = differ or least != most
+        ranges.append(most if least == most else f"{least} to {most}")
+    return tuple(ranges) if differ else ()
+
+
+def _set_columns(
+    heads: Sequence[str], columns: Sequence[Iterable[str]], *, flush_left: bool = True
+) -> tuple[str, tuple[str, ...]]:
+    """Set texts flush right under their heads; the first column may be flush left."""
+    texts = [[head, *column] for head, column in zip(heads, columns, strict=True)]
+    widths = [max(len(text) for text in column) for column in texts]
+    lines = []
+    for row in zip(*texts, strict=True):
+        cells = [
+            text.ljust(width) if flush_left and place == 0 else text.rjust(width)
+            for place, (text, width) in enumerate(zip(row, widths, strict=True))
+        ]
+        lines.append((" " * GAP).join(cells))
+    return lines[0], tuple(lines[1:])
+
+
+def _encodes(text: str, encoding: str) -> bool:
+    """Whether the encoding has every character of the text."""
+    try:
+        text.encode(encoding)
+    except (UnicodeEncodeError, LookupError):
+        return False
+    return True

@@ -1,0 +1,367 @@
+"""Budgets made by hand, for the tests of the formats; no engine stands behind them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import fsum, pi, sqrt
+
+import numpy as np
+
+from budget.distributions import NORMAL, UNIFORM
+from budget.problem import Output
+from budget.results import (
+    Assessment,
+    Budget,
+    Contribution,
+    InputFile,
+    OutputAssessment,
+    OutputBudget,
+    SensorAssessment,
+    Settings,
+    Validation,
+)
+from budget.spec.records import (
+    ANGLES,
+    AXES,
+    AccelerometerProcedure,
+    Device,
+    ErrorLine,
+    GyroProcedure,
+    MakerFigure,
+    Procedure,
+    Sensor,
+    Source,
+)
+from budget.units import ARCSEC, DEG_PER_HOUR, DEGREE, MICRO_G, PPM
+
+# Standard uncertainty of each source alone, in printed units: by group and source.
+GYRO = {
+    ("scale_factor", "ppm", PPM): {
+        "bias_repeatability": 0.0,
+        "bias_stability": 0.077,
+        "angle_random_walk": 0.69,
+        "scale_factor_repeatability": 50.0,
+        "mounting_repeatability": 0.0,
+        "interaction": 2.4e-9,
+    },
+    ("mounting_angle", "arcsec", ARCSEC): {
+        "bias_repeatability": 0.0,
+        "bias_stability": 0.016,
+        "angle_random_walk": 0.143,
+        "scale_factor_repeatability": 0.0,
+        "mounting_repeatability": 2.0,
+        "interaction": 1e-4,
+    },
+    ("bias", "deg/h", DEG_PER_HOUR): {
+        "bias_repeatability": 0.05,
+        "bias_stability": 0.0259,
+        "angle_random_walk": 0.0087,
+        "scale_factor_repeatability": 0.0,
+        "mounting_repeatability": 0.0,
+        "interaction": 2.5e-6,
+    },
+}
+ACCELEROMETER = {
+    ("scale_factor", "ppm", PPM): {
+        "bias_repeatability": 0.0,
+        "bias_stability": 8.7,
+        "sample_noise": 0.14,
+        "scale_factor_repeatability": 37.0,
+        "mounting_repeatability": 0.0,
+        "interaction": 0.0,
+    },
+    ("mounting_angle", "arcsec", ARCSEC): {
+        "bias_repeatability": 0.0,
+        "bias_stability": 1.8,
+        "sample_noise": 0.029,
+        "scale_factor_repeatability": 0.0,
+        "mounting_repeatability": 2.0,
+        "interaction": 0.0,
+    },
+    ("bias", "ug", MICRO_G): {
+        "bias_repeatability": 37.0,
+        "bias_stability": 17.2,
+        "sample_noise": 0.14,
+        "scale_factor_repeatability": 0.0,
+        "mounting_repeatability": 0.0,
+        "interaction": 0.0,
+    },
+}
+SETTINGS = Settings(
+    method="gum",
+    trials=None,
+    seed=0,
+    coverage=0.95,
+    interval="symmetric",
+    reference="nominal",
+    formulas="corrected",
+    normals_per_trial=72,
+)
+SHA = "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"
+
+
+def make_output(
+    sensor,
+    parameter,
+    axis,
+    *,
+    unit,
+    scale,
+    sources,
+    mean=0.0,
+    validation=None,
+    skew=0.0,
+    resolution=1e-20,
+):
+    """One output from the standard uncertainties of its sources, in printed units."""
+    variance = fsum(u**2 for u in sources.values())
+    u = sqrt(variance)
+    return OutputBudget(
+        output=Output(
+            name=f"{sensor}.{parameter}.{axis}",
+            unit=unit,
+            si_per_unit=scale,
+            resolution=resolution,
+        ),
+        mean=mean * scale,
+        standard_uncertainty=u * scale,
+        interval=(
+            (mean - (1.96 - skew) * u) * scale,
+            (mean + (1.96 + skew) * u) * scale,
+        ),
+        contributions=tuple(
+            Contribution(
+                source=name if name == "interaction" else f"{sensor}.{name}",
+                standard_uncertainty=u_source * scale,
+                share=u_source**2 / variance if variance > 0.0 else 0.0,
+            )
+            for name, u_source in sources.items()
+        ),
+        validation=validation,
+    )
+
+
+def make_outputs(sensor, groups, **options):
+    """All twelve outputs of one triad; the z axis of biases is a little worse."""
+    outputs = []
+    for (parameter, unit, scale), sources in groups.items():
+        for axis in ANGLES if parameter == "mounting_angle" else AXES:
+            worse = 1.3 if (parameter, axis) == ("bias", "z") else 1.0
+            here = {
+                name: u * (worse if name == "bias_stability" else 1.0)
+                for name, u in sources.items()
+            }
+            check = Validation(
+                trials=230_000,
+                holds=True,
+                difference_low=0.0001 * scale,
+                difference_high=0.0001 * scale,
+                tolerance=0.5 * scale,
+            )
+            outputs.append(
+                make_output(
+                    sensor,
+                    parameter,
+                    axis,
+                    unit=unit,
+                    scale=scale,
+                    sources=here,
+                    validation=check,
+                    **options,
+                )
+            )
+    return tuple(outputs)
+
+
+def make_budget(**changes):
+    """Return the budget of the paper's device, about."""
+    outputs = changes.pop(
+        "outputs",
+        make_outputs("gyro", GYRO) + make_outputs("accelerometer", ACCELEROMETER),
+    )
+    budget = Budget(
+        command="analyze",
+        title="Zhao 2019 optical IMU",
+        inputs=(
+            InputFile(role="device", name="zhao-2019.yaml", sha256=SHA),
+            InputFile(role="procedure", name="zhao-2019.yaml", sha256=SHA[::-1]),
+        ),
+        settings=SETTINGS,
+        outputs=outputs,
+        covariance=np.diag([row.standard_uncertainty**2 for row in outputs]),
+        not_given=(
+            "gyro.rate_random_walk",
+            "gyro.scale_factor_nonlinearity",
+            "gyro.scale_factor_asymmetry",
+            "accelerometer.acceleration_random_walk",
+            "accelerometer.scale_factor_nonlinearity",
+        ),
+        assumptions=(
+            "gyro.bias_stability: the correlation time of 300 s is the file's own",
+            "gravity at latitude 34.2394 deg is normal gravity, 9.7966933 m/s^2",
+        ),
+        warnings=("accelerometer.sample_noise is read as white, per sample",),
+    )
+    return replace(budget, **changes)
+
+
+def make_line(name, u, unit, scale, *, n=3, printed="", distribution=NORMAL, **texts):
+    """One line of a data sheet, equal on all axes, in its printed unit."""
+    return ErrorLine(
+        name=name,
+        u=np.full(n, u * scale),
+        distributions=(distribution,) * n,
+        printed=printed or f"{u:g} {unit}",
+        unit=unit,
+        si_per_unit=scale,
+        **texts,
+    )
+
+
+def make_device(name="Zhao 2019 optical IMU"):
+    """Return the paper's device with a few of the texts that makers add."""
+    arw = DEGREE / 60.0  # deg/sqrt(h) [rad/sqrt(s)]
+    gyro = Sensor(
+        kind="gyro",
+        device=name,
+        nominal_bias=np.full(3, 2.5 * DEG_PER_HOUR),
+        nominal_mounting_angle=np.full(6, 2.0 * ARCSEC),
+        lines=(
+            make_line("bias_repeatability", 0.05, "deg/h", DEG_PER_HOUR),
+            make_line(
+                "bias_stability",
+                0.04,
+                "deg/h",
+                DEG_PER_HOUR,
+                correlation_time=np.full(3, 300.0),
+            ),
+            make_line("angle_random_walk", 0.005, "deg/sqrt(h)", arw),
+            make_line(
+                "scale_factor_repeatability",
+                50.0,
+                "ppm",
+                PPM,
+                condition="-40 to 71 degC",
+                source="table 2 <rev B>",
+            ),
+            make_line(
+                "mounting_repeatability",
+                2.0 / sqrt(3.0),
+                "arcsec",
+                ARCSEC,
+                n=6,
+                printed="2 arcsec",
+                meaning="max",
+                distribution=UNIFORM,
+            ),
+        ),
+        not_given=("gyro.rate_random_walk", "gyro.scale_factor_asymmetry"),
+        expected_missing=(),
+    )
+    accelerometer = Sensor(
+        kind="accelerometer",
+        device=name,
+        nominal_bias=np.full(3, 6000.0 * MICRO_G),
+        nominal_mounting_angle=np.zeros(6),
+        lines=(
+            make_line("bias_repeatability", 37.0, "ug", MICRO_G),
+            make_line(
+                "bias_stability",
+                20.0,
+                "ug",
+                MICRO_G,
+                correlation_time=np.full(3, 300.0),
+            ),
+            make_line("sample_noise", 50.0, "ug", MICRO_G),
+            make_line("scale_factor_repeatability", 37.0, "ppm", PPM),
+            make_line("mounting_repeatability", 2.0, "arcsec", ARCSEC, n=6),
+        ),
+        not_given=("accelerometer.scale_factor_nonlinearity",),
+        expected_missing=(),
+    )
+    return Device(
+        name=name,
+        gyro=gyro,
+        accelerometer=accelerometer,
+        figures=(
+            MakerFigure(
+                name="bandwidth", value="200 Hz", meaning="-3 dB", source="table 1"
+            ),
+        ),
+        assumptions=(),
+        origin=Source(file="zhao-2019.yaml", sha256=SHA),
+        source="Zhao, Zhang, Li 2019, section 3",
+    )
+
+
+def make_procedure(**changes):
+    """Return the paper's procedure."""
+    procedure = Procedure(
+        name="Zhao 2019",
+        latitude=34.2394 * DEGREE,
+        gravity=9.7966933092,
+        sample_rate=100.0,
+        formulas="corrected",
+        gyro=GyroProcedure(
+            rate=20.0 * DEGREE,
+            turns=1,
+            order=("z", "x", "y"),
+            pause=0.0,
+            azimuths=(0.0, pi, 1.5 * pi, 2.5 * pi),
+            dwell=300.0,
+        ),
+        accelerometer=AccelerometerProcedure(dwell=300.0, pause=0.0),
+        assumptions=(),
+        origin=Source(file="zhao-2019.yaml", sha256=SHA),
+    )
+    return replace(procedure, **changes)
+
+
+LIMITS = {
+    "gyro.scale_factor": ("100 ppm", 100.0),
+    "gyro.mounting_angle": ("5 arcsec", 5.0),
+    "gyro.bias": ("0.1 deg/h", 0.1),
+    "accelerometer.scale_factor": ("80 ppm", 80.0),
+    "accelerometer.mounting_angle": ("6 arcsec", 6.0),
+    "accelerometer.bias": ("100 ug", 100.0),
+}
+
+
+def make_assessment(budget, limits=None, **verdicts):
+    """Hold a budget against limits; a verdict by sensor may be set by hand."""
+    limits = LIMITS if limits is None else limits
+    outputs = []
+    for row in budget.outputs:
+        group = f"{row.sensor}.{row.parameter}"
+        if group in limits:
+            printed, number = limits[group]
+            limit = number * row.output.si_per_unit
+            outputs.append(
+                OutputAssessment(
+                    output=row.output,
+                    limit=limit,
+                    printed_limit=printed,
+                    largest_error=row.largest_error,
+                    utilisation=row.largest_error / limit,
+                )
+            )
+    sensors = []
+    for sensor in dict.fromkeys(o.output.name.split(".")[0] for o in outputs):
+        own = [o for o in outputs if o.output.name.startswith(f"{sensor}.")]
+        worst = max(own, key=lambda o: o.utilisation)
+        verdict = verdicts.get(sensor, "meets" if worst.is_within else "fails")
+        sensors.append(
+            SensorAssessment(
+                sensor=sensor,
+                verdict=verdict,
+                utilisation=worst.utilisation,
+                worst_output=worst.output.name,
+                limiting_source=budget.output(worst.output.name).ranked[0].source,
+                expected_missing=(
+                    (f"{sensor}.noise",) if verdict == "undecidable" else ()
+                ),
+            )
+        )
+    return Assessment(
+        requirement="tactical grade", outputs=tuple(outputs), sensors=tuple(sensors)
+    )

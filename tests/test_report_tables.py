@@ -1,0 +1,300 @@
+"""Numbers and tables for people."""
+
+from __future__ import annotations
+
+import pytest
+from report_examples import GYRO, make_budget, make_output, make_outputs
+
+from budget.report.tables import (
+    align_decimals,
+    group_tables,
+    not_given_lines,
+    output_title,
+    print_causes,
+    print_given,
+    print_share,
+    print_utilisation,
+    round_uncertainty,
+    round_value,
+    settings_lines,
+    source_title,
+)
+from budget.results import Validation
+
+
+@pytest.mark.parametrize(
+    ("u", "printed"),
+    [
+        (0.0563, "0.056"),
+        (0.0995, "0.10"),
+        (0.00995, "0.010"),
+        (0.09949, "0.099"),
+        (0.125, "0.13"),
+        (0.5, "0.50"),
+        (1.0, "1.0"),
+        (9.96, "10"),
+        (50.12, "50"),
+        (99.4, "99"),
+        (99.6, "100"),
+        (123.4, "120"),
+        (1234.0, "1200"),
+        (9_949_999.0, "9900000"),
+        (9_960_000.0, "1.0e7"),
+        (1.26e12, "1.3e12"),
+        (0.000123, "0.00012"),
+        (0.0000996, "0.00010"),
+        (0.0000123, "1.2e-5"),
+        (2.4e-9, "2.4e-9"),
+        (5e-324, "5.0e-324"),
+        (0.0, "0"),
+    ],
+)
+def test_uncertainty_keeps_two_significant_digits(u, printed):
+    """An uncertainty is printed with two significant digits, after the carry too."""
+    assert round_uncertainty(u) == printed
+
+
+@pytest.mark.parametrize(
+    ("value", "u", "printed"),
+    [
+        (2.5, 0.0563, "2.500"),
+        (2.49951, 0.0995, "2.50"),
+        (0.0, 0.0563, "0.000"),
+        (-1e-9, 0.0563, "0.000"),
+        (-0.1105, 0.0563, "-0.111"),
+        (123.456, 99.6, "120"),
+        (-123.456, 1234.0, "-100"),
+        (49.0, 1234.0, "0"),
+        (1.23456e-7, 2.4e-9, "1.235e-7"),
+        (0.0, 2.4e-9, "0"),
+        (3.0, 0.0, "3"),
+        (-3.1826454e-10, 0.0, "-3.18265e-10"),
+        (0.0, 0.0, "0"),
+    ],
+)
+def test_value_ends_where_its_uncertainty_ends(value, u, printed):
+    """A value has the last decimal place of its uncertainty, and no minus zero."""
+    assert round_value(value, u) == printed
+
+
+def test_spread_at_resolution_prints_as_zero():
+    """A spread of exactly the resolution prints as 0, one just above does not."""
+    assert round_uncertainty(1e-14, resolution=1e-14) == "0"
+    assert round_uncertainty(1.1e-14, resolution=1e-14) == "1.1e-14"
+
+
+def test_value_within_resolution_without_spread_prints_as_zero():
+    """A mean that is only rounding is not printed as a finding."""
+    assert round_value(-3e-15, 2e-15, resolution=1e-14) == "0"
+    assert round_value(-3e-10, 2e-15, resolution=1e-14) == "-3e-10"
+
+
+@pytest.mark.parametrize("u", [-1.0, float("nan"), float("inf")])
+def test_no_uncertainty_is_negative_or_endless(u):
+    """What is no uncertainty is refused, not printed."""
+    with pytest.raises(ValueError, match="expected a finite number from 0"):
+        round_uncertainty(u)
+    with pytest.raises(ValueError, match="expected a finite number from 0"):
+        round_value(1.0, u)
+
+
+def test_value_must_be_finite():
+    """A value that is not finite is refused, not printed."""
+    with pytest.raises(ValueError, match="a value of nan"):
+        round_value(float("nan"), 1.0)
+
+
+@pytest.mark.parametrize(
+    ("share", "printed"),
+    [
+        (0.0, "0 %"),
+        (1e-12, "<0.1 %"),
+        (0.00099, "<0.1 %"),
+        (0.001, "0.1 %"),
+        (0.0049, "0.5 %"),
+        (0.01, "1 %"),
+        (0.786, "79 %"),
+        (0.994, "99 %"),
+        (0.996, ">99 %"),
+        (0.9999999, ">99 %"),
+        (1.0 - 1e-15, "100 %"),
+        (1.0, "100 %"),
+    ],
+)
+def test_share_says_nothing_and_all_only_where_it_is_so(share, printed):
+    """0 % stands for exactly none and 100 % for all of the variance."""
+    assert print_share(share) == printed
+
+
+@pytest.mark.parametrize(
+    ("utilisation", "printed"),
+    [
+        (0.0, "0 %"),
+        (0.56, "56 %"),
+        (0.9949, "99.5 %"),
+        (0.99999, "<100 %"),
+        (1.0, "100 %"),
+        (1.00001, ">100 %"),
+        (1.004, "100.4 %"),
+        (1.37, "137 %"),
+    ],
+)
+def test_utilisation_does_not_round_across_the_limit(utilisation, printed):
+    """A failing output never prints as 100 % of its limit."""
+    assert print_utilisation(utilisation) == printed
+
+
+@pytest.mark.parametrize(
+    ("value", "printed"),
+    [(0.0125, "0.0125"), (300.0, "300"), (50.0, "50"), (1.1547, "1.155"), (0.0, "0")],
+)
+def test_given_figures_keep_their_digits(value, printed):
+    """A figure that was given is not cut to two digits and gets no zeros."""
+    assert print_given(value) == printed
+
+
+def test_causes_add_up_to_the_whole():
+    """The largest causes are named and what is left is said as rest."""
+    shares = [("a", 0.06), ("b", 0.93), ("c", 0.006), ("d", 0.004)]
+
+    assert print_causes(shares) == "b 93 %, a 6 %, rest 1 %"
+
+
+def test_causes_of_no_spread():
+    """Without any variance no cause is named."""
+    assert print_causes([("a", 0.0)]) == "no spread"
+
+
+@pytest.mark.parametrize(
+    ("name", "title"),
+    [
+        ("gyro.bias_repeatability", "bias repeatability"),
+        ("accelerometer.velocity_random_walk", "velocity random walk"),
+        ("interaction", "products of two sources"),
+    ],
+)
+def test_titles_of_sources(name, title):
+    """A dotted name becomes the words that people use."""
+    assert source_title(name) == title
+
+
+def test_title_of_output():
+    """An output is named sensor, parameter, axis."""
+    assert output_title("gyro.mounting_angle.xy") == "gyro mounting angle xy"
+
+
+def test_groups_hold_every_output_once():
+    """Every output stands in one row of one group, in the order of the budget."""
+    budget = make_budget()
+
+    names = [
+        f"{group.sensor}.{group.parameter}.{row.axis}"
+        for group in group_tables(budget)
+        for row in group.rows
+    ]
+
+    assert names == [row.output.name for row in budget.outputs]
+
+
+def test_every_source_of_every_output_stands_in_its_group():
+    """No source is dropped on the way into a table, zero or not."""
+    budget = make_budget()
+
+    for group in group_tables(budget):
+        for place, row in enumerate(group.rows):
+            output = budget.output(f"{group.sensor}.{group.parameter}.{row.axis}")
+            found = {s.source: s.cells[place].share.exact for s in group.sources}
+            assert found == {c.source: c.share for c in output.contributions}
+
+
+def test_sources_are_ranked_over_the_group():
+    """The source with the most variance over all axes stands first."""
+    table = group_tables(make_budget())[2]
+
+    assert [row.title for row in table.sources[:3]] == [
+        "bias repeatability",
+        "bias stability",
+        "angle random walk",
+    ]
+    assert table.causes == "bias repeatability 74 %, bias stability 24 %, rest 2 %"
+
+
+def test_numbers_are_in_printed_units():
+    """SI goes in, the printed unit comes out."""
+    row = group_tables(make_budget())[2].rows[0]
+
+    assert (row.mean.text, row.u.text, row.expanded.text) == ("0.000", "0.057", "0.11")
+    assert (row.low.text, row.high.text) == ("-0.112", "0.112")
+
+
+def test_unresolved_output_has_no_shares():
+    """Where the spread is only rounding, its causes are not told apart."""
+    output = make_output(
+        "gyro",
+        "bias",
+        "x",
+        unit="deg/h",
+        scale=1.0,
+        sources={"bias_stability": 1e-15},
+        resolution=1e-14,
+    )
+    table = group_tables(make_budget(outputs=(output,)))[0]
+
+    assert table.rows[0].u.text == "0"
+    assert table.sources[0].share.text == "0 %"
+    assert table.causes == "no spread"
+
+
+def test_lopsided_interval_is_seen():
+    """An interval that is not mean +- U is marked as such, a centred one is not."""
+    centred = group_tables(make_budget(outputs=make_outputs("gyro", GYRO)))
+    skewed = group_tables(make_budget(outputs=make_outputs("gyro", GYRO, skew=0.3)))
+
+    assert all(row.is_centred for group in centred for row in group.rows)
+    assert not any(row.is_centred for group in skewed for row in group.rows)
+
+
+def test_validation_names_the_axis_that_fails():
+    """A law that fails against Monte Carlo says where and by how much."""
+    check = Validation(
+        trials=230_000,
+        holds=False,
+        difference_low=0.011,
+        difference_high=0.002,
+        tolerance=0.005,
+    )
+    output = make_output(
+        "gyro",
+        "bias",
+        "x",
+        unit="deg/h",
+        scale=1.0,
+        sources={"bias_stability": 0.1},
+        validation=check,
+    )
+    table = group_tables(make_budget(outputs=(output,)))[0]
+
+    assert table.validation == (
+        "against Monte Carlo with 230 000 trials: fails, "
+        "x differs by 0.011 deg/h, tolerance 0.0050"
+    )
+
+
+def test_points_are_in_line():
+    """Set flush right, padded texts have their decimal points in one column."""
+    texts = align_decimals(["50", "0.69", "8.7"])
+    widest = max(len(text) for text in texts)
+
+    assert [text.rjust(widest) for text in texts] == ["50   ", " 0.69", " 8.7 "]
+
+
+def test_not_given_says_what_it_could_change():
+    """An absent line is named in words with the parameters it reaches."""
+    assert not_given_lines(["gyro.scale_factor_nonlinearity"]) == (
+        "gyro scale factor nonlinearity: it could widen scale factors",
+    )
+
+
+def test_settings_say_what_the_reference_means():
+    """The reference is explained, not only named."""
+    assert "counts in full" in dict(settings_lines(make_budget().settings))["reference"]

@@ -1,0 +1,154 @@
+"""The budget on a terminal."""
+
+from __future__ import annotations
+
+import io
+import re
+
+import pytest
+from report_examples import GYRO, make_budget, make_output, make_outputs
+from rich.console import Console
+
+from budget.report.tables import group_tables
+from budget.report.terminal import render_budget
+
+NUMBER = re.compile(r"-?\d[\d.]*(?:e-?\d+)?")
+
+
+def render(budget, *, width=80, encoding="utf-8", **options):
+    """Render into bytes and decode them again."""
+    raw = io.BytesIO()
+    file = io.TextIOWrapper(raw, encoding=encoding, newline="")
+    render_budget(budget, Console(file=file, width=width, **options))
+    file.flush()
+    return raw.getvalue().decode(encoding)
+
+
+def extreme_budget():
+    """Return a budget whose numbers are as long as they come."""
+    outputs = tuple(
+        make_output(
+            "gyro",
+            "bias",
+            axis,
+            unit="deg/h",
+            scale=1.0,
+            sources={"bias_stability": 1.23456e-6, "angle_random_walk": 2.3e-14},
+            mean=-123.456789,
+            skew=0.4,
+        )
+        for axis in "xyz"
+    )
+    return make_budget(outputs=outputs)
+
+
+@pytest.mark.parametrize("width", [40, 47, 60, 80, 120, 200])
+@pytest.mark.parametrize("encoding", ["utf-8", "ascii", "cp437", "latin-1"])
+def test_no_line_is_wider_than_the_terminal(width, encoding):
+    """Every line fits, in every encoding."""
+    lines = render(make_budget(), width=width, encoding=encoding).splitlines()
+
+    assert max(len(line) for line in lines) <= width
+
+
+@pytest.mark.parametrize("budget", [make_budget(), extreme_budget()])
+def test_no_number_is_cut_at_40_columns(budget):
+    """Every number of the outputs and of the causes stands whole on one line."""
+    found = set(NUMBER.findall(render(budget, width=40)))
+
+    for group in group_tables(budget):
+        centred = all(row.is_centred for row in group.rows)
+        for row in group.rows:
+            ends = [row.expanded] if centred else [row.low, row.high]
+            assert {n.text for n in [row.mean, row.u, *ends]} <= found
+        for source in group.sources:
+            if not source.is_idle:
+                largest = max((cell.u for cell in source.cells), key=lambda u: u.exact)
+                assert largest.text in found
+
+
+@pytest.mark.parametrize("width", [40, 80, 200])
+def test_long_numbers_fit(width):
+    """Numbers too long for columns are set one to a line, none over the edge."""
+    lines = render(extreme_budget(), width=width).splitlines()
+
+    assert max(len(line) for line in lines) <= width
+
+
+def test_ascii_terminal_gets_ascii_bars():
+    """Where there are no blocks the bars are number signs."""
+    text = render(make_budget(title="Ring µ 激光 ±2 °"), encoding="ascii")
+
+    assert "####" in text
+    assert text.startswith("Ring u ?? +-2 deg\n")
+
+
+def test_unicode_terminal_gets_blocks():
+    """Where there are blocks the bars are drawn to an eighth of a column."""
+    assert "█" in render(make_budget())
+
+
+def test_output_is_the_same_without_colour():
+    """Everything is in the characters: without colour the text is the same."""
+    plain = render(make_budget())
+    coloured = render(make_budget(), force_terminal=True, color_system="truecolor")
+
+    assert re.sub(r"\x1b\[[0-9;]*m", "", coloured) == plain
+
+
+def test_markup_in_a_name_is_text():
+    """A device called [red] is printed as it is called."""
+    assert render(make_budget(title="[red]IMU[/red]")).startswith("[red]IMU[/red]\n")
+
+
+def test_every_source_is_named_in_every_group():
+    """A source with no effect is said to have none, not left out."""
+    budget = make_budget()
+    blocks = render(budget, width=120).split("Causes, by share of the variance")[1:]
+
+    for group, block in zip(group_tables(budget), blocks, strict=True):
+        for source in group.sources:
+            assert source.title in " ".join(block.split())
+
+
+def test_largest_source_stands_first():
+    """The sources of a group are ranked."""
+    block = render(make_budget()).split("Gyro bias [deg/h]")[1]
+
+    assert block.index("bias repeatability") < block.index("bias stability")
+    assert block.index("bias stability") < block.index("angle random walk")
+
+
+def test_lopsided_interval_shows_both_ends():
+    """An interval that is not mean +- U is printed by its ends."""
+    text = render(make_budget(outputs=make_outputs("gyro", GYRO, skew=0.3)))
+
+    assert "95 % from" in text
+    assert "U95" not in text
+
+
+def test_what_it_rests_on_is_printed():
+    """Missing lines, assumptions, warnings and settings stand below the tables."""
+    text = render(make_budget(), width=200)
+
+    assert "- gyro rate random walk: it could widen" in text
+    assert "correlation time of 300 s" in text
+    assert "accelerometer.sample_noise is read as" in text
+    assert re.search(r"^seed +0$", text, re.MULTILINE)
+    assert re.search(r"^checked +against Monte Carlo with 230 000", text, re.MULTILINE)
+
+
+def test_empty_lists_are_said_to_be_empty():
+    """Nothing missing and nothing assumed is said, not left to be guessed."""
+    text = render(make_budget(not_given=(), assumptions=(), warnings=()))
+
+    assert "Not given: none\n" in text
+    assert "Assumptions: none\n" in text
+    assert "Warnings: none\n" in text
+
+
+def test_number_keeps_its_unit_on_the_line():
+    """A line break never falls between a number and its unit."""
+    budget = make_budget(warnings=("w" * 30 + " 300 s and more words follow here",))
+
+    assert "300 s" in render(budget, width=40)
