@@ -1,0 +1,89 @@
+"""JSON and CSV documents."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+
+import pytest
+from report_examples import GYRO, make_budget, make_outputs
+
+from budget.report.document import COLUMNS, to_csv, to_json
+
+
+def test_json_round_trip_is_exact():
+    """Reading the document gives every number back to the last bit."""
+    budget = make_budget()
+
+    read = json.loads(to_json(budget))
+
+    expected = budget.to_dict()
+    assert read["outputs"] == expected["outputs"]
+    assert read["covariance"] == expected["covariance"]
+    assert list(read) == list(expected)
+
+
+def test_json_ends_with_one_newline():
+    """The document is a text file: its last line is ended, once."""
+    text = to_json(make_budget())
+
+    assert text.endswith("}\n")
+
+
+def test_json_keeps_the_order_of_the_record():
+    """Keys stand in the order of the contract, not of the alphabet."""
+    keys = list(json.loads(to_json(make_budget())))
+
+    assert keys[:4] == ["schema", "command", "title", "inputs"]
+
+
+def test_json_keeps_letters_readable():
+    """A name in Chinese is not turned into escapes."""
+    assert "分立标定" in to_json(make_budget(title="分立标定"))
+
+
+def test_json_refuses_what_is_no_number():
+    """NaN never gets into a document."""
+    outputs = make_outputs("gyro", GYRO, mean=float("nan"))
+
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        to_json(make_budget(outputs=outputs))
+
+
+def test_documents_are_the_same_twice():
+    """The same budget gives the same bytes."""
+    assert to_json(make_budget()) == to_json(make_budget())
+    assert to_csv(make_budget()) == to_csv(make_budget())
+
+
+def test_csv_has_the_columns_of_the_contract():
+    """The head line is what other people's scripts read."""
+    assert to_csv(make_budget()).partition("\n")[0] == (
+        "sensor,parameter,axis,unit,source,standard_uncertainty,share,"
+        "mean,interval_low,interval_high"
+    )
+
+
+def test_csv_has_line_feeds_only():
+    """No carriage return stands in the text, and the last line is ended."""
+    text = to_csv(make_budget())
+
+    assert "\r" not in text
+    assert text.endswith("\n")
+
+
+def test_csv_rows_are_the_rows_of_the_budget():
+    """Reading the text gives every row back, None as the empty cell."""
+    budget = make_budget()
+    numbers = set(COLUMNS[5:])
+
+    read = [
+        {
+            key: (float(text) if text else None) if key in numbers else text
+            for key, text in row.items()
+        }
+        for row in csv.DictReader(io.StringIO(to_csv(budget)))
+    ]
+
+    assert read == list(budget.rows())
