@@ -1,0 +1,120 @@
+"""Files are written whole or not at all."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from budget.errors import OutputError
+from budget.report.files import write_all
+
+
+def listing(folder):
+    """Names and contents of the files in a folder."""
+    return {p.name: p.read_bytes() for p in sorted(folder.iterdir()) if p.is_file()}
+
+
+def test_text_and_bytes_are_written(tmp_path):
+    """Text is written as UTF-8 with its line ends as they are, bytes as bytes."""
+    write_all({tmp_path / "a.csv": "µ\n", tmp_path / "b.pdf": b"\x00\xff"})
+
+    assert listing(tmp_path) == {"a.csv": b"\xc2\xb5\n", "b.pdf": b"\x00\xff"}
+
+
+def test_files_are_replaced(tmp_path):
+    """What stood there before is gone, and nothing else is left behind."""
+    (tmp_path / "a.csv").write_text("old and longer")
+
+    write_all({tmp_path / "a.csv": "new"})
+
+    assert listing(tmp_path) == {"a.csv": b"new"}
+
+
+def test_permissions_stay(tmp_path):
+    """A replaced file keeps its mode; a new one gets the usual one, not 0600."""
+    old = tmp_path / "old"
+    old.write_text("old")
+    old.chmod(0o640)
+    plain = tmp_path / "plain"
+    plain.write_text("made the usual way")
+
+    write_all({old: "x", tmp_path / "new": "x"})
+
+    assert old.stat().st_mode & 0o777 == 0o640
+    assert (tmp_path / "new").stat().st_mode == plain.stat().st_mode
+
+
+def test_link_is_followed(tmp_path):
+    """A symbolic link stays a link and its file is replaced."""
+    (tmp_path / "real").write_text("old")
+    (tmp_path / "link").symlink_to(tmp_path / "real")
+
+    write_all({tmp_path / "link": "new"})
+
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "real").read_text() == "new"
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda folder: folder / "missing" / "b", "does not exist"),
+        (lambda folder: folder, "there is a folder of that name"),
+        (lambda _: Path(os.devnull), "is a device or a pipe"),
+        (lambda folder: folder / "." / "x" / ".." / "a", "written to this one file"),
+    ],
+)
+def test_nothing_is_written_when_one_cannot_be(tmp_path, make, said):
+    """One bad path stops all files; the message names it and what to do."""
+    (tmp_path / "x").mkdir()
+    bad = make(tmp_path)
+
+    with pytest.raises(OutputError, match=said) as caught:
+        write_all({tmp_path / "a": "text", bad: "text"})
+
+    assert "expected" in str(caught.value)
+    assert listing(tmp_path) == {}
+
+
+def test_unwritable_folder_is_named(tmp_path, monkeypatch):
+    """A folder without permission is refused before anything is written."""
+    monkeypatch.setattr(os, "access", lambda *_: False)  # root may write anywhere
+
+    with pytest.raises(OutputError, match="cannot be written, expected one that"):
+        write_all({tmp_path / "a": "text"})
+
+    assert listing(tmp_path) == {}
+
+
+def test_failed_rename_takes_the_others_back(tmp_path, monkeypatch):
+    """If the last rename fails, earlier files are as they were and no scraps stay."""
+    (tmp_path / "a").write_text("old a")
+    whole = Path.replace
+
+    def replace(self, target):
+        if Path(target).name == "c":
+            raise OSError(28, "No space left on device")
+        return whole(self, target)
+
+    monkeypatch.setattr(Path, "replace", replace)
+
+    with pytest.raises(OutputError, match="c: the system refused: No space left"):
+        write_all({tmp_path / "a": "new", tmp_path / "b": "new", tmp_path / "c": "new"})
+
+    assert listing(tmp_path) == {"a": b"old a"}
+
+
+def test_interrupt_leaves_no_scraps(tmp_path, monkeypatch):
+    """Stopped while writing, the folder is as it was."""
+
+    def interrupt(_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(os, "fsync", interrupt)
+
+    with pytest.raises(KeyboardInterrupt):
+        write_all({tmp_path / "a": "text"})
+
+    assert listing(tmp_path) == {}
