@@ -1,0 +1,61 @@
+"""The command line: parses, calls, prints."""
+
+from __future__ import annotations
+
+import sys
+
+import typer
+
+from budget.cli.analyze import analyze
+from budget.cli.check_files import schema, validate
+from budget.cli.report import report
+from budget.errors import BudgetError
+from budget.version import __version__
+
+EXIT_BAD_INPUT = 2
+EXIT_INTERRUPTED = 130  # 128 + SIGINT, as shells count
+
+app = typer.Typer(
+    help="Error budgets for the discrete turntable calibration of strapdown IMUs.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,  # plain help starts faster and reads well in any terminal
+)
+app.command()(analyze)
+app.command()(report)
+app.command()(validate)
+app.command()(schema)
+
+
+def _print_version(wanted: bool) -> None:  # noqa: FBT001 - typer calls it so
+    """Print the version and stop, if asked to."""
+    if wanted:
+        typer.echo(f"budget {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    *,
+    version: bool = typer.Option(
+        False,  # noqa: FBT003 - typer's own form
+        "--version",
+        callback=_print_version,
+        is_eager=True,
+        help="Print the version and stop.",
+    ),
+) -> None:
+    """Error budgets for the discrete turntable calibration of strapdown IMUs."""
+
+
+def main() -> None:
+    """Run the command line; errors made for people become one message and a code."""
+    try:
+        app()
+    except BudgetError as error:
+        sys.stderr.write(f"{error}\n")
+        raise SystemExit(EXIT_BAD_INPUT) from None
+    except KeyboardInterrupt:
+        sys.stderr.write("interrupted; nothing was written\n")
+        raise SystemExit(EXIT_INTERRUPTED) from None

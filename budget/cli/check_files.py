@@ -1,0 +1,44 @@
+"""`budget validate` and `budget schema`: are my files right, and what may they say."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import typer
+
+
+def validate(
+    files: Annotated[
+        list[str], typer.Argument(metavar="FILE...", help="Files of any kind.")
+    ],
+) -> None:
+    """Check files and say everything that is wrong in them, with positions."""
+    from budget.errors import Issue, SpecError
+    from budget.spec import validate as check
+
+    issues: list[Issue] = []
+    for name in files:
+        try:
+            found = check(name)
+        except SpecError as error:
+            issues.extend(error.issues)
+            continue
+        typer.echo(f"{name}: {found.kind}, valid")
+        for text in found.assumptions:
+            typer.echo(f"  assumed: {text}")
+    if issues:
+        raise SpecError(tuple(issues))
+
+
+def schema(
+    kind: Annotated[
+        Literal["device", "procedure", "requirement", "costs"],
+        typer.Argument(metavar="KIND", help="device, procedure, requirement, costs"),
+    ],
+) -> None:
+    """Print the JSON Schema of a kind of file, for editors that complete and check."""
+    from json import dumps
+
+    from budget.spec import json_schema
+
+    typer.echo(dumps(json_schema(kind), indent=2, ensure_ascii=False))

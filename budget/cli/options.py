@@ -1,0 +1,132 @@
+"""Options that several commands share, each defined once."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+if TYPE_CHECKING:
+    from budget.spec.records import Device
+
+BUILT_IN_DEVICE = "zhao-2019"
+STDOUT = Path("-")
+
+
+def _coverage(text: str) -> float:
+    """Read a probability, '0.95' or '95 %'."""
+    number, percent, rest = text.partition("%")
+    try:
+        value = float(number) / (100.0 if percent else 1.0)
+    except ValueError:
+        value = float("nan")
+    if rest.strip() or not 0.0 < value < 1.0:
+        raise typer.BadParameter(
+            f"{text!r} is no probability; give one above 0 and below 1, "
+            "as 0.95 or '95 %'"
+        )
+    return value
+
+
+Devices = Annotated[
+    list[str] | None,
+    typer.Argument(
+        metavar="[DEVICE]...",
+        help="Device files, FILE or FILE#VARIANT; without one the built-in paper "
+        "device.",
+        show_default=False,
+    ),
+]
+ProcedureFile = Annotated[
+    Path | None,
+    typer.Option("--procedure", metavar="FILE", help="Procedure file (the paper's)."),
+]
+RequirementFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--requirement",
+        metavar="FILE",
+        help="Requirement file; its coverage and reference rule.",
+    ),
+]
+Method = Annotated[
+    Literal["gum", "monte-carlo", "simulation"],
+    typer.Option(help="How uncertainty is propagated."),
+]
+Trials = Annotated[
+    int | None,
+    typer.Option(
+        min=2,
+        metavar="N",
+        help="Monte Carlo trials (1000000) or simulated runs (200).",
+        show_default=False,
+    ),
+]
+Seed = Annotated[int, typer.Option(min=0, metavar="S", help="Same seed, same numbers.")]
+Workers = Annotated[
+    int, typer.Option(min=1, metavar="N", help="Processes; changes no number.")
+]
+Coverage = Annotated[
+    float | None,
+    typer.Option(
+        parser=_coverage,
+        metavar="P",
+        help="Probability of the intervals, 0.95 or '95 %' (0.95).",
+        show_default=False,
+    ),
+]
+Interval = Annotated[
+    Literal["symmetric", "shortest"],
+    typer.Option(help="Coverage interval of Monte Carlo results."),
+]
+Reference = Annotated[
+    Literal["nominal", "as_tested", "next_turn_on"] | None,
+    typer.Option(help="What errors are counted from (nominal).", show_default=False),
+]
+Only = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="SOURCE",
+        help="Count this source alone, as gyro.bias_stability or bias_stability; "
+        "may be given again.",
+        show_default=False,
+    ),
+]
+JsonFile = Annotated[
+    Path | None,
+    typer.Option("--json", metavar="FILE|-", help="Write the result as JSON."),
+]
+CsvFile = Annotated[
+    Path | None,
+    typer.Option("--csv", metavar="FILE|-", help="Write the result as CSV."),
+]
+
+
+def load_devices(names: list[str] | None) -> tuple[Device, ...]:
+    """Load the devices named, or the built-in one, saying so.
+
+    Raises
+    ------
+    SpecError
+        With the issues of all files.
+    """
+    from budget.errors import Issue, SpecError
+    from budget.spec import load_device
+
+    if not names:
+        typer.echo(
+            f"No device given: using the built-in {BUILT_IN_DEVICE} (Zhao 2019).",
+            err=True,
+        )
+        names = [BUILT_IN_DEVICE]
+    devices: list[Device] = []
+    issues: list[Issue] = []
+    for name in names:
+        try:
+            devices.append(load_device(name))
+        except SpecError as error:
+            issues.extend(error.issues)
+    if issues:
+        raise SpecError(tuple(issues))
+    return tuple(devices)

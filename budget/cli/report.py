@@ -1,0 +1,100 @@
+"""`budget report`: the budget as a page to look at and to pass on."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from budget.cli import options
+
+SUFFIXES = (".html",)
+
+
+def report(
+    devices: options.Devices = None,
+    *,
+    output: Annotated[
+        list[Path],
+        typer.Option("-o", "--output", metavar="FILE", help="Report file, .html."),
+    ],
+    procedure: options.ProcedureFile = None,
+    requirement: options.RequirementFile = None,
+    method: options.Method = "gum",
+    trials: options.Trials = None,
+    seed: options.Seed = 0,
+    workers: options.Workers = 1,
+    coverage: options.Coverage = None,
+    interval: options.Interval = "symmetric",
+    reference: options.Reference = None,
+) -> None:
+    """Write the error budget as a report: verdict first, then what it stands on."""
+    from budget.cli.progress import progress
+    from budget.report.files import write_all
+    from budget.report.html import render_html
+    from budget.spec import load_procedure, load_requirement
+    from budget.studies.analysis import analyze, choose_basis
+    from budget.studies.conformity import assess
+
+    _check_suffixes(output)
+    loaded = options.load_devices(devices)
+    how = load_procedure(procedure)
+    wanted = None if requirement is None else load_requirement(requirement)
+    basis = choose_basis(wanted, coverage=coverage, reference=reference)
+    with progress(method) as show:
+        budget = analyze(
+            *loaded,
+            procedure=how,
+            requirement=wanted,
+            method=method,
+            trials=trials,
+            seed=seed,
+            workers=workers,
+            coverage=basis.coverage,
+            interval=interval,
+            reference=basis.reference,
+            command="report",
+            progress=show,
+        )
+    page = render_html(
+        budget,
+        devices=loaded,
+        procedure=how,
+        assessment=None if wanted is None else assess(budget, wanted, loaded),
+        date=_date(),
+    )
+    write_all(dict.fromkeys(output, page))
+    for path in output:
+        typer.echo(f"{path}: written", err=True)
+
+
+def _check_suffixes(paths: list[Path]) -> None:
+    """Refuse a kind of report that there is not, before anything is computed."""
+    from budget.errors import CallError
+
+    wrong = [str(path) for path in paths if path.suffix.lower() not in SUFFIXES]
+    if wrong:
+        raise CallError(
+            f"-o {', '.join(wrong)}: the suffix decides the kind of report, "
+            f"allowed: {', '.join(SUFFIXES)}"
+        )
+
+
+def _date() -> str:
+    """Return today's date, or that of SOURCE_DATE_EPOCH where it is set."""
+    import os
+    from datetime import UTC, datetime
+
+    from budget.errors import CallError
+
+    epoch = os.environ.get("SOURCE_DATE_EPOCH")
+    if epoch is None:
+        return datetime.now().astimezone().date().isoformat()
+    try:
+        return datetime.fromtimestamp(int(epoch), tz=UTC).date().isoformat()
+    except (ValueError, OverflowError, OSError):
+        raise CallError(
+            f"SOURCE_DATE_EPOCH is {epoch!r}, expected seconds since 1970 as a whole "
+            "number; unset it to use today's date"
+        ) from None

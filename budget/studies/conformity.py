@@ -1,0 +1,104 @@
+"""A budget against a requirement: who meets it, by what margin, and why not."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from budget.errors import CallError
+from budget.results import Assessment, OutputAssessment, SensorAssessment
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from budget.results import Budget
+    from budget.spec.records import Device, Requirement, Sensor
+
+
+def assess(
+    budget: Budget, requirement: Requirement, devices: Sequence[Device]
+) -> Assessment:
+    """Hold a budget against the limits on its absolute errors.
+
+    The utilisation of an output is the largest absolute end of its coverage interval
+    over its limit. A sensor `meets` if none exceeds 1, `fails` if one does, and is
+    `undecidable` if it would meet but lacks a line that has to be known.
+
+    Parameters
+    ----------
+    budget : Budget
+        Computed at the coverage and reference of the requirement.
+    requirement : Requirement
+        Limits; outputs without one are not required.
+    devices : sequence of Device
+        Those of the budget.
+
+    Returns
+    -------
+    Assessment
+        A sensor without limits has no verdict.
+
+    Raises
+    ------
+    CallError
+        The budget has another coverage or reference, or the requirement sets no limit
+        for any sensor that is there.
+    """
+    settings = budget.settings
+    if (settings.coverage, settings.reference) != (
+        requirement.coverage,
+        requirement.reference,
+    ):
+        raise CallError(
+            f"the budget is for coverage {settings.coverage} and reference "
+            f"{settings.reference}, {requirement.name} asks for {requirement.coverage} "
+            f"and {requirement.reference}; compute it with those"
+        )
+    present = {row.output.name: row for row in budget.outputs}
+    outputs = tuple(
+        OutputAssessment(
+            output=row.output,
+            limit=limit.limit,
+            printed_limit=limit.printed,
+            largest_error=row.largest_error,
+            utilisation=row.largest_error / limit.limit,
+        )
+        for limit in requirement.limits
+        if (row := present.get(limit.output)) is not None
+    )
+    if not outputs:
+        raise CallError(
+            f"{requirement.name} sets no limit for a sensor that is there "
+            f"({', '.join(sorted({row.sensor for row in budget.outputs}))}); "
+            "add limits for it, or leave the requirement out"
+        )
+    sensors = tuple(s for device in devices for s in device.sensors)
+    verdicts = (_judge(sensor, outputs, budget) for sensor in sensors)
+    return Assessment(
+        requirement=requirement.name,
+        outputs=outputs,
+        sensors=tuple(verdict for verdict in verdicts if verdict is not None),
+    )
+
+
+def _judge(
+    sensor: Sensor, outputs: tuple[OutputAssessment, ...], budget: Budget
+) -> SensorAssessment | None:
+    """Return the verdict on one sensor, None where nothing is required of it."""
+    own = [row for row in outputs if row.output.name.startswith(f"{sensor.kind}.")]
+    if not own:
+        return None
+    worst = max(own, key=lambda row: row.utilisation)
+    if not worst.is_within:
+        verdict = "fails"
+    elif sensor.expected_missing:
+        verdict = "undecidable"
+    else:
+        verdict = "meets"
+    return SensorAssessment(
+        sensor=sensor.kind,
+        verdict=verdict,
+        utilisation=worst.utilisation,
+        worst_output=worst.output.name,
+        limiting_source=budget.output(worst.output.name).ranked[0].source,
+        expected_missing=sensor.expected_missing,
+    )
