@@ -1,0 +1,112 @@
+"""The waist: a Problem that contradicts itself is refused where it is made."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from budget.distributions import NORMAL, UNIFORM
+from budget.errors import ProblemError
+from budget.problem import Group, Output, Problem
+
+
+def group(covariance, *, shapes=None, mean=None, name="x"):
+    """Return a group of that covariance."""
+    C = np.array(covariance, dtype=float)
+    return Group(
+        name=name,
+        mean=np.zeros(len(C)) if mean is None else np.array(mean, dtype=float),
+        covariance=C,
+        distributions=shapes or (NORMAL,) * len(C),
+    )
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: group([[1.0]], mean=[0.0, 0.0]), "shape"),
+        (lambda: group([[1.0]], shapes=(NORMAL, NORMAL)), "distributions"),
+        (lambda: group([[np.nan]]), "finite"),
+        (lambda: group([[1.0, 0.5], [0.4, 1.0]]), "symmetric"),
+        (lambda: group([[-1.0]]), "negative"),
+        (lambda: group([[1.0, 2.0], [2.0, 1.0]]), "larger than 1"),
+        (lambda: group([[1.0, 0.5], [0.5, 1.0]], shapes=(NORMAL, UNIFORM)), "normal"),
+    ],
+)
+def test_a_group_that_is_none_is_refused(make, words):
+    """Each contradiction raises ProblemError and says what is wrong."""
+    with pytest.raises(ProblemError, match=words):
+        make()
+
+
+def test_an_indefinite_covariance_is_refused_when_drawn():
+    """Pairwise correlations of -0.9 among three inputs have no factor."""
+    bad = group(np.full((3, 3), -0.9) + 1.9 * np.eye(3))
+    with pytest.raises(ProblemError, match="eigenvalue"):
+        _ = bad.factor
+
+
+@pytest.mark.parametrize(
+    "covariance",
+    [
+        [[4.0, 0.0], [0.0, 9.0]],
+        [[4.0, 3.0], [3.0, 9.0]],
+        [[1.0, 1.0], [1.0, 1.0]],  # singular
+        [[0.0, 0.0, 0.0], [0.0, 2.0, 1.0], [0.0, 1.0, 2.0]],  # one constant
+        [[1.0, 0.9e-9], [0.9e-9, 1e-18]],  # very different sizes
+    ],
+)
+def test_factor_reproduces_the_covariance(covariance):
+    """F F^T is the covariance, relative to the sizes of its two inputs."""
+    found = group(covariance)
+    scale = np.sqrt(np.diag(found.covariance))
+    scale = np.where(scale > 0.0, scale, 1.0)
+    error = (found.factor @ found.factor.T - found.covariance) / np.outer(scale, scale)
+    assert_allclose(error, np.zeros_like(error), rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("groups", "outputs", "words"),
+    [
+        ((), ("y",), "input group"),
+        (("a",), (), "output"),
+        (("a", "a"), ("y",), "twice: a"),
+        (("a",), ("y", "y"), "twice: y"),
+    ],
+)
+def test_names_must_be_there_and_differ(groups, outputs, words):
+    """Missing and repeated names are refused."""
+    with pytest.raises(ProblemError, match=words):
+        Problem(
+            groups=tuple(Group.independent(name, u=1.0) for name in groups),
+            outputs=tuple(Output(name=name) for name in outputs),
+            function=np.copy,
+        )
+
+
+def test_a_function_of_wrong_shape_is_named():
+    """One row too many is refused with both shapes in the message."""
+    problem = Problem(
+        groups=(Group.independent("x", u=[1.0, 1.0]),),
+        outputs=(Output(name="y"),),
+        function=np.copy,
+    )
+    with pytest.raises(ProblemError, match=r"\(2, 5\).*\(1, 5\)"):
+        problem.evaluate(np.zeros((2, 5)))
+
+
+def test_constants_are_not_counted_among_the_draws():
+    """A group of zero uncertainty adds inputs but no normals."""
+    problem = Problem(
+        groups=(Group.independent("x", u=[1.0, 2.0]), Group.independent("c", u=0.0)),
+        outputs=tuple(Output(name=n) for n in "abc"),
+        function=np.copy,
+    )
+    assert (problem.n_inputs, problem.normals_per_trial) == (3, 2)
+
+
+def test_groups_cannot_be_changed_behind_ones_back():
+    """Means and covariances are read-only."""
+    with pytest.raises(ValueError, match="read-only"):
+        group([[1.0]]).mean[0] = 3.0
