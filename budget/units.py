@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from decimal import Decimal
 from difflib import SequenceMatcher
 from functools import cache, lru_cache
 from math import isfinite, pi
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 from budget.errors import UnitError
 
@@ -48,6 +49,7 @@ class Quantity:
     value: float  # [SI]
     unit: str  # as printed
     si_per_unit: float  # size of the unit [SI]
+    printed: str  # the whole text
 
 
 @dataclass(frozen=True)
@@ -166,11 +168,15 @@ def parse_quantity(
     size = _size(unit, gravity)
     if size is None or size.dimension != _dimension(like):
         raise UnitError(_explain_unit(text, number, unit, kind, size))
-    value = float(number) * size.si_per_unit
+    # In decimal, so that 95 % is 0.95 to the last bit and 20 ppm is 2e-5.
+    printed = Decimal(repr(float(number)))
+    value = float(printed * Decimal(repr(size.si_per_unit)))
     vanished = value == 0.0 and re.match(r"[^eE]*[1-9]", number)
     if not isfinite(value) or vanished:
         raise UnitError(f"found {text!r}, expected {kind.name} that a number can hold")
-    return Quantity(value=value, unit=unit, si_per_unit=size.si_per_unit)
+    return Quantity(
+        value=value, unit=unit, si_per_unit=size.si_per_unit, printed=text.strip()
+    )
 
 
 def kind_of(like: str) -> Kind:
@@ -183,7 +189,7 @@ class _Size:
     """What a unit stands for."""
 
     si_per_unit: float  # [SI]
-    dimension: frozenset[tuple[str, float]]  # base dimension and its power
+    dimension: frozenset[tuple[str, object]]  # base dimension and its power
 
 
 @lru_cache(maxsize=8)
@@ -207,12 +213,11 @@ def _size(unit: str, gravity: float) -> _Size | None:
     powers = re.sub(r"sqrt(\([^)]*\))", r"\1**0.5", plain)
     powers = re.sub(r"([A-Za-z])(?:\^|\*\*)?2", r"\1**2", powers)
     parsed = _registry(gravity).Quantity(1.0, powers).to_root_units()
-    dimension = {base: float(power) for base, power in parsed.dimensionality.items()}
-    return _Size(cast("float", parsed.magnitude), frozenset(dimension.items()))
+    return _Size(parsed.magnitude, frozenset(parsed.dimensionality.items()))
 
 
 @cache
-def _dimension(like: str) -> frozenset[tuple[str, float]]:
+def _dimension(like: str) -> frozenset[tuple[str, object]]:
     """Return the dimension of one of our own example units."""
     size = _size(like, STANDARD_GRAVITY)
     if size is None:

@@ -1,1 +1,23 @@
 """Files a user writes, read, checked and turned into frozen records."""
+
+from __future__ import annotations
+
+from budget.spec.load import (
+    load_costs,
+    load_device,
+    load_procedure,
+    load_requirement,
+    validate,
+    variants,
+)
+from budget.spec.schema import json_schema
+
+__all__ = [
+    "json_schema",
+    "load_costs",
+    "load_device",
+    "load_procedure",
+    "load_requirement",
+    "validate",
+    "variants",
+]

@@ -193,3 +193,32 @@ class Requirement:
     caps: tuple[tuple[str, str], ...]  # ('price', '50000 EUR'), ...
     assumptions: tuple[str, ...]
     origin: Source
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cost:
+    """What it costs to make one line better: a (u_ref / u)^p."""
+
+    source: str  # 'gyro.bias_stability'
+    a: float  # cost at u_ref [1]
+    p: float  # [1]
+    u_ref: float | None  # [SI]; None: the value the device has now
+
+
+@dataclass(frozen=True, kw_only=True)
+class Costs:
+    """Costs of the lines that a file names; the others have a = p = 1."""
+
+    costs: tuple[Cost, ...]
+    assumptions: tuple[str, ...]
+    origin: Source
+
+
+@dataclass(frozen=True, kw_only=True)
+class Checked:
+    """What is said of a file in which nothing is wrong."""
+
+    file: str  # as the user gave it
+    kind: str  # 'device', 'procedure', 'requirement' or 'costs'
+    variants: tuple[str, ...]  # of a device, '' for its base; () of the others
+    assumptions: tuple[str, ...]  # of the base and every variant, each once

@@ -1,0 +1,152 @@
+"""Check the nodes of a file against a model; all that is wrong, each at its place."""
+
+from __future__ import annotations
+
+import re
+from difflib import get_close_matches
+from typing import TYPE_CHECKING, Any, TypeVar, get_args
+
+from pydantic import BaseModel, ValidationError
+
+from budget.errors import SpecError
+from budget.spec.tree import describe, plain
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
+    from pydantic_core import ErrorDetails
+
+    from budget.errors import Issue
+    from budget.spec.tree import Document, Node
+
+Model = TypeVar("Model", bound=BaseModel)
+
+_EXPECTED = {
+    "string_type": "expected text; put it in quotes",
+    "int_type": "expected a whole number, such as 1",
+    "int_from_float": "expected a whole number, such as 1",
+    "float_type": "expected a number, such as 1.5",
+    "bool_type": "expected true or false",
+    "tuple_type": "expected a list, such as [x, y, z]",
+    "model_type": "expected a mapping of keys",
+    "dict_type": "expected a mapping of keys",
+}
+
+
+def check(
+    document: Document,
+    model: type[Model],
+    *,
+    root: Node | None = None,
+    gravity: float | None = None,
+) -> Model:
+    """Read a file's nodes into a model.
+
+    Parameters
+    ----------
+    document : Document
+        The file.
+    model : type
+        What it must be.
+    root : Node, optional
+        Nodes to take instead of the file's own root: a variant laid over the base.
+    gravity : float, optional
+        What `g` means in this file [m/s^2].
+
+    Returns
+    -------
+    model
+        What the file says.
+
+    Raises
+    ------
+    SpecError
+        Something is wrong with the file; every issue of it.
+    """
+    root = root or document.root
+    issues: list[Issue] = []
+    context = {} if gravity is None else {"gravity": gravity}
+    try:
+        checked = model.model_validate(plain(root), context=context)
+    except ValidationError as error:
+        for detail in error.errors(include_url=False):
+            issues.extend(_issue(document, root, model, detail))
+    if not issues and not document.issues:
+        return checked
+    # A place that is no sound YAML has its issue already.
+    known = {(issue.line, issue.column) for issue in document.issues}
+    new = [issue for issue in issues if (issue.line, issue.column) not in known]
+    raise all_of([*document.issues, *new])
+
+
+def all_of(issues: Iterable[Issue]) -> SpecError:
+    """Return the error that says all issues, each once, in the order of the file."""
+    unique = dict.fromkeys(issues)
+    return SpecError(tuple(sorted(unique, key=lambda i: (i.line, i.column))))
+
+
+def nearest(word: str, allowed: Iterable[str]) -> str:
+    """Return a hint at the allowed word that is nearest, or ''."""
+    by_lower = {name.lower(): name for name in allowed}
+    near = get_close_matches(word.lower(), by_lower, n=1)
+    return f"; did you mean {by_lower[near[0]]!r}?" if near else ""
+
+
+def _issue(
+    document: Document, root: Node, model: type[BaseModel], detail: ErrorDetails
+) -> list[Issue]:
+    """Say one finding of pydantic in our words, at its place in the file."""
+    steps = detail["loc"]
+    node = root.nearest(steps)
+    kind, given = detail["type"], node.value
+    if kind == "missing":
+        parent = root.nearest(steps[:-1])
+        if parent.child(steps[-1]) is not None:  # there, but no value: said already
+            return []
+        return [document.issue(parent, f"{steps[-1]!r} is missing, expected it here")]
+    if kind == "extra_forbidden":
+        allowed = list(_model_at(model, steps[:-1]).model_fields)
+        message = (
+            f"unknown key {describe(str(steps[-1]))}, allowed: {', '.join(allowed)}"
+            f"{nearest(str(steps[-1]), allowed)}"
+        )
+        return [document.issue(node, message, on_key=True)]
+    found = node.written if isinstance(given, int | float) else describe(given)
+    if kind == "budget":
+        message = detail["msg"]
+    elif kind == "literal_error":
+        words = re.findall(r"'([^']*)'", detail["ctx"]["expected"])
+        hint = nearest(node.written, words)
+        message = f"found {found}, expected {detail['ctx']['expected']}{hint}"
+    elif kind in _EXPECTED:
+        message = f"found {found}, {_EXPECTED[kind]}{_mended(node, kind)}"
+    else:
+        message = f"found {found}; {detail['msg'].lower()}"
+    return [document.issue(node, message)]
+
+
+def _mended(node: Node, kind: str) -> str:
+    """Return a hint at the word that YAML 1.2 reads as what YAML 1.1 did."""
+    if kind == "bool_type" and node.written.lower() in {"yes", "no", "on", "off"}:
+        return f"; did you mean {str(node.written.lower() in {'yes', 'on'}).lower()}?"
+    number = re.fullmatch(r"([+-]?)0*([0-9][0-9_]*)", node.written)
+    if kind in {"int_type", "float_type"} and number:
+        return f"; did you mean {number[1]}{number[2].replace('_', '')}?"
+    return ""
+
+
+def _model_at(model: type[BaseModel], steps: Sequence[str | int]) -> type[BaseModel]:
+    """Return the model of the mapping that those steps lead to."""
+    for step in steps:
+        field = model.model_fields.get(str(step))
+        if field is not None:
+            model = next(_models_in(field.annotation), model)
+    return model
+
+
+def _models_in(annotation: Any) -> Iterator[type[BaseModel]]:  # noqa: ANN401
+    """Yield the models that a type names."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for inner in get_args(annotation):
+        yield from _models_in(inner)

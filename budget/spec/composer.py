@@ -1,0 +1,207 @@
+"""Compose a YAML 1.2 text into nodes with positions, within strict limits."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from ruamel.yaml import YAML
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
+from ruamel.yaml.events import (
+    AliasEvent,
+    DocumentStartEvent,
+    MappingEndEvent,
+    MappingStartEvent,
+    NodeEvent,
+    ScalarEvent,
+    SequenceEndEvent,
+    SequenceStartEvent,
+)
+
+from budget.errors import Issue, SpecError
+from budget.spec.tree import START, Mark, Node
+from budget.units import NUMBER
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from ruamel.yaml.error import StringMark
+    from ruamel.yaml.events import Event
+
+# A device file has about 100 nodes on 6 levels.
+MOST_NODES = 5_000
+MOST_LEVELS = 20
+
+# The core schema of YAML 1.2 (10.3.2) without octal, hexadecimal, inf and nan: those
+# stay text, as 010 and 1_000 do, and are refused where a number is needed.
+_NULL = {"", "~", "null", "Null", "NULL"}
+_BOOL = {
+    **dict.fromkeys(("true", "True", "TRUE"), True),
+    **dict.fromkeys(("false", "False", "FALSE"), False),
+}
+_INTEGER = re.compile("[+-]?(?:0|[1-9][0-9]{0,17})")
+_FLOAT = re.compile(NUMBER)
+
+
+def compose(text: str, file: str) -> tuple[Node, list[Issue]]:
+    """Compose the only document of a text.
+
+    Parameters
+    ----------
+    text : str
+        What the file holds.
+    file : str
+        How messages name it.
+
+    Returns
+    -------
+    Node
+        Its root.
+    list of Issue
+        What did not stop the reading: duplicate and unreadable keys, empty values,
+        aliases, anchors and tags.
+
+    Raises
+    ------
+    SpecError
+        The text is no YAML, has a second document or breaks a limit.
+    """
+    composer = _Composer(YAML(typ="safe", pure=True).parse(text), file)
+    try:
+        return composer.document(), composer.issues
+    except MarkedYAMLError as error:
+        what = ", ".join(filter(None, (error.context, error.problem)))
+        mark = _mark(error.problem_mark or error.context_mark)
+    except (YAMLError, ValueError) as error:  # ValueError: an escape like \UFFFFFFFF
+        what, mark = str(error), START
+    hint = "look at indentation, colons, brackets and quotes, here and above"
+    composer.report(mark, "", f"is no YAML: {what}; {hint}")
+    raise SpecError(tuple(composer.issues))
+
+
+class _Composer:
+    """Takes parser events one by one, so that no limit is passed before it is seen."""
+
+    def __init__(self, events: Iterator[Event], file: str) -> None:
+        self.events = events
+        self.file = file
+        self.issues: list[Issue] = []
+        self.nodes = 0
+
+    def document(self) -> Node:
+        """Return the root of the only document."""
+        root = None
+        for event in self.events:
+            if isinstance(event, NodeEvent):
+                root = self.node(event, "", 1)
+            elif isinstance(event, DocumentStartEvent) and root is not None:
+                message = "a second document starts here, expected one in a file"
+                raise self.stop(_mark(event.start_mark), message)
+        if root is None:
+            raise self.stop(START, "the file is empty, expected keys with values")
+        return root
+
+    def node(
+        self, event: Event, path: str, level: int, key: Mark | None = None
+    ) -> Node:
+        """Return the node that starts with this event."""
+        at = self.enter(event, path, level)
+        value: str | float | bool | tuple[Node, ...] | dict[str, Node] | None = None
+        written = ""
+        if isinstance(event, MappingStartEvent):
+            value = self.mapping(path, level)
+        elif isinstance(event, SequenceStartEvent):
+            value = self.sequence(path, level)
+        elif isinstance(event, ScalarEvent):
+            written = event.value
+            value = written if event.style else _resolve(written)
+            if value is None:
+                self.report(at, path, "is empty, expected a value; or remove the key")
+        return Node(value=value, written=written, path=path, at=at, key=key or at)
+
+    def mapping(self, path: str, level: int) -> dict[str, Node]:
+        """Return the values by key, up to the end of the mapping."""
+        nodes: dict[str, Node] = {}
+        while not isinstance(event := next(self.events), MappingEndEvent):
+            word, mark = self.key(event, path, level + 1)
+            inner = f"{path}.{_shown(word)}" if path else _shown(word)
+            child = self.node(next(self.events), inner, level + 1, mark)
+            first = nodes.setdefault(word, child)
+            if first is not child and word:
+                place = f"{first.key.line}:{first.key.column}"
+                self.report(mark, inner, f"duplicate key, first at {place}; keep one")
+        nodes.pop("", None)
+        return nodes
+
+    def key(self, event: Event, path: str, level: int) -> tuple[str, Mark]:
+        """Return a key and its place; '' where it is no word, which is an issue."""
+        if isinstance(event, ScalarEvent):
+            word, mark = event.value, self.enter(event, path, level)
+        else:
+            word, mark = "", self.node(event, path, level).at
+        if not word:
+            self.report(mark, path, "a key is no word, expected one")
+        return word, mark
+
+    def sequence(self, path: str, level: int) -> tuple[Node, ...]:
+        """Return the items, up to the end of the sequence."""
+        nodes: list[Node] = []
+        while not isinstance(event := next(self.events), SequenceEndEvent):
+            nodes.append(self.node(event, f"{path}[{len(nodes)}]", level + 1))
+        return tuple(nodes)
+
+    def enter(self, event: Event, path: str, level: int) -> Mark:
+        """Count a node, hold the limits and report what hides what a file says."""
+        at = _mark(event.start_mark)
+        self.nodes += 1
+        if self.nodes > MOST_NODES:
+            raise self.stop(at, f"more than {MOST_NODES} keys and values in a file")
+        if level > MOST_LEVELS:
+            raise self.stop(at, f"more than {MOST_LEVELS} levels of nesting")
+        anchor, tag = getattr(event, "anchor", None), getattr(event, "tag", None)
+        if isinstance(event, AliasEvent):
+            self.report(at, path, f"alias *{anchor}; write the value itself")
+        elif anchor is not None:
+            self.report(at, path, f"anchor &{anchor}; remove it")
+        if tag is not None:
+            self.report(at, path, f"tag {tag}; remove it")
+        return at
+
+    def report(self, mark: Mark, path: str, message: str) -> None:
+        """Keep an issue."""
+        self.issues.append(
+            Issue(
+                file=self.file,
+                line=mark.line,
+                column=mark.column,
+                field=path,
+                message=message,
+            )
+        )
+
+    def stop(self, mark: Mark, message: str) -> SpecError:
+        """Return the error of a file that is not read on."""
+        self.report(mark, "", message)
+        return SpecError(tuple(self.issues))
+
+
+def _resolve(word: str) -> str | float | bool | None:
+    """Return what an unquoted word is."""
+    if word in _NULL:
+        return None
+    if word in _BOOL:
+        return _BOOL[word]
+    if _INTEGER.fullmatch(word):
+        return int(word)
+    return float(word) if _FLOAT.fullmatch(word) else word
+
+
+def _mark(mark: StringMark) -> Mark:
+    """Return a place counted from 1."""
+    return Mark(mark.line + 1, mark.column + 1)
+
+
+def _shown(key: str) -> str:
+    """Return a key as part of a path: short, on one line, nothing invisible."""
+    short = key if len(key) <= 60 else f"{key[:60]}..."  # noqa: PLR2004
+    return short if short.isprintable() else ascii(short)

@@ -1,0 +1,88 @@
+"""The costs file: what it costs to make a line of a data sheet better."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import Field, create_model
+
+from budget.spec.checking import check
+from budget.spec.fields import Measured, Sign, Strict, mapping_of
+from budget.spec.lines import SENSORS, lines_of
+from budget.spec.records import Cost, Costs, Source
+from budget.units import Quantity
+
+if TYPE_CHECKING:
+    from budget.spec.tree import Document
+
+Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+
+
+class CostPart(Strict):
+    """Cost of one line: a (u_ref / u)^p."""
+
+    a: Positive = Field(default=1.0, description="cost at u_ref")
+    p: Positive = Field(default=1.0, description="power with which the cost grows")
+    u_ref: Quantity | None = Field(
+        default=None, description="unset: the value the device has now"
+    )
+
+
+class CostsBase(Strict):
+    """Costs by line."""
+
+    format: Literal["budget-costs/1"] = "budget-costs/1"
+    costs: Strict
+
+
+def _cost_type(like: str) -> Any:  # noqa: ANN401
+    """Return the type of the cost of a line that has this unit."""
+    u_ref: Any = (
+        Annotated[Quantity, Measured(like, Sign.POSITIVE)] | None,
+        CostPart.model_fields["u_ref"],
+    )
+    return create_model(f"Cost in {like}", __base__=CostPart, u_ref=u_ref)
+
+
+_COSTS: Any = mapping_of(
+    "costs by line",
+    {
+        f"{sensor}.{line.name}": _cost_type(line.like(sensor))
+        for sensor in SENSORS
+        for line in lines_of(sensor)
+    },
+)
+CostsFile = create_model("Costs", __base__=CostsBase, costs=(_COSTS, ...))
+
+
+def read_costs(document: Document) -> Costs:
+    """Turn a costs file into a record.
+
+    Raises
+    ------
+    SpecError
+        Every issue of the file.
+    """
+    model = check(document, CostsFile)
+    given: dict[str, CostPart] = {
+        key: part for key, part in dict(model.costs).items() if part is not None
+    }
+    defaults = {"a": "1", "p": "1", "u_ref": "the present value"}
+    return Costs(
+        costs=tuple(
+            Cost(
+                source=key,
+                a=part.a,
+                p=part.p,
+                u_ref=None if part.u_ref is None else part.u_ref.value,
+            )
+            for key, part in given.items()
+        ),
+        assumptions=tuple(
+            f"{key}.{name}: not given, {default} assumed"
+            for key, part in given.items()
+            for name, default in defaults.items()
+            if name not in part.model_fields_set
+        ),
+        origin=Source(file=document.base_name, sha256=document.sha256),
+    )

@@ -1,0 +1,193 @@
+"""Types of the values in a file: quantities, texts, one value or one per axis."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from enum import Enum
+from functools import cache
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model
+from pydantic_core import (
+    CoreSchema,
+    InitErrorDetails,
+    PydanticCustomError,
+    ValidationError,
+    core_schema,
+)
+
+from budget.errors import UnitError
+from budget.spec.reader import UNSAFE
+from budget.spec.tree import describe
+from budget.units import NUMBER, STANDARD_GRAVITY, Quantity, kind_of, parse_quantity
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+    from pydantic.json_schema import JsonSchemaValue
+
+
+class Strict(BaseModel):
+    """A mapping with known keys; nothing is converted in silence."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+
+def fault(message: str) -> PydanticCustomError:
+    """Return the error of one value, in our own words."""
+    # The message is a parameter: braces in it are text, not places to fill.
+    return PydanticCustomError("budget", "{message}", {"message": message})
+
+
+def faults(messages: Mapping[tuple[str, ...], str]) -> ValidationError:
+    """Return the errors of several values, named by their path in the mapping."""
+    return ValidationError.from_exception_data(
+        "budget",
+        [
+            InitErrorDetails(type=fault(message), loc=path, input=None)
+            for path, message in messages.items()
+        ],
+    )
+
+
+class Sign(Enum):
+    """Which values a quantity may take."""
+
+    ANY = "any"
+    NOT_NEGATIVE = "not negative"
+    POSITIVE = "positive"
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A text with a number and a unit of one kind, read into a Quantity."""
+
+    like: str
+    sign: Sign = Sign.NOT_NEGATIVE
+
+    def read(self, value: object, info: core_schema.ValidationInfo) -> object:
+        """Return the quantity that a text says."""
+        if isinstance(value, bool) or not isinstance(value, str | int | float):
+            kind = kind_of(self.like).name
+            raise fault(
+                f"found {describe(value)}, expected {kind} with its unit, "
+                f"such as '1 {self.like}'"
+            )
+        gravity = (info.context or {}).get("gravity", STANDARD_GRAVITY)
+        try:
+            quantity = parse_quantity(str(value), self.like, gravity=gravity)
+        except UnitError as error:
+            raise fault(str(error)) from None
+        low = quantity.value < 0.0 or (
+            quantity.value == 0.0 and self.sign is Sign.POSITIVE
+        )
+        if low and self.sign is not Sign.ANY:
+            raise fault(
+                f"found {value!r}, expected {kind_of(self.like).name} that is "
+                f"{self.sign.value}"
+            )
+        return quantity
+
+    @property
+    def json_schema(self) -> JsonSchemaValue:
+        """What an editor checks, and shows as help."""
+        kind = kind_of(self.like)
+        number = NUMBER if self.sign is Sign.ANY else NUMBER.replace("[+-]", r"\+", 1)
+        return {
+            "type": "string",
+            "pattern": rf"^{number}\s*[^\s0-9.,:_+-].*$",
+            "description": f"{kind.name}: a number and its unit",
+            "examples": [
+                f"1 {unit}" for unit in dict.fromkeys((self.like, *kind.units))
+            ],
+        }
+
+    def __get_pydantic_core_schema__(
+        self, source: object, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        """Tell pydantic how to read the value."""
+        return core_schema.with_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Tell pydantic how to describe the value."""
+        return self.json_schema
+
+
+@dataclass(frozen=True)
+class OrText:
+    """Beside the mapping it annotates, a text that says one quantity for all of it."""
+
+    measured: Measured
+
+    def __get_pydantic_core_schema__(
+        self, source: object, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        """Tell pydantic how to read either."""
+
+        def read(
+            value: object,
+            mapping: core_schema.ValidatorFunctionWrapHandler,
+            info: core_schema.ValidationInfo,
+        ) -> object:
+            if isinstance(value, dict):
+                return mapping(value)
+            return self.measured.read(value, info)
+
+        return core_schema.with_info_wrap_validator_function(read, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Tell pydantic how to describe either."""
+        mapping = handler(schema["schema"])
+        return {"anyOf": [self.measured.json_schema, mapping]}
+
+
+def mapping_of(title: str, fields: Mapping[str, Any]) -> type[Strict]:
+    """Return the type of a mapping whose keys may all be left out."""
+    optional: dict[str, Any] = {
+        key: (kind | None, None) for key, kind in fields.items()
+    }
+    name = re.sub("[^A-Za-z]+", "_", title)
+    return create_model(name, __base__=Strict, **optional)
+
+
+@cache
+def per_axis(like: str, axes: tuple[str, ...], sign: Sign) -> Any:  # noqa: ANN401
+    """Return the type of one quantity for all axes, or of a mapping of axes."""
+    measured = Measured(like, sign)
+    fields = dict.fromkeys(axes, Annotated[Quantity, measured])
+    return Annotated[mapping_of(f"by axis in {like}", fields), OrText(measured)]
+
+
+def by_axis(value: Quantity | Strict, axes: tuple[str, ...]) -> dict[str, Quantity]:
+    """Return the quantity of each axis that a value names; a text names them all."""
+    if isinstance(value, Quantity):
+        return dict.fromkeys(axes, value)
+    named = {axis: getattr(value, axis) for axis in axes}
+    return {axis: quantity for axis, quantity in named.items() if quantity is not None}
+
+
+def _check_text(text: str) -> str:
+    """Refuse what a report could not show as it is."""
+    unsafe = UNSAFE.search(text)
+    if unsafe:
+        raise fault(f"character U+{ord(unsafe[0]):04X} is not allowed; remove it")
+    if not text.strip():
+        raise fault("is blank, expected text; or remove the key")
+    return text
+
+
+def _check_line(text: str) -> str:
+    """Refuse a text of several lines."""
+    if re.search(r"[\t\n\r]", text):
+        raise fault("has a tab or a line break, expected one line")
+    return _check_text(text)
+
+
+ShortText = Annotated[str, Field(max_length=200), AfterValidator(_check_line)]
+LongText = Annotated[str, Field(max_length=4000), AfterValidator(_check_text)]

@@ -1,0 +1,284 @@
+"""The figures of a data sheet: what a maker prints, and what it means as u."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, cast
+
+import numpy as np
+from pydantic import Field, create_model, model_validator
+
+from budget.distributions import BY_NAME, NORMAL, Distribution
+from budget.spec.fields import (
+    Measured,
+    OrText,
+    ShortText,
+    Sign,
+    Strict,
+    faults,
+    mapping_of,
+)
+from budget.spec.records import ErrorLine
+from budget.units import Quantity
+
+if TYPE_CHECKING:
+    from budget.spec.lines import Line
+
+# What is printed, over the standard uncertainty [1].
+SIGMAS = {"1 sigma": 1.0, "2 sigma": 2.0, "3 sigma": 3.0, "rms": 1.0, "typical": 1.0}
+# The half-width, over what is printed [1].
+HALF_WIDTHS = {"max": 1.0, "peak to peak": 0.5}
+
+# The lowest Allan deviation of flicker noise over its coefficient B: sqrt(2 ln 2 / pi)
+# to three digits, as data sheets use it [1].
+ALLAN_MINIMUM = 0.664
+CORRELATION_TIME = 300.0  # of a stability that names none [s]
+
+
+class Part(Strict):
+    """What a file may say about one figure, or about one axis of it."""
+
+    value: Quantity | None = None
+    meaning: Literal[
+        "1 sigma", "2 sigma", "3 sigma", "rms", "typical", "max", "peak to peak"
+    ] = Field(default="1 sigma", description="what the maker means by the value")
+    distribution: str | None = None
+    includes: ShortText | None = Field(
+        default=None, description="what the figure contains"
+    )
+    horizon: ShortText | None = Field(
+        default=None, description="over what time it holds"
+    )
+    condition: ShortText | None = Field(
+        default=None, description="under what condition"
+    )
+    source: ShortText | None = Field(default=None, description="where it is printed")
+
+    @model_validator(mode="after")
+    def _check_shape(self) -> Self:
+        if self.meaning in HALF_WIDTHS and self.distribution == "normal":
+            message = (
+                f"found 'normal' with meaning {self.meaning!r}, a half-width; expected "
+                "uniform, triangular or arcsine, or a sigma meaning"
+            )
+            raise faults({("distribution",): message})
+        return self
+
+
+class ConstantPart(Part):
+    """A figure of a random constant."""
+
+    distribution: Literal["normal", "uniform", "triangular", "arcsine"] | None = Field(
+        default=None,
+        description="shape; unset: normal for a sigma, uniform for a half-width",
+    )
+
+
+class ProcessPart(Part):
+    """A figure of a random process."""
+
+    distribution: Literal["normal"] | None = Field(
+        default=None, description="a process is normal"
+    )
+
+
+class StabilityPart(ProcessPart):
+    """A figure of the bias stability."""
+
+    definition: Literal["sigma", "allan_minimum"] = Field(
+        default="sigma",
+        description="sigma of the process, or the lowest point of the Allan curve",
+    )
+    correlation_time: Annotated[Quantity, Measured("s", Sign.POSITIVE)] | None = Field(
+        default=None, description="of the process; unset: 300 s"
+    )
+
+    @model_validator(mode="after")
+    def _check_definition(self) -> Self:
+        if self.definition == "allan_minimum" and SIGMAS.get(self.meaning, 1.0) != 1.0:
+            message = (
+                f"found 'allan_minimum' with meaning {self.meaning!r}; a point of the "
+                "Allan curve is 1 sigma, expected that meaning"
+            )
+            raise faults({("definition",): message})
+        return self
+
+
+class Whole(Part):
+    """A figure for all axes, some of which may say otherwise."""
+
+    axes: Strict | None = None
+
+    @model_validator(mode="after")
+    def _check_axes(self) -> Self:
+        if self.value is not None:
+            return self
+        if self.axes is None:
+            raise faults({(): "names neither value nor axes, expected one of them"})
+        absent = [a for a in type(self.axes).model_fields if not getattr(self.axes, a)]
+        if absent:
+            message = f"without value, expected all axes; missing: {', '.join(absent)}"
+            raise faults({("axes",): message})
+        return self
+
+
+@dataclass(frozen=True, kw_only=True)
+class Taken:
+    """A line as the models take it, and what had to be assumed for that."""
+
+    line: ErrorLine
+    assumptions: tuple[str, ...]
+
+
+def figure_type(line: Line, sensor: str) -> Any:  # noqa: ANN401
+    """Return the type of a figure of that line: a text or a mapping."""
+    return _figure_type(line.like(sensor), _family(line), line.axes)
+
+
+def take(line: Line, sensor: str, figure: Quantity | Whole) -> Taken:
+    """Turn a figure as printed into standard uncertainties by axis.
+
+    A text is 1 sigma and normal. A sigma meaning divides the value; `max` and `peak to
+    peak` give a half-width, which its shape divides (JCGM 100:2008, 4.3.7 to 4.3.9).
+
+    Parameters
+    ----------
+    line : Line
+        The model line.
+    sensor : str
+        Whose line it is.
+    figure : Quantity or Whole
+        A value of the type `figure_type(line, sensor)`.
+
+    Returns
+    -------
+    Taken
+        The line [SI], and what had to be assumed.
+    """
+    part = _family(line)(value=figure) if isinstance(figure, Quantity) else figure
+    axes = [_axis(part, axis) for axis in line.axes]
+    notes = list(dict.fromkeys(note for a in axes for note in a.notes))
+    key = f"{sensor}.{line.name}"
+    assumptions = [
+        f"{key}: {note}"
+        if all(note in a.notes for a in axes)
+        else f"{key}.{name}: {note}"
+        for note in notes
+        for name, a in zip(line.axes, axes, strict=True)
+        if note in a.notes
+    ]
+
+    def say(words: list[str]) -> str:
+        """Return one text for all axes, or a text for each that has one."""
+        if len(set(words)) == 1:
+            return words[0]
+        named = zip(line.axes, words, strict=True)
+        return ", ".join(f"{axis} {word}" for axis, word in named if word)
+
+    times = [a.correlation_time for a in axes if a.correlation_time is not None]
+    taken = ErrorLine(
+        name=line.name,
+        u=np.array([a.u for a in axes]),
+        distributions=tuple(NORMAL if line.process else a.shape for a in axes),
+        correlation_time=np.array(times) if times else None,
+        printed=say([a.quantity.printed for a in axes]),
+        unit=axes[0].quantity.unit,
+        si_per_unit=axes[0].quantity.si_per_unit,
+        meaning=say([a.part.meaning for a in axes]),
+        definition=say([a.definition for a in axes]),
+        includes=say([a.part.includes or "" for a in axes]),
+        horizon=say([a.part.horizon or "" for a in axes]),
+        condition=say([a.part.condition or "" for a in axes]),
+        source=say([a.part.source or "" for a in axes]),
+    )
+    return Taken(line=taken, assumptions=tuple(dict.fromkeys(assumptions)))
+
+
+@cache
+def _figure_type(like: str, family: type[Part], axes: tuple[str, ...]) -> Any:  # noqa: ANN401
+    """Return the type of the figures that have this unit and these axes."""
+    measured = Measured(like)
+    value = Annotated[Quantity, measured]
+    title = f"{family.__name__.removesuffix('Part')} in {like}"
+    one_axis = create_model(f"{title}, one axis", __base__=family, value=(value, ...))
+    by_axis = mapping_of(
+        f"{title}, by axis", dict.fromkeys(axes, Annotated[one_axis, OrText(measured)])
+    )
+    fields: dict[str, Any] = {
+        "value": (value | None, None),
+        "axes": (by_axis | None, None),
+    }
+    whole = create_model(title, __base__=(family, Whole), **fields)
+    return Annotated[whole, OrText(measured)]
+
+
+def _family(line: Line) -> type[Part]:
+    """Return what a file may say about a figure of that line."""
+    if line.name == "bias_stability":
+        return StabilityPart
+    return ProcessPart if line.process else ConstantPart
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Axis:
+    """One axis of a figure."""
+
+    part: Part
+    quantity: Quantity
+    u: float  # [SI]
+    shape: Distribution
+    definition: str  # as given
+    correlation_time: float | None  # of a stability [s]
+    notes: tuple[str, ...]  # what was assumed
+
+
+def _axis(figure: Part, axis: str) -> _Axis:
+    """Return what a figure says about one axis."""
+    axes = figure.axes if isinstance(figure, Whole) else None
+    own: Part | Quantity | None = getattr(axes, axis, None)
+    part = own if isinstance(own, Part) else figure
+    # Whole lets no figure pass that leaves an axis without a value.
+    quantity = cast("Quantity", own if isinstance(own, Quantity) else part.value)
+    notes: list[str] = []
+    if isinstance(own, Part):
+        stated = {"meaning", "distribution", "definition", "correlation_time"}
+        lost = sorted((figure.model_fields_set - own.model_fields_set) & stated)
+        if lost:
+            notes.append(
+                f"{', '.join(lost).replace('_', ' ')} of the line not taken, the axis "
+                "is a mapping of its own"
+            )
+    if part.meaning in HALF_WIDTHS:
+        shape = BY_NAME[part.distribution or "uniform"]
+        u = quantity.value * HALF_WIDTHS[part.meaning] / shape.half_width
+        if part.distribution is None:
+            notes.append(f"{part.meaning!r} taken as uniform, half-width over sqrt(3)")
+    else:
+        shape = BY_NAME[part.distribution or "normal"]
+        u = quantity.value / SIGMAS[part.meaning]
+        if part.meaning == "typical":
+            notes.append("'typical' taken as 1 sigma")
+    definition, correlation_time = "", None
+    if isinstance(part, StabilityPart):
+        definition = part.definition if "definition" in part.model_fields_set else ""
+        if definition == "allan_minimum":
+            u /= ALLAN_MINIMUM
+            notes.append(
+                f"the lowest Allan deviation over {ALLAN_MINIMUM} taken as the sigma "
+                "of the Gauss-Markov process, right for flicker noise only"
+            )
+        correlation_time = CORRELATION_TIME
+        if part.correlation_time is not None:
+            correlation_time = part.correlation_time.value
+        else:
+            notes.append(f"correlation time not given, {CORRELATION_TIME:g} s assumed")
+    return _Axis(
+        part=part,
+        quantity=quantity,
+        u=u,
+        shape=shape,
+        definition=definition,
+        correlation_time=correlation_time,
+        notes=tuple(notes),
+    )

@@ -1,0 +1,156 @@
+"""Find the file a user names, and of what kind it is."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from budget.resources import shipped
+from budget.spec.checking import all_of, nearest
+from budget.spec.reader import read, refuse
+from budget.spec.tree import describe
+from budget.version import __version__
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from budget.spec.tree import Document, Node
+
+# The folder of the shipped files of each kind; of costs there are none.
+FOLDERS = {
+    "device": "devices",
+    "procedure": "procedures",
+    "requirement": "requirements",
+    "costs": "costs",
+}
+NEWEST_FORMAT = 1  # that this version reads, of every kind
+_BARE_NAME = re.compile(r"\w[\w.+-]*")
+
+
+@dataclass(frozen=True, kw_only=True)
+class NamedFile:
+    """What a user typed: a file and perhaps a variant in it."""
+
+    path: Path
+    shown: str  # as typed
+    variant: str  # '' for the base
+
+
+def find(typed: str | Path, kind: str | None = None) -> NamedFile:
+    """Find the file behind FILE, FILE#VARIANT or the bare name of a shipped one."""
+    text = str(typed)
+    shown, mark, variant = text.rpartition("#")
+    if not mark or _exists(Path(text)):
+        shown, mark = text, ""
+    path = Path(shown)
+    if _BARE_NAME.fullmatch(shown) and not _exists(path):
+        same_name = (one for one in _shipped(kind) if one.stem == shown)
+        path = next(same_name, path)
+    return NamedFile(path=path, shown=shown, variant=variant if mark else "")
+
+
+def open_file(file: NamedFile, kind: str | None = None) -> Document:
+    """Read a file and find its kind from its keys.
+
+    Parameters
+    ----------
+    file : NamedFile
+        The file.
+    kind : str, optional
+        The kind it must be of.
+
+    Returns
+    -------
+    Document
+        What is in it, with its kind.
+
+    Raises
+    ------
+    SpecError
+        It cannot be read, has a newer format, or is of another kind or of none.
+    """
+    if not _exists(file.path):
+        names = [path.stem for path in _shipped(kind)]
+        hint = nearest(file.shown, names) or f"; shipped: {', '.join(names)}"
+        raise refuse(file.shown, f"no such file, expected a YAML file{hint}")
+    document = read(file.path, file.shown)
+    root = document.root
+    if not isinstance(root.value, dict):
+        message = f"found {describe(root.value)}, expected a mapping of keys"
+        raise all_of([*document.issues, document.issue(root, message)])
+    _check_format(document)
+    sign = next(_signs(root), None)
+    if sign is not None and kind in {None, sign.kind}:
+        return replace(document, kind=sign.kind)
+    if sign is None and kind is not None:  # its model says what is missing
+        return replace(document, kind=kind)
+    if sign is not None:
+        message = f"this key makes it a {sign.kind} file, expected a {kind} file"
+        issue = document.issue(sign.node, message, on_key=True)
+    else:
+        message = (
+            "is of no known kind, expected limits (in a requirement), costs (costs), "
+            "latitude or sample_rate (procedure), gyro or accelerometer (device)"
+        )
+        issue = document.issue(root, message)
+    raise all_of([*document.issues, issue])
+
+
+def _shipped(kind: str | None) -> list[Path]:
+    """Return the shipped files of a kind, or of all."""
+    folders = FOLDERS.values() if kind is None else [FOLDERS[kind]]
+    return [
+        path
+        for folder in folders
+        for path in sorted((shipped("specs") / folder).glob("*.yaml"))
+    ]
+
+
+def _exists(path: Path) -> bool:
+    """Say whether there is such a file; a name that cannot be one is none."""
+    try:
+        return path.exists()
+    except (OSError, ValueError):
+        return False
+
+
+def _check_format(document: Document) -> None:
+    """Refuse a file that was written for a later version of this program."""
+    node = document.root.child("format")
+    version = re.fullmatch(
+        "budget-[a-z]+/([1-9][0-9]{0,8})", node.written if node else ""
+    )
+    if node and version and int(version[1]) > NEWEST_FORMAT:
+        # Format n comes with version n of this program.
+        message = (
+            f"found {node.written!r}, which needs budget >= {version[1]}; this is "
+            f"budget {__version__}"
+        )
+        raise all_of([document.issue(node, message)])
+
+
+@dataclass(frozen=True)
+class _Sign:
+    """A key that says of what kind a file is."""
+
+    kind: str
+    node: Node
+
+
+def _signs(root: Node) -> Iterator[_Sign]:
+    """Yield what the keys say about the kind of a file, the decisive one first."""
+    sensors = [node for key in ("gyro", "accelerometer") if (node := root.child(key))]
+    inside = ("rate", "turns", "order", "azimuths", "pause", "dwell")
+    places = [
+        ("requirement", root, ("limits",)),
+        ("costs", root, ("costs",)),
+        ("procedure", root, ("latitude", "gravity", "formulas", "sample_rate")),
+        *(("procedure", sensor, inside) for sensor in sensors),
+        ("device", root, ("gyro", "accelerometer")),
+    ]
+    for kind, place, keys in places:
+        for key in keys:
+            if node := place.child(key):
+                yield _Sign(kind, node)

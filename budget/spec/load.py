@@ -1,0 +1,136 @@
+"""Load a file a user names: the shell of this branch, the only part that reads."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from budget.errors import SpecError
+from budget.spec.checking import all_of
+from budget.spec.costs import read_costs
+from budget.spec.device import read_device, variant_names
+from budget.spec.files import find, open_file
+from budget.spec.procedure import read_procedure
+from budget.spec.reader import refuse
+from budget.spec.records import Checked
+from budget.spec.requirement import read_requirement
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from budget.errors import Issue
+    from budget.spec.files import NamedFile
+    from budget.spec.records import Costs, Device, Procedure, Requirement
+    from budget.spec.tree import Document
+
+PAPER_PROCEDURE = "zhao-2019"
+
+
+def load_device(path: str | Path) -> Device:
+    """Read a device.
+
+    Parameters
+    ----------
+    path : str or Path
+        'FILE', 'FILE#VARIANT', or the bare name of a shipped device instead of FILE.
+
+    Returns
+    -------
+    Device
+        What the file says, in SI.
+
+    Raises
+    ------
+    SpecError
+        Everything that is wrong with the file, each at its place.
+    """
+    file = find(path, "device")
+    return read_device(open_file(file, "device"), file.variant)
+
+
+def load_procedure(path: str | Path | None = None) -> Procedure:
+    """Read a procedure; without a path that of the paper. Raises as load_device."""
+    return read_procedure(_open(path or PAPER_PROCEDURE, "procedure"))
+
+
+def load_requirement(path: str | Path) -> Requirement:
+    """Read a requirement. Raises as load_device."""
+    return read_requirement(_open(path, "requirement"))
+
+
+def load_costs(path: str | Path) -> Costs:
+    """Read the costs of better lines. Raises as load_device."""
+    return read_costs(_open(path, "costs"))
+
+
+def variants(path: str | Path) -> tuple[str, ...]:
+    """Return the variants of a device file, '' for its base unless it is abstract."""
+    return variant_names(open_file(find(path, "device"), "device"))
+
+
+def validate(path: str | Path) -> Checked:
+    """Check a file of any kind, of a device the base and every variant.
+
+    Parameters
+    ----------
+    path : str or Path
+        As in load_device; the variant after '#' must be one of the file's.
+
+    Returns
+    -------
+    Checked
+        The kind of the file and what is assumed in it.
+
+    Raises
+    ------
+    SpecError
+        Everything that is wrong with the file, each at its place.
+    """
+    file = find(path)
+    document = open_file(file)
+    if document.kind != "device":
+        _refuse_variant(file)
+        record = _READERS[document.kind](document)
+        return Checked(
+            file=file.shown,
+            kind=document.kind,
+            variants=(),
+            assumptions=record.assumptions,
+        )
+    names = variant_names(document)
+    assumptions: list[str] = []
+    issues: list[Issue] = []
+    for name in dict.fromkeys((*names, file.variant or names[0])):
+        try:
+            assumptions.extend(read_device(document, name).assumptions)
+        except SpecError as error:
+            issues.extend(error.issues)
+    if issues:
+        raise all_of(issues)
+    return Checked(
+        file=file.shown,
+        kind=document.kind,
+        variants=names,
+        assumptions=tuple(dict.fromkeys(assumptions)),
+    )
+
+
+_READERS: dict[str, Callable[[Document], Procedure | Requirement | Costs]] = {
+    "procedure": read_procedure,
+    "requirement": read_requirement,
+    "costs": read_costs,
+}
+
+
+def _open(path: str | Path, kind: str) -> Document:
+    """Open a file that can have no variants."""
+    file = find(path, kind)
+    _refuse_variant(file)
+    return open_file(file, kind)
+
+
+def _refuse_variant(file: NamedFile) -> None:
+    """Refuse '#VARIANT' after a file that can have none."""
+    if file.variant:
+        message = f"found '#{file.variant}', only a device file has variants"
+        raise refuse(file.shown, message)

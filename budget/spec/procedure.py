@@ -1,0 +1,197 @@
+"""The procedure file: where and how the calibration is done."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+
+from pydantic import Field, model_validator
+
+from budget.earth import normal_gravity
+from budget.spec.checking import check
+from budget.spec.fields import Measured, ShortText, Sign, Strict, fault, faults
+from budget.spec.records import (
+    AXES,
+    AccelerometerProcedure,
+    GyroProcedure,
+    Procedure,
+    Source,
+)
+from budget.spec.tree import describe
+from budget.units import Quantity
+
+if TYPE_CHECKING:
+    from pydantic import GetJsonSchemaHandler
+    from pydantic.json_schema import JsonSchemaValue
+    from pydantic_core import CoreSchema, core_schema
+
+    from budget.spec.tree import Document
+
+_ROUNDING = 1e-12  # relative; a latitude of 90 deg is no more than that in radians
+
+
+@dataclass(frozen=True)
+class Gravity(Measured):
+    """An acceleration, or the word 'normal' for that of the ellipsoid."""
+
+    def read(self, value: object, info: core_schema.ValidationInfo) -> object:
+        """Return the acceleration, or the word."""
+        if value == "normal":
+            return "normal"
+        if isinstance(value, str) and not any(c.isdigit() for c in value):
+            expected = "'normal' or an acceleration such as '9.7967 m/s^2'"
+            raise fault(f"found {describe(value)}, expected {expected}")
+        return super().read(value, info)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Tell pydantic how to describe either."""
+        return {"anyOf": [{"const": "normal"}, self.json_schema]}
+
+
+Time = Annotated[Quantity, Measured("s")]
+Span = Annotated[Quantity, Measured("s", Sign.POSITIVE)]
+
+
+def _paper(value: object, description: str) -> Any:  # noqa: ANN401
+    """Return a field that takes the paper's value where the file names none."""
+    return Field(default=value, validate_default=True, description=description)
+
+
+class GyroTest(Strict):
+    """Rate turns, then a static test at several azimuths."""
+
+    rate: Annotated[Quantity, Measured("deg/s", Sign.POSITIVE)] = _paper(
+        "20 deg/s", "turntable rate of the turns"
+    )
+    turns: Annotated[int, Field(ge=1, le=1_000_000)] = _paper(
+        1, "whole turns, so that the earth rate averages out"
+    )
+    order: tuple[Literal["x", "y", "z"], ...] = _paper(
+        ("z", "x", "y"), "axes in the order they are turned about"
+    )
+    pause: Time = _paper("0 s", "between all windows")
+    azimuths: Annotated[
+        tuple[Annotated[Quantity, Measured("deg", Sign.ANY)], ...], Field(min_length=1)
+    ] = _paper(("0 deg", "180 deg", "270 deg", "450 deg"), "of the static test")
+    dwell: Span = _paper("300 s", "at each azimuth")
+
+    @model_validator(mode="after")
+    def _check_order(self) -> Self:
+        if sorted(self.order) != list(AXES):
+            found = f"[{', '.join(self.order)}]"
+            message = f"found {found}, expected each of x, y, z once, such as [z, x, y]"
+            raise faults({("order",): message})
+        return self
+
+
+class AccelerometerTest(Strict):
+    """The twelve-position static test."""
+
+    dwell: Span = _paper("300 s", "at each position")
+    pause: Time = _paper("0 s", "between all windows")
+
+
+class ProcedureFile(Strict):
+    """A calibration procedure; an unset key takes the value of Zhao 2019."""
+
+    format: Literal["budget-procedure/1"] = "budget-procedure/1"
+    name: ShortText | None = Field(default=None, description="unset: the file's name")
+    latitude: Annotated[Quantity, Measured("deg", Sign.ANY)] = _paper(
+        "34.2394 deg", "geodetic"
+    )
+    gravity: Annotated[
+        Quantity | Literal["normal"], Gravity("m/s^2", Sign.POSITIVE)
+    ] = _paper("normal", "at the place; normal: WGS 84 at that latitude")
+    sample_rate: Annotated[Quantity, Measured("Hz", Sign.POSITIVE)] = _paper(
+        "100 Hz", "of the sensor outputs"
+    )
+    formulas: Literal["corrected", "paper"] = _paper(
+        "corrected", "of the gyro bias: corrected, or as the paper prints them"
+    )
+    gyro: GyroTest = Field(default_factory=GyroTest)
+    accelerometer: AccelerometerTest = Field(default_factory=AccelerometerTest)
+
+    @model_validator(mode="after")
+    def _check_place_and_windows(self) -> Self:
+        messages: dict[tuple[str, ...], str] = {}
+        if abs(self.latitude.value) > 0.5 * pi * (1.0 + _ROUNDING):
+            messages["latitude",] = (
+                f"found {self.latitude.printed!r}, expected -90 deg to 90 deg"
+            )
+        turn = 2.0 * pi * self.gyro.turns / self.gyro.rate.value
+        windows: dict[tuple[str, ...], tuple[str, float]] = {
+            ("gyro", "rate"): ("a turn", turn),
+            ("gyro", "dwell"): ("a dwell", self.gyro.dwell.value),
+            ("accelerometer", "dwell"): ("a dwell", self.accelerometer.dwell.value),
+        }
+        for path, (what, length) in windows.items():
+            if length * self.sample_rate.value < 1.0 - _ROUNDING:
+                messages[path] = (
+                    f"{what} of {length:.6g} s holds no sample at "
+                    f"{self.sample_rate.printed}, expected one at least"
+                )
+        if messages:
+            raise faults(messages)
+        return self
+
+
+def read_procedure(document: Document) -> Procedure:
+    """Turn a procedure file into a record, in SI.
+
+    Raises
+    ------
+    SpecError
+        Every issue of the file.
+    """
+    model = check(document, ProcedureFile)
+    gravity = model.gravity
+    gyro, accelerometer = model.gyro, model.accelerometer
+    return Procedure(
+        name=model.name or document.base_name.partition(".")[0],
+        latitude=model.latitude.value,
+        gravity=normal_gravity(model.latitude.value)
+        if gravity == "normal"
+        else gravity.value,
+        sample_rate=model.sample_rate.value,
+        formulas=model.formulas,
+        gyro=GyroProcedure(
+            rate=gyro.rate.value,
+            turns=gyro.turns,
+            order=gyro.order,
+            pause=gyro.pause.value,
+            azimuths=tuple(azimuth.value for azimuth in gyro.azimuths),
+            dwell=gyro.dwell.value,
+        ),
+        accelerometer=AccelerometerProcedure(
+            dwell=accelerometer.dwell.value, pause=accelerometer.pause.value
+        ),
+        assumptions=(
+            *_assumptions("", model, ("format", "name", "gyro", "accelerometer")),
+            *_assumptions("gyro.", gyro),
+            *_assumptions("accelerometer.", accelerometer),
+        ),
+        origin=Source(file=document.base_name, sha256=document.sha256),
+    )
+
+
+def _assumptions(
+    prefix: str, model: Strict, others: tuple[str, ...] = ()
+) -> tuple[str, ...]:
+    """Say which keys are not given and what the paper's value is."""
+    unset = [
+        (key, field.default)
+        for key, field in type(model).model_fields.items()
+        if key not in model.model_fields_set and key not in others
+    ]
+    return tuple(
+        f"{prefix}{key}: not given, {_shown(value)} assumed, as in Zhao 2019"
+        for key, value in unset
+    )
+
+
+def _shown(value: object) -> str:
+    """Return a value as a file spells it."""
+    return f"[{', '.join(value)}]" if isinstance(value, tuple) else str(value)

@@ -1,0 +1,109 @@
+"""Read a YAML 1.2 file strictly: bytes in, nodes with positions and issues out."""
+
+from __future__ import annotations
+
+import re
+from hashlib import sha256
+from typing import TYPE_CHECKING
+
+from budget.errors import Issue, SpecError
+from budget.spec.composer import compose
+from budget.spec.tree import START, Document, Mark
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+# A device file has 2 KiB. The parser is plain Python and scans some 100 KiB/s.
+MOST_BYTES = 64 * 1024
+
+# Control characters, unpaired surrogates, line breaks that editors do not count, and
+# marks that reorder a line on the screen, so that it shows what it does not say.
+UNSAFE = re.compile(
+    "[^\t\n\r\x20-\x7e\xa0-\u2027\u202f-\u2065\u2070-\ud7ff\ue000-\ufefe"
+    "\uff00-\ufffd\U00010000-\U0010ffff]"
+)
+_BREAK = re.compile("\r\n|\r|\n")
+
+
+def read(path: Path, shown: str) -> Document:
+    """Read one file.
+
+    Parameters
+    ----------
+    path : Path
+        Where it is.
+    shown : str
+        How messages name it.
+
+    Returns
+    -------
+    Document
+        Its nodes, and the issues that do not stop the reading: duplicate keys,
+        empty values, aliases, anchors and tags.
+
+    Raises
+    ------
+    SpecError
+        The file cannot be read on: missing, too large, no UTF-8, no YAML.
+    """
+    data = _read_bytes(path, shown)
+    root, issues = compose(_decode(data, shown), shown)
+    return Document(
+        file=shown,
+        base_name=path.name,
+        sha256=sha256(data).hexdigest(),
+        root=root,
+        issues=tuple(issues),
+    )
+
+
+def refuse(shown: str, message: str, mark: Mark = START) -> SpecError:
+    """Return the error that a file as a whole is refused with."""
+    issue = Issue(
+        file=shown, line=mark.line, column=mark.column, field="", message=message
+    )
+    return SpecError((issue,))
+
+
+def _read_bytes(path: Path, shown: str) -> bytes:
+    """Return what is in the file, never more than it may hold."""
+    try:
+        with path.open("rb") as stream:
+            data = stream.read(MOST_BYTES + 1)
+    except IsADirectoryError:
+        raise refuse(shown, "is a folder, expected a YAML file") from None
+    except (OSError, ValueError) as error:  # ValueError: a null byte in the name
+        reason = getattr(error, "strerror", None) or str(error)
+        raise refuse(
+            shown, f"cannot be read ({reason}), expected a YAML file"
+        ) from None
+    if len(data) > MOST_BYTES:
+        raise refuse(shown, f"is larger than {MOST_BYTES} bytes, the most allowed")
+    return data
+
+
+def _decode(data: bytes, shown: str) -> str:
+    """Return the text of the file, without a byte order mark at its start."""
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        before = data[: error.start].decode("utf-8-sig", errors="ignore")
+        message = f"byte 0x{data[error.start]:02x} is not UTF-8; save the file as UTF-8"
+        raise refuse(shown, message, _mark_after(before)) from None
+    if not text.strip():
+        raise refuse(shown, "the file is empty, expected a mapping of keys")
+    unsafe = UNSAFE.search(text)
+    if unsafe:
+        message = f"character U+{ord(unsafe[0]):04X} is not allowed; remove it"
+        raise refuse(shown, message, _mark_after(text[: unsafe.start()]))
+    directive = re.search("^%", text, re.MULTILINE)
+    if directive:
+        message = "a line starts with '%', a YAML directive; remove it or indent it"
+        raise refuse(shown, message, _mark_after(text[: directive.start()]))
+    return text
+
+
+def _mark_after(text: str) -> Mark:
+    """Return the place that follows a text."""
+    lines = _BREAK.split(text)
+    return Mark(len(lines), len(lines[-1]) + 1)

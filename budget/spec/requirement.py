@@ -1,0 +1,132 @@
+"""The requirement file: the largest errors a calibrated system may have."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+
+from pydantic import Field, create_model, model_validator
+
+from budget.spec.checking import check
+from budget.spec.fields import (
+    Measured,
+    ShortText,
+    Sign,
+    Strict,
+    by_axis,
+    faults,
+    mapping_of,
+    per_axis,
+)
+from budget.spec.lines import LINES, SENSORS
+from budget.spec.records import ANGLES, AXES, Limit, Requirement, Source
+from budget.units import Quantity
+
+if TYPE_CHECKING:
+    from budget.spec.tree import Document
+
+COVERAGE = "95 %"
+REFERENCE = "next_turn_on"
+Coverage = Annotated[Quantity, Measured("%", Sign.POSITIVE)]
+PARAMETERS = {"scale_factor": AXES, "mounting_angle": ANGLES, "bias": AXES}
+
+
+class Caps(Strict):
+    """What the device may cost; shown beside it, not compared."""
+
+    price: ShortText | None = None
+    mass: ShortText | None = None
+    power: ShortText | None = None
+
+
+def _limits_type() -> Any:  # noqa: ANN401
+    """Return the type of the limits of both sensors."""
+    bias = LINES[0]
+    sensors = {
+        sensor: mapping_of(
+            f"{sensor} limits",
+            {
+                "scale_factor": per_axis("ppm", AXES, Sign.POSITIVE),
+                "mounting_angle": per_axis("arcsec", ANGLES, Sign.POSITIVE),
+                "bias": per_axis(bias.like(sensor), AXES, Sign.POSITIVE),
+            },
+        )
+        for sensor in SENSORS
+    }
+    return mapping_of("limits", sensors)
+
+
+class RequirementBase(Strict):
+    """What a calibrated system must hold."""
+
+    format: Literal["budget-requirement/1"] = "budget-requirement/1"
+    name: ShortText
+    coverage: Coverage | None = Field(
+        default=None, description=f"of the intervals; unset: {COVERAGE}"
+    )
+    reference: Literal["nominal", "as_tested", "next_turn_on"] | None = Field(
+        default=None, description=f"what an error is relative to; unset: {REFERENCE}"
+    )
+    limits: Strict = Field(description="largest absolute errors allowed")
+    caps: Caps = Caps()
+
+    @model_validator(mode="after")
+    def _check_coverage_and_limits(self) -> Self:
+        messages: dict[tuple[str, ...], str] = {}
+        if self.coverage is not None and self.coverage.value >= 1.0:
+            messages["coverage",] = (
+                f"found {self.coverage.printed!r}, expected less than 100 %"
+            )
+        if not _limits(self.limits):
+            messages["limits",] = "names no limit, expected one at least"
+        if messages:
+            raise faults(messages)
+        return self
+
+
+_LIMITS: Any = (_limits_type(), RequirementBase.model_fields["limits"])
+RequirementFile = create_model("Requirement", __base__=RequirementBase, limits=_LIMITS)
+
+
+def read_requirement(document: Document) -> Requirement:
+    """Turn a requirement file into a record, in SI, one limit an output.
+
+    Raises
+    ------
+    SpecError
+        Every issue of the file.
+    """
+    model = check(document, RequirementFile)
+    assumptions = []
+    if model.coverage is None:
+        assumptions.append(f"coverage: not given, {COVERAGE} assumed")
+    if model.reference is None:
+        assumptions.append(f"reference: not given, {REFERENCE} assumed")
+    caps = dict(model.caps)
+    return Requirement(
+        name=model.name,
+        coverage=0.95 if model.coverage is None else model.coverage.value,
+        reference=model.reference or REFERENCE,
+        limits=_limits(model.limits),
+        caps=tuple((key, text) for key, text in caps.items() if text is not None),
+        assumptions=tuple(assumptions),
+        origin=Source(file=document.base_name, sha256=document.sha256),
+    )
+
+
+def _limits(limits: Strict) -> tuple[Limit, ...]:
+    """Return the limits output by output, in the order of the outputs."""
+    found: list[Limit] = []
+    for sensor in SENSORS:
+        parameters = getattr(limits, sensor)
+        for parameter, axes in PARAMETERS.items():
+            value = getattr(parameters, parameter, None)
+            named = {} if value is None else by_axis(value, axes)
+            found.extend(
+                Limit(
+                    output=f"{sensor}.{parameter}.{axis}",
+                    limit=quantity.value,
+                    printed=quantity.printed,
+                )
+                for axis, quantity in named.items()
+            )
+    return tuple(found)

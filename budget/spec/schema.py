@@ -1,0 +1,66 @@
+"""JSON Schemas of the files, for editors."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from pydantic.json_schema import GenerateJsonSchema
+
+from budget.errors import CallError
+from budget.spec.costs import CostsFile
+from budget.spec.device import DeviceFile
+from budget.spec.procedure import ProcedureFile
+from budget.spec.requirement import RequirementFile
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
+    from pydantic.json_schema import JsonSchemaValue
+    from pydantic_core import core_schema
+
+DIALECT = "https://json-schema.org/draft/2020-12/schema"
+
+_MODELS: dict[str, type[BaseModel]] = {
+    "device": DeviceFile,
+    "procedure": ProcedureFile,
+    "requirement": RequirementFile,
+    "costs": CostsFile,
+}
+
+
+def json_schema(kind: str) -> dict[str, Any]:
+    """Return the JSON Schema (draft 2020-12) of a kind of file.
+
+    Parameters
+    ----------
+    kind : str
+        'device', 'procedure', 'requirement' or 'costs'.
+
+    Returns
+    -------
+    dict
+        The schema. It knows keys, types and units; what several keys say together
+        only `validate` checks.
+
+    Raises
+    ------
+    CallError
+        There is no such kind.
+    """
+    if kind not in _MODELS:
+        raise CallError(f"no files of kind {kind!r}, expected {', '.join(_MODELS)}")
+    schema = _MODELS[kind].model_json_schema(schema_generator=_Generator)
+    return {"$schema": DIALECT, **schema, "title": f"budget {kind} file"}
+
+
+class _Generator(GenerateJsonSchema):
+    """Writes schemas of files, in which an unset key is absent and never null."""
+
+    def nullable_schema(self, schema: core_schema.NullableSchema) -> JsonSchemaValue:
+        """Describe the value alone."""
+        return self.generate_inner(schema["schema"])
+
+    def default_schema(self, schema: core_schema.WithDefaultSchema) -> JsonSchemaValue:
+        """Describe a default only where it says something."""
+        if schema.get("default") in (None, "", (), {}):
+            return self.generate_inner(schema["schema"])
+        return super().default_schema(schema)

@@ -1,0 +1,137 @@
+"""What stands in a YAML file and where: nodes with positions, no meaning yet."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from budget.errors import Issue
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+@dataclass(frozen=True, order=True)
+class Mark:
+    """A place in a file."""
+
+    line: int  # from 1
+    column: int  # from 1
+
+
+START = Mark(1, 1)
+LONGEST_SHOWN = 80  # characters of a text in a message
+
+
+@dataclass(frozen=True, kw_only=True)
+class Node:
+    """A value in a file.
+
+    Attributes
+    ----------
+    value : scalar, tuple of Node, or dict of Node
+        None where the file has something that is no value (nothing, or an alias);
+        that is an issue of the document already.
+    written : str
+        A scalar as the file spells it; '' for the others.
+    path : str
+        Dotted path in the file.
+    at, key : Mark
+        Where the value starts, and its key; the same where it has none.
+    """
+
+    value: str | float | bool | tuple[Node, ...] | dict[str, Node] | None
+    written: str = ""
+    path: str
+    at: Mark
+    key: Mark
+
+    def child(self, step: str | int) -> Node | None:
+        """Return the node under that key or index, or None where there is none."""
+        if isinstance(self.value, dict):
+            return self.value.get(str(step))
+        if isinstance(self.value, tuple) and isinstance(step, int):
+            return self.value[step]
+        return None
+
+    def nearest(self, steps: Sequence[str | int]) -> Node:
+        """Return the deepest node there is on the way of those steps."""
+        node = self
+        for step in steps:
+            child = node.child(step)
+            if child is None:
+                break
+            node = child
+        return node
+
+
+@dataclass(frozen=True, kw_only=True)
+class Document:
+    """One file, read: what it says and what is wrong with it as YAML."""
+
+    file: str  # as the user gave it
+    base_name: str
+    sha256: str
+    root: Node
+    issues: tuple[Issue, ...]
+    kind: str = ""  # 'device', ..., once its keys have said so
+
+    def issue(self, node: Node, message: str, *, on_key: bool = False) -> Issue:
+        """Return an issue with that node."""
+        mark = node.key if on_key else node.at
+        return Issue(
+            file=self.file,
+            line=mark.line,
+            column=mark.column,
+            field=node.path,
+            message=message,
+        )
+
+
+def plain(node: Node) -> object:
+    """Return the values alone: dicts, tuples and scalars, without what is no value."""
+    if isinstance(node.value, dict):
+        items = node.value.items()
+        return {key: plain(child) for key, child in items if child.value is not None}
+    if isinstance(node.value, tuple):
+        return tuple(plain(item) for item in node.value)
+    return node.value
+
+
+def merge(base: Node, over: Node, *, figures: bool = False) -> Node:
+    """Lay one node over another, key by key; every part keeps its own position.
+
+    Parameters
+    ----------
+    base, over : Node
+        What is there and what overrides it. Only two mappings merge; else `over`
+        replaces `base`.
+    figures : bool
+        The two stand under `errors`, where a string is short for {value: string}.
+    """
+    below = base.value
+    if figures and isinstance(below, str):
+        below = {"value": base}
+    if not isinstance(below, dict) or not isinstance(over.value, dict):
+        return over
+    merged = dict(below)
+    for key, child in over.value.items():
+        known = merged.get(key)
+        inside = figures or key == "errors"
+        merged[key] = child if known is None else merge(known, child, figures=inside)
+    return replace(base, value=merged)
+
+
+def describe(value: object) -> str:
+    """Say what a value is, on one line, as a person sees it in the file."""
+    if isinstance(value, dict):
+        return "a mapping of keys"
+    if isinstance(value, tuple):
+        return "a list"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return repr(
+            value if len(value) <= LONGEST_SHOWN else f"{value[:LONGEST_SHOWN]}..."
+        )
+    return str(value)
