@@ -46,5 +46,9 @@ class ProblemError(BudgetError):
     """A Problem contradicts itself: shapes, names or distributions do not fit."""
 
 
+class WorkerError(BudgetError):
+    """Work was given to another process or machine and did not come back."""
+
+
 class OutputError(BudgetError):
     """A result cannot be written where it should go."""

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 import pytest
 from builders import paper_accelerometer, paper_gyro, procedure
 from numpy.testing import assert_allclose, assert_array_equal
 
 from budget.distributions import ARCSINE, NORMAL, TRIANGULAR, UNIFORM
+from budget.errors import WorkerError
 from budget.methods.execution import BLOCK, draw
-from budget.methods.monte_carlo import sample, shortest_interval, symmetric_interval
+from budget.methods.monte_carlo import sample
 from budget.physics.calibration import calibration_problem
 from budget.problem import Group, Output, Problem
 
@@ -21,29 +24,38 @@ def paper_problem(**more):
     return calibration_problem((paper_gyro(**more), paper_accelerometer()), procedure())
 
 
-def test_same_seed_same_numbers():
+def numbers(drawn):
+    """Return every number of a sample, to be compared bit for bit."""
+    return np.concatenate(
+        [drawn.mean, drawn.covariance.ravel(), drawn.interval.ravel(), [drawn.trials]]
+    )
+
+
+@pytest.mark.parametrize("trials", [TRIALS, None])
+def test_same_seed_same_numbers(trials):
     """Two runs with one seed are equal bit for bit; another seed differs, 0 too."""
     first, again, other = (
-        sample(paper_problem(), trials=TRIALS, seed=seed).values for seed in (0, 0, 1)
+        numbers(sample(paper_problem(), trials=trials, seed=seed)) for seed in (0, 0, 1)
     )
     assert_array_equal(first, again)
     assert (first != other).any()
 
 
-@pytest.mark.parametrize("workers", [2, 3])
-def test_workers_change_no_number(workers):
-    """1, 2 and 3 processes give the same trials bit for bit."""
-    alone = sample(paper_problem(), trials=TRIALS, seed=4)
-    shared = sample(paper_problem(), trials=TRIALS, seed=4, workers=workers)
-    assert_array_equal(alone.values, shared.values)
-    assert_array_equal(alone.covariance, shared.covariance)
+@pytest.mark.parametrize("trials", [7 * BLOCK + 17, None])
+def test_workers_change_no_number(trials):
+    """1, 2 and 3 processes give the same numbers bit for bit, adaptive runs too."""
+    alone = numbers(sample(paper_problem(), trials=trials, seed=4))
+    for workers in (2, 3):
+        shared = sample(paper_problem(), trials=trials, seed=4, workers=workers)
+        assert_array_equal(alone, numbers(shared))
 
 
-def test_a_longer_run_begins_with_the_shorter_one():
-    """The first trials do not depend on how many follow."""
-    short = sample(paper_problem(), trials=1000).values
-    long = sample(paper_problem(), trials=TRIALS).values
-    assert_array_equal(short, long[:, :1000])
+def test_trials_are_the_first_of_the_stream():
+    """The mean of 1000 trials is that of the first 1000 draws of block 0."""
+    problem = paper_problem()
+    x = draw(problem, 0, 0, np.empty((problem.n_inputs, BLOCK)))
+    expected = problem.evaluate(x)[:, :1000].mean(axis=1)
+    assert_array_equal(sample(problem, trials=1000).mean, expected)
 
 
 def test_adding_a_source_moves_no_other_draws():
@@ -116,9 +128,10 @@ def test_jcgm_101_9_2_intervals(u, shape, exact_end, exact_u, kind):
             )
         ),
         trials=n,
+        interval=kind,
         seed=2,
     )
-    low, high = drawn.interval(0.95, kind)[0]
+    low, high = drawn.interval[0]
     assert_allclose(drawn.standard_uncertainty[0], exact_u, rtol=4.0 / np.sqrt(2.0 * n))
     # An end is a quantile: standard error sqrt(p q/n)/f. The densities at the ends
     # are 0.029, 0.031 and 0.025 (9.2.4: the edge of a nearly flat density).
@@ -129,20 +142,6 @@ def test_jcgm_101_9_2_intervals(u, shape, exact_end, exact_u, kind):
         # Ends of the shortest one wander together where the density is flat; its
         # length does not.
         assert_allclose(high - low, 2.0 * exact_end, rtol=0, atol=10 * error)
-
-
-def test_intervals_of_a_small_sample_by_hand():
-    """M 10, p 0.7: q 7, symmetric from value 2 to 9 (r = (M - q + 1)//2), 7.7.2."""
-    values = np.array([0.0, 9.5, 1.0, 8.0, 2.0, 7.0, 3.0, 6.0, 4.0, 50.0])
-    assert symmetric_interval(values, 0.7) == (1.0, 9.5)
-    assert shortest_interval(values, 0.7) == (0.0, 8.0)
-
-
-def test_intervals_exist_for_tiny_samples():
-    """Two values give themselves as the interval at any coverage."""
-    for coverage in (0.01, 0.5, 0.99):
-        assert symmetric_interval(np.array([2.0, 1.0]), coverage) == (1.0, 2.0)
-        assert shortest_interval(np.array([2.0, 1.0]), coverage) == (1.0, 2.0)
 
 
 def test_correlated_inputs_are_drawn_with_their_covariance():
@@ -171,3 +170,101 @@ def test_progress_is_told_to_the_end():
     )
     assert told[-1] == (TRIALS, TRIALS)
     assert [done for done, _ in told] == sorted(done for done, _ in told)
+
+
+def test_a_model_that_cannot_be_sent_is_an_error_for_people():
+    """A lambda as the model, with two workers, raises WorkerError that says so."""
+    problem = one_output(Group.independent("x", u=1.0))
+    with pytest.raises(WorkerError, match="top of a module"):
+        sample(problem, trials=5 * BLOCK, workers=2)
+
+
+def die(x):
+    """End the process that evaluates this, unless it is the test's own."""
+    if os.getpid() != int(os.environ["BUDGET_TEST_PID"]):
+        os._exit(1)
+    return x.sum(axis=0, keepdims=True)
+
+
+def test_a_killed_worker_is_an_error_for_people(monkeypatch):
+    """Workers that die in the middle raise WorkerError, never a wrong answer."""
+    monkeypatch.setenv("BUDGET_TEST_PID", str(os.getpid()))
+    problem = Problem(
+        groups=(Group.independent("x", u=1.0),),
+        outputs=(Output(name="Y"),),
+        function=die,
+    )
+    with pytest.raises(WorkerError, match="died"):
+        sample(problem, trials=5 * BLOCK, workers=2)
+
+
+@pytest.mark.parametrize("digits", [1, 2])
+def test_adaptive_trials_settle_to_the_digits_asked_for(digits):
+    """Every output reaches its tolerance, and the truth lies within twice of it."""
+    u = [1.0, 2.3, 9.4e-9]
+    problem = Problem(
+        groups=tuple(
+            Group.independent(f"X{i}", u=size, distribution=shape)
+            for i, (size, shape) in enumerate(
+                zip(u, (NORMAL, UNIFORM, TRIANGULAR), strict=True)
+            )
+        ),
+        outputs=tuple(Output(name=name) for name in "abc"),
+        function=np.copy,
+    )
+    found = sample(problem, digits=digits, seed=3)
+    expected = 0.5 * np.array([1.0, 1.0, 1e-9]) / 10.0 ** (digits - 1)
+    assert_allclose(found.tolerance, expected, rtol=1e-12)
+    assert found.is_settled.all()
+    assert (np.abs(found.standard_uncertainty - u) < found.tolerance).all()
+    ends = np.array([1.959964, 0.95 * np.sqrt(3.0), np.sqrt(6.0) * (1 - np.sqrt(0.05))])
+    exact = np.stack([-ends * u, ends * u], axis=1)
+    assert (np.abs(found.interval - exact) < 2.0 * found.tolerance[:, None]).all()
+
+
+def test_adaptive_trials_stop_at_the_cap_and_say_so():
+    """With room for two macro-blocks and two digits, outputs are left unsettled."""
+    found = sample(paper_problem(), digits=2, max_trials=30_000)
+    assert found.trials == 2 * 3 * BLOCK
+    assert not found.is_settled.all()
+    assert (found.reached > found.tolerance).any()
+
+
+def test_a_constant_output_settles_at_once():
+    """An output without spread has interval, mean and u exact, and is settled."""
+    problem = Problem(
+        groups=(Group.independent("x", u=1.0), Group.independent("c", u=0.0, mean=3.0)),
+        outputs=(Output(name="y"), Output(name="constant")),
+        function=np.copy,
+    )
+    for trials in (None, 50_000):
+        found = sample(problem, trials=trials)
+        assert found.is_settled.all()
+        assert_array_equal(found.interval[1], [3.0, 3.0])
+        assert_array_equal(found.covariance[1], [0.0, 0.0])
+
+
+@pytest.mark.parametrize("kind", ["symmetric", "shortest"])
+@pytest.mark.parametrize("shape", [NORMAL, UNIFORM, TRIANGULAR, ARCSINE])
+def test_counted_trials_give_the_quantiles_of_kept_ones(monkeypatch, kind, shape):
+    """Beyond the kept trials, ends (shortest: lengths) are within 0.2 % of u."""
+    problem = one_output(Group.independent("x", u=3e-8, distribution=shape))
+    kept = sample(problem, trials=300_000, interval=kind)
+    monkeypatch.setattr("budget.methods.monte_carlo.EXACT_TRIALS", 20_000)
+    monkeypatch.setattr("budget.methods.gathering.EXACT_TRIALS", 20_000)
+    counted = sample(problem, trials=300_000, interval=kind)
+    assert_array_equal(kept.covariance, counted.covariance)
+    error = (kept.interval - counted.interval) / 3e-8
+    if kind == "shortest":
+        error = np.diff(error)
+    assert np.abs(error).max() < 2e-3
+
+
+def test_an_adaptive_run_counts_once_too_many_were_kept(monkeypatch):
+    """An adaptive run that outgrows the kept trials stays within 0.2 % of u."""
+    problem = one_output(Group.independent("x", u=1.0))
+    kept = sample(problem, digits=2, seed=1)
+    monkeypatch.setattr("budget.methods.gathering.EXACT_TRIALS", kept.trials // 3)
+    counted = sample(problem, digits=2, seed=1)
+    assert counted.trials == kept.trials
+    assert np.abs(counted.interval - kept.interval).max() < 2e-3

@@ -1,28 +1,36 @@
-"""Blocks of trials: who draws what, in which order results come back.
+"""Who draws what, who does which task, in which order results come back.
 
-Every source has a stream of its own for every block, seeded by (seed, name of the
-source, number of the block). So a result is bit for bit the same for any number of
+Every source has a stream of its own for every block of trials, seeded by (seed, name of
+the source, number of the block). So a result is bit for bit the same for any number of
 workers, and adding a source moves no other's draws.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor
+import signal
+from collections import deque
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from hashlib import sha256
+from itertools import islice
+from multiprocessing import get_context
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from budget.errors import WorkerError
+
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+
     from budget.arrays import Array
     from budget.problem import Group, Problem
 
 BLOCK = 4096  # trials; inputs of a block (some 2 MB) stay in the cache
 
+Task = TypeVar("Task")
 Result = TypeVar("Result")
-Progress = Callable[[int, int], None]  # trials done, trials in all
 
 
 def stream(seed: int, name: str, block: int) -> np.random.Generator:
@@ -85,12 +93,21 @@ def _draw_unit(group: Group, rng: np.random.Generator, out: Array) -> None:
 
 
 @contextmanager
-def executor(workers: int) -> Iterator[Executor | None]:
-    """Provide an executor, or None where one process does the work itself."""
+def local_executor(workers: int) -> Iterator[Executor | None]:
+    """Provide processes of this machine, or None where this one does the work itself.
+
+    The processes ignore Ctrl-C, which the terminal sends to all of them: this one
+    alone answers it, waits for the tasks under way (some 0.1 s) and leaves none.
+    """
     if workers == 1:
         yield None
         return
-    pool = ProcessPoolExecutor(workers)
+    pool = ProcessPoolExecutor(
+        workers,
+        mp_context=get_context("spawn"),  # no copy of threads and locks of this one
+        initializer=signal.signal,
+        initargs=(signal.SIGINT, signal.SIG_IGN),
+    )
     try:
         yield pool
     finally:
@@ -98,9 +115,58 @@ def executor(workers: int) -> Iterator[Executor | None]:
 
 
 def in_order(
-    work: Callable[[int], Result],
-    tasks: Iterable[int],
-    pool: Executor | None,
+    work: Callable[[Task], Result],
+    tasks: Iterable[Task],
+    executor: Executor | None,
+    *,
+    ahead: int,
 ) -> Iterator[Result]:
-    """Yield the result of every task in the order of the tasks, whoever does it."""
-    yield from map(work, tasks) if pool is None else pool.map(work, tasks)
+    """Yield the result of every task in the order of the tasks, whoever does it.
+
+    Parameters
+    ----------
+    work : callable
+        Can be sent to other processes where there is an executor.
+    tasks : iterable
+        May be endless: no more than `ahead` are under way at once.
+    executor : Executor or None
+        None: this process does the work.
+    ahead : int
+        Number of tasks given out before the first result is taken.
+
+    Raises
+    ------
+    WorkerError
+        A worker died, or the work cannot be sent to it.
+    """
+    if executor is None:
+        yield from map(work, tasks)
+        return
+    source = iter(tasks)
+    under_way: deque[Future[Result]] = deque()
+    try:
+        under_way.extend(executor.submit(work, task) for task in islice(source, ahead))
+        while under_way:
+            yield _result(under_way.popleft())
+            under_way.extend(executor.submit(work, task) for task in islice(source, 1))
+    except BrokenProcessPool:
+        raise WorkerError(
+            "a worker process died before its task was done; nothing was computed "
+            "with what it left. Often memory ran out: use fewer workers"
+        ) from None
+    finally:
+        for future in under_way:
+            future.cancel()
+
+
+def _result(future: Future[Result]) -> Result:
+    """Return a result; work that cannot be sent says what to do."""
+    try:
+        return future.result()
+    except (AttributeError, TypeError) as error:
+        if "pickle" not in str(error):
+            raise
+        raise WorkerError(
+            f"the model cannot be sent to other processes ({error}); define its "
+            "function at the top of a module, or use one worker"
+        ) from error

@@ -1,144 +1,232 @@
-"""Propagation of distributions by a Monte Carlo method: JCGM 101:2008, clause 7."""
+"""Propagation of distributions by a Monte Carlo method: JCGM 101:2008, clause 7.
+
+Trials come in macro-blocks of M (7.9.4). Each is drawn in blocks that fit the cache,
+and macro-blocks are gathered in their order, so neither the numbers nor the decision to
+stop depends on who computed them.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
+from functools import partial, reduce
+from math import ceil
+from operator import add
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.methods.execution import BLOCK, Progress, draw, executor, in_order
+from budget.errors import ProblemError
+from budget.methods.execution import BLOCK, draw, in_order, local_executor
+from budget.methods.gathering import EXACT_TRIALS, Gathering, MacroBlock, Moments
+from budget.methods.intervals import Grid, interval_of_values
+from budget.methods.tolerance import numerical_tolerance
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from concurrent.futures import Executor
+
     from budget.arrays import Array
     from budget.problem import Problem
+
+MAX_TRIALS = EXACT_TRIALS  # of an adaptive run that is not told otherwise
+LEAST_MACRO_BLOCK = 10_000  # trials, JCGM 101:2008, 7.9.4 b)
+AHEAD = 2  # macro-blocks under way for each worker
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sample:
-    """Monte Carlo trials of all outputs.
+    """The numbers of a Monte Carlo run, and how far they have settled.
 
     Attributes
     ----------
-    values : ndarray, shape (n_out, trials)
-        Model values, trial by trial: the columns are joint draws.
+    trials : int
+        Number of trials made.
     mean : ndarray, shape (n_out,)
         JCGM 101:2008, eq. (16).
     covariance : ndarray, shape (n_out, n_out)
         JCGM 101:2008, eq. (17); JCGM 102:2011, 7.6 for several outputs.
+    interval : ndarray, shape (n_out, 2)
+        JCGM 101:2008, 7.7.
+    tolerance : ndarray, shape (n_out,)
+        What adaptive trials are to settle to.
+    reached : ndarray, shape (n_out,), or None
+        What they have settled to: twice the standard error of the least settled of
+        estimate, standard uncertainty and interval ends (7.9.4). None where the number
+        of trials was fixed.
     """
 
-    values: Array
+    trials: int
     mean: Array
     covariance: Array
-
-    @property
-    def trials(self) -> int:
-        """Number of trials, M."""
-        return int(self.values.shape[1])
+    interval: Array
+    tolerance: Array
+    reached: Array | None
 
     @property
     def standard_uncertainty(self) -> Array:
         """Standard uncertainties of the outputs, shape (n_out,)."""
         return np.sqrt(np.diag(self.covariance))
 
-    def interval(self, coverage: float, kind: str = "symmetric") -> Array:
-        """Return coverage intervals, shape (n_out, 2): JCGM 101:2008, 7.7.
+    @property
+    def is_settled(self) -> Array:
+        """Whether each output has settled, shape (n_out,); a fixed run always has."""
+        if self.reached is None:
+            return np.ones(self.mean.shape, dtype=bool)
+        return np.asarray(self.reached <= self.tolerance)
 
-        Parameters
-        ----------
-        coverage : float
-            Probability, above 0 and below 1.
-        kind : str
-            'symmetric' (in probability) or 'shortest'.
-        """
-        find = {"symmetric": symmetric_interval, "shortest": shortest_interval}[kind]
-        return np.array([find(row, coverage) for row in self.values])
+
+@dataclass(frozen=True, kw_only=True)
+class _Plan:
+    """What every task of one run has to know."""
+
+    seed: int
+    blocks: int  # of BLOCK trials in a macro-block
+    coverage: float
+    interval: str
+    adaptive: bool
+
+    @property
+    def size(self) -> int:
+        """Trials in a macro-block, M."""
+        return self.blocks * BLOCK
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Task:
+    """One macro-block to be computed."""
+
+    index: int
+    trials: int  # M, fewer in the last one of a fixed run
+    grid: Grid | None  # count in these bins, or return the values
 
 
 def sample(
     problem: Problem,
     *,
-    trials: int,
+    trials: int | None = None,
+    digits: int = 1,
+    part: float = 1.0,
+    max_trials: int = MAX_TRIALS,
+    coverage: float = 0.95,
+    interval: str = "symmetric",
     seed: int = 0,
     workers: int = 1,
-    progress: Progress | None = None,
+    executor: Executor | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Sample:
-    """Draw inputs, evaluate the model, collect the outputs.
+    """Draw inputs, evaluate the model, gather the outputs.
 
     Parameters
     ----------
     problem : Problem
-        Any.
-    trials : int
-        Number of trials, 2 or more.
+        Any. Its function must be picklable where other processes work.
+    trials : int, optional
+        Number of trials, 2 or more. Without it adaptive (JCGM 101:2008, 7.9): until
+        estimate, standard uncertainty and both interval ends of every output have
+        settled to its numerical tolerance.
+    digits : int
+        Significant digits of the standard uncertainty that adaptive trials make sure.
+    part : float
+        Part of that tolerance to settle to; 1/5 to validate the law (8.2).
+    max_trials : int
+        Where adaptive trials stop at the latest, to the macro-block.
+    coverage : float
+        Probability of the intervals.
+    interval : str
+        'symmetric' or 'shortest'.
     seed : int
-        The same seed gives the same numbers, whatever the number of workers; the
-        first trials of a longer run are those of a shorter one.
+        The same seed gives the same numbers whatever the number of workers; the first
+        trials of a longer run are those of a shorter one.
     workers : int
-        Number of processes.
+        Number of processes on this machine, where no executor is given.
+    executor : concurrent.futures.Executor, optional
+        Does the work: a pool of processes, a cluster.
     progress : callable, optional
-        Called with the trials done and the trials in all.
+        Called with the trials done and the trials in all at the most.
 
     Returns
     -------
     Sample
         [SI units of the outputs].
+
+    Raises
+    ------
+    WorkerError
+        A worker died, or the model cannot be sent to it.
     """
-    values = np.empty((len(problem.outputs), trials))
-    starts = range(0, trials, BLOCK)
-    with executor(workers) as pool:
-        blocks = in_order(
-            partial(_evaluate_block, problem, seed), range(len(starts)), pool
-        )
-        for start, y in zip(starts, blocks, strict=True):
-            end = min(start + BLOCK, trials)
-            values[:, start:end] = y[:, : end - start]
+    plan = _Plan(
+        seed=seed,
+        blocks=ceil(max(LEAST_MACRO_BLOCK, 100.0 / (1.0 - coverage)) / BLOCK),
+        coverage=coverage,
+        interval=interval,
+        adaptive=trials is None,
+    )
+    # An adaptive run needs two macro-blocks to see a spread.
+    most = max(max_trials // plan.size, 2) * plan.size if trials is None else trials
+    exact = trials is None or trials <= EXACT_TRIALS
+    gathering: Gathering | None = None
+
+    def tasks() -> Iterator[_Task]:
+        for start in range(0, most, plan.size):
+            yield _Task(
+                index=start // plan.size,
+                trials=min(plan.size, most - start),
+                grid=None if gathering is None else gathering.grid,
+            )
+
+    with local_executor(1 if executor is not None else workers) as pool:
+        work = partial(_macro_block, problem, plan)
+        for block in in_order(work, tasks(), executor or pool, ahead=AHEAD * workers):
+            if gathering is None:
+                gathering = Gathering(block, exact=exact)
+            else:
+                gathering.take(block)
             if progress is not None:
-                progress(end, trials)
-    return collect(values)
+                progress(gathering.moments.n, most)
+            if trials is None and _is_settled(gathering, problem, digits, part):
+                break
+    if gathering is None:
+        raise ProblemError(f"a Monte Carlo run of {most} trials has no result")
+    return Sample(
+        trials=gathering.moments.n,
+        mean=gathering.moments.mean,
+        covariance=gathering.moments.covariance,
+        interval=gathering.interval(coverage, interval),
+        tolerance=part * _tolerance(gathering, problem, digits),
+        reached=gathering.reached() if trials is None else None,
+    )
 
 
-def collect(values: Array) -> Sample:
-    """Make a Sample of trials that are there already, shape (n_out, trials)."""
-    mean = values.mean(axis=1)
-    return Sample(values=values, mean=mean, covariance=_covariance(values, mean))
+def _macro_block(problem: Problem, plan: _Plan, task: _Task) -> MacroBlock:
+    """Draw, evaluate and condense one macro-block."""
+    y = np.empty((len(problem.outputs), task.trials))
+    x = np.empty((problem.n_inputs, BLOCK))
+    moments: list[Moments] = []
+    for k, start in enumerate(range(0, task.trials, BLOCK)):
+        draw(problem, plan.seed, task.index * plan.blocks + k, x)
+        block = problem.evaluate(x)[:, : task.trials - start]
+        y[:, start : start + BLOCK] = block
+        moments.append(Moments.of(block))
+    total = reduce(add, moments)
+    settling = None
+    if plan.adaptive:
+        ends = interval_of_values(np.sort(y), plan.coverage, plan.interval)
+        settling = np.stack([total.mean, total.standard_uncertainty, *ends.T])
+    if task.grid is None:
+        return MacroBlock(moments=total, values=y, settling=settling)
+    return MacroBlock(moments=total, histogram=task.grid.count(y), settling=settling)
 
 
-def symmetric_interval(values: Array, coverage: float) -> tuple[float, float]:
-    """Return the probabilistically symmetric interval: JCGM 101:2008, 7.7.2."""
-    M = values.size
-    q = _count(M, coverage)
-    low = (M - q + 1) // 2  # r of 7.7.2, counted from 1
-    ends = np.partition(values, (low - 1, low + q - 1))
-    return float(ends[low - 1]), float(ends[low + q - 1])
+def _is_settled(
+    gathering: Gathering, problem: Problem, digits: int, part: float
+) -> bool:
+    """Whether every output has settled to its tolerance: JCGM 101:2008, 7.9.4 i)."""
+    tolerance = part * _tolerance(gathering, problem, digits)
+    return bool((gathering.reached() <= tolerance).all())
 
 
-def shortest_interval(values: Array, coverage: float) -> tuple[float, float]:
-    """Return the shortest interval: JCGM 101:2008, 7.7.4."""
-    ordered = np.sort(values)
-    q = _count(values.size, coverage)
-    best = int(np.argmin(ordered[q:] - ordered[:-q]))
-    return float(ordered[best]), float(ordered[best + q])
-
-
-def _count(M: int, coverage: float) -> int:
-    """Return q = p M as an integer that leaves a value on either side, 7.7.1."""
-    return min(max(int(M * coverage + 0.5), 1), M - 1)
-
-
-def _evaluate_block(problem: Problem, seed: int, block: int) -> Array:
-    """Return the outputs of one block, shape (n_out, BLOCK)."""
-    x = draw(problem, seed, block, np.empty((problem.n_inputs, BLOCK)))
-    return problem.evaluate(x)
-
-
-def _covariance(values: Array, mean: Array) -> Array:
-    """Return the sample covariance, block by block: no copy of all trials."""
-    n, trials = values.shape
-    C = np.zeros((n, n))
-    for start in range(0, trials, BLOCK):
-        deviation = values[:, start : start + BLOCK] - mean[:, None]
-        C += deviation @ deviation.T
-    return np.asarray(C / (trials - 1))
+def _tolerance(gathering: Gathering, problem: Problem, digits: int) -> Array:
+    """Return the numerical tolerance of every output at the u found so far [SI]."""
+    return numerical_tolerance(
+        gathering.moments.standard_uncertainty, problem.outputs, digits
+    )

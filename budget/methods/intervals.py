@@ -1,0 +1,126 @@
+"""Coverage intervals from trials, or from their histogram: JCGM 101:2008, 7.7."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from budget.arrays import Array
+
+KINDS = ("symmetric", "shortest")
+
+BINS = 24_000
+REACH = 12.0  # half-width of a histogram over the standard uncertainty: bins of u/1000
+
+
+def interval_of_values(ordered: Array, coverage: float, kind: str) -> Array:
+    """Return the coverage interval of sorted trials, shape (n_out, 2).
+
+    Parameters
+    ----------
+    ordered : ndarray, shape (n_out, M)
+        Trials of each output, ascending.
+    coverage : float
+        Probability p, above 0 and below 1.
+    kind : str
+        'symmetric' in probability (7.7.2) or 'shortest' (7.7.4).
+    """
+    M = ordered.shape[1]
+    q = min(max(int(M * coverage + 0.5), 1), M - 1)  # 7.7.1
+    if kind == "symmetric":
+        r = (M - q + 1) // 2 - 1  # 7.7.2, counted from 0
+        return np.stack([ordered[:, r], ordered[:, r + q]], axis=1)
+    r_best = np.argmin(ordered[:, q:] - ordered[:, :-q], axis=1)  # 7.7.4
+    rows = np.arange(len(ordered))
+    return np.stack([ordered[rows, r_best], ordered[rows, r_best + q]], axis=1)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Grid:
+    """Equal bins for every output; what falls outside counts in the outermost.
+
+    Attributes
+    ----------
+    low, width : ndarray, shape (n_out,)
+        Lower end of the first bin, width of a bin [SI].
+    """
+
+    low: Array
+    width: Array
+
+    @classmethod
+    def around(cls, mean: Array, u: Array) -> Grid:
+        """Lay bins of u/1000 over mean +- 12 u; a constant output gets any width."""
+        reach = REACH * np.where(u > 0.0, u, 1.0)
+        return cls(low=mean - reach, width=2.0 * reach / BINS)
+
+    def count(self, values: Array) -> Histogram:
+        """Count trials, shape (n_out, trials), in the bins."""
+        counts = np.empty((len(values), BINS))
+        for row, y in enumerate(values):
+            place = (y - self.low[row]) / self.width[row]
+            np.clip(place, 0, BINS - 1, out=place)
+            counts[row] = np.bincount(place.astype(np.intp), minlength=BINS)
+        return Histogram(
+            grid=self,
+            counts=counts,
+            least=values.min(axis=1),
+            largest=values.max(axis=1),
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Histogram:
+    """Counts of all trials of every output, and their extremes.
+
+    Attributes
+    ----------
+    grid : Grid
+    counts : ndarray, shape (n_out, BINS)
+    least, largest : ndarray, shape (n_out,)
+        Smallest and largest trial [SI].
+    """
+
+    grid: Grid
+    counts: Array
+    least: Array
+    largest: Array
+
+    def __add__(self, other: Histogram) -> Histogram:
+        """Return the histogram of both; they have the same grid."""
+        return Histogram(
+            grid=self.grid,
+            counts=self.counts + other.counts,
+            least=np.minimum(self.least, other.least),
+            largest=np.maximum(self.largest, other.largest),
+        )
+
+    def interval(self, coverage: float, kind: str) -> Array:
+        """Return the coverage interval, shape (n_out, 2), to a bin of u/1000."""
+        return np.array(
+            [self._interval(row, coverage, kind) for row in range(len(self.counts))]
+        )
+
+    def _interval(self, row: int, coverage: float, kind: str) -> tuple[float, float]:
+        """Return the interval of one output, by interpolation within bins."""
+        edges = self.grid.low[row] + self.grid.width[row] * np.arange(BINS + 1)
+        # The outermost bins reach to the extremes.
+        edges[0] = min(edges[0], self.least[row])
+        edges[-1] = max(edges[-1], self.largest[row])
+        below = np.concatenate([[0.0], np.cumsum(self.counts[row])])
+        below /= below[-1]
+        if kind == "symmetric":
+            tail = (1.0 - coverage) / 2.0
+            low, high = np.interp([tail, 1.0 - tail], below, edges)
+        else:
+            lows = edges[below <= 1.0 - coverage]
+            highs = np.interp(below[: lows.size] + coverage, below, edges)
+            best = int(np.argmin(highs - lows))
+            low, high = lows[best], highs[best]
+        return (
+            float(np.clip(low, self.least[row], self.largest[row])),
+            float(np.clip(high, self.least[row], self.largest[row])),
+        )

@@ -1,0 +1,91 @@
+"""May the law be trusted here? It against Monte Carlo: JCGM 101:2008, clause 8."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.methods.monte_carlo import sample
+from budget.methods.tolerance import numerical_tolerance
+from budget.results import Validation
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from concurrent.futures import Executor
+
+    from budget.methods.gum import Propagation
+    from budget.problem import Problem
+
+MAX_TRIALS = 250_000  # about what one digit takes for a normal output
+# Monte Carlo settles to a fifth of the tolerance that is judged with (8.2, note 3).
+PART = 0.2
+
+
+def validate(
+    problem: Problem,
+    law: Propagation,
+    *,
+    coverage: float = 0.95,
+    digits: int = 1,
+    max_trials: int = MAX_TRIALS,
+    seed: int = 0,
+    workers: int = 1,
+    executor: Executor | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[Validation, ...]:
+    """Compare the ends of the law's intervals with Monte Carlo ones.
+
+    d_low = |y - U - y_low|, d_high = |y + U - y_high| (8.1); the law holds where both
+    are within the numerical tolerance of the standard uncertainty. An output without
+    spread holds trivially.
+
+    Parameters
+    ----------
+    problem : Problem
+        Any.
+    law : Propagation
+        Of the same problem.
+    coverage : float
+        Of the intervals that are compared.
+    digits : int
+        Significant digits of the standard uncertainty that set the tolerance.
+    max_trials : int
+        Where Monte Carlo stops at the latest.
+    seed, workers, executor, progress
+        As of monte_carlo.sample.
+
+    Returns
+    -------
+    tuple of Validation
+        One for each output [SI].
+    """
+    drawn = sample(
+        problem,
+        digits=digits,
+        part=PART,
+        max_trials=max_trials,
+        coverage=coverage,
+        seed=seed,
+        workers=workers,
+        executor=executor,
+        progress=progress,
+    )
+    tolerance = numerical_tolerance(drawn.standard_uncertainty, problem.outputs, digits)
+    difference = np.abs(law.interval(coverage) - drawn.interval)
+    # Constants agree to the rounding of the computation, whatever their tolerance.
+    resolution = np.array([output.resolution for output in problem.outputs])
+    still = drawn.standard_uncertainty <= resolution
+    holds = (difference <= tolerance[:, None]).all(axis=1) | (
+        still & (law.standard_uncertainty <= resolution)
+    )
+    return tuple(
+        Validation(
+            trials=drawn.trials,
+            holds=bool(holds[k]),
+            difference_low=float(difference[k, 0]),
+            difference_high=float(difference[k, 1]),
+            tolerance=float(tolerance[k]),
+        )
+        for k in range(len(problem.outputs))
+    )
