@@ -25,6 +25,7 @@ FLOORS = (
     ("studies",),
     ("report",),
     ("cli",),
+    ("__main__",),
 )
 FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
 # The package's face hands on public names and loads them when they are asked for.

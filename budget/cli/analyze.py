@@ -11,11 +11,14 @@ def analyze(
     procedure: options.ProcedureFile = None,
     method: options.Method = "gum",
     trials: options.Trials = None,
+    digits: options.Digits = 1,
+    max_trials: options.MaxTrials = None,
     seed: options.Seed = 0,
     workers: options.Workers = 1,
     coverage: options.Coverage = None,
     interval: options.Interval = "symmetric",
     reference: options.Reference = None,
+    no_validate: options.NoValidate = False,
     only: options.Only = None,
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
@@ -27,11 +30,13 @@ def analyze(
     """
     from budget.cli.output import check_destinations, deliver
     from budget.cli.progress import progress
+    from budget.methods.monte_carlo import MAX_TRIALS
     from budget.spec import load_procedure
-    from budget.studies.analysis import DEFAULT_COVERAGE, DEFAULT_REFERENCE
     from budget.studies.analysis import analyze as run
+    from budget.studies.request import choose_basis
 
     check_destinations(json, csv)
+    basis = choose_basis(None, coverage=coverage, reference=reference)
     loaded = options.load_devices(devices)
     with progress(method) as show:
         budget = run(
@@ -39,11 +44,14 @@ def analyze(
             procedure=load_procedure(procedure),
             method=method,
             trials=trials,
+            digits=digits,
+            max_trials=max_trials or MAX_TRIALS,
+            validate=not no_validate,
             seed=seed,
             workers=workers,
-            coverage=DEFAULT_COVERAGE if coverage is None else coverage,
+            coverage=basis.coverage,
             interval=interval,
-            reference=DEFAULT_REFERENCE if reference is None else reference,
+            reference=basis.reference,
             only=only or (),
             progress=show,
         )

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
 BUILT_IN_DEVICE = "zhao-2019"
 STDOUT = Path("-")
+LEAST_TRIALS = 2
 
 
 def _coverage(text: str) -> float:
@@ -27,6 +28,18 @@ def _coverage(text: str) -> float:
             "as 0.95 or '95 %'"
         )
     return value
+
+
+def _trials(text: str) -> int | None:
+    """Read a number of trials; 'adaptive' is none."""
+    if text == "adaptive":
+        return None
+    if not text.isascii() or not text.isdigit() or int(text) < LEAST_TRIALS:
+        raise typer.BadParameter(
+            f"{text!r} is no number of trials; give a whole number, "
+            f"{LEAST_TRIALS} or more, or 'adaptive'"
+        )
+    return int(text)
 
 
 Devices = Annotated[
@@ -57,11 +70,32 @@ Method = Annotated[
 Trials = Annotated[
     int | None,
     typer.Option(
-        min=2,
-        metavar="N",
-        help="Monte Carlo trials (1000000) or simulated runs (200).",
+        parser=_trials,
+        metavar="N|adaptive",
+        help="Monte Carlo trials (adaptive) or simulated runs (200).",
         show_default=False,
     ),
+]
+Digits = Annotated[
+    int,
+    typer.Option(
+        min=1,
+        max=2,
+        help="Digits of the uncertainty that adaptive trials and validation make sure.",
+    ),
+]
+MaxTrials = Annotated[
+    int | None,
+    typer.Option(
+        min=2,
+        metavar="N",
+        help="Where adaptive trials stop at the latest (2000000).",
+        show_default=False,
+    ),
+]
+NoValidate = Annotated[
+    bool,
+    typer.Option("--no-validate", help="Do not check the law by Monte Carlo."),
 ]
 Seed = Annotated[int, typer.Option(min=0, metavar="S", help="Same seed, same numbers.")]
 Workers = Annotated[

@@ -23,19 +23,24 @@ def report(
     requirement: options.RequirementFile = None,
     method: options.Method = "gum",
     trials: options.Trials = None,
+    digits: options.Digits = 1,
+    max_trials: options.MaxTrials = None,
     seed: options.Seed = 0,
     workers: options.Workers = 1,
     coverage: options.Coverage = None,
     interval: options.Interval = "symmetric",
     reference: options.Reference = None,
+    no_validate: options.NoValidate = False,
 ) -> None:
     """Write the error budget as a report: verdict first, then what it stands on."""
     from budget.cli.progress import progress
+    from budget.methods.monte_carlo import MAX_TRIALS
     from budget.report.files import write_all
     from budget.report.html import render_html
     from budget.spec import load_procedure, load_requirement
-    from budget.studies.analysis import analyze, choose_basis
+    from budget.studies.analysis import analyze
     from budget.studies.conformity import assess
+    from budget.studies.request import choose_basis
 
     _check_suffixes(output)
     loaded = options.load_devices(devices)
@@ -49,6 +54,9 @@ def report(
             requirement=wanted,
             method=method,
             trials=trials,
+            digits=digits,
+            max_trials=max_trials or MAX_TRIALS,
+            validate=not no_validate,
             seed=seed,
             workers=workers,
             coverage=basis.coverage,

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from difflib import get_close_matches
 from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.errors import CallError
 from budget.methods.gum import propagate
-from budget.methods.monte_carlo import Sample, collect, sample
+from budget.methods.intervals import interval_of_values
+from budget.methods.monte_carlo import MAX_TRIALS, Sample, sample
+from budget.methods.validation import MAX_TRIALS as VALIDATION_TRIALS
+from budget.methods.validation import validate as validate_law
 from budget.physics.calibration import calibration_problem
 from budget.physics.simulation import simulate
-from budget.physics.sources import REFERENCES
 from budget.results import (
     INTERACTION,
     Budget,
@@ -22,30 +22,35 @@ from budget.results import (
     InputFile,
     OutputBudget,
     Settings,
+    Validation,
 )
 from budget.spec import load_procedure
-from budget.spec.lines import lines_of
+from budget.studies.request import (
+    DEFAULT_COVERAGE,
+    DEFAULT_REFERENCE,
+    check_numbers,
+    check_words,
+    choose_sources,
+    sensors_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+    from concurrent.futures import Executor
 
     from budget.arrays import Array
-    from budget.methods.execution import Progress
     from budget.methods.gum import Propagation
     from budget.problem import Problem
-    from budget.spec.records import Device, Procedure, Requirement, Sensor
+    from budget.spec.records import Device, Procedure, Requirement
 
-METHODS = ("gum", "monte-carlo", "simulation")
-INTERVALS = ("symmetric", "shortest")
-DEFAULT_COVERAGE = 0.95  # [1]
-DEFAULT_REFERENCE = "nominal"
-TRIALS = {"monte-carlo": 1_000_000, "simulation": 200}  # where none are asked for
+SIMULATED_RUNS = 200  # where no number is asked for
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Estimate:
     """What one method says of all outputs, in their order [SI]."""
 
+    trials: int | None
     mean: Array  # shape (n_out,)
     covariance: Array  # shape (n_out, n_out)
     interval: Array  # shape (n_out, 2)
@@ -57,14 +62,18 @@ def analyze(
     requirement: Requirement | None = None,
     method: str = "gum",
     trials: int | None = None,
+    digits: int = 1,
+    max_trials: int = MAX_TRIALS,
+    validate: bool = True,
     seed: int = 0,
     workers: int = 1,
+    executor: Executor | None = None,
     coverage: float = DEFAULT_COVERAGE,
     interval: str = "symmetric",
     reference: str = DEFAULT_REFERENCE,
     only: Sequence[str] = (),
     command: str = "analyze",
-    progress: Progress | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Budget:
     """Compute the error budget of a calibration.
 
@@ -80,11 +89,20 @@ def analyze(
         'gum' (law of propagation), 'monte-carlo' or 'simulation'. Contributions of
         the sources are the law's under every method.
     trials : int, optional
-        Monte Carlo trials (1,000,000) or simulated runs (200).
+        Monte Carlo trials (adaptive without) or simulated runs (200).
+    digits : int
+        Significant digits of the uncertainties that adaptive trials make sure, and
+        that the law is validated to; 1 or 2.
+    max_trials : int
+        Where adaptive trials stop at the latest.
+    validate : bool
+        Whether Monte Carlo checks the law.
     seed : int
         Same seed, same numbers.
     workers : int
         Number of processes; changes no number.
+    executor : concurrent.futures.Executor, optional
+        Does the work in place of local processes.
     coverage : float
         Probability of the intervals [1].
     interval : str
@@ -109,44 +127,67 @@ def analyze(
     """
     procedure = load_procedure(None) if procedure is None else procedure
     sensors = sensors_of(devices)
-    _check_words(method=method, interval=interval, reference=reference)
-    _check_numbers(trials=trials, seed=seed, workers=workers, coverage=coverage)
+    check_words(method=method, interval=interval, reference=reference)
+    check_numbers(
+        coverage, {"trials": (trials, 2), "seed": (seed, 0), "workers": (workers, 1)}
+    )
     chosen, warnings = choose_sources(sensors, only)
     problem = calibration_problem(sensors, procedure, reference=reference, only=chosen)
     law = propagate(problem)
+    validations: tuple[Validation | None, ...] = (None,) * len(problem.outputs)
     if method == "gum":
         estimate = Estimate(
-            mean=law.mean, covariance=law.covariance, interval=law.interval(coverage)
+            trials=None,
+            mean=law.mean,
+            covariance=law.covariance,
+            interval=law.interval(coverage),
         )
-        count = None
-    else:
-        count = TRIALS[method] if trials is None else trials
-        if method == "monte-carlo":
-            drawn = sample(
-                problem, trials=count, seed=seed, workers=workers, progress=progress
-            )
-        else:
-            one_run = partial(
-                simulate,
-                sensors,
-                procedure,
+        if validate:
+            validations = validate_law(
+                problem,
+                law,
+                coverage=coverage,
+                digits=digits,
+                max_trials=_validation_cap(digits),
                 seed=seed,
-                reference=reference,
-                only=chosen,
+                workers=workers,
+                executor=executor,
+                progress=progress,
             )
-            drawn = _repeat(one_run, count, progress)
+            warnings += _doubts(problem, validations)
+    elif method == "monte-carlo":
+        drawn = sample(
+            problem,
+            trials=trials,
+            digits=digits,
+            max_trials=max_trials,
+            coverage=coverage,
+            interval=interval,
+            seed=seed,
+            workers=workers,
+            executor=executor,
+            progress=progress,
+        )
+        warnings += _unsettled(problem, drawn)
         estimate = Estimate(
+            trials=drawn.trials,
             mean=drawn.mean,
             covariance=drawn.covariance,
-            interval=drawn.interval(coverage, interval),
+            interval=drawn.interval,
         )
+    else:
+        one_run = partial(
+            simulate, sensors, procedure, seed=seed, reference=reference, only=chosen
+        )
+        runs = SIMULATED_RUNS if trials is None else trials
+        estimate = _simulate(one_run, runs, coverage, interval, progress)
     return Budget(
         command=command,
         title=" + ".join(device.name for device in devices),
         inputs=_input_files(devices, procedure, requirement),
         settings=Settings(
             method=method,
-            trials=count,
+            trials=estimate.trials,
             seed=seed,
             coverage=coverage,
             interval=interval,
@@ -155,7 +196,7 @@ def analyze(
             normals_per_trial=problem.normals_per_trial,
             only=tuple(sorted(chosen)) if chosen is not None else (),
         ),
-        outputs=_output_budgets(problem, law, estimate),
+        outputs=_output_budgets(problem, law, estimate, validations),
         covariance=estimate.covariance,
         not_given=tuple(name for sensor in sensors for name in sensor.not_given),
         assumptions=(
@@ -166,157 +207,73 @@ def analyze(
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class Basis:
-    """What a statement about errors rests on."""
-
-    coverage: float
-    reference: str
-
-
-def choose_basis(
-    requirement: Requirement | None, *, coverage: float | None, reference: str | None
-) -> Basis:
-    """Return coverage and reference: the requirement's, where there is one.
-
-    Raises
-    ------
-    CallError
-        An option asks for another one than the requirement does.
-    """
-    if requirement is None:
-        return Basis(
-            coverage=DEFAULT_COVERAGE if coverage is None else coverage,
-            reference=DEFAULT_REFERENCE if reference is None else reference,
-        )
-    faults = [
-        f"--{name} {asked} differs from the requirement's {name} {rules}"
-        for name, asked, rules in (
-            ("coverage", coverage, requirement.coverage),
-            ("reference", reference, requirement.reference),
-        )
-        if asked is not None and asked != rules
-    ]
-    if faults:
-        raise CallError(
-            "; ".join(faults) + f"; leave the option out, or change it in "
-            f"{requirement.origin.file}"
-        )
-    return Basis(coverage=requirement.coverage, reference=requirement.reference)
-
-
-def sensors_of(devices: Sequence[Device]) -> tuple[Sensor, ...]:
-    """Return the triads of all devices, gyro first.
-
-    Raises
-    ------
-    CallError
-        There is no sensor, or two of one kind.
-    """
-    found: list[Sensor] = []
-    for kind in ("gyro", "accelerometer"):
-        of_kind = [s for d in devices for s in d.sensors if s.kind == kind]
-        if len(of_kind) > 1:
-            names = " and ".join(f"{sensor.device!r}" for sensor in of_kind)
-            raise CallError(
-                f"{names} both have a {kind}, one budget takes at most one; "
-                "give devices that complete each other, or `budget compare` them"
-            )
-        found.extend(of_kind)
-    if not found:
-        raise CallError("no device with a gyro or an accelerometer was given")
-    return tuple(found)
-
-
-def choose_sources(
-    sensors: Sequence[Sensor], only: Sequence[str]
-) -> tuple[frozenset[str] | None, tuple[str, ...]]:
-    """Resolve the names after `--only`.
-
-    Returns
-    -------
-    frozenset of str or None
-        Full names; None where nothing was chosen, so that everything counts.
-    tuple of str
-        Warnings about lines that a device does not give.
-
-    Raises
-    ------
-    CallError
-        A name is no source of these sensors.
-    """
-    if not only:
-        return None, ()
-    known = [f"{s.kind}.{line.name}" for s in sensors for line in lines_of(s.kind)]
-    given = {f"{s.kind}.{line.name}" for s in sensors for line in s.lines}
-    chosen: set[str] = set()
-    unknown = []
-    for name in only:
-        full = [k for k in known if name in (k, k.split(".")[1])]
-        if not full:
-            near = get_close_matches(name, [*known, *(k.split(".")[1] for k in known)])
-            hint = f"; did you mean {near[0]!r}?" if near else ""
-            unknown.append(f"{name!r} is no source of these devices{hint}")
-        chosen.update(full)
-    if unknown:
-        raise CallError(
-            "--only: " + "; ".join(unknown) + ". Known: " + ", ".join(known)
-        )
-    absent = sorted(chosen - given)
-    return frozenset(chosen), tuple(
-        f"{name} was asked for alone, but the device does not give it: taken as 0"
-        for name in absent
-    )
-
-
-def _check_words(*, method: str, interval: str, reference: str) -> None:
-    """Refuse words that name no choice, all at once."""
-    faults = [
-        f"{name} is {value!r}, allowed: {', '.join(allowed)}"
-        for name, value, allowed in (
-            ("method", method, METHODS),
-            ("interval", interval, INTERVALS),
-            ("reference", reference, REFERENCES),
-        )
-        if value not in allowed
-    ]
-    if faults:
-        raise CallError("; ".join(faults))
-
-
-def _check_numbers(
-    *, trials: int | None, seed: int, workers: int, coverage: float
-) -> None:
-    """Refuse numbers that mean nothing, all at once."""
-    faults = [
-        f"{name} is {number}, allowed: {least} or more"
-        for name, number, least in (
-            ("trials", trials, 2),
-            ("seed", seed, 0),
-            ("workers", workers, 1),
-        )
-        if number is not None and number < least
-    ]
-    if not 0.0 < coverage < 1.0:
-        faults.append(f"coverage is {coverage!r}, allowed: above 0 and below 1")
-    if faults:
-        raise CallError("; ".join(faults))
-
-
-def _repeat(
-    one_run: Callable[..., Array], runs: int, progress: Progress | None
-) -> Sample:
-    """Simulate the calibration run after run."""
+def _simulate(
+    one_run: Callable[..., Array],
+    runs: int,
+    coverage: float,
+    interval: str,
+    progress: Callable[[int, int], None] | None,
+) -> Estimate:
+    """Simulate the calibration run after run, and take moments and intervals."""
     columns = []
     for run in range(runs):
         columns.append(one_run(run=run))
         if progress is not None:
             progress(run + 1, runs)
-    return collect(np.stack(columns, axis=1))
+    errors = np.stack(columns, axis=1)
+    return Estimate(
+        trials=runs,
+        mean=errors.mean(axis=1),
+        covariance=np.cov(errors),
+        interval=interval_of_values(np.sort(errors), coverage, interval),
+    )
+
+
+def _validation_cap(digits: int) -> int:
+    """Return the trials that validation takes at the most."""
+    # Two digits make the tolerance ten times smaller, the trials a hundred times more.
+    return VALIDATION_TRIALS * (100 if digits > 1 else 1)
+
+
+def _doubts(problem: Problem, validations: tuple[Validation, ...]) -> tuple[str, ...]:
+    """Warn of outputs for which Monte Carlo does not confirm the law."""
+    doubtful = [
+        output.name
+        for output, validation in zip(problem.outputs, validations, strict=True)
+        if not validation.holds
+    ]
+    if not doubtful:
+        return ()
+    return (
+        (
+    # Two digits make the tolerance a tenth, and the trials a hundred times as many.
+            f"for {', '.join(doubtful)}: use --method monte-carlo for these"
+        ),
+    )
+
+
+def _unsettled(problem: Problem, drawn: Sample) -> tuple[str, ...]:
+    """Warn of outputs that the trials allowed were too few for."""
+    names = [
+        output.name
+        for output, settled in zip(problem.outputs, drawn.is_settled, strict=True)
+        if not settled
+    ]
+    if not names:
+        return ()
+    return (
+        (
+            f"{drawn.trials} trials were the most allowed and too few to settle "
+            f"{', '.join(names)} to the digits asked for: raise --max-trials"
+        ),
+    )
 
 
 def _output_budgets(
-    problem: Problem, law: Propagation, estimate: Estimate
+    problem: Problem,
+    law: Propagation,
+    estimate: Estimate,
+    validations: tuple[Validation | None, ...],
 ) -> tuple[OutputBudget, ...]:
     """Put the estimate and the law's contributions together, output by output."""
     names = [group.name for group in problem.groups]
@@ -348,6 +305,7 @@ def _output_budgets(
                     )
                     for name, variance in variances
                 ),
+                validation=validations[k],
             )
         )
     return tuple(budgets)

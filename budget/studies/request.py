@@ -1,0 +1,152 @@
+"""What is asked for: which sensors and sources, at which coverage and reference."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import TYPE_CHECKING
+
+from budget.errors import CallError
+from budget.methods.intervals import KINDS as INTERVALS
+from budget.physics.sources import REFERENCES
+from budget.spec.lines import lines_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from budget.spec.records import Device, Requirement, Sensor
+
+METHODS = ("gum", "monte-carlo", "simulation")
+DEFAULT_COVERAGE = 0.95  # [1]
+DEFAULT_REFERENCE = "nominal"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Basis:
+    """What a statement about errors rests on."""
+
+    coverage: float
+    reference: str
+
+
+def choose_basis(
+    requirement: Requirement | None, *, coverage: float | None, reference: str | None
+) -> Basis:
+    """Return coverage and reference: the requirement's, where there is one.
+
+    Raises
+    ------
+    CallError
+        An option asks for another one than the requirement does.
+    """
+    if requirement is None:
+        return Basis(
+            coverage=DEFAULT_COVERAGE if coverage is None else coverage,
+            reference=DEFAULT_REFERENCE if reference is None else reference,
+        )
+    faults = [
+        f"--{name} {asked} differs from the requirement's {name} {rules}"
+        for name, asked, rules in (
+            ("coverage", coverage, requirement.coverage),
+            ("reference", reference, requirement.reference),
+        )
+        if asked is not None and asked != rules
+    ]
+    if faults:
+        raise CallError(
+            "; ".join(faults) + f"; leave the option out, or change it in "
+            f"{requirement.origin.file}"
+        )
+    return Basis(coverage=requirement.coverage, reference=requirement.reference)
+
+
+def sensors_of(devices: Sequence[Device]) -> tuple[Sensor, ...]:
+    """Return the triads of all devices, gyro first.
+
+    Raises
+    ------
+    CallError
+        There is no sensor, or two of one kind.
+    """
+    found: list[Sensor] = []
+    for kind in ("gyro", "accelerometer"):
+        of_kind = [s for d in devices for s in d.sensors if s.kind == kind]
+        if len(of_kind) > 1:
+            names = " and ".join(f"{sensor.device!r}" for sensor in of_kind)
+            raise CallError(
+                f"{names} both have a {kind}, one budget takes at most one; "
+                "give devices that complete each other, or `budget compare` them"
+            )
+        found.extend(of_kind)
+    if not found:
+        raise CallError("no device with a gyro or an accelerometer was given")
+    return tuple(found)
+
+
+def choose_sources(
+    sensors: Sequence[Sensor], only: Sequence[str]
+) -> tuple[frozenset[str] | None, tuple[str, ...]]:
+    """Resolve the names after `--only`.
+
+    Returns
+    -------
+    frozenset of str or None
+        Full names; None where nothing was chosen, so that everything counts.
+    tuple of str
+        Warnings about lines that a device does not give.
+
+    Raises
+    ------
+    CallError
+        A name is no source of these sensors.
+    """
+    if not only:
+        return None, ()
+    known = [f"{s.kind}.{line.name}" for s in sensors for line in lines_of(s.kind)]
+    given = {f"{s.kind}.{line.name}" for s in sensors for line in s.lines}
+    chosen: set[str] = set()
+    unknown = []
+    for name in only:
+        full = [k for k in known if name in (k, k.split(".")[1])]
+        if not full:
+            near = get_close_matches(name, [*known, *(k.split(".")[1] for k in known)])
+            hint = f"; did you mean {near[0]!r}?" if near else ""
+            unknown.append(f"{name!r} is no source of these devices{hint}")
+        chosen.update(full)
+    if unknown:
+        raise CallError(
+            "--only: " + "; ".join(unknown) + ". Known: " + ", ".join(known)
+        )
+    absent = sorted(chosen - given)
+    return frozenset(chosen), tuple(
+        f"{name} was asked for alone, but the device does not give it: taken as 0"
+        for name in absent
+    )
+
+
+def check_words(*, method: str, interval: str, reference: str) -> None:
+    """Refuse words that name no choice, all at once."""
+    faults = [
+        f"{name} is {value!r}, allowed: {', '.join(allowed)}"
+        for name, value, allowed in (
+            ("method", method, METHODS),
+            ("interval", interval, INTERVALS),
+            ("reference", reference, REFERENCES),
+        )
+        if value not in allowed
+    ]
+    if faults:
+        raise CallError("; ".join(faults))
+
+
+def check_numbers(coverage: float, counts: dict[str, tuple[int | None, int]]) -> None:
+    """Refuse numbers that mean nothing, all at once; counts are {name: (n, least)}."""
+    faults = [
+        f"{name} is {number}, allowed: {least} or more"
+        for name, (number, least) in counts.items()
+        if number is not None and number < least
+    ]
+    if not 0.0 < coverage < 1.0:
+        faults.append(f"coverage is {coverage!r}, allowed: above 0 and below 1")
+    if faults:
+        raise CallError("; ".join(faults))
