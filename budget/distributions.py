@@ -48,6 +48,19 @@ class Distribution:
             np.sin(out, out=out)
             out *= self.half_width
 
+    def quantile(self, p: Array) -> Array:
+        """Return the inverse of the distribution function, same shape as p [u]."""
+        if self.name == "normal":
+            from scipy.special import ndtri
+
+            return np.asarray(ndtri(p))
+        if self.name == "uniform":
+            return np.asarray((2.0 * p - 1.0) * self.half_width)
+        if self.name == "triangular":
+            tail = np.minimum(p, 1.0 - p)
+            return np.copysign(1.0 - np.sqrt(2.0 * tail), p - 0.5) * self.half_width
+        return np.sin(pi * (p - 0.5)) * self.half_width  # arcsine
+
 
 NORMAL = Distribution("normal", inf, 3.0)
 UNIFORM = Distribution("uniform", sqrt(3.0), 9.0 / 5.0)  # JCGM 100:2008, 4.3.7

@@ -21,14 +21,38 @@ TOTAL = "total"
 
 
 @dataclass(frozen=True, kw_only=True)
+class SobolIndex:
+    """First-order and total index of one source for one output, with intervals [1].
+
+    An estimate below 0 is shown as 0; its interval is left as it is.
+    """
+
+    first: float
+    first_interval: tuple[float, float]
+    total: float
+    total_interval: tuple[float, float]
+    interacts: bool  # whether total is above first beyond chance
+    rank: int  # by total index; sources that cannot be told apart share it
+
+
+@dataclass(frozen=True, kw_only=True)
 class Contribution:
     """What one source alone does to one output, by the first- and second-order law."""
 
     source: str
     standard_uncertainty: float  # [SI unit of the output]
     share: float  # of the law's own total variance [1]
-    sobol_first: float | None = None  # first-order index [1]
-    sobol_total: float | None = None  # total index [1]
+    sobol: SobolIndex | None = None
+
+    @property
+    def sobol_first(self) -> float | None:
+        """First-order index [1], None where it was not estimated."""
+        return None if self.sobol is None else self.sobol.first
+
+    @property
+    def sobol_total(self) -> float | None:
+        """Total index [1], None where it was not estimated."""
+        return None if self.sobol is None else self.sobol.total
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,6 +121,9 @@ class Settings:
     formulas: str
     normals_per_trial: int
     only: tuple[str, ...] = ()
+    digits: int = 1  # that adaptive trials and validation make sure
+    sobol_samples: int | None = None  # points in one scramble
+    sobol_scrambles: int | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -227,17 +254,29 @@ def _output_document(row: OutputBudget) -> dict[str, Any]:
         "standard_uncertainty": row.standard_uncertainty / scale,
         "interval": [end / scale for end in row.interval],
         "contributions": [
-            {
-                "source": part.source,
-                "standard_uncertainty": part.standard_uncertainty / scale,
-                "share": part.share,
-                "sobol_first": part.sobol_first,
-                "sobol_total": part.sobol_total,
-            }
-            for part in row.contributions
+            _contribution_document(part, scale) for part in row.contributions
         ],
         "validation": validation,
     }
+
+
+def _contribution_document(part: Contribution, scale: float) -> dict[str, Any]:
+    """Return one entry of `contributions`, in printed units."""
+    document: dict[str, Any] = {
+        "source": part.source,
+        "standard_uncertainty": part.standard_uncertainty / scale,
+        "share": part.share,
+        "sobol_first": part.sobol_first,
+        "sobol_total": part.sobol_total,
+    }
+    if part.sobol is not None:
+        document |= {
+            "sobol_first_interval": list(part.sobol.first_interval),
+            "sobol_total_interval": list(part.sobol.total_interval),
+            "sobol_interacts": part.sobol.interacts,
+            "sobol_rank": part.sobol.rank,
+        }
+    return document
 
 
 @dataclass(frozen=True, kw_only=True)

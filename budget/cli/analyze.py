@@ -19,6 +19,8 @@ def analyze(
     interval: options.Interval = "symmetric",
     reference: options.Reference = None,
     no_validate: options.NoValidate = False,
+    sobol: options.Sobol = False,
+    samples: options.Samples = None,
     only: options.Only = None,
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
@@ -31,6 +33,7 @@ def analyze(
     from budget.cli.output import check_destinations, deliver
     from budget.cli.progress import progress
     from budget.methods.monte_carlo import MAX_TRIALS
+    from budget.methods.sobol import SAMPLES
     from budget.spec import load_procedure
     from budget.studies.analysis import analyze as run
     from budget.studies.request import choose_basis
@@ -52,6 +55,7 @@ def analyze(
             coverage=basis.coverage,
             interval=interval,
             reference=basis.reference,
+            samples=(samples or SAMPLES) if sobol or samples else None,
             only=only or (),
             progress=show,
         )

@@ -93,6 +93,18 @@ MaxTrials = Annotated[
         show_default=False,
     ),
 ]
+Sobol = Annotated[
+    bool, typer.Option("--sobol", help="Estimate Sobol' indices of the sources too.")
+]
+Samples = Annotated[
+    int | None,
+    typer.Option(
+        min=2,
+        metavar="N",
+        help="Sobol' points in each of 8 scrambles (2048).",
+        show_default=False,
+    ),
+]
 NoValidate = Annotated[
     bool,
     typer.Option("--no-validate", help="Do not check the law by Monte Carlo."),

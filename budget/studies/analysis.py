@@ -11,6 +11,7 @@ import numpy as np
 from budget.methods.gum import propagate
 from budget.methods.intervals import interval_of_values
 from budget.methods.monte_carlo import MAX_TRIALS, Sample, sample
+from budget.methods.sobol import SobolResult, sobol
 from budget.methods.validation import MAX_TRIALS as VALIDATION_TRIALS
 from budget.methods.validation import validate as validate_law
 from budget.physics.calibration import calibration_problem
@@ -22,6 +23,7 @@ from budget.results import (
     InputFile,
     OutputBudget,
     Settings,
+    SobolIndex,
     Validation,
 )
 from budget.spec import load_procedure
@@ -43,6 +45,8 @@ if TYPE_CHECKING:
     from budget.problem import Problem
     from budget.spec.records import Device, Procedure, Requirement
 
+# An interaction below this is the rounding of the estimators [1].
+ROUNDING = 1e-9
 SIMULATED_RUNS = 200  # where no number is asked for
 
 
@@ -71,6 +75,7 @@ def analyze(
     coverage: float = DEFAULT_COVERAGE,
     interval: str = "symmetric",
     reference: str = DEFAULT_REFERENCE,
+    samples: int | None = None,
     only: Sequence[str] = (),
     command: str = "analyze",
     progress: Callable[[int, int], None] | None = None,
@@ -109,6 +114,8 @@ def analyze(
         'symmetric' or 'shortest'; by the law both are mean +- k u.
     reference : str
         What errors are counted from: 'nominal', 'as_tested', 'next_turn_on'.
+    samples : int, optional
+        Points in one of eight scrambles for Sobol' indices; without it there are none.
     only : sequence of str
         Sources that count, all others 0; a bare name means both sensors.
     command : str
@@ -181,6 +188,16 @@ def analyze(
         )
         runs = SIMULATED_RUNS if trials is None else trials
         estimate = _simulate(one_run, runs, coverage, interval, progress)
+    indices = None
+    if samples is not None:
+        indices = sobol(
+            problem,
+            samples=samples,
+            seed=seed,
+            workers=workers,
+            executor=executor,
+            progress=progress,
+        )
     return Budget(
         command=command,
         title=" + ".join(device.name for device in devices),
@@ -195,8 +212,11 @@ def analyze(
             formulas=procedure.formulas,
             normals_per_trial=problem.normals_per_trial,
             only=tuple(sorted(chosen)) if chosen is not None else (),
+            digits=digits,
+            sobol_samples=None if indices is None else indices.samples,
+            sobol_scrambles=None if indices is None else indices.scrambles,
         ),
-        outputs=_output_budgets(problem, law, estimate, validations),
+        outputs=_output_budgets(problem, law, estimate, validations, indices),
         covariance=estimate.covariance,
         not_given=tuple(name for sensor in sensors for name in sensor.not_given),
         assumptions=(
@@ -231,7 +251,7 @@ def _simulate(
 
 def _validation_cap(digits: int) -> int:
     """Return the trials that validation takes at the most."""
-    # Two digits make the tolerance ten times smaller, the trials a hundred times more.
+    # A tolerance ten times smaller takes a hundred times as many trials.
     return VALIDATION_TRIALS * (100 if digits > 1 else 1)
 
 
@@ -244,12 +264,11 @@ def _doubts(problem: Problem, validations: tuple[Validation, ...]) -> tuple[str,
     ]
     if not doubtful:
         return ()
-    return (
-        (
-    # Two digits make the tolerance a tenth, and the trials a hundred times as many.
-            f"for {', '.join(doubtful)}: use --method monte-carlo for these"
-        ),
+    text = (
+        "the law of propagation is not confirmed by Monte Carlo (JCGM 101, clause 8) "
+        f"for {', '.join(doubtful)}: use --method monte-carlo for these"
     )
+    return (text,)
 
 
 def _unsettled(problem: Problem, drawn: Sample) -> tuple[str, ...]:
@@ -261,12 +280,11 @@ def _unsettled(problem: Problem, drawn: Sample) -> tuple[str, ...]:
     ]
     if not names:
         return ()
-    return (
-        (
-            f"{drawn.trials} trials were the most allowed and too few to settle "
-            f"{', '.join(names)} to the digits asked for: raise --max-trials"
-        ),
+    text = (
+        f"{drawn.trials} trials were the most allowed and too few to settle "
+        f"{', '.join(names)} to the digits asked for: raise --max-trials"
     )
+    return (text,)
 
 
 def _output_budgets(
@@ -274,6 +292,7 @@ def _output_budgets(
     law: Propagation,
     estimate: Estimate,
     validations: tuple[Validation | None, ...],
+    indices: SobolResult | None,
 ) -> tuple[OutputBudget, ...]:
     """Put the estimate and the law's contributions together, output by output."""
     names = [group.name for group in problem.groups]
@@ -302,6 +321,7 @@ def _output_budgets(
                         source=name,
                         standard_uncertainty=float(np.sqrt(max(variance, 0.0))),
                         share=variance / total if total > 0.0 else 0.0,
+                        sobol=_sobol_index(indices, name, k),
                     )
                     for name, variance in variances
                 ),
@@ -309,6 +329,26 @@ def _output_budgets(
             )
         )
     return tuple(budgets)
+
+
+def _sobol_index(
+    indices: SobolResult | None, source: str, output: int
+) -> SobolIndex | None:
+    """Return the indices of one source for one output, None where there are none."""
+    if indices is None or source not in indices.factors:
+        return None
+    f = indices.factors.index(source)
+    first, total, both = indices.first, indices.total, indices.interaction
+    if np.isnan(total.value[f, output]):  # the output does not vary
+        return None
+    return SobolIndex(
+        first=max(float(first.value[f, output]), 0.0),
+        first_interval=(float(first.low[f, output]), float(first.high[f, output])),
+        total=max(float(total.value[f, output]), 0.0),
+        total_interval=(float(total.low[f, output]), float(total.high[f, output])),
+        interacts=bool(both.low[f, output] > ROUNDING),
+        rank=indices.ranks(output)[f],
+    )
 
 
 def _input_files(
