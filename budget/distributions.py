@@ -1,4 +1,4 @@
-"""Shapes of input quantities: mean 0, standard uncertainty 1, symmetric."""
+"""Shapes of input quantities: centred on 0, standard uncertainty 1, symmetric."""
 
 from __future__ import annotations
 
@@ -24,16 +24,22 @@ class Distribution:
         Half-width over standard uncertainty, a/u [1]; infinite for the normal one.
     kurtosis : float
         Fourth central moment over u^4 [1]; the second-order law needs it.
+    degrees_of_freedom : float
+        Of a standard uncertainty from few readings; infinite where it is known.
     """
 
     name: str
     half_width: float
     kurtosis: float
+    degrees_of_freedom: float = inf
 
     def draw(self, rng: np.random.Generator, out: Array) -> None:
         """Fill `out` (any shape, C-contiguous) with independent variates [u]."""
         if self.name == "normal":
             rng.standard_normal(out=out)
+            return
+        if self.name == "student_t":  # JCGM 101:2008, 6.4.9
+            out[...] = rng.standard_t(self.degrees_of_freedom, out.shape)
             return
         rng.random(out=out)
         if self.name == "uniform":  # JCGM 101:2008, 6.4.2
@@ -54,6 +60,10 @@ class Distribution:
             from scipy.special import ndtri
 
             return np.asarray(ndtri(p))
+        if self.name == "student_t":
+            from scipy.special import stdtrit
+
+            return np.asarray(stdtrit(self.degrees_of_freedom, p))
         if self.name == "uniform":
             return np.asarray((2.0 * p - 1.0) * self.half_width)
         if self.name == "triangular":
@@ -67,4 +77,21 @@ UNIFORM = Distribution("uniform", sqrt(3.0), 9.0 / 5.0)  # JCGM 100:2008, 4.3.7
 TRIANGULAR = Distribution("triangular", sqrt(6.0), 12.0 / 5.0)  # JCGM 100:2008, 4.3.9
 ARCSINE = Distribution("arcsine", sqrt(2.0), 3.0 / 2.0)  # JCGM 101:2008, 6.4.6
 
+
+def student_t(degrees_of_freedom: float) -> Distribution:
+    """Return the shape of a mean of few readings, s/sqrt(n) being its u.
+
+    JCGM 101:2008, 6.4.9: the density is Student's t scaled by u. Its own standard
+    deviation is larger than u, sqrt(v/(v - 2)) u, and infinite up to v = 2; the law of
+    propagation counts u and carries v (JCGM 100:2008, G.4), as the guide does.
+
+    Parameters
+    ----------
+    degrees_of_freedom : float
+        v, above 0.
+    """
+    return Distribution("student_t", inf, 3.0, degrees_of_freedom)
+
+
+# The shapes that a device file can name.
 BY_NAME = {d.name: d for d in (NORMAL, UNIFORM, TRIANGULAR, ARCSINE)}

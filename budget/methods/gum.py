@@ -44,6 +44,8 @@ class Propagation:
     interaction_variance : ndarray, shape (n_out,)
         Variance from products of two sources; with the rows above it adds up to the
         diagonal of `covariance`.
+    degrees_of_freedom : ndarray, shape (n_out,)
+        Effective ones, JCGM 100:2008, eq. (G.2b); infinite where all inputs' are.
     C : ndarray, shape (n_out, n_in)
         Sensitivities.
     H : ndarray, shape (n_out, n_in, n_in)
@@ -56,6 +58,7 @@ class Propagation:
     first_order: Array
     source_variance: Array
     interaction_variance: Array
+    degrees_of_freedom: Array
     C: Array
     H: Array
 
@@ -64,12 +67,22 @@ class Propagation:
         """Standard uncertainties of the outputs, shape (n_out,)."""
         return np.sqrt(np.diag(self.covariance))
 
-    def interval(self, coverage: float) -> Array:
-        """Return mean +- k u, k of the normal law, shape (n_out, 2)."""
-        from scipy.special import ndtri
+    def coverage_factor(self, coverage: float) -> Array:
+        """Return k of every output, shape (n_out,) [1].
 
-        k = float(ndtri((1.0 + coverage) / 2.0))
-        U = k * self.standard_uncertainty
+        Of the normal law, or of Student's t for the effective degrees of freedom,
+        cut to the integer below: JCGM 100:2008, G.4.
+        """
+        from scipy.special import ndtri, stdtrit
+
+        p = (1.0 + coverage) / 2.0
+        known = np.isinf(self.degrees_of_freedom)
+        whole = np.floor(np.where(known, 1.0, self.degrees_of_freedom))
+        return np.asarray(np.where(known, ndtri(p), stdtrit(np.maximum(whole, 1.0), p)))
+
+    def interval(self, coverage: float) -> Array:
+        """Return mean +- k u, shape (n_out, 2)."""
+        U = self.coverage_factor(coverage) * self.standard_uncertainty
         return np.stack([self.mean - U, self.mean + U], axis=1)
 
 
@@ -118,9 +131,24 @@ def propagate(problem: Problem) -> Propagation:
         first_order=first_order,
         source_variance=alone,
         interaction_variance=np.where(within, 0.0, pair).sum(axis=(1, 2)),
+        degrees_of_freedom=_effective_degrees_of_freedom(problem, C, first_order),
         C=C,
         H=H,
     )
+
+
+def _effective_degrees_of_freedom(
+    problem: Problem, C: Array, first_order: Array
+) -> Array:
+    """Return the Welch-Satterthwaite formula, shape (n_out,): (G.2b)."""
+    v = np.array(
+        [d.degrees_of_freedom for g in problem.groups for d in g.distributions]
+    )
+    u = np.sqrt(np.concatenate([np.diag(g.covariance) for g in problem.groups]))
+    parts = ((C * u) ** 4 / v).sum(axis=1)
+    combined = np.diag(first_order) ** 2
+    few = parts > 0.0
+    return np.where(few, combined / np.where(few, parts, 1.0), np.inf)
 
 
 def _excess(problem: Problem) -> Array:
