@@ -1,0 +1,93 @@
+"""The command line as a user types it: in this process, or in one of its own."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import subprocess
+import sys
+from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import dataclass
+from unittest.mock import patch
+
+from budget.cli import main
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """What a call left behind: its exit code and both streams."""
+
+    code: int
+    out: str
+    err: str
+
+    @property
+    def document(self):
+        """The JSON document on stdout, which is all that may stand there."""
+        return json.loads(self.out)
+
+
+def call(*args):
+    """Call the command line in this process, which saves the start of another."""
+    out, err = io.StringIO(), io.StringIO()
+    code = 0
+    with (
+        patch.object(sys, "argv", ["budget", *map(str, args)]),
+        redirect_stdout(out),
+        redirect_stderr(err),
+    ):
+        try:
+            main()
+        except SystemExit as stop:
+            code = stop.code or 0
+    return Outcome(code=code, out=out.getvalue(), err=err.getvalue())
+
+
+def start(*args, cwd, python=sys.executable, **environment):
+    """Start `python -m budget` in a folder, with more in its environment.
+
+    The folder is never the checkout, which `-m` would put before what is installed.
+    """
+    run = subprocess.run(
+        [python, "-m", "budget", *map(str, args)],
+        cwd=cwd,
+        capture_output=True,
+        check=False,
+        env={**os.environ, "PYTHONIOENCODING": "utf-8", **environment},
+    )
+    return Outcome(
+        code=run.returncode, out=run.stdout.decode(), err=run.stderr.decode()
+    )
+
+
+def analyze(*args):
+    """Return the document of a budget that is not validated."""
+    run = call("analyze", *args, "--no-validate", "--json", "-")
+    assert run.code == 0, run.err
+    return run.document
+
+
+def output(document, name):
+    """Return the entry of one output by its dotted name."""
+    (entry,) = (
+        row
+        for row in document["outputs"]
+        if name == f"{row['sensor']}.{row['parameter']}.{row['axis']}"
+    )
+    return entry
+
+
+def contribution(document, name, source):
+    """Return what one source does to one output."""
+    (part,) = (
+        part
+        for part in output(document, name)["contributions"]
+        if part["source"] == source
+    )
+    return part
+
+
+def last_digit(printed):
+    """One unit in the last printed digit."""
+    return 10.0 ** -len(printed.partition(".")[2])
