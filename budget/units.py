@@ -37,7 +37,7 @@ _FACTOR = rf"(?:sqrt\({_NAME}\)|{_NAME}(?:(?:\^|\*\*)?2)?)"
 _PRODUCT = rf"{_FACTOR}(?:[/*]{_FACTOR})*"
 _TERM = rf"(?:{_FACTOR}|\({_PRODUCT}\))"
 _UNIT = re.compile(rf"{_TERM}(?:[/*]{_TERM})*")
-_QUANTITY = re.compile(rf"({NUMBER})\s*([^\s\d.,:_+-]\S*(?: \S+)*)")
+_QUANTITY = re.compile(rf"((?>{NUMBER}))\s*([^\s\d.,:_+-]\S*(?: \S+)*)")
 _LONGEST = 100  # characters; the longest figure on a data sheet has about 20
 _NEAR = 0.5  # likeness from which one unit may be a slip for another
 
@@ -232,6 +232,8 @@ def _plain(unit: str) -> str:
     return re.sub(_NAME, lambda name: ALIASES.get(name[0], name[0]), text)
 
 
+# Cached like the sizes: every variant of a device repeats the mistakes of its base.
+@lru_cache(maxsize=1024)
 def _explain_text(text: str, kind: Kind) -> str:
     """Say what is wrong with a text that is no number followed by a unit."""
     shown = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
@@ -251,6 +253,7 @@ def _explain_text(text: str, kind: Kind) -> str:
     return f"{found}, which is no number with a unit, {allowed}{hint}"
 
 
+@lru_cache(maxsize=1024)
 def _explain_unit(
     text: str, number: str, unit: str, kind: Kind, size: _Size | None
 ) -> str:

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import re
 from difflib import get_close_matches
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from budget.errors import SpecError
-from budget.spec.tree import describe, plain
+from budget.spec.tree import MOST_ISSUES, all_of, describe, plain
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
 
     from pydantic_core import ErrorDetails
 
@@ -69,23 +69,18 @@ def check(
     try:
         checked = model.model_validate(plain(root), context=context)
     except ValidationError as error:
-        for detail in error.errors(include_url=False):
-            issues.extend(_issue(document, root, model, detail))
+        details = error.errors(include_url=False)[: MOST_ISSUES + 1]
+        issues.extend(_issue(document, root, model, detail) for detail in details)
     if not issues and not document.issues:
         return checked
-    # A place that is no sound YAML has its issue already.
+    # What is no sound YAML has its issue already, and no value for a model.
     known = {(issue.line, issue.column) for issue in document.issues}
     new = [issue for issue in issues if (issue.line, issue.column) not in known]
     raise all_of([*document.issues, *new])
 
 
-def all_of(issues: Iterable[Issue]) -> SpecError:
-    """Return the error that says all issues, each once, in the order of the file."""
-    unique = dict.fromkeys(issues)
-    return SpecError(tuple(sorted(unique, key=lambda i: (i.line, i.column))))
-
-
-def nearest(word: str, allowed: Iterable[str]) -> str:
+@lru_cache(maxsize=1024)
+def nearest(word: str, allowed: tuple[str, ...]) -> str:
     """Return a hint at the allowed word that is nearest, or ''."""
     by_lower = {name.lower(): name for name in allowed}
     near = get_close_matches(word.lower(), by_lower, n=1)
@@ -94,35 +89,32 @@ def nearest(word: str, allowed: Iterable[str]) -> str:
 
 def _issue(
     document: Document, root: Node, model: type[BaseModel], detail: ErrorDetails
-) -> list[Issue]:
+) -> Issue:
     """Say one finding of pydantic in our words, at its place in the file."""
     steps = detail["loc"]
     node = root.nearest(steps)
     kind, given = detail["type"], node.value
     if kind == "missing":
-        parent = root.nearest(steps[:-1])
-        if parent.child(steps[-1]) is not None:  # there, but no value: said already
-            return []
-        return [document.issue(parent, f"{steps[-1]!r} is missing, expected it here")]
+        return document.issue(node, f"{steps[-1]!r} is missing, expected it here")
     if kind == "extra_forbidden":
-        allowed = list(_model_at(model, steps[:-1]).model_fields)
+        allowed = tuple(_model_at(model, steps[:-1]).model_fields)
         message = (
             f"unknown key {describe(str(steps[-1]))}, allowed: {', '.join(allowed)}"
             f"{nearest(str(steps[-1]), allowed)}"
         )
-        return [document.issue(node, message, on_key=True)]
+        return document.issue(node, message, on_key=True)
     found = node.written if isinstance(given, int | float) else describe(given)
     if kind == "budget":
         message = detail["msg"]
     elif kind == "literal_error":
-        words = re.findall(r"'([^']*)'", detail["ctx"]["expected"])
+        words = tuple(re.findall(r"'([^']*)'", detail["ctx"]["expected"]))
         hint = nearest(node.written, words)
         message = f"found {found}, expected {detail['ctx']['expected']}{hint}"
     elif kind in _EXPECTED:
         message = f"found {found}, {_EXPECTED[kind]}{_mended(node, kind)}"
     else:
         message = f"found {found}; {detail['msg'].lower()}"
-    return [document.issue(node, message)]
+    return document.issue(node, message)
 
 
 def _mended(node: Node, kind: str) -> str:

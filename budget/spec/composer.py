@@ -18,8 +18,16 @@ from ruamel.yaml.events import (
     SequenceStartEvent,
 )
 
-from budget.errors import Issue, SpecError
-from budget.spec.tree import START, Mark, Node
+from budget.errors import Issue
+from budget.spec.tree import (
+    LONGEST_SHOWN,
+    MOST_ISSUES,
+    START,
+    Mark,
+    Node,
+    all_of,
+    describe,
+)
 from budget.units import NUMBER
 
 if TYPE_CHECKING:
@@ -28,9 +36,18 @@ if TYPE_CHECKING:
     from ruamel.yaml.error import StringMark
     from ruamel.yaml.events import Event
 
+    from budget.errors import SpecError
+
 # A device file has about 100 nodes on 6 levels.
 MOST_NODES = 5_000
 MOST_LEVELS = 20
+
+# Control characters, unpaired surrogates, line breaks that editors do not count, and
+# marks that reorder a line on the screen, so that it shows what it does not say.
+UNSAFE = re.compile(
+    "[^\t\n\r\x20-\x7e\xa0-\u2027\u202f-\u2065\u2070-\ud7ff\ue000-\ufefe"
+    "\uff00-\ufffd\U00010000-\U0010ffff]"
+)
 
 # The core schema of YAML 1.2 (10.3.2) without octal, hexadecimal, inf and nan: those
 # stay text, as 010 and 1_000 do, and are refused where a number is needed.
@@ -76,7 +93,12 @@ def compose(text: str, file: str) -> tuple[Node, list[Issue]]:
         what, mark = str(error), START
     hint = "look at indentation, colons, brackets and quotes, here and above"
     composer.report(mark, "", f"is no YAML: {what}; {hint}")
-    raise SpecError(tuple(composer.issues))
+    raise all_of(composer.issues)
+
+
+def forbid(character: str) -> str:
+    """Say that a character is one of UNSAFE."""
+    return f"character U+{ord(character):04X} is not allowed; remove it"
 
 
 class _Composer:
@@ -115,8 +137,13 @@ class _Composer:
         elif isinstance(event, ScalarEvent):
             written = event.value
             value = written if event.style else _resolve(written)
+            if not written and not event.style:
+                at = key or at  # the parser marks what follows
             if value is None:
                 self.report(at, path, "is empty, expected a value; or remove the key")
+            elif unsafe := UNSAFE.search(written):
+                self.report(at, path, forbid(unsafe[0]))
+                value = None
         return Node(value=value, written=written, path=path, at=at, key=key or at)
 
     def mapping(self, path: str, level: int) -> dict[str, Node]:
@@ -139,8 +166,9 @@ class _Composer:
             word, mark = event.value, self.enter(event, path, level)
         else:
             word, mark = "", self.node(event, path, level).at
-        if not word:
+        if not word or UNSAFE.search(word):
             self.report(mark, path, "a key is no word, expected one")
+            word = ""
         return word, mark
 
     def sequence(self, path: str, level: int) -> tuple[Node, ...]:
@@ -160,11 +188,11 @@ class _Composer:
             raise self.stop(at, f"more than {MOST_LEVELS} levels of nesting")
         anchor, tag = getattr(event, "anchor", None), getattr(event, "tag", None)
         if isinstance(event, AliasEvent):
-            self.report(at, path, f"alias *{anchor}; write the value itself")
+            self.report(at, path, f"alias {describe(anchor)}; write the value itself")
         elif anchor is not None:
-            self.report(at, path, f"anchor &{anchor}; remove it")
+            self.report(at, path, f"anchor {describe(anchor)}; remove it")
         if tag is not None:
-            self.report(at, path, f"tag {tag}; remove it")
+            self.report(at, path, f"tag {describe(str(tag))}; remove it")
         return at
 
     def report(self, mark: Mark, path: str, message: str) -> None:
@@ -178,11 +206,13 @@ class _Composer:
                 message=message,
             )
         )
+        if len(self.issues) > MOST_ISSUES:
+            raise all_of(self.issues)
 
     def stop(self, mark: Mark, message: str) -> SpecError:
         """Return the error of a file that is not read on."""
         self.report(mark, "", message)
-        return SpecError(tuple(self.issues))
+        return all_of(self.issues)
 
 
 def _resolve(word: str) -> str | float | bool | None:
@@ -203,5 +233,5 @@ def _mark(mark: StringMark) -> Mark:
 
 def _shown(key: str) -> str:
     """Return a key as part of a path: short, on one line, nothing invisible."""
-    short = key if len(key) <= 60 else f"{key[:60]}..."  # noqa: PLR2004
+    short = key if len(key) <= LONGEST_SHOWN else f"{key[:LONGEST_SHOWN]}..."
     return short if short.isprintable() else ascii(short)

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field, create_model, model_validator
 
 from budget.errors import UnitError
-from budget.spec.checking import all_of, check, nearest
+from budget.spec.checking import check, nearest
 from budget.spec.fields import (
     LongText,
     Measured,
@@ -32,12 +32,13 @@ from budget.spec.records import (
     Sensor,
     Source,
 )
-from budget.spec.tree import describe, merge
+from budget.spec.tree import all_of, describe, merge
 from budget.units import STANDARD_GRAVITY, Quantity, parse_quantity
 
 if TYPE_CHECKING:
     from budget.spec.tree import Document, Node
 
+MOST_VARIANTS = 50  # each is checked as a device of its own
 _BASE_ONLY = ("format", "abstract", "variants")
 
 
@@ -132,13 +133,12 @@ DeviceFile = create_model("Device", __base__=Base, variants=_VARIANTS, **_SENSOR
 
 def variant_names(document: Document) -> tuple[str, ...]:
     """Return the variants of a device file, '' for its base unless it is abstract."""
-    base = document.root.child("abstract")
     names = tuple(_variants(document))
-    if base is None or base.value is not True:
+    if not _is_abstract(document.root):
         return ("", *names)
     if not names:
         message = "an abstract base has no variants, expected one at least"
-        raise all_of([*document.issues, document.issue(base, message, on_key=True)])
+        raise all_of([*document.issues, document.issue(document.root, message)])
     return names
 
 
@@ -201,6 +201,9 @@ def _variants(document: Document) -> dict[str, Node]:
         message = f"found {describe(node.value)}, expected a mapping of variants"
         raise all_of([*document.issues, document.issue(node, message)])
     issues = []
+    if len(node.value) > MOST_VARIANTS:
+        message = f"found {len(node.value)} variants, {MOST_VARIANTS} are allowed"
+        raise all_of([*document.issues, document.issue(node, message, on_key=True)])
     for name, over in node.value.items():
         if not name.isprintable() or "#" in name:
             message = f"found {describe(name)}, expected a name without '#' on one line"
@@ -221,20 +224,27 @@ def _variants(document: Document) -> dict[str, Node]:
 
 def _root(document: Document, variant: str) -> Node:
     """Return the nodes of the base, with one variant laid over them."""
-    overrides = _variants(document)
-    root, names = document.root, variant_names(document)
-    if variant not in names:
-        node = root.child("variants") or root
-        message = f"no variant {variant!r}, there are: {', '.join(overrides) or 'none'}"
-        if not variant:
-            message = f"the base is abstract, choose a variant: {', '.join(overrides)}"
-        hint = nearest(variant, overrides)
-        raise all_of(
-            [*document.issues, document.issue(node, message + hint, on_key=True)]
-        )
+    root = document.root
     keys = root.value if isinstance(root.value, dict) else {}
     base = replace(root, value={k: v for k, v in keys.items() if k != "variants"})
-    return merge(base, overrides[variant]) if variant else base
+    if not variant and not _is_abstract(root):
+        return base
+    overrides = _variants(document)
+    if variant in overrides:
+        return merge(base, overrides[variant])
+    names = ", ".join(overrides) or "none"
+    message = f"no variant {variant!r}, there are: {names}"
+    if not variant:
+        message = f"the base is abstract, choose a variant: {names}"
+    message += nearest(variant, tuple(overrides))
+    node = root.child("variants") or root
+    raise all_of([*document.issues, document.issue(node, message, on_key=True)])
+
+
+def _is_abstract(root: Node) -> bool:
+    """Say whether a base only serves its variants."""
+    node = root.child("abstract")
+    return node is not None and node.value is True
 
 
 def _gravity(root: Node) -> float:

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from budget.resources import shipped
-from budget.spec.checking import all_of, nearest
+from budget.spec.checking import nearest
 from budget.spec.reader import read, refuse
-from budget.spec.tree import describe
+from budget.spec.tree import all_of, describe
 from budget.version import __version__
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ def open_file(file: NamedFile, kind: str | None = None) -> Document:
         It cannot be read, has a newer format, or is of another kind or of none.
     """
     if not _exists(file.path):
-        names = [path.stem for path in _shipped(kind)]
+        names = tuple(path.stem for path in _shipped(kind))
         hint = nearest(file.shown, names) or f"; shipped: {', '.join(names)}"
         raise refuse(file.shown, f"no such file, expected a YAML file{hint}")
     document = read(file.path, file.shown)

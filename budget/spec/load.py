@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from budget.errors import SpecError
-from budget.spec.checking import all_of
 from budget.spec.costs import read_costs
 from budget.spec.device import read_device, variant_names
 from budget.spec.files import find, open_file
@@ -13,6 +12,7 @@ from budget.spec.procedure import read_procedure
 from budget.spec.reader import refuse
 from budget.spec.records import Checked
 from budget.spec.requirement import read_requirement
+from budget.spec.tree import MOST_ISSUES, all_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -97,14 +97,20 @@ def validate(path: str | Path) -> Checked:
             variants=(),
             assumptions=record.assumptions,
         )
-    names = variant_names(document)
     assumptions: list[str] = []
     issues: list[Issue] = []
+    names: tuple[str, ...] = ("",)
+    try:
+        names = variant_names(document)
+    except SpecError as error:
+        issues.extend(error.issues)
     for name in dict.fromkeys((*names, file.variant or names[0])):
         try:
             assumptions.extend(read_device(document, name).assumptions)
         except SpecError as error:
             issues.extend(error.issues)
+        if len(issues) > MOST_ISSUES:
+            break
     if issues:
         raise all_of(issues)
     return Checked(

@@ -52,6 +52,7 @@ class Gravity(Measured):
 
 
 Time = Annotated[Quantity, Measured("s")]
+Azimuth = Annotated[Quantity, Measured("deg", Sign.ANY)]
 Span = Annotated[Quantity, Measured("s", Sign.POSITIVE)]
 
 
@@ -73,13 +74,15 @@ class GyroTest(Strict):
         ("z", "x", "y"), "axes in the order they are turned about"
     )
     pause: Time = _paper("0 s", "between all windows")
-    azimuths: Annotated[
-        tuple[Annotated[Quantity, Measured("deg", Sign.ANY)], ...], Field(min_length=1)
-    ] = _paper(("0 deg", "180 deg", "270 deg", "450 deg"), "of the static test")
+    azimuths: tuple[Azimuth, ...] = _paper(
+        ("0 deg", "180 deg", "270 deg", "450 deg"), "of the static test"
+    )
     dwell: Span = _paper("300 s", "at each azimuth")
 
     @model_validator(mode="after")
-    def _check_order(self) -> Self:
+    def _check_lists(self) -> Self:
+        if not self.azimuths:
+            raise faults({("azimuths",): "names no azimuth, expected one at least"})
         if sorted(self.order) != list(AXES):
             found = f"[{', '.join(self.order)}]"
             message = f"found {found}, expected each of x, y, z once, such as [z, x, y]"

@@ -7,7 +7,7 @@ from hashlib import sha256
 from typing import TYPE_CHECKING
 
 from budget.errors import Issue, SpecError
-from budget.spec.composer import compose
+from budget.spec.composer import UNSAFE, compose, forbid
 from budget.spec.tree import START, Document, Mark
 
 if TYPE_CHECKING:
@@ -16,12 +16,6 @@ if TYPE_CHECKING:
 # A device file has 2 KiB. The parser is plain Python and scans some 100 KiB/s.
 MOST_BYTES = 64 * 1024
 
-# Control characters, unpaired surrogates, line breaks that editors do not count, and
-# marks that reorder a line on the screen, so that it shows what it does not say.
-UNSAFE = re.compile(
-    "[^\t\n\r\x20-\x7e\xa0-\u2027\u202f-\u2065\u2070-\ud7ff\ue000-\ufefe"
-    "\uff00-\ufffd\U00010000-\U0010ffff]"
-)
 _BREAK = re.compile("\r\n|\r|\n")
 
 
@@ -94,8 +88,7 @@ def _decode(data: bytes, shown: str) -> str:
         raise refuse(shown, "the file is empty, expected a mapping of keys")
     unsafe = UNSAFE.search(text)
     if unsafe:
-        message = f"character U+{ord(unsafe[0]):04X} is not allowed; remove it"
-        raise refuse(shown, message, _mark_after(text[: unsafe.start()]))
+        raise refuse(shown, forbid(unsafe[0]), _mark_after(text[: unsafe.start()]))
     directive = re.search("^%", text, re.MULTILINE)
     if directive:
         message = "a line starts with '%', a YAML directive; remove it or indent it"

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from budget.errors import Issue
+from budget.errors import Issue, SpecError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
 
 @dataclass(frozen=True, order=True)
@@ -21,6 +21,7 @@ class Mark:
 
 START = Mark(1, 1)
 LONGEST_SHOWN = 80  # characters of a text in a message
+MOST_ISSUES = 100  # that one error says: more help nobody, and cost time
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,11 +89,19 @@ class Document:
         )
 
 
+def all_of(issues: Iterable[Issue]) -> SpecError:
+    """Return the error that says all issues, each once, in the order of the file."""
+    found = sorted(dict.fromkeys(issues), key=lambda i: (i.line, i.column))
+    if len(found) > MOST_ISSUES:
+        message = "more issues follow; mend the ones above first"
+        found[MOST_ISSUES:] = [replace(found[MOST_ISSUES], field="", message=message)]
+    return SpecError(tuple(found))
+
+
 def plain(node: Node) -> object:
-    """Return the values alone: dicts, tuples and scalars, without what is no value."""
+    """Return the values alone: dicts, tuples and scalars."""
     if isinstance(node.value, dict):
-        items = node.value.items()
-        return {key: plain(child) for key, child in items if child.value is not None}
+        return {key: plain(child) for key, child in node.value.items()}
     if isinstance(node.value, tuple):
         return tuple(plain(item) for item in node.value)
     return node.value

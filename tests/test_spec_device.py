@@ -1,0 +1,356 @@
+"""Device files: the paper's figures and every convention of data sheets."""
+
+from __future__ import annotations
+
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from budget.spec import load_device
+from budget.spec.lines import SENSORS, lines_of
+
+DEG = pi / 180.0
+DEG_H = DEG / 3600.0
+ARCSEC = DEG / 3600.0
+UG = 9.80665e-6
+
+
+@pytest.fixture
+def gyro(tmp_path):
+    """Return a function that reads a device of one gyro from its error lines."""
+
+    def read(*lines, head=""):
+        path = tmp_path / "device.yaml"
+        errors = "".join(f"    {line}\n" for line in lines)
+        path.write_text(f"name: x\n{head}gyro:\n  errors:\n{errors}")
+        return load_device(path)
+
+    return read
+
+
+# Zhao 2019, section 3, as the shipped file prints them.
+PAPER = {
+    "gyro": {
+        "bias_repeatability": ("0.05 deg/h", 0.05 * DEG_H),
+        "bias_stability": ("0.04 deg/h", 0.04 * DEG_H),
+        "angle_random_walk": ("0.005 deg/sqrt(h)", 0.005 * DEG / 60.0),
+        "scale_factor_repeatability": ("50 ppm", 50e-6),
+        "mounting_repeatability": ("2 arcsec", 2.0 * ARCSEC),
+    },
+    "accelerometer": {
+        "bias_repeatability": ("37 ug", 37.0 * UG),
+        "bias_stability": ("20 ug", 20.0 * UG),
+        "sample_noise": ("50 ug", 50.0 * UG),
+        "scale_factor_repeatability": ("37 ppm", 37e-6),
+        "mounting_repeatability": ("2 arcsec", 2.0 * ARCSEC),
+    },
+}
+
+
+@pytest.mark.parametrize("kind", SENSORS)
+def test_the_shipped_device_has_the_figures_of_the_paper(kind):
+    """Every line, its text and its value are those of Zhao 2019; nothing is added."""
+    sensor = getattr(load_device("zhao-2019"), kind)
+    assert [line.name for line in sensor.lines] == list(PAPER[kind])
+    for line in sensor.lines:
+        printed, u = PAPER[kind][line.name]
+        assert line.printed == printed
+        axes = 6 if line.name == "mounting_repeatability" else 3
+        assert_allclose(line.u, [u] * axes, rtol=1e-15)
+        assert {shape.name for shape in line.distributions} == {"normal"}
+    assert_allclose(sensor.line("bias_stability").correlation_time, 300.0, rtol=0)
+
+
+def test_the_shipped_device_has_the_nominal_values_of_the_paper():
+    """2.5 deg/h, 6 mg and 2 arcsec stand on every axis."""
+    device = load_device("zhao-2019")
+    assert_allclose(device.gyro.nominal_bias, [2.5 * DEG_H] * 3, rtol=1e-15)
+    assert_allclose(device.accelerometer.nominal_bias, [6000.0 * UG] * 3, rtol=1e-15)
+    for sensor in device.sensors:
+        assert_allclose(sensor.nominal_mounting_angle, [2.0 * ARCSEC] * 6, rtol=1e-15)
+
+
+def test_the_shipped_device_needs_no_assumption_and_misses_nothing_expected():
+    """What the paper does not give is listed; what a verdict needs is there."""
+    device = load_device("zhao-2019")
+    assert device.assumptions == ()
+    assert device.gyro.not_given == (
+        "gyro.rate_random_walk",
+        "gyro.sample_noise",
+        "gyro.scale_factor_nonlinearity",
+        "gyro.scale_factor_asymmetry",
+    )
+    assert device.accelerometer.not_given == (
+        "accelerometer.velocity_random_walk",
+        "accelerometer.acceleration_random_walk",
+        "accelerometer.scale_factor_nonlinearity",
+    )
+    assert [sensor.expected_missing for sensor in device.sensors] == [(), ()]
+
+
+def test_the_bare_name_and_the_file_are_one_device():
+    """'zhao-2019' is the shipped file, by its bytes."""
+    bare = load_device("zhao-2019")
+    assert bare.origin.file == "zhao-2019.yaml"
+    assert len(bare.origin.sha256) == 64
+    assert bare.gyro.device == bare.name == "Zhao 2019 optical IMU"
+
+
+# u of a value of 6 deg/h, by what the maker means with it (JCGM 100:2008, 4.3).
+MEANINGS = {
+    "meaning: 1 sigma": (6.0, "normal"),
+    "meaning: 2 sigma": (3.0, "normal"),
+    "meaning: 3 sigma": (2.0, "normal"),
+    "meaning: rms": (6.0, "normal"),
+    "meaning: typical": (6.0, "normal"),
+    "meaning: max": (6.0 / sqrt(3.0), "uniform"),
+    "meaning: peak to peak": (3.0 / sqrt(3.0), "uniform"),
+    "meaning: max, distribution: uniform": (6.0 / sqrt(3.0), "uniform"),
+    "meaning: max, distribution: triangular": (6.0 / sqrt(6.0), "triangular"),
+    "meaning: max, distribution: arcsine": (6.0 / sqrt(2.0), "arcsine"),
+    "meaning: peak to peak, distribution: arcsine": (3.0 / sqrt(2.0), "arcsine"),
+    "meaning: 2 sigma, distribution: uniform": (3.0, "uniform"),
+    "distribution: triangular": (6.0, "triangular"),
+}
+
+
+@pytest.mark.parametrize("words", MEANINGS)
+def test_a_meaning_gives_its_standard_uncertainty_and_shape(gyro, words):
+    """A sigma divides the value, a half-width goes through its distribution."""
+    u, shape = MEANINGS[words]
+    line = gyro(f"bias_repeatability: {{value: 6 deg/h, {words}}}").gyro.lines[0]
+    assert_allclose(line.u, [u * DEG_H] * 3, rtol=1e-14)
+    assert {one.name for one in line.distributions} == {shape}
+
+
+@pytest.mark.parametrize("words", ["meaning: max", "meaning: peak to peak"])
+def test_a_process_is_normal_whatever_its_figure_means(gyro, words):
+    """The bound of a process gives u as a uniform one; the process stays normal."""
+    line = gyro(f"sample_noise: {{value: 6 deg/h, {words}}}").gyro.lines[0]
+    assert_allclose(line.u, [MEANINGS[words][0] * DEG_H] * 3, rtol=1e-14)
+    assert {one.name for one in line.distributions} == {"normal"}
+
+
+@pytest.mark.parametrize(
+    ("line", "assumption"),
+    [
+        (
+            "bias_repeatability: {value: 1 deg/h, meaning: typical}",
+            "gyro.bias_repeatability: 'typical' taken as 1 sigma",
+        ),
+        (
+            "bias_repeatability: {value: 1 deg/h, meaning: max}",
+            "gyro.bias_repeatability: 'max' taken as uniform, half-width over sqrt(3)",
+        ),
+        (
+            "bias_stability: 1 deg/h",
+            "gyro.bias_stability: correlation time not given, 300 s assumed",
+        ),
+        (
+            (
+                "bias_stability: {value: 1 deg/h, definition: allan_minimum, "
+                "correlation_time: 1 h}"
+            ),
+            (
+                "gyro.bias_stability: the lowest Allan deviation over 0.664 taken as "
+                "the sigma of the Gauss-Markov process, right for flicker noise only"
+            ),
+        ),
+        (
+            (
+                "bias_stability: {axes: {x: 1 deg/h, y: 1 deg/h, z: {value: 1 deg/h, "
+                "meaning: typical, correlation_time: 9 s}}, correlation_time: 1 s}"
+            ),
+            "gyro.bias_stability.z: 'typical' taken as 1 sigma",
+        ),
+        (
+            (
+                "bias_repeatability: {value: 1 deg/h, meaning: 3 sigma, "
+                "axes: {x: {value: 1 deg/h}}}"
+            ),
+            (
+                "gyro.bias_repeatability.x: meaning of the line not taken, the axis is "
+                "a mapping of its own"
+            ),
+        ),
+    ],
+)
+def test_what_is_assumed_is_said(gyro, line, assumption):
+    """A default taken, and 'typical', stand in the assumptions, and nothing else."""
+    head = "accelerometer: {}\n"
+    of_lines = [a for a in gyro(line, head=head).assumptions if "nominal" not in a]
+    assert of_lines == [assumption]
+
+
+def test_a_correlation_time_is_kept(gyro):
+    """A given correlation time is taken, in seconds, and no assumption is made."""
+    device = gyro("bias_stability: {value: 1 deg/h, correlation_time: 1 h}")
+    assert_allclose(device.gyro.lines[0].correlation_time, [3600.0] * 3, rtol=0)
+    assert not any("bias_stability" in text for text in device.assumptions)
+
+
+@pytest.mark.parametrize(
+    ("words", "u"),
+    [
+        ("definition: sigma", 6.0),
+        ("definition: allan_minimum", 6.0 / 0.664),
+        ("definition: allan_minimum, meaning: typical", 6.0 / 0.664),
+        ("definition: allan_minimum, meaning: max", 6.0 / sqrt(3.0) / 0.664),
+    ],
+)
+def test_a_definition_gives_the_sigma_of_the_process(gyro, words, u):
+    """The lowest point of the Allan curve is 0.664 of the sigma taken."""
+    line = gyro(f"bias_stability: {{value: 6 deg/h, {words}}}").gyro.lines[0]
+    assert_allclose(line.u, [u * DEG_H] * 3, rtol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("words", "u"),
+    [
+        ("value: 6 deg/h, axes: {y: 3 deg/h}", (6.0, 3.0, 6.0)),
+        ("axes: {x: 1 deg/h, y: 2 deg/h, z: 3 deg/h}", (1.0, 2.0, 3.0)),
+        ("value: 6 deg/h, meaning: 3 sigma, axes: {y: 3 deg/h}", (2.0, 1.0, 2.0)),
+        (
+            (
+                "value: 6 deg/h, meaning: 3 sigma, "
+                "axes: {z: {value: 6 deg/h, meaning: 2 sigma}}"
+            ),
+            (2.0, 2.0, 3.0),
+        ),
+        (
+            "value: 6 deg/h, meaning: 3 sigma, axes: {z: {value: 6 deg/h}}",
+            (2.0, 2.0, 6.0),
+        ),
+    ],
+)
+def test_an_axis_overrides_the_value(gyro, words, u):
+    """A named axis has its own value; the rest applies unless it is a mapping."""
+    line = gyro(f"bias_repeatability: {{{words}}}").gyro.lines[0]
+    assert_allclose(line.u, np.array(u) * DEG_H, rtol=1e-14)
+
+
+def test_an_axis_may_have_its_own_shape(gyro):
+    """Distributions are kept by axis."""
+    line = gyro(
+        "bias_repeatability: {value: 6 deg/h, axes: "
+        "{x: {value: 6 deg/h, meaning: max}}}"
+    ).gyro.lines[0]
+    names = [shape.name for shape in line.distributions]
+    assert names == ["uniform", "normal", "normal"]
+    assert line.meaning == "x max, y 1 sigma, z 1 sigma"
+
+
+def test_angles_override_by_their_names(gyro):
+    """The six angles stand in the order xy xz yx yz zx zy."""
+    line = gyro("mounting_repeatability: {value: 1 arcsec, axes: {zx: 3 arcsec}}")
+    assert_allclose(
+        line.gyro.lines[0].u, np.array([1, 1, 1, 1, 3, 1]) * ARCSEC, rtol=1e-14
+    )
+
+
+def test_a_line_keeps_the_words_of_the_file(gyro):
+    """What is printed, and the maker's own words about it, are handed on."""
+    line = gyro(
+        "bias_stability: {axes: {x: 0.02 \N{DEGREE SIGN}/h, y: 0.03 deg/h, "
+        "z: 0.02 deg/h}, definition: allan_minimum, includes: turn-on, "
+        "horizon: 1 year, condition: 25 C, source: 'p. 5'}"
+    ).gyro.lines[0]
+    assert line.printed == "x 0.02 \N{DEGREE SIGN}/h, y 0.03 deg/h, z 0.02 deg/h"
+    assert line.unit == "\N{DEGREE SIGN}/h"
+    assert_allclose(line.si_per_unit, DEG_H, rtol=1e-15)
+    assert line.definition == "allan_minimum"
+    assert line.meaning == "1 sigma"
+    assert (line.includes, line.horizon) == ("turn-on", "1 year")
+    assert (line.condition, line.source) == ("25 C", "p. 5")
+
+
+def test_a_source_of_zero_is_given(gyro):
+    """Zero is a figure: the line is there, and not among those not given."""
+    device = gyro("bias_repeatability: 0 deg/h")
+    assert_allclose(device.gyro.lines[0].u, np.zeros(3), rtol=0, atol=0)
+    assert "gyro.bias_repeatability" not in device.gyro.not_given
+
+
+def test_a_sensor_without_lines_gives_none(tmp_path):
+    """Everything is not given, and what a verdict needs is said; noise is one line."""
+    path = tmp_path / "bare.yaml"
+    path.write_text("name: x\naccelerometer: {}\n")
+    sensor = load_device(path).accelerometer
+    assert sensor.lines == ()
+    assert sensor.not_given == tuple(
+        f"accelerometer.{line.name}" for line in lines_of("accelerometer")
+    )
+    assert sensor.expected_missing == (
+        "accelerometer.bias_repeatability",
+        "accelerometer.bias_stability",
+        "accelerometer.noise",
+        "accelerometer.scale_factor_repeatability",
+        "accelerometer.mounting_repeatability",
+    )
+    assert load_device(path).gyro is None
+
+
+@pytest.mark.parametrize(
+    "noise", ["angle_random_walk: 1 deg/sqrt(h)", "sample_noise: 1 dps"]
+)
+def test_either_noise_line_is_the_expected_one(gyro, noise):
+    """A random walk or a noise per sample will do."""
+    assert "gyro.noise" not in gyro(noise).gyro.expected_missing
+
+
+def test_nominal_values_by_axis_and_their_zeros(tmp_path):
+    """An unnamed axis is 0, may be negative where named, and the zero is said."""
+    path = tmp_path / "nominal.yaml"
+    path.write_text(
+        "name: x\ngyro: {nominal: {bias: {x: -1 deg/h, z: 2 deg/h}, "
+        "mounting_angle: {zy: -3 arcsec}}}\naccelerometer: {}\n"
+    )
+    device = load_device(path)
+    assert_allclose(
+        device.gyro.nominal_bias, np.array([-1.0, 0.0, 2.0]) * DEG_H, rtol=1e-15, atol=0
+    )
+    angles = np.array([0.0, 0.0, 0.0, 0.0, 0.0, -3.0]) * ARCSEC
+    assert_allclose(device.gyro.nominal_mounting_angle, angles, rtol=1e-15, atol=0)
+    assert device.assumptions == (
+        "gyro.nominal.bias: y not given, 0 assumed",
+        "gyro.nominal.mounting_angle: xy, xz, yx, yz, zx not given, 0 assumed",
+        "accelerometer.nominal.bias: not given, 0 assumed",
+        "accelerometer.nominal.mounting_angle: not given, 0 assumed",
+    )
+
+
+def test_gravity_unit_rules_g_in_its_file_only(tmp_path):
+    """A maker's own g scales mg and ug; the next file has the standard one again."""
+    path = tmp_path / "own.yaml"
+    path.write_text(
+        "name: x\ngravity_unit: 9.80708 m/s^2\naccelerometer:\n"
+        "  nominal: {bias: 1 mg}\n"
+        "  errors: {bias_repeatability: 1 ug, velocity_random_walk: 1 m/s/sqrt(h)}\n"
+    )
+    sensor = load_device(path).accelerometer
+    assert_allclose(sensor.nominal_bias, [9.80708e-3] * 3, rtol=1e-15)
+    assert_allclose(sensor.line("bias_repeatability").u, [9.80708e-6] * 3, rtol=1e-15)
+    assert_allclose(sensor.line("velocity_random_walk").u, [1 / 60] * 3, rtol=1e-15)
+    paper = load_device("zhao-2019").accelerometer
+    assert_allclose(paper.line("bias_repeatability").u, [37.0 * UG] * 3, rtol=1e-15)
+
+
+def test_what_no_model_uses_is_kept_as_printed(tmp_path):
+    """Figures beyond the model lines, and texts about the device, are handed on."""
+    path = tmp_path / "texts.yaml"
+    path.write_text(
+        "format: budget-device/1\nname: x\nvendor: V\nprice: 5000 EUR\n"
+        "notes: |\n  two\n  lines\n"
+        "figures:\n- {name: g-sensitivity, value: 1 deg/h/g, meaning: '1 \u03c3', "
+        "condition: static, source: p. 3}\n"
+        "gyro: {}\n",
+        encoding="utf-8",
+    )
+    device = load_device(path)
+    assert (device.vendor, device.price, device.mass) == ("V", "5000 EUR", "")
+    assert device.notes == "two\nlines\n"
+    (figure,) = device.figures
+    assert (figure.name, figure.value) == ("g-sensitivity", "1 deg/h/g")
+    assert (figure.meaning, figure.condition) == ("1 \u03c3", "static")

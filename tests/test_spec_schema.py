@@ -1,0 +1,89 @@
+"""JSON Schemas: they pass what `validate` passes and stop what an editor can see."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import jsonschema
+import pytest
+
+from budget.errors import CallError
+from budget.resources import shipped
+from budget.spec import json_schema, validate
+from budget.spec.reader import read
+from budget.spec.tree import plain
+
+FILES = sorted(shipped("specs").rglob("*.yaml"))
+KINDS = ("device", "procedure", "requirement", "costs")
+
+
+def values(node):
+    """Return plain JSON values: lists where the reader has tuples."""
+    if isinstance(node, dict):
+        return {key: values(value) for key, value in node.items()}
+    return [values(item) for item in node] if isinstance(node, tuple) else node
+
+
+def document(text, tmp_path):
+    """Return the values of a text as an editor has them."""
+    path = Path(tmp_path) / "file.yaml"
+    path.write_text(text, encoding="utf-8")
+    return values(plain(read(path, "file").root))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_schemas_are_sound(kind):
+    """Each is a schema of draft 2020-12 with a title, and knows no null."""
+    schema = json_schema(kind)
+    assert schema["$schema"].endswith("2020-12/schema")
+    assert kind in schema["title"]
+    jsonschema.Draft202012Validator.check_schema(schema)
+    assert "'null'" not in str(schema)
+
+
+@pytest.mark.parametrize(
+    "path", FILES, ids=lambda path: f"{path.parent.name}/{path.stem}"
+)
+def test_shipped_files_pass_tool_and_schema(path):
+    """Every shipped spec is valid by `validate` and by the schema of its kind."""
+    kind = validate(path).kind
+    jsonschema.validate(values(plain(read(path, path.name).root)), json_schema(kind))
+
+
+GOOD = {
+    "axes": "name: x\ngyro: {errors: {bias_stability: {value: 1 deg/h, axes: "
+    "{x: {value: 2 deg/h, meaning: max}}}}}\n",
+    "variant": "name: x\nvariants: {A: {gyro: {errors: {bias_stability: "
+    "{correlation_time: 1 s}}}}}\ngyro: {errors: {bias_stability: 1 \u00b0/h}}\n",
+    "signs": "name: x\naccelerometer: {nominal: {bias: {x: -3 \u00b5g}}}\n",
+}
+BAD = {
+    "unknown key": "name: x\ngyro: {errors: {bias_stabilty: 1 deg/h}}\n",
+    "bare number": "name: x\ngyro: {errors: {bias_stability: 1}}\n",
+    "no unit": "name: x\ngyro: {errors: {bias_stability: '1'}}\n",
+    "negative": "name: x\ngyro: {errors: {bias_stability: -1 deg/h}}\n",
+    "meaning": "name: x\ngyro: {errors: {bias_stability: {value: 1 deg/h, "
+    "meaning: 4 sigma}}}\n",
+    "no name": "gyro: {}\n",
+    "number for a name": "name: 1\ngyro: {}\n",
+    "decimal comma": "name: x\ngyro: {errors: {bias_stability: '1,5 deg/h'}}\n",
+}
+
+
+@pytest.mark.parametrize("case", GOOD)
+def test_the_schema_passes_good_devices(case, tmp_path):
+    """What the tool reads, an editor does not mark."""
+    jsonschema.validate(document(GOOD[case], tmp_path), json_schema("device"))
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_the_schema_stops_bad_devices(case, tmp_path):
+    """A mistake in one value is marked in the editor."""
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(document(BAD[case], tmp_path), json_schema("device"))
+
+
+def test_there_is_no_schema_of_an_unknown_kind():
+    """The kinds there are stand in the message."""
+    with pytest.raises(CallError, match="device, procedure, requirement, costs"):
+        json_schema("devices")
