@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from report_examples import GYRO, make_budget, make_output, make_outputs
 
@@ -295,6 +297,23 @@ def test_not_given_says_what_it_could_change():
     )
 
 
-def test_settings_say_what_the_reference_means():
-    """The reference is explained, not only named."""
-    assert "counts in full" in dict(settings_lines(make_budget().settings))["reference"]
+def test_settings_hold_everything_a_result_depends_on():
+    """Method, trials, seed, coverage, interval, reference, formulas, none left out."""
+    lines = dict(settings_lines(replace(make_budget().settings, trials=230_000)))
+
+    assert lines == {
+        "method": "gum",
+        "trials": "230 000",
+        "seed": "0",
+        "coverage": "95 %",
+        "interval": "symmetric",
+        "reference": "nominal",
+        "formulas": "corrected",
+    }
+
+
+def test_sources_set_to_zero_are_told():
+    """A run of some sources alone says which."""
+    only = replace(make_budget().settings, only=("gyro.bias_stability",))
+
+    assert settings_lines(only)[-1] == ("only", "gyro.bias_stability")

@@ -1,8 +1,4 @@
-"""Numbers and tables for people: the only place where a result is rounded.
-
-The records hold text beside the exact value, so that terminal, page and paper print
-the same digits.
-"""
+"""Numbers and tables for people: the only place where a result is rounded."""
 
 from __future__ import annotations
 
@@ -26,24 +22,6 @@ EXACT = Context(prec=700, rounding=ROUND_HALF_UP)  # digits from 1e308 to 1e-324
 SMALL_SHARE = 0.01  # of the variance [1]; below it a cause is not worth a sentence
 ALL = 1.0 - 1e-9  # [1]; a share above is the whole, short of it by rounding only
 NEAR_LIMIT = 0.01  # [1]; a utilisation this close to 1 gets one more digit
-
-REFERENCES = {
-    "nominal": "nominal values: a repeatability counts in full",
-    "as_tested": "the values during this test: what the procedure alone adds, "
-    "repeatabilities cancel",
-    "next_turn_on": "the values at a later, independent turn-on: what the navigation "
-    "system will meet, a repeatability counts twice in variance",
-}
-METHODS = {
-    "gum": "gum, law of propagation with second-order terms (JCGM 100)",
-    "monte-carlo": "monte-carlo, propagation of distributions (JCGM 101)",
-    "simulation": "simulation, sample by sample",
-}
-INTERVALS = {
-    "symmetric": "symmetric, equal probability outside at both ends",
-    "shortest": "shortest that holds the coverage",
-}
-FORMULAS = {"paper": "paper, the gyro bias by eq. (4) as printed"}
 
 # What a line of a data sheet reaches, Zhao 2019, section 2; all others reach all.
 REACH = {
@@ -209,6 +187,11 @@ def print_coverage(coverage: float) -> str:
     return f"{100.0 * coverage:.6g}"
 
 
+def print_count(count: int) -> str:
+    """Print a count in groups of three digits: '230 000'."""
+    return f"{count:,}".replace(",", " ")
+
+
 def print_causes(shares: Sequence[tuple[str, float]], *, named: int = 2) -> str:
     """Name the largest causes and gather the rest; shares are of one variance."""
     if not any(share > 0.0 for _, share in shares):
@@ -227,9 +210,8 @@ def words(name: str) -> str:
 
 def source_title(source: str) -> str:
     """Name a source for people: 'gyro.bias_stability' to 'bias stability'."""
-    if source == INTERACTION:
-        return "products of two sources"
-    return words(source.rpartition(".")[2])
+    product = source == INTERACTION
+    return "products of two sources" if product else words(source.rpartition(".")[2])
 
 
 def output_title(name: str) -> str:
@@ -248,23 +230,18 @@ def not_given_lines(names: Iterable[str]) -> tuple[str, ...]:
 
 
 def settings_lines(settings: Settings) -> tuple[tuple[str, str], ...]:
-    """Say in words what the result depends on besides the files: (label, text)."""
-    trials = "none" if settings.trials is None else f"{settings.trials:,}"
-    interval = INTERVALS.get(settings.interval, settings.interval)
-    if settings.method == "gum":
-        interval = "mean +- U, by the normal law"
-    lines = [
-        ("method", METHODS.get(settings.method, settings.method)),
-        ("trials", trials.replace(",", " ")),
+    """Return (name, value) of all that a result depends on besides the files."""
+    trials = "none" if settings.trials is None else print_count(settings.trials)
+    lines = (
+        ("method", settings.method),
+        ("trials", trials),
         ("seed", str(settings.seed)),
         ("coverage", f"{print_coverage(settings.coverage)} %"),
-        ("interval", interval),
-        ("reference", REFERENCES.get(settings.reference, settings.reference)),
-        ("formulas", FORMULAS.get(settings.formulas, settings.formulas)),
-    ]
-    if settings.only:
-        lines.append(("only", f"{', '.join(settings.only)}; all other lines set to 0"))
-    return tuple(lines)
+        ("interval", settings.interval),
+        ("reference", settings.reference),
+        ("formulas", settings.formulas),
+    )
+    return (*lines, ("only", ", ".join(settings.only))) if settings.only else lines
 
 
 def group_tables(budget: Budget) -> tuple[GroupTable, ...]:
@@ -374,7 +351,7 @@ def _validation(outputs: tuple[OutputBudget, ...]) -> str:
     checked = [(row, row.validation) for row in outputs if row.validation is not None]
     if not checked:
         return ""
-    trials = f"{max(v.trials for _, v in checked):,}".replace(",", " ")
+    trials = print_count(max(check.trials for _, check in checked))
     misses = []
     for row, check in checked:
         if not check.holds:
