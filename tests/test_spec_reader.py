@@ -172,6 +172,7 @@ BAD = {
         "needs budget >= 2",
     ),
     "gravity unit": ("name: x\ngyro: {}\ngravity_unit: 9.81 m/s\n", "3:15", "m/s"),
+    "gravity typo": ("name: x\ngyro: {}\ngravity_unit: 980 m/s^2\n", "3:15", "9.5 to"),
     "half a turn": ("latitude: 0 deg\ngyro: {turns: 0.5}\n", "2:15", "whole number"),
     "no turn": ("latitude: 0 deg\ngyro: {turns: 0}\n", "2:15", "equal to 1"),
     "octal turns": ("latitude: 0 deg\ngyro: {turns: 010}\n", "2:15", "did you mean 10"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
@@ -23,21 +23,14 @@ from budget.spec.fields import (
 )
 from budget.spec.figures import figure_type, take
 from budget.spec.lines import ACCELEROMETER, GYRO, SENSORS, lines_of
-from budget.spec.records import (
-    ANGLES,
-    AXES,
-    Device,
-    ErrorLine,
-    MakerFigure,
-    Sensor,
-    Source,
-)
+from budget.spec.records import ANGLES, AXES, Device, MakerFigure, Sensor, Source
 from budget.spec.tree import all_of, describe, merge
 from budget.units import STANDARD_GRAVITY, Quantity, parse_quantity
 
 if TYPE_CHECKING:
     from budget.spec.tree import Document, Node
 
+PLAUSIBLE_GRAVITY = (9.5, 10.5)  # what a maker may mean by g [m/s^2]
 MOST_VARIANTS = 50  # each is checked as a device of its own
 _BASE_ONLY = ("format", "abstract", "variants")
 
@@ -73,13 +66,14 @@ def _sensor_type(sensor: str) -> Any:  # noqa: ANN401
             "mounting_angle": per_axis("arcsec", ANGLES, Sign.ANY),
         },
     )
-    fields = {
-        line.name: Annotated[figure_type(line, sensor), Field(description=line.model)]
-        for line in lines
-    }
+    errors = mapping_of(
+        f"{sensor} errors",
+        {line.name: figure_type(line, sensor) for line in lines},
+        {line.name: line.model for line in lines},
+    )
     types: dict[str, Any] = {
         "nominal": (nominal | None, SensorPart.model_fields["nominal"]),
-        "errors": (mapping_of(f"{sensor} errors", fields) | None, None),
+        "errors": (errors | None, SensorPart.model_fields["errors"]),
     }
     return create_model(sensor, __base__=SensorPart, **types)
 
@@ -105,6 +99,16 @@ class Sheet(Strict):
         default=(), description="printed by the maker, used by no model"
     )
 
+    @model_validator(mode="after")
+    def _check_gravity(self) -> Self:
+        low, high = PLAUSIBLE_GRAVITY
+        if self.gravity_unit and not low <= self.gravity_unit.value <= high:
+            message = (
+                f"found {self.gravity_unit.printed!r}, expected {low} to {high} m/s^2"
+            )
+            raise faults({("gravity_unit",): message})
+        return self
+
 
 class Base(Sheet):
     """The base of a device file, with its variants."""
@@ -118,7 +122,7 @@ class Base(Sheet):
 
     @model_validator(mode="after")
     def _check_sensors(self) -> Self:
-        if self.gyro is None and self.accelerometer is None:
+        if self.model_fields_set.isdisjoint(SENSORS):
             raise faults({(): "has no sensor, expected gyro, accelerometer or both"})
         return self
 
@@ -165,18 +169,20 @@ def read_device(document: Document, variant: str = "") -> Device:
     root = _root(document, variant)
     sheet = check(document, DeviceFile, root=root, gravity=_gravity(root))
     name = f"{sheet.name} ({variant})" if variant else sheet.name
-    sensors: dict[str, Sensor] = {}
-    assumptions: list[str] = []
-    for kind in SENSORS:
-        part: SensorPart | None = getattr(sheet, kind)
-        if part is not None:
-            sensors[kind] = _sensor(kind, name, part, assumptions)
+    parts: dict[str, SensorPart | None] = {
+        kind: getattr(sheet, kind) for kind in SENSORS
+    }
+    taken = {
+        kind: _take_sensor(kind, name, part)
+        for kind, part in parts.items()
+        if part is not None
+    }
     return Device(
         name=name,
-        gyro=sensors.get(GYRO),
-        accelerometer=sensors.get(ACCELEROMETER),
+        gyro=taken[GYRO].sensor if GYRO in taken else None,
+        accelerometer=taken[ACCELEROMETER].sensor if ACCELEROMETER in taken else None,
         figures=tuple(MakerFigure(**dict(figure)) for figure in sheet.figures),
-        assumptions=tuple(assumptions),
+        assumptions=tuple(text for one in taken.values() for text in one.assumptions),
         origin=Source(
             file=f"{document.base_name}#{variant}" if variant else document.base_name,
             sha256=document.sha256,
@@ -248,47 +254,60 @@ def _is_abstract(root: Node) -> bool:
 
 
 def _gravity(root: Node) -> float:
-    """Return what g means in the file; an unsound text is reported by its model."""
+    """Return what g means in the file; the model says where that is not sound."""
     node = root.child("gravity_unit")
     try:
-        return parse_quantity(node.written, "m/s^2").value if node else STANDARD_GRAVITY
+        own = parse_quantity(node.written, "m/s^2").value if node else STANDARD_GRAVITY
     except UnitError:
         return STANDARD_GRAVITY
+    low, high = PLAUSIBLE_GRAVITY
+    return own if low <= own <= high else STANDARD_GRAVITY
 
 
-def _sensor(kind: str, device: str, part: SensorPart, assumptions: list[str]) -> Sensor:
-    """Turn one sensor into its record, and add what was assumed."""
-    lines: list[ErrorLine] = []
-    expected: dict[str, bool] = {}
-    for line in lines_of(kind):
-        figure = getattr(part.errors, line.name, None)
-        if line.expected:
-            has = expected.get(line.expected, False)
-            expected[line.expected] = has or figure is not None
-        if figure is not None:
-            taken = take(line, kind, figure)
-            lines.append(taken.line)
-            assumptions.extend(taken.assumptions)
-    given = {line.name for line in lines}
-    nominal = {}
-    for key, axes in (("bias", AXES), ("mounting_angle", ANGLES)):
-        value = getattr(part.nominal, key, None)
-        named = {} if value is None else by_axis(value, axes)
+@dataclass(frozen=True, kw_only=True)
+class _TakenSensor:
+    """A sensor as the models take it, and what had to be assumed for that."""
+
+    sensor: Sensor
+    assumptions: tuple[str, ...]
+
+
+def _take_sensor(kind: str, device: str, part: SensorPart) -> _TakenSensor:
+    """Turn one sensor of a file into its record."""
+    model_lines = lines_of(kind)
+    figures = {line: getattr(part.errors, line.name, None) for line in model_lines}
+    taken = [take(line, kind, figure) for line, figure in figures.items() if figure]
+    given = {one.line.name for one in taken}
+    met = {line.expected for line in model_lines if line.name in given}
+    expected = dict.fromkeys(line.expected for line in model_lines if line.expected)
+    bias = _nominal(part, "bias", AXES)
+    angle = _nominal(part, "mounting_angle", ANGLES)
+    assumptions = [text for one in taken for text in one.assumptions]
+    for key, named, axes in (("bias", bias, AXES), ("mounting_angle", angle, ANGLES)):
         absent = [axis for axis in axes if axis not in named]
-        nominal[key] = np.array([named[a].value if a in named else 0.0 for a in axes])
+        which = f"{', '.join(absent)} " if named else ""
         if absent:
-            which = f"{', '.join(absent)} " if named else ""
             assumptions.append(f"{kind}.nominal.{key}: {which}not given, 0 assumed")
-    return Sensor(
-        kind=kind,
-        device=device,
-        nominal_bias=nominal["bias"],
-        nominal_mounting_angle=nominal["mounting_angle"],
-        lines=tuple(lines),
-        not_given=tuple(
-            f"{kind}.{line.name}" for line in lines_of(kind) if line.name not in given
+    return _TakenSensor(
+        sensor=Sensor(
+            kind=kind,
+            device=device,
+            nominal_bias=np.array([bias.get(axis, 0.0) for axis in AXES]),
+            nominal_mounting_angle=np.array([angle.get(axis, 0.0) for axis in ANGLES]),
+            lines=tuple(one.line for one in taken),
+            not_given=tuple(
+                f"{kind}.{line.name}" for line in model_lines if line.name not in given
+            ),
+            expected_missing=tuple(
+                f"{kind}.{name}" for name in expected if name not in met
+            ),
         ),
-        expected_missing=tuple(
-            f"{kind}.{name}" for name, has in expected.items() if not has
-        ),
+        assumptions=tuple(assumptions),
     )
+
+
+def _nominal(part: SensorPart, key: str, axes: tuple[str, ...]) -> dict[str, float]:
+    """Return the nominal values of the axes that a file names [SI]."""
+    value: Quantity | Strict | None = getattr(part.nominal, key, None)
+    named = {} if value is None else by_axis(value, axes)
+    return {axis: quantity.value for axis, quantity in named.items()}

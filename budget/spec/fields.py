@@ -146,10 +146,13 @@ class OrText:
         return {"anyOf": [self.measured.json_schema, mapping]}
 
 
-def mapping_of(title: str, fields: Mapping[str, Any]) -> type[Strict]:
+def mapping_of(
+    title: str, fields: Mapping[str, Any], meanings: Mapping[str, str] | None = None
+) -> type[Strict]:
     """Return the type of a mapping whose keys may all be left out."""
     optional: dict[str, Any] = {
-        key: (kind | None, None) for key, kind in fields.items()
+        key: (kind | None, Field(default=None, description=(meanings or {}).get(key)))
+        for key, kind in fields.items()
     }
     name = re.sub("[^A-Za-z]+", "_", title)
     return create_model(name, __base__=Strict, **optional)

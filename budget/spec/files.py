@@ -45,7 +45,7 @@ def find(typed: str | Path, kind: str | None = None) -> NamedFile:
     if not mark or _exists(Path(text)):
         shown, mark = text, ""
     path = Path(shown)
-    if _BARE_NAME.fullmatch(shown) and not _exists(path):
+    if _BARE_NAME.fullmatch(shown) and not (_exists(path) and path.is_file()):
         same_name = (one for one in _shipped(kind) if one.stem == shown)
         path = next(same_name, path)
     return NamedFile(path=path, shown=shown, variant=variant if mark else "")
@@ -73,10 +73,13 @@ def open_file(file: NamedFile, kind: str | None = None) -> Document:
     """
     if not _exists(file.path):
         names = tuple(path.stem for path in _shipped(kind))
-        hint = nearest(file.shown, names) or f"; shipped: {', '.join(names)}"
-        raise refuse(file.shown, f"no such file, expected a YAML file{hint}")
+        bare = f", or a shipped one: {', '.join(names)}" if names else ""
+        message = f"no such file, expected a YAML file{bare}"
+        raise refuse(file.shown, f"{message}{nearest(file.shown, names)}")
     document = read(file.path, file.shown)
     root = document.root
+    if root.value is None:  # an issue already
+        raise all_of(document.issues)
     if not isinstance(root.value, dict):
         message = f"found {describe(root.value)}, expected a mapping of keys"
         raise all_of([*document.issues, document.issue(root, message)])

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from budget.errors import SpecError
+from budget.resources import shipped
 from budget.spec.costs import read_costs
 from budget.spec.device import read_device, variant_names
-from budget.spec.files import find, open_file
+from budget.spec.files import FOLDERS, find, open_file
 from budget.spec.procedure import read_procedure
 from budget.spec.reader import refuse
 from budget.spec.records import Checked
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from budget.spec.records import Costs, Device, Procedure, Requirement
     from budget.spec.tree import Document
 
-PAPER_PROCEDURE = "zhao-2019"
+PAPER = "zhao-2019"  # the shipped procedure that stands in for none
 
 
 def load_device(path: str | Path) -> Device:
@@ -50,7 +51,9 @@ def load_device(path: str | Path) -> Device:
 
 def load_procedure(path: str | Path | None = None) -> Procedure:
     """Read a procedure; without a path that of the paper. Raises as load_device."""
-    return read_procedure(_open(path or PAPER_PROCEDURE, "procedure"))
+    if path is None:
+        path = shipped("specs") / FOLDERS["procedure"] / f"{PAPER}.yaml"
+    return read_procedure(_open(path, "procedure"))
 
 
 def load_requirement(path: str | Path) -> Requirement:
