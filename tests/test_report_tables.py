@@ -225,7 +225,7 @@ def test_numbers_are_in_printed_units():
     """SI goes in, the printed unit comes out."""
     row = group_tables(make_budget())[2].rows[0]
 
-    assert (row.mean.text, row.u.text, row.expanded.text) == ("0.000", "0.057", "0.11")
+    assert (row.mean.text, row.u.text, row.expanded.text) == ("0.000", "0.057", "0.112")
     assert (row.low.text, row.high.text) == ("-0.112", "0.112")
 
 
@@ -291,9 +291,19 @@ def test_points_are_in_line():
 
 
 def test_not_given_says_what_it_could_change():
-    """An absent line is named in words with the parameters it reaches."""
-    assert not_given_lines(["gyro.scale_factor_nonlinearity"]) == (
-        "gyro scale factor nonlinearity: it could widen scale factors",
+    """Absent lines stand together where they reach the same, each by its name."""
+    names = [
+        "gyro.rate_random_walk",
+        "gyro.scale_factor_nonlinearity",
+        "gyro.scale_factor_asymmetry",
+    ]
+
+    assert not_given_lines(names) == (
+        (
+            "gyro rate random walk, scale factor asymmetry: "
+            "could widen scale factors, mounting angles and biases"
+        ),
+        "gyro scale factor nonlinearity: could widen scale factors",
     )
 
 

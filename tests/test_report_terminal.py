@@ -131,7 +131,7 @@ def test_what_it_rests_on_is_printed():
     """Missing lines, assumptions, warnings and settings stand below the tables."""
     text = render(make_budget(), width=200)
 
-    assert "- gyro rate random walk: it could widen" in text
+    assert "- gyro rate random walk, scale factor asymmetry: could widen" in text
     assert "correlation time of 300 s" in text
     assert "accelerometer.sample_noise is read as" in text
     assert re.search(r"^seed +0$", text, re.MULTILINE)

@@ -1,8 +1,7 @@
 """Figures: result in, matplotlib Figure out; each with a finding and words for it.
 
-Drawn in points on a figure 330 pt wide, which stays readable on a telephone and sits
-two abreast on a desk. No pyplot and no global state: the same result gives the same
-bytes, in any process.
+330 pt wide, readable on a telephone and two abreast on a desk. No pyplot and no global
+state: the same result gives the same bytes, in any process.
 """
 
 from __future__ import annotations
@@ -11,7 +10,6 @@ import io
 import re
 from itertools import groupby
 from math import fsum
-from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 from budget.report.tables import (
@@ -71,7 +69,6 @@ ROW = 13.0  # [pt] from dot to dot
 LEGEND_LINE = 13.0  # [pt]
 VISIBLE = 0.002  # share below which a segment is thinner than a line [1]
 MAJORITY = 0.5  # share of the variance [1]
-BY_UTILISATION = attrgetter("utilisation")
 LINEAR_BELOW = 4.0  # utilisations beyond need a logarithmic axis [1]
 
 
@@ -199,7 +196,7 @@ def utilisation_dots(assessment: Assessment) -> Figure:
 
 def utilisation_title(assessment: Assessment) -> str:
     """State the finding: how many outputs exceed their limits, and the worst."""
-    worst = max(assessment.outputs, key=BY_UTILISATION)
+    worst = max(assessment.outputs, key=_utilisation)
     beyond = sum(not output.is_within for output in assessment.outputs)
     name = output_title(worst.output.name)
     part = f"{name} at {print_utilisation(worst.utilisation)} of the limit"
@@ -352,12 +349,17 @@ def _by_group(
 ) -> list[tuple[str, list[OutputAssessment]]]:
     """Return the outputs by parameter group, the worst group and output first."""
     groups = [
-        (output_title(name), sorted(outputs, key=BY_UTILISATION, reverse=True))
+        (output_title(name), sorted(outputs, key=_utilisation, reverse=True))
         for name, outputs in groupby(
             assessment.outputs, key=lambda output: output.output.name.rpartition(".")[0]
         )
     ]
     return sorted(groups, key=lambda pair: -pair[1][0].utilisation)
+
+
+def _utilisation(output: OutputAssessment) -> float:
+    """Return what outputs are sorted by; those that print alike keep their order."""
+    return round(output.utilisation, 3)
 
 
 def _draw_dot(axes: Axes, place: int, output: OutputAssessment, start: float) -> None:
@@ -393,6 +395,5 @@ def _fits(text: str, room: float) -> bool:
     from matplotlib.font_manager import FontProperties
     from matplotlib.textpath import TextPath
 
-    prop = FontProperties(family="DejaVu Sans")
-    extents = TextPath((0.0, 0.0), text, size=SMALL, prop=prop).get_extents()
-    return bool(extents.width + 6.0 < room)
+    path = TextPath((0.0, 0.0), text, SMALL, prop=FontProperties(family="DejaVu Sans"))
+    return bool(path.get_extents().width + 6.0 < room)

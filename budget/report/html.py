@@ -20,7 +20,6 @@ from budget.report.tables import (
     print_count,
     print_coverage,
     print_given,
-    print_share,
     print_utilisation,
     round_value,
     source_title,
@@ -55,6 +54,9 @@ INKS = {
     figures.BLACK: "var(--black)",
 }
 DIGIT, POINT = "\N{FIGURE SPACE}", "\N{PUNCTUATION SPACE}"  # as wide as those
+
+
+Effect = tuple[str, str, str]  # '79 %', 'gyro bias', '0.050 deg/h'
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,7 +98,7 @@ class Cause:
 
     title: str
     printed: str  # the line of the data sheet; '' where it has none
-    effects: tuple[tuple[str, str, str], ...]  # share, group, 'u 0.050 deg/h'
+    effects: tuple[Effect, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -293,35 +295,32 @@ def _causes(
 ) -> list[Cause]:
     """Return the largest causes, each with what it makes of every group.
 
-    Ranked by the largest share of a group's variance; with a requirement each group
-    counts by the square of its utilisation, because shares are of variances.
+    Ranked by the largest share of a group's variance; with a requirement by that share
+    of the group's utilisation, those of groups beyond their limits before all others.
     """
     weight = dict.fromkeys(
         (group.title for group in groups), 0.0 if assessment else 1.0
     )
     for required in assessment.outputs if assessment else ():
         title = output_title(required.output.name.rpartition(".")[0])
-        weight[title] = max(weight[title], required.utilisation**2)
+        weight[title] = max(weight[title], required.utilisation)
     printed = {
         f"{sensor.kind}.{line.name}": line.printed
         for device in devices
         for sensor in device.sensors
         for line in sensor.lines
     }
-    effects: dict[tuple[str, str], list[tuple[float, tuple[str, str, str]]]] = {}
+    effects: dict[tuple[str, str], list[tuple[tuple[bool, float], Effect]]] = {}
     for group in groups:
         for row in group.sources:
-            if row.share.exact >= SMALL_SHARE:
+            share = row.share
+            if share.exact >= SMALL_SHARE:
                 u = max((cell.u for cell in row.cells), key=lambda u: u.exact)
-                effect = (
-                    print_share(row.share.exact),
-                    group.title,
-                    f"{u.text} {group.unit}",
-                )
-                key = (group.sensor, row.source)
-                found = (weight[group.title] * row.share.exact, effect)
-                effects.setdefault(key, []).append(found)
-    ranked = sorted(effects.items(), key=lambda item: -max(size for size, _ in item[1]))
+                effect = (share.text, group.title, f"{u.text} {group.unit}")
+                used = weight[group.title]
+                found = ((used > 1.0, used * share.exact), effect)
+                effects.setdefault((group.sensor, row.source), []).append(found)
+    ranked = sorted(effects.items(), key=lambda item: max(item[1])[0], reverse=True)
     return [
         Cause(
             title=f"{sensor} {source_title(source)}",

@@ -220,13 +220,16 @@ def output_title(name: str) -> str:
 
 
 def not_given_lines(names: Iterable[str]) -> tuple[str, ...]:
-    """Say for each absent line what it could change."""
-    lines = []
+    """Say which lines are absent and what they could change, by sensor and effect."""
+    absent: dict[tuple[str, str], list[str]] = {}
     for name in names:
         sensor, _, line = name.rpartition(".")
-        reach = REACH.get(line, EVERYTHING)
-        lines.append(f"{sensor} {words(line)}: it could widen {reach}")
-    return tuple(lines)
+        effect = (sensor, REACH.get(line, EVERYTHING))
+        absent.setdefault(effect, []).append(words(line))
+    return tuple(
+        f"{sensor} {', '.join(lines)}: could widen {reach}"
+        for (sensor, reach), lines in absent.items()
+    )
 
 
 def settings_lines(settings: Settings) -> tuple[tuple[str, str], ...]:
@@ -308,15 +311,11 @@ def _output_row(row: OutputBudget) -> OutputRow:
         text = round_value(x / scale, u, resolution=resolution)
         return Number(text=text, exact=x / scale)
 
-    expanded = (row.interval[1] - row.interval[0]) / 2.0 / scale
     return OutputRow(
         axis=row.axis,
         mean=value(row.mean),
         u=Number(text=round_uncertainty(u, resolution=resolution), exact=u),
-        expanded=Number(
-            text=round_uncertainty(expanded) if row.is_resolved else "0",
-            exact=expanded,
-        ),
+        expanded=value((row.interval[1] - row.interval[0]) / 2.0),
         low=value(row.interval[0]),
         high=value(row.interval[1]),
     )
