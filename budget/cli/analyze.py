@@ -15,6 +15,7 @@ def analyze(
     max_trials: options.MaxTrials = None,
     seed: options.Seed = 0,
     workers: options.Workers = 1,
+    cluster: options.Cluster = None,
     coverage: options.Coverage = None,
     interval: options.Interval = "symmetric",
     reference: options.Reference = None,
@@ -30,8 +31,8 @@ def analyze(
     For every scale factor, mounting angle and bias: its expected error, standard
     uncertainty and coverage interval, and which line of the data sheet causes it.
     """
+    from budget.cli.computing import computing, say
     from budget.cli.output import check_destinations, deliver
-    from budget.cli.progress import progress
     from budget.methods.monte_carlo import MAX_TRIALS
     from budget.methods.sobol import SAMPLES
     from budget.spec import load_procedure
@@ -41,7 +42,7 @@ def analyze(
     check_destinations(json, csv)
     basis = choose_basis(None, coverage=coverage, reference=reference)
     loaded = options.load_devices(devices)
-    with progress(method) as show:
+    with computing(method, workers=workers, cluster=cluster) as shop:
         budget = run(
             *loaded,
             procedure=load_procedure(procedure),
@@ -51,12 +52,14 @@ def analyze(
             max_trials=max_trials or MAX_TRIALS,
             validate=not no_validate,
             seed=seed,
-            workers=workers,
+            workers=shop.workers,
+            executor=shop.executor,
             coverage=basis.coverage,
             interval=interval,
             reference=basis.reference,
             samples=(samples or SAMPLES) if sobol or samples else None,
             only=only or (),
-            progress=show,
+            progress=shop.progress,
+            talk=say,
         )
     deliver(budget, json=json, csv=csv)

@@ -113,6 +113,14 @@ Seed = Annotated[int, typer.Option(min=0, metavar="S", help="Same seed, same num
 Workers = Annotated[
     int, typer.Option(min=1, metavar="N", help="Processes; changes no number.")
 ]
+Cluster = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ADDRESS",
+        help="Run on a Dask cluster, as tcp://host:port; changes no number.",
+        show_default=False,
+    ),
+]
 Coverage = Annotated[
     float | None,
     typer.Option(

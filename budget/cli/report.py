@@ -27,13 +27,14 @@ def report(
     max_trials: options.MaxTrials = None,
     seed: options.Seed = 0,
     workers: options.Workers = 1,
+    cluster: options.Cluster = None,
     coverage: options.Coverage = None,
     interval: options.Interval = "symmetric",
     reference: options.Reference = None,
     no_validate: options.NoValidate = False,
 ) -> None:
     """Write the error budget as a report: verdict first, then what it stands on."""
-    from budget.cli.progress import progress
+    from budget.cli.computing import computing, say
     from budget.methods.monte_carlo import MAX_TRIALS
     from budget.report.files import write_all
     from budget.report.html import render_html
@@ -47,7 +48,7 @@ def report(
     how = load_procedure(procedure)
     wanted = None if requirement is None else load_requirement(requirement)
     basis = choose_basis(wanted, coverage=coverage, reference=reference)
-    with progress(method) as show:
+    with computing(method, workers=workers, cluster=cluster) as shop:
         budget = analyze(
             *loaded,
             procedure=how,
@@ -58,12 +59,14 @@ def report(
             max_trials=max_trials or MAX_TRIALS,
             validate=not no_validate,
             seed=seed,
-            workers=workers,
+            workers=shop.workers,
+            executor=shop.executor,
             coverage=basis.coverage,
             interval=interval,
             reference=basis.reference,
             command="report",
-            progress=show,
+            progress=shop.progress,
+            talk=say,
         )
     page = render_html(
         budget,

@@ -7,8 +7,9 @@ stop depends on who computed them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial, reduce
+from itertools import chain
 from math import ceil
 from operator import add
 from typing import TYPE_CHECKING
@@ -16,7 +17,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.errors import ProblemError
-from budget.methods.execution import BLOCK, draw, in_order, local_executor
+from budget.methods.execution import (
+    BLOCK,
+    draw,
+    in_order,
+    local_executor,
+    one_blas_thread,
+)
 from budget.methods.gathering import EXACT_TRIALS, Gathering, MacroBlock, Moments
 from budget.methods.intervals import Grid, interval_of_values
 from budget.methods.tolerance import numerical_tolerance
@@ -30,7 +37,11 @@ if TYPE_CHECKING:
 
 MAX_TRIALS = EXACT_TRIALS  # of an adaptive run that is not told otherwise
 LEAST_MACRO_BLOCK = 10_000  # trials, JCGM 101:2008, 7.9.4 b)
-AHEAD = 2  # macro-blocks under way for each worker
+AHEAD = 2  # tasks under way for each worker
+# Macro-blocks in a task: one takes some 10 ms, sending a task 1 ms to a process of this
+# machine and more to another machine.
+LOCAL_BUNDLE = 2
+REMOTE_BUNDLE = 16
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -138,7 +149,7 @@ def sample(
         The same seed gives the same numbers whatever the number of workers; the first
         trials of a longer run are those of a shorter one.
     workers : int
-        Number of processes on this machine, where no executor is given.
+        Number of processes on this machine, or of workers that the executor has.
     executor : concurrent.futures.Executor, optional
         Does the work: a pool of processes, a cluster.
     progress : callable, optional
@@ -166,17 +177,22 @@ def sample(
     exact = trials is None or trials <= EXACT_TRIALS
     gathering: Gathering | None = None
 
-    def tasks() -> Iterator[_Task]:
-        for start in range(0, most, plan.size):
-            yield _Task(
-                index=start // plan.size,
-                trials=min(plan.size, most - start),
-                grid=None if gathering is None else gathering.grid,
-            )
+    def tasks() -> Iterator[tuple[_Task, ...]]:
+        each = [
+            _Task(index=index, trials=min(plan.size, most - start), grid=None)
+            for index, start in enumerate(range(0, most, plan.size))
+        ]
+        for place in range(0, len(each), bundle):
+            grid = None if gathering is None else gathering.grid
+            yield tuple(replace(t, grid=grid) for t in each[place : place + bundle])
 
     with local_executor(1 if executor is not None else workers) as pool:
-        work = partial(_macro_block, problem, plan)
-        for block in in_order(work, tasks(), executor or pool, ahead=AHEAD * workers):
+        doer = executor or pool
+        bundle = REMOTE_BUNDLE if executor else LOCAL_BUNDLE if pool else 1
+        work = partial(_macro_blocks, problem, plan)
+        for block in chain.from_iterable(
+            in_order(work, tasks(), doer, ahead=AHEAD * workers)
+        ):
             if gathering is None:
                 gathering = Gathering(block, exact=exact)
             else:
@@ -195,6 +211,14 @@ def sample(
         tolerance=part * _tolerance(gathering, problem, digits),
         reached=gathering.reached() if trials is None else None,
     )
+
+
+def _macro_blocks(
+    problem: Problem, plan: _Plan, tasks: tuple[_Task, ...]
+) -> list[MacroBlock]:
+    """Do the macro-blocks of one task."""
+    with one_blas_thread():
+        return [_macro_block(problem, plan, task) for task in tasks]
 
 
 def _macro_block(problem: Problem, plan: _Plan, task: _Task) -> MacroBlock:

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.errors import ProblemError
-from budget.methods.execution import in_order, local_executor
+from budget.methods.execution import in_order, local_executor, one_blas_thread
 from budget.methods.gum import propagate
 
 if TYPE_CHECKING:
@@ -224,6 +224,18 @@ def _one_scramble(
     scramble: int,
 ) -> tuple[Array, Array]:
     """Return first-order and total indices from one scramble, (n_factors, n_out)."""
+    with one_blas_thread():
+        return _estimate(problem, factors, linear, draws, scramble)
+
+
+def _estimate(
+    problem: Problem,
+    factors: tuple[_Factor, ...],
+    linear: _LinearPart | None,
+    draws: _Draws,
+    scramble: int,
+) -> tuple[Array, Array]:
+    """Draw the points, evaluate A, B and the mixed ones, apply the estimators."""
     from SALib.analyze.sobol import first_order, total_order
     from scipy.stats import qmc
 

@@ -11,7 +11,7 @@ import numpy as np
 from budget.methods.gum import propagate
 from budget.methods.intervals import interval_of_values
 from budget.methods.monte_carlo import MAX_TRIALS, Sample, sample
-from budget.methods.sobol import SobolResult, sobol
+from budget.methods.sobol import SCRAMBLES, SobolResult, evaluations, sobol
 from budget.methods.validation import MAX_TRIALS as VALIDATION_TRIALS
 from budget.methods.validation import validate as validate_law
 from budget.physics.calibration import calibration_problem
@@ -27,6 +27,7 @@ from budget.results import (
     Validation,
 )
 from budget.spec import load_procedure
+from budget.studies.cost import describe_cost, seconds_per_trial
 from budget.studies.request import (
     DEFAULT_COVERAGE,
     DEFAULT_REFERENCE,
@@ -37,7 +38,7 @@ from budget.studies.request import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
     from concurrent.futures import Executor
 
     from budget.arrays import Array
@@ -79,6 +80,7 @@ def analyze(
     only: Sequence[str] = (),
     command: str = "analyze",
     progress: Callable[[int, int], None] | None = None,
+    talk: Callable[[str], None] | None = None,
 ) -> Budget:
     """Compute the error budget of a calibration.
 
@@ -122,6 +124,8 @@ def analyze(
         Name of the job in the result.
     progress : callable, optional
         Called with trials done and trials in all.
+    talk : callable, optional
+        Called with a line for people before work that may take long.
 
     Returns
     -------
@@ -140,6 +144,10 @@ def analyze(
     )
     chosen, warnings = choose_sources(sensors, only)
     problem = calibration_problem(sensors, procedure, reference=reference, only=chosen)
+    if talk is not None:
+        two_digits = method == "gum" and validate and digits > 1
+        for text in _costs(problem, samples, workers, two_digits=two_digits):
+            talk(text)
     law = propagate(problem)
     validations: tuple[Validation | None, ...] = (None,) * len(problem.outputs)
     if method == "gum":
@@ -247,6 +255,23 @@ def _simulate(
         covariance=np.cov(errors),
         interval=interval_of_values(np.sort(errors), coverage, interval),
     )
+
+
+def _costs(
+    problem: Problem, samples: int | None, workers: int, *, two_digits: bool
+) -> Iterator[str]:
+    """Say what validation to two digits and Sobol' indices will cost."""
+    if not (two_digits or samples):
+        return
+    each = seconds_per_trial(problem)
+    if two_digits:
+        most = _validation_cap(2)
+        yield describe_cost(
+            "Monte Carlo to validate two digits, at most", most, most * each, workers
+        )
+    if samples:
+        number = evaluations(problem, samples, SCRAMBLES)
+        yield describe_cost("Sobol' indices", number, number * each, workers)
 
 
 def _validation_cap(digits: int) -> int:

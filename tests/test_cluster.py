@@ -1,0 +1,140 @@
+"""A Dask cluster on loopback: the same bits, and clear words when it fails."""
+
+from __future__ import annotations
+
+import os
+import signal
+import warnings
+
+import numpy as np
+import pytest
+from builders import paper_gyro, procedure
+from numpy.testing import assert_array_equal
+
+from budget.errors import WorkerError
+from budget.methods.cluster import _check_versions, connect, versions
+from budget.methods.monte_carlo import sample
+from budget.methods.sobol import sobol
+from budget.physics.calibration import calibration_problem
+from budget.problem import Group, Output, Problem
+
+distributed = pytest.importorskip("distributed", reason="the extra 'dask' is absent")
+pytestmark = pytest.mark.filterwarnings("ignore")  # dask's own, none of ours
+
+NO_ONE = "tcp://127.0.0.1:9"  # the discard port
+
+
+@pytest.fixture
+def cluster():
+    """Return a cluster of two worker processes on loopback."""
+    with (
+        warnings.catch_warnings(),
+        distributed.LocalCluster(
+            n_workers=2,
+            threads_per_worker=1,
+            host="127.0.0.1",
+            dashboard_address=None,
+            silence_logs=60,
+        ) as running,
+    ):
+        warnings.simplefilter("ignore")
+        yield running
+
+
+def problem():
+    """Return the built-in gyro calibration."""
+    return calibration_problem((paper_gyro(),), procedure())
+
+
+def test_cluster_gives_the_same_bits(cluster):
+    """Monte Carlo, fixed and adaptive, and Sobol' indices equal one process' bits."""
+    with connect(cluster.scheduler_address) as c:
+        shared = {"executor": c.executor, "workers": c.workers}
+        for trials in (300_000, None):
+            here = sample(problem(), trials=trials, seed=1)
+            there = sample(problem(), trials=trials, seed=1, **shared)
+            assert_array_equal(here.covariance, there.covariance)
+            assert_array_equal(here.interval, there.interval)
+            assert here.trials == there.trials
+        here, there = (
+            sobol(problem(), samples=64),
+            sobol(problem(), samples=64, **shared),
+        )
+        assert_array_equal(here.total.value, there.total.value)
+
+
+def test_no_scheduler_is_an_error_for_people(monkeypatch):
+    """An address where nobody listens raises WorkerError with the address."""
+    monkeypatch.setattr("budget.methods.cluster.CONNECT_TIMEOUT", 1.0)
+    words = r"no Dask scheduler answers.*127\.0\.0\.1:9"
+    with pytest.raises(WorkerError, match=words), connect(NO_ONE):
+        pass
+
+
+def test_other_versions_are_refused():
+    """A worker with another numpy is named with both versions."""
+    theirs = {**versions(), "numpy": "1.0.0"}
+    with pytest.raises(WorkerError, match=r"worker-a has numpy 1\.0\.0, here it is"):
+        _check_versions({"worker-a": theirs, "worker-b": versions()})
+
+
+def fall(x):
+    """Kill the worker that evaluates this."""
+    os.kill(os.getpid(), signal.SIGKILL)
+    return x
+
+
+def test_a_killed_worker_is_an_error_for_people(cluster):
+    """A task that kills every worker it is given to raises WorkerError."""
+    deadly = Problem(
+        groups=(Group.independent("x", u=1.0),),
+        outputs=(Output(name="y"),),
+        function=fall,
+    )
+    with pytest.raises(WorkerError), connect(cluster.scheduler_address) as c:
+        sample(deadly, trials=10_000, executor=c.executor, workers=c.workers)
+
+
+def test_a_dead_scheduler_is_an_error_for_people(cluster):
+    """A scheduler that goes away in the middle raises WorkerError, no wrong answer."""
+
+    def kill(done, _):
+        if done > 0:
+            cluster.close()
+
+    with pytest.raises(WorkerError), connect(cluster.scheduler_address) as c:
+        sample(
+            problem(),
+            trials=20_000_000,
+            executor=c.executor,
+            workers=c.workers,
+            progress=kill,
+        )
+
+
+def test_a_worker_killed_in_the_middle_still_gives_the_right_answer(cluster):
+    """With one of two workers killed the other finishes: same bits, or an error."""
+    here = sample(problem(), trials=1_000_000, seed=1)
+    victim = next(iter(cluster.workers.values())).pid
+    with connect(cluster.scheduler_address) as c:
+        killed = []
+
+        def kill(done, _):
+            if done > 100_000 and not killed:
+                os.kill(victim, signal.SIGKILL)
+                killed.append(victim)
+
+        try:
+            there = sample(
+                problem(),
+                trials=1_000_000,
+                seed=1,
+                executor=c.executor,
+                workers=c.workers,
+                progress=kill,
+            )
+        except WorkerError:
+            return  # clear words are allowed, wrong numbers are not
+        assert killed
+        assert_array_equal(here.covariance, there.covariance)
+        assert_array_equal(np.asarray(here.interval), np.asarray(there.interval))
