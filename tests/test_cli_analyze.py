@@ -112,9 +112,6 @@ def test_coverage_in_per_cent_is_the_same():
     assert documents == [analyze()] * 3
 
 
-@pytest.mark.xfail(
-    strict=True, reason="the per cent are divided in binary: 0.9973000000000001"
-)
 def test_coverage_in_per_cent_is_exact():
     """'99.73 %' is the double nearest to 0.9973, as a requirement file reads it."""
     document = analyze("--coverage", "99.73 %")

@@ -21,7 +21,8 @@ from report_examples import (
     make_procedure,
 )
 
-from budget.report.html import bind, css_string, number_markup, render_html
+from budget.report.html import render_html
+from budget.report.markup import bind, css_string, number_markup
 from budget.report.tables import group_tables
 
 EVIL = "<script>alert(1)</script>"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -16,11 +17,11 @@ LEAST_TRIALS = 2
 
 
 def _coverage(text: str) -> float:
-    """Read a probability, '0.95' or '95 %'."""
+    """Read a probability, '0.95' or '95 %', to the nearest double."""
     number, percent, rest = text.partition("%")
     try:
-        value = float(number) / (100.0 if percent else 1.0)
-    except ValueError:
+        value = float(Decimal(number.strip()) / (100 if percent else 1))
+    except InvalidOperation:
         value = float("nan")
     if rest.strip() or not 0.0 < value < 1.0:
         raise typer.BadParameter(

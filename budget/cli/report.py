@@ -32,10 +32,13 @@ def report(
     interval: options.Interval = "symmetric",
     reference: options.Reference = None,
     no_validate: options.NoValidate = False,
+    sobol: options.Sobol = False,
+    samples: options.Samples = None,
 ) -> None:
     """Write the error budget as a report: verdict first, then what it stands on."""
     from budget.cli.computing import computing, say
     from budget.methods.monte_carlo import MAX_TRIALS
+    from budget.methods.sobol import SAMPLES
     from budget.report.files import write_all
     from budget.report.html import render_html
     from budget.spec import load_procedure, load_requirement
@@ -64,6 +67,7 @@ def report(
             coverage=basis.coverage,
             interval=interval,
             reference=basis.reference,
+            samples=(samples or SAMPLES) if sobol or samples else None,
             command="report",
             progress=shop.progress,
             talk=say,

@@ -10,6 +10,14 @@ from typing import TYPE_CHECKING
 
 from budget.report import figures
 from budget.report.document import to_json
+from budget.report.indices import index_tables
+from budget.report.markup import (
+    bind,
+    css_string,
+    longest_tail,
+    number_markup,
+    script_safe,
+)
 from budget.report.tables import (
     SMALL_SHARE,
     Number,
@@ -32,7 +40,7 @@ from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
 from budget.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
     from matplotlib.figure import Figure
 
@@ -53,7 +61,6 @@ INKS = {
     figures.PAPER: "var(--paper)",
     figures.BLACK: "var(--black)",
 }
-DIGIT, POINT = "\N{FIGURE SPACE}", "\N{PUNCTUATION SPACE}"  # as wide as those
 
 
 Effect = tuple[str, str, str]  # '79 %', 'gyro bias', '0.050 deg/h'
@@ -189,6 +196,7 @@ def render_html(
         verdicts=verdicts,
         limits=limits,
         groups=groups,
+        indices=index_tables(budget),
         causes=_causes(groups, devices, assessment),
         not_given=not_given_lines(budget.not_given),
         pictures=[(picture, markup(picture.svg)) for picture in pictures],
@@ -198,49 +206,6 @@ def render_html(
         document=markup(script_safe(to_json(budget))),
         css_string=lambda text: markup(css_string(text)),
     )
-
-
-def number_markup(text: str, *, tail: int = 0) -> str:
-    """Set a printed number for a page: true minus signs, powers of ten raised.
-
-    Parameters
-    ----------
-    text : str
-        As it comes from `tables`.
-    tail : int
-        Characters from the decimal point on to fill up to, so that the points of a
-        column that is set flush right are in line.
-    """
-    mantissa, e, exponent = escape(text).replace("-", "\N{MINUS SIGN}").partition("e")
-    if e:
-        return f"{mantissa}&#8239;&times;&#8239;10<sup>{exponent}</sup>"
-    missing = tail - longest_tail([text])
-    if missing > 0 and "." not in text:
-        return mantissa + POINT + DIGIT * (missing - 1)
-    return mantissa + DIGIT * missing
-
-
-def longest_tail(texts: Iterable[str]) -> int:
-    """Return the most characters from a decimal point on, powers of ten left out."""
-    plain = [text for text in texts if "e" not in text]
-    return max((len(t) - len(t.partition(".")[0]) for t in plain), default=0)
-
-
-def bind(text: str) -> str:
-    """Keep each number and what follows it, its unit mostly, on one line."""
-    return re.sub(r"(?<=\d) (?=\S)", "\N{NO-BREAK SPACE}", text)
-
-
-def script_safe(document: str) -> str:
-    """Escape JSON so that nothing in it can end the script element around it."""
-    for character in "&<>":
-        document = document.replace(character, f"\\u{ord(character):04x}")
-    return document
-
-
-def css_string(text: str) -> str:
-    """Quote a text for CSS; all but plain letters and digits as code points."""
-    return '"' + re.sub(r"[^A-Za-z0-9]", lambda c: f"\\{ord(c[0]):06x}", text) + '"'
 
 
 def _limit_row(budget: Budget, row: OutputAssessment) -> LimitRow:

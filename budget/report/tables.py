@@ -65,8 +65,6 @@ class SourceCell:
 
     u: Number  # [unit of the group]
     share: Number  # of the variance of the output
-    sobol_first: Number | None
-    sobol_total: Number | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -335,14 +333,7 @@ def _source_cell(row: OutputBudget, source: str) -> SourceCell:
             text=round_uncertainty(u, resolution=row.output.resolution / scale), exact=u
         ),
         share=Number(text=print_share(share), exact=share),
-        sobol_first=_index(part.sobol_first),
-        sobol_total=_index(part.sobol_total),
     )
-
-
-def _index(value: float | None) -> Number | None:
-    """Print a Sobol index [1], where there is one."""
-    return None if value is None else Number(text=f"{value:.3f}", exact=value)
 
 
 def _validation(outputs: tuple[OutputBudget, ...]) -> str:

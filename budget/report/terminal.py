@@ -6,6 +6,7 @@ import re
 import textwrap
 from typing import TYPE_CHECKING
 
+from budget.report.indices import index_tables
 from budget.report.tables import (
     align_decimals,
     group_tables,
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
     from rich.console import Console
 
+    from budget.report.indices import IndexTable
     from budget.report.tables import GroupTable, Number, OutputRow, SourceRow
     from budget.results import Budget
 
@@ -52,6 +54,7 @@ def render_budget(budget: Budget, console: Console) -> None:
         _print_group(group, page)
         if len(checks) > 1 and group.validation:
             page.paragraph(group.validation, first="Checked ")
+    _print_indices(budget, page)
     for label, lines in (
         ("Not given", not_given_lines(budget.not_given)),
         ("Assumptions", budget.assumptions),
@@ -125,6 +128,41 @@ def _print_group(group: GroupTable, page: _Page) -> None:
                 page.line(f"{row.axis:<3}{label}  {text}")
     page.line()
     _print_sources(group, page)
+
+
+def _print_indices(budget: Budget, page: _Page) -> None:
+    """Print Sobol' indices with their intervals, for the widest output of a group."""
+    for table in index_tables(budget):
+        if not table.is_widest:
+            continue
+        page.line()
+        page.line(f"Sobol indices of {table.title}", style="bold underline")
+        head, lines = _index_lines(table)
+        mark = any(row.note for row in table.rows)
+        name = max(len(row.title) for row in table.rows)
+        if name + GAP + len(head) <= page.width:
+            page.line(" " * (name + GAP) + head, style="bold")
+            for row, line in zip(table.rows, lines, strict=True):
+                star = "*" if row.note else ""
+                page.line(f"{row.title:<{name}}{' ' * GAP}{line}{star}")
+        else:
+            for row in table.rows:
+                page.line(f"{row.rank} {row.title} {row.note}")
+                page.line(f"  first {row.first} {row.first_interval}")
+                page.line(f"  total {row.total} {row.total_interval}")
+            mark = False
+        if mark:
+            page.line("* interacts with other sources, beyond chance")
+        if table.small:
+            page.paragraph(table.small, first="below 0.001: ")
+
+
+def _index_lines(table: IndexTable) -> tuple[str, tuple[str, ...]]:
+    """Set the indices of one output as columns."""
+    names = ("rank", "first", "first_interval", "total", "total_interval")
+    heads = ["rank", "first", "interval", "total", "interval"]
+    columns = [tuple(getattr(row, name) for row in table.rows) for name in names]
+    return _set_columns(heads, columns, flush_left=False)
 
 
 def _output_cells(group: GroupTable, row: OutputRow) -> tuple[tuple[str, str], ...]:
