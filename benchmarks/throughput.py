@@ -12,6 +12,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # one core means one
 
 from statistics import median
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,8 +20,10 @@ from budget.methods.execution import BLOCK
 from budget.methods.monte_carlo import sample
 from budget.physics.calibration import calibration_problem
 from budget.physics.simulation import simulate
-from budget.problem import Problem
 from budget.spec import load_device, load_procedure
+
+if TYPE_CHECKING:
+    from budget.problem import Problem
 
 TRIALS = 1_000_000
 ROUNDS = 5

@@ -56,6 +56,7 @@ def main() -> None:
     except BudgetError as error:
         sys.stderr.write(f"{error}\n")
         raise SystemExit(EXIT_BAD_INPUT) from None
-    except KeyboardInterrupt:
-        sys.stderr.write("interrupted; nothing was written\n")
-        raise SystemExit(EXIT_INTERRUPTED) from None
+    except SystemExit as end:
+        if end.code == EXIT_INTERRUPTED:  # typer answers Ctrl-C with it, in silence
+            sys.stderr.write("interrupted; nothing was written\n")
+        raise
