@@ -1,0 +1,198 @@
+"""Which source reaches which parameter, and how far: the coupling table."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.methods.gum import propagate
+from budget.methods.monte_carlo import sample
+from budget.physics.calibration import calibration_problem
+from budget.physics.simulation import simulate
+
+if TYPE_CHECKING:
+    from budget.arrays import Array
+    from budget.problem import Problem
+    from budget.spec.records import Procedure, Sensor
+
+METHODS = ("gum", "monte-carlo", "simulation")
+TRIALS = 4096  # of Monte Carlo for each source: one block
+RUNS = 4  # of the simulation for each source: enough to tell a spread from none
+
+# The simulation subtracts pulses and divides them again, which costs two digits of
+# those that the closed forms keep.
+PULSE_ROUNDING = 100.0  # [1]
+
+# The parameter whose own spread a source is.
+OWN = {
+    "bias_repeatability": "bias",
+    "bias_stability": "bias",
+    "scale_factor_repeatability": "scale_factor",
+    "scale_factor_nonlinearity": "scale_factor",
+    "mounting_repeatability": "mounting_angle",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Coupling:
+    """What one source alone does to one group of parameters.
+
+    Attributes
+    ----------
+    source : str
+        'gyro.bias_stability'.
+    group : str
+        'gyro.scale_factor': the outputs of that name on all axes.
+    u : float
+        Largest standard uncertainty over the group [SI unit of the outputs].
+    size : float
+        Standard uncertainty over that from all sources together, largest over the
+        group [1]; 0 where nothing reaches it.
+    reaches : bool
+        Whether any output of the group has more spread than the rounding of the
+        computation (Output.resolution).
+    """
+
+    source: str
+    group: str
+    u: float
+    size: float
+    reaches: bool
+
+    @property
+    def is_own(self) -> bool:
+        """Whether the source is a spread of the parameter itself."""
+        return OWN.get(self.source.partition(".")[2]) == self.group.partition(".")[2]
+
+
+@dataclass(frozen=True, kw_only=True)
+class CouplingTable:
+    """All sources of some sensors against their own groups of parameters."""
+
+    method: str
+    formulas: str
+    sources: tuple[str, ...]
+    groups: tuple[str, ...]
+    cells: tuple[Coupling, ...]  # of a sensor's sources and its own groups only
+
+    def cell(self, source: str, group: str) -> Coupling:
+        """Return one cell; KeyError where source and group are of two sensors."""
+        for cell in self.cells:
+            if (cell.source, cell.group) == (source, group):
+                return cell
+        raise KeyError(f"{source}, {group}")
+
+
+def coupling(
+    sensors: tuple[Sensor, ...],
+    procedure: Procedure,
+    *,
+    method: str = "gum",
+    reference: str = "nominal",
+    seed: int = 0,
+) -> CouplingTable:
+    """Find which source reaches which parameters, one source at a time.
+
+    Zhao 2019, sections 2 and 4. Products of two sources are no source: asymmetry, for
+    one, reaches a scale factor only as a product with the bias, so that it counts here
+    for a nominal bias and not for a nominal bias of zero.
+
+    Parameters
+    ----------
+    sensors : tuple of Sensor
+        At most one gyro and one accelerometer.
+    procedure : Procedure
+        Turns and dwells, the place, the formulas.
+    method : str
+        'gum', 'monte-carlo' (4096 trials a source) or 'simulation' (4 runs a source).
+    reference : str
+        What errors are counted from.
+    seed : int
+        Of the two methods that draw.
+
+    Returns
+    -------
+    CouplingTable
+    """
+    problem = calibration_problem(sensors, procedure, reference=reference)
+    sources = tuple(group.name for group in problem.groups)
+    if method == "gum":
+        u = np.sqrt(propagate(problem).source_variance)
+    else:
+        u = np.stack(
+            [
+                _draw_alone(
+                    sensors,
+                    procedure,
+                    source,
+                    method=method,
+                    reference=reference,
+                    seed=seed,
+                )
+                for source in sources
+            ]
+        )
+    return _tabulate(problem, u, method=method, formulas=procedure.formulas)
+
+
+def _draw_alone(
+    sensors: tuple[Sensor, ...],
+    procedure: Procedure,
+    source: str,
+    *,
+    method: str,
+    reference: str,
+    seed: int,
+) -> Array:
+    """Return the spread of all outputs from one source alone, shape (n_out,) [SI]."""
+    only = frozenset({source})
+    if method == "monte-carlo":
+        problem = calibration_problem(
+            sensors, procedure, reference=reference, only=only
+        )
+        return sample(problem, trials=TRIALS, seed=seed).standard_uncertainty
+    runs = [
+        simulate(sensors, procedure, run=run, seed=seed, reference=reference, only=only)
+        for run in range(RUNS)
+    ]
+    return np.asarray(np.std(runs, axis=0, ddof=1))
+
+
+def _tabulate(
+    problem: Problem, u: Array, *, method: str, formulas: str
+) -> CouplingTable:
+    """Gather spreads, shape (n_sources, n_out), by groups of outputs."""
+    names = [output.name.rpartition(".")[0] for output in problem.outputs]
+    zero = np.array([output.resolution for output in problem.outputs])
+    if method == "simulation":
+        zero = zero * PULSE_ROUNDING
+    u = np.where(u > zero, u, 0.0)
+    total = np.sqrt((u**2).sum(axis=0))
+    part = u / np.where(total > 0.0, total, np.inf)
+    sources = tuple(group.name for group in problem.groups)
+    groups = tuple(dict.fromkeys(names))
+    cells = []
+    for place, source in enumerate(sources):
+        for group in groups:
+            if source.partition(".")[0] != group.partition(".")[0]:
+                continue
+            of_group = np.array([name == group for name in names])
+            largest = float(u[place, of_group].max())
+            cells.append(
+                Coupling(
+                    source=source,
+                    group=group,
+                    u=largest,
+                    size=float(part[place, of_group].max()),
+                    reaches=largest > 0.0,
+                )
+            )
+    return CouplingTable(
+        method=method,
+        formulas=formulas,
+        sources=sources,
+        groups=groups,
+        cells=tuple(cells),
+    )

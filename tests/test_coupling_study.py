@@ -1,0 +1,103 @@
+"""The coupling study: what reaches what, how far, and that none is told from some."""
+
+from __future__ import annotations
+
+import pytest
+from builders import paper_accelerometer, paper_gyro, procedure, sensor
+from numpy.testing import assert_allclose
+
+from budget.physics.sources import CONSTANTS
+from budget.studies.coupling import METHODS, coupling
+
+GYRO = paper_gyro(scale_factor_nonlinearity=30e-6, scale_factor_asymmetry=1250e-6)
+ACCELEROMETER = paper_accelerometer(scale_factor_nonlinearity=30e-6)
+SHORT = {"sample_rate": 10.0, "dwell": 20.0}  # a simulation that takes no time
+
+# Scale factors, angles, bias; by the corrected formulas.
+REACHES = {
+    "gyro.bias_repeatability": (False, False, True),
+    "gyro.bias_stability": (True, True, True),
+    "gyro.angle_random_walk": (True, True, True),
+    "gyro.scale_factor_repeatability": (True, False, False),
+    "gyro.scale_factor_nonlinearity": (True, False, False),
+    "gyro.scale_factor_asymmetry": (True, True, True),
+    "gyro.mounting_repeatability": (False, True, False),
+    "accelerometer.bias_repeatability": (False, False, True),
+    "accelerometer.bias_stability": (True, True, True),
+    "accelerometer.sample_noise": (True, True, True),
+    "accelerometer.scale_factor_repeatability": (True, False, False),
+    "accelerometer.scale_factor_nonlinearity": (True, False, False),
+    "accelerometer.mounting_repeatability": (False, True, False),
+}
+PARAMETERS = ("scale_factor", "mounting_angle", "bias")
+
+
+def reached(table):
+    """Return the table as {source: (scale factors, angles, bias)}."""
+    return {
+        source: tuple(
+            table.cell(source, f"{source.split('.')[0]}.{parameter}").reaches
+            for parameter in PARAMETERS
+        )
+        for source in table.sources
+    }
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_study_finds_the_coupling_table(method):
+    """By every method, both sensors at once, a source reaches what it should."""
+    plan = procedure(**SHORT) if method == "simulation" else procedure()
+    table = coupling((GYRO, ACCELEROMETER), plan, method=method)
+    assert reached(table) == REACHES
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_paper_formula_couples_mounting_to_the_gyro_bias(method):
+    """Eq. (4) as printed changes one cell of the table and no other."""
+    plan = procedure(formulas="paper", **(SHORT if method == "simulation" else {}))
+    table = coupling((GYRO, ACCELEROMETER), plan, method=method)
+    expected = {**REACHES, "gyro.mounting_repeatability": (False, True, True)}
+    assert reached(table) == expected
+
+
+def test_own_constants_have_the_size_of_their_line():
+    """Where a random constant is the parameter's own, u is the data sheet's figure."""
+    table = coupling((GYRO, ACCELEROMETER), procedure())
+    own = [
+        cell
+        for cell in table.cells
+        if cell.is_own and cell.source.split(".")[1] in CONSTANTS
+    ]
+    assert len(own) == 8
+    for cell in own:
+        kind, name = cell.source.split(".")
+        u = {"gyro": GYRO, "accelerometer": ACCELEROMETER}[kind].line(name).u
+        assert_allclose(cell.u, u.max(), rtol=1e-9)
+
+
+def test_sizes_of_a_group_with_equal_axes_are_parts_of_one_whole():
+    """Squares of the sizes in a column sum to 1 where all axes are alike."""
+    table = coupling((GYRO,), procedure())
+    for parameter in ("scale_factor", "bias"):
+        column = [c.size for c in table.cells if c.group == f"gyro.{parameter}"]
+        # Asymmetry, 1e-3 of the rest, differs by axis through the earth rate.
+        assert_allclose(sum(size**2 for size in column), 1.0, rtol=1e-4)
+
+
+def test_a_spread_at_the_resolution_is_none():
+    """A bias that repeats to 1e-20 deg/h is not said to reach the bias."""
+    still = sensor("gyro", {"bias_repeatability": 1e-26})
+    loud = sensor("gyro", {"bias_repeatability": 1e-12})
+    for found, reaches in ((still, False), (loud, True)):
+        cell = coupling((found,), procedure()).cell(
+            "gyro.bias_repeatability", "gyro.bias"
+        )
+        assert cell.reaches is reaches
+        assert (cell.size > 0.0) is reaches
+
+
+def test_sources_and_groups_of_two_sensors_share_no_cell():
+    """A gyro source has no cell beside an accelerometer parameter."""
+    table = coupling((GYRO, ACCELEROMETER), procedure())
+    with pytest.raises(KeyError):
+        table.cell("gyro.bias_repeatability", "accelerometer.bias")
