@@ -13,6 +13,10 @@ from unittest.mock import patch
 
 from budget.cli import main
 
+# A terminal of usual width without colours, whatever the tests are started from.
+TERMINAL = {"COLUMNS": "80", "NO_COLOR": "1", "PYTHONIOENCODING": "utf-8"}
+UNWANTED = ("FORCE_COLOR", "SOURCE_DATE_EPOCH")
+
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
@@ -28,12 +32,19 @@ class Outcome:
         return json.loads(self.out)
 
 
+def surroundings():
+    """Return the environment that commands are called in."""
+    kept = {name: text for name, text in os.environ.items() if name not in UNWANTED}
+    return kept | TERMINAL
+
+
 def call(*args):
     """Call the command line in this process, which saves the start of another."""
     out, err = io.StringIO(), io.StringIO()
     code = 0
     with (
         patch.object(sys, "argv", ["budget", *map(str, args)]),
+        patch.dict(os.environ, surroundings(), clear=True),
         redirect_stdout(out),
         redirect_stderr(err),
     ):
@@ -54,7 +65,7 @@ def start(*args, cwd, python=sys.executable, **environment):
         cwd=cwd,
         capture_output=True,
         check=False,
-        env={**os.environ, "PYTHONIOENCODING": "utf-8", **environment},
+        env=surroundings() | environment,
     )
     return Outcome(
         code=run.returncode, out=run.stdout.decode(), err=run.stderr.decode()

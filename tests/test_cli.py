@@ -19,6 +19,7 @@ COMMANDS = ("analyze", "report", "validate", "schema")
 SHARED = (
     *("--procedure", "--method", "--trials", "--max-trials", "--digits", "--seed"),
     *("--workers", "--coverage", "--interval", "--reference", "--no-validate"),
+    *("--sobol", "--samples"),
 )
 BAD_VALUES = [
     ("--method", "linear", "'gum', 'monte-carlo', 'simulation'"),
@@ -26,6 +27,7 @@ BAD_VALUES = [
     ("--trials", "1e5", "2 or more"),
     ("--trials", "-5", "2 or more"),
     ("--max-trials", "1", "2"),
+    ("--samples", "1", "2"),
     ("--digits", "3", "2"),
     ("--digits", "0", "1"),
     ("--seed", "-1", "0"),
