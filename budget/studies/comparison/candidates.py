@@ -1,0 +1,163 @@
+"""One candidate: a sensor under a procedure, and what its lines would have to be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.methods.gum import propagate
+from budget.physics.calibration import calibration_problem
+from budget.spec.lines import lines_of
+from budget.studies.comparison.records import MissingLines, Remedy
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from budget.arrays import Array
+    from budget.methods.gum import Propagation
+    from budget.problem import Problem
+    from budget.spec.records import Device, ErrorLine, Procedure, Requirement, Sensor
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Candidate:
+    """What is judged: a Problem with its law and its limits.
+
+    Attributes
+    ----------
+    rows : ndarray of int, shape (n_required,)
+        Required outputs among those of the Problem.
+    limits : ndarray, shape (n_required,)
+        On their absolute errors [SI].
+    printed : tuple of str
+        The limits as the requirement file gives them.
+    """
+
+    device: Device
+    sensor: Sensor
+    procedure: Procedure
+    problem: Problem
+    law: Propagation
+    rows: Array
+    limits: Array
+    printed: tuple[str, ...]
+
+
+def candidate(
+    device: Device, sensor: Sensor, procedure: Procedure, requirement: Requirement
+) -> Candidate | None:
+    """Set up one sensor of a device; None where nothing is required of it."""
+    problem = calibration_problem((sensor,), procedure, reference=requirement.reference)
+    places = {output.name: row for row, output in enumerate(problem.outputs)}
+    required = [limit for limit in requirement.limits if limit.output in places]
+    if not required:
+        return None
+    return Candidate(
+        device=device,
+        sensor=sensor,
+        procedure=procedure,
+        problem=problem,
+        law=propagate(problem),
+        rows=np.array([places[limit.output] for limit in required]),
+        limits=np.array([limit.limit for limit in required]),
+        printed=tuple(limit.printed for limit in required),
+    )
+
+
+def find_remedy(one: Candidate, worst: int, coverage: float) -> Remedy:
+    """Return the source that makes most of the worst output, and what would mend it.
+
+    With the other sources as they are, k^2 (V - V_s + f^2 V_s) = (limit - |mean|)^2
+    gives the factor f on its standard uncertainty, by the law; its small part in
+    products with other sources is left as it is.
+
+    Parameters
+    ----------
+    one : Candidate
+    worst : int
+        Place of the worst output among the required ones.
+    coverage : float
+        Of the interval that is held against the limit.
+    """
+    row = one.rows[worst]
+    parts = one.law.source_variance[:, row]
+    source = int(np.argmax(parts))
+    total = float(one.law.covariance[row, row])
+    k = float(one.law.coverage_factor(coverage)[row])
+    allowed = (max(one.limits[worst] - abs(one.law.mean[row]), 0.0) / k) ** 2
+    rest = total - float(parts[source])
+    name = one.problem.groups[source].name
+    if total == 0.0:
+        return Remedy(source=name, share=0.0, factor=None)
+    can_mend = allowed > rest and parts[source] > 0.0
+    return Remedy(
+        source=name,
+        share=float(parts[source]) / total,
+        factor=float(np.sqrt((allowed - rest) / parts[source])) if can_mend else None,
+    )
+
+
+def bound_missing(
+    one: Candidate,
+    requirement: Requirement,
+    catalogue: Sequence[Device],
+) -> MissingLines | None:
+    """Return what expected lines that are not given could do; None where none miss."""
+    if not one.sensor.expected_missing:
+        return None
+    found: list[tuple[ErrorLine, str]] = []
+    for full_name in one.sensor.expected_missing:
+        worst = _worst_line(full_name, one.device.technology, one.sensor, catalogue)
+        if worst is not None:
+            found.append(worst)
+    completed = replace(
+        one.sensor, lines=(*one.sensor.lines, *(line for line, _ in found))
+    )
+    other = candidate(one.device, completed, one.procedure, requirement)
+    utilisation = float("nan")
+    if other is not None:
+        ends = other.law.interval(requirement.coverage)[other.rows]
+        utilisation = float((np.abs(ends).max(axis=1) / other.limits).max())
+    return MissingLines(
+        lines=one.sensor.expected_missing,
+        assumed=tuple(
+            f"{one.sensor.kind}.{line.name} {line.printed} (of {owner})"
+            for line, owner in found
+        ),
+        utilisation=utilisation,
+        verdict="meets" if utilisation <= 1.0 else "fails",
+    )
+
+
+def _worst_line(
+    full_name: str, technology: str, sensor: Sensor, catalogue: Sequence[Device]
+) -> tuple[ErrorLine, str] | None:
+    """Return the largest such line of the catalogue and whose it is.
+
+    Of devices of the same technology; of the whole catalogue where none of them has it.
+    'gyro.noise' stands for the first of the noise lines, a random walk.
+    """
+    wanted = full_name.split(".")[1]
+    names = [
+        line.name
+        for line in lines_of(sensor.kind)
+        if wanted in (line.expected, line.name)
+    ][:1]
+    offers = [
+        (line, device)
+        for device in catalogue
+        for other in device.sensors
+        if other.kind == sensor.kind and other.device != sensor.device
+        for line in other.lines
+        if line.name in names
+    ]
+    same = [
+        (line, d) for line, d in offers if technology and d.technology == technology
+    ]
+    chosen = same or offers
+    if not chosen:
+        return None
+    line, device = max(chosen, key=lambda pair: float(pair[0].u.max()))
+    return line, device.name

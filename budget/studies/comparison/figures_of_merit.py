@@ -1,0 +1,77 @@
+"""What a device costs, weighs and draws: texts of a maker as numbers."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+MERITS = ("price", "mass", "power")
+
+# Factors to the first unit of each kind [kg, W]; a price keeps its currency.
+UNITS = {
+    "mass": {"kg": 1.0, "g": 1e-3, "gram": 1e-3, "grams": 1e-3, "lb": 0.45359237},
+    "power": {"W": 1.0, "mW": 1e-3},
+}
+NUMBER = re.compile(r"^\s*[<≤~]?\s*(\d+(?:\.\d+)?)\s*([A-Za-z€$]+)\s*$")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Amount:
+    """A number that can be compared with others of the same unit."""
+
+    value: float
+    unit: str
+
+
+def read_amount(merit: str, text: str) -> Amount | None:
+    """Read '140 g', '2 W' or '50000 EUR'; None for a text that is no such number."""
+    match = NUMBER.match(text)
+    if match is None:
+        return None
+    value, unit = float(match[1]), match[2]
+    if merit == "price":
+        return Amount(value=value, unit=unit.upper())
+    factor = UNITS[merit].get(unit)
+    if factor is None:
+        return None
+    return Amount(value=value * factor, unit=next(iter(UNITS[merit])))
+
+
+def over_cap(merit: str, text: str, cap: str) -> str:
+    """Say by how much a device exceeds a cap; '' where it does not, or nobody knows."""
+    have, most = read_amount(merit, text), read_amount(merit, cap)
+    if have is None or most is None or have.unit != most.unit:
+        return ""
+    return f"{merit} {text}, at most {cap}" if have.value > most.value else ""
+
+
+def front(points: Sequence[tuple[float, Amount | None]]) -> tuple[bool, ...]:
+    """Return which points are Pareto-best: no other is better in one and as good.
+
+    Parameters
+    ----------
+    points : sequence of (float, Amount or None)
+        Utilisation and cost; a point without a cost, or in another unit than the first
+        one that has a cost, is not on the front.
+    """
+    unit = next((amount.unit for _, amount in points if amount is not None), "")
+    known = [
+        (u, amount.value)
+        for u, amount in points
+        if amount is not None and amount.unit == unit
+    ]
+    best = []
+    for u, amount in points:
+        if amount is None or amount.unit != unit:
+            best.append(False)
+            continue
+        beaten = any(
+            (v <= u and cost <= amount.value) and (v < u or cost < amount.value)
+            for v, cost in known
+        )
+        best.append(not beaten)
+    return tuple(best)

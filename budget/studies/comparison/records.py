@@ -1,0 +1,148 @@
+"""What a comparison finds: frozen records, SI inside."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from budget.arrays import Array
+    from budget.problem import Output
+    from budget.results import InputFile, Settings
+
+VERDICTS = ("meets", "undecided", "undecidable", "fails")  # best first
+
+
+@dataclass(frozen=True, kw_only=True)
+class Probability:
+    """A probability with its 95 % sampling interval [1]."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class RequiredOutput:
+    """One required output of one device [SI]."""
+
+    output: Output
+    limit: float
+    printed_limit: str
+    standard_uncertainty: float
+    largest_error: float  # largest absolute end of the coverage interval
+    conformance: float  # probability that the error is within the limit [1]
+
+    @property
+    def utilisation(self) -> float:
+        """Largest error over limit [1]."""
+        return self.largest_error / self.limit
+
+
+@dataclass(frozen=True, kw_only=True)
+class Remedy:
+    """The source that limits a device, and what its line alone would have to be."""
+
+    source: str
+    share: float  # of the variance of the worst output [1]
+    factor: float | None  # on its standard uncertainty; None: it alone cannot mend it
+
+
+@dataclass(frozen=True, kw_only=True)
+class MissingLines:
+    """What lines that are not given could do.
+
+    At best they are zero, which is what the verdict counts; at worst they are what the
+    worst device of the catalogue has.
+    """
+
+    lines: tuple[str, ...]  # expected and not given
+    assumed: tuple[str, ...]  # 'gyro.bias_stability 24 deg/h (of NAME)'
+    utilisation: float  # with those, by the law [1]
+    verdict: str  # 'meets' or 'fails'
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ahead:
+    """How sure it is that a device is better than the next one in its list."""
+
+    other: str
+    probability: float  # that its utilisation is the smaller one [1]
+
+    @property
+    def is_tied(self) -> bool:
+        """Whether the two cannot be told apart at 95 %."""
+        return 0.025 < self.probability < 0.975  # noqa: PLR2004 - two-sided 95 %
+
+
+@dataclass(frozen=True, kw_only=True)
+class DeviceVerdict:
+    """One sensor of one device under one procedure, held against the requirement."""
+
+    name: str
+    sensor: str
+    procedure: str
+    file: str
+    technology: str
+    verdict: str  # one of VERDICTS
+    utilisation: float  # the largest of its required outputs [1]
+    utilisation_interval: tuple[float, float]  # 95 % sampling interval [1]
+    worst_output: str
+    conformance: Probability  # all required outputs together
+    outputs: tuple[RequiredOutput, ...]
+    remedy: Remedy
+    not_given: tuple[str, ...]
+    missing: MissingLines | None
+    trials: int | None
+    price: str
+    mass: str
+    power: str
+    over_caps: tuple[str, ...]  # 'mass 140 g, at most 100 g'
+    advice: str
+    ahead: Ahead | None = None
+    on_front: tuple[str, ...] = ()  # 'price', 'mass', 'power' it is Pareto-best in
+    batches: Array = field(repr=False, compare=False)
+
+    @property
+    def margin(self) -> float:
+        """What is left of the limit, as a part of it; negative beyond [1]."""
+        return 1.0 - self.utilisation
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pair:
+    """A gyro and an accelerometer together; their errors are independent."""
+
+    gyro: str
+    accelerometer: str
+    procedure: str
+    verdict: str
+    utilisation: float
+    conformance: Probability
+
+
+@dataclass(frozen=True, kw_only=True)
+class Comparison:
+    """All devices, best first within each sensor and procedure."""
+
+    requirement: str
+    procedures: tuple[str, ...]
+    inputs: tuple[InputFile, ...]
+    settings: Settings
+    devices: tuple[DeviceVerdict, ...]
+    pairs: tuple[Pair, ...]
+    assumptions: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+    @property
+    def required(self) -> tuple[str, ...]:
+        """Sensors that have limits and candidates."""
+        return tuple(dict.fromkeys(row.sensor for row in self.devices))
+
+    @property
+    def is_met(self) -> bool:
+        """Whether each required sensor has a device that meets."""
+        return all(
+            any(d.verdict == "meets" for d in self.devices if d.sensor == sensor)
+            for sensor in self.required
+        )
