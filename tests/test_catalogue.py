@@ -11,7 +11,7 @@ import pytest
 from ruamel.yaml import YAML
 
 import budget
-from budget.spec import load_device, variants
+from budget.spec import load_device, load_requirement, variants
 from budget.spec.lines import SENSORS, lines_of
 from budget.units import UnitError, parse_quantity
 
@@ -276,3 +276,38 @@ def test_every_device_loads_and_has_a_budget(ref):
     assert device.vendor
     result = budget.analyze(device, validate=False)
     assert all(math.isfinite(o.standard_uncertainty) for o in result.outputs)
+
+
+def utilisation(ref, requirement, sensor):
+    """Return the largest error over its limit among one sensor's outputs [1]."""
+    limits = {limit.output: limit.limit for limit in requirement.limits}
+    result = budget.analyze(
+        load_device(ref),
+        validate=False,
+        reference=requirement.reference,
+        coverage=requirement.coverage,
+    )
+    return max(
+        output.largest_error / limits[output.output.name]
+        for output in result.outputs
+        if output.sensor == sensor
+    )
+
+
+@pytest.mark.parametrize(
+    ("ref", "sensor", "printed"),
+    [
+        ("hg4930#C", "gyro", "0.95"),
+        ("hg4930#B", "gyro", "0.99"),
+        ("hg4930#A", "gyro", "1.98"),
+        ("hg4930#C", "accelerometer", "0.95"),
+        ("stim300#10g", "accelerometer", "0.96"),
+        ("hg4930#B", "accelerometer", "1.01"),
+        ("dg068#30", "accelerometer", "1.03"),
+        ("hg4930#A", "accelerometer", "1.51"),
+    ],
+)
+def test_the_edge_requirement_lies_at_the_edge(ref, sensor, printed):
+    """The utilisations that the file's comment prints are those of the linear law."""
+    edge = load_requirement("catalogue-edge")
+    assert abs(utilisation(ref, edge, sensor) - float(printed)) <= 0.01
