@@ -17,6 +17,7 @@ from budget.units import UnitError, parse_quantity
 
 HERE = Path(__file__).resolve().parent
 DEVICES = HERE.parent / "specs" / "devices"
+CATALOGUE = HERE.parent / "docs" / "catalogue.md"
 ELSEWHERE = {"zhao-2019"}  # the paper's device: its numbers are held by other tests
 
 FILES = sorted(p for p in DEVICES.glob("*.yaml") if p.stem not in ELSEWHERE)
@@ -311,3 +312,10 @@ def test_the_edge_requirement_lies_at_the_edge(ref, sensor, printed):
     """The utilisations that the file's comment prints are those of the linear law."""
     edge = load_requirement("catalogue-edge")
     assert abs(utilisation(ref, edge, sensor) - float(printed)) <= 0.01
+
+
+def test_the_catalogue_page_has_a_row_for_every_device_file():
+    """docs/catalogue.md names each file in its table."""
+    text = CATALOGUE.read_text(encoding="utf-8")
+    for path in FILES:
+        assert f"| `{path.stem}` |" in text
