@@ -1,0 +1,151 @@
+"""The paper's own conditions: its device and procedure, one error source at a time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.distributions import NORMAL
+from budget.methods.gum import propagate
+from budget.physics.calibration import calibration_problem
+from budget.results import InputFile
+from budget.spec import load_device, load_procedure
+from budget.spec.records import ErrorLine
+from budget.units import PPM
+
+if TYPE_CHECKING:
+    from budget.arrays import Array
+    from budget.problem import Problem
+    from budget.spec.records import Procedure, Sensor
+
+DEVICE = "zhao-2019"  # the shipped files hold the paper's figures as printed
+PLACES = {  # of the parameters among the twelve outputs of a triad
+    "scale_factor": slice(0, 3),
+    "mounting_angle": slice(3, 9),
+    "bias": slice(9, 12),
+}
+FARTHEST = {"scale_factor_nonlinearity": 750e-6, "scale_factor_asymmetry": 1250e-6}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Conditions:
+    """The paper's device, and its procedure with eq. (4) as printed and as corrected.
+
+    To the sensors are added the lines that the paper varies in its figures, at their
+    largest step: nonlinearity 750 ppm, asymmetry 1250 ppm.
+    """
+
+    gyro: Sensor
+    accelerometer: Sensor
+    printed: Procedure
+    corrected: Procedure
+    inputs: tuple[InputFile, ...]
+
+    @property
+    def sensors(self) -> tuple[Sensor, Sensor]:
+        """Both triads, gyro first."""
+        return self.gyro, self.accelerometer
+
+    def sensor(self, kind: str) -> Sensor:
+        """Return the triad of that kind."""
+        return self.gyro if kind == "gyro" else self.accelerometer
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Expectation:
+    """What the twelve relative errors of one run should be.
+
+    Attributes
+    ----------
+    mean : ndarray, shape (12,)
+        [1]
+    covariance : ndarray, shape (12, 12)
+        Of one run; of the mean over n runs it is the n-th part [1].
+    resolution : ndarray, shape (12,)
+        Rounding of the computation [1].
+    """
+
+    mean: Array
+    covariance: Array
+    resolution: Array
+
+    @property
+    def u(self) -> Array:
+        """Standard uncertainties of one run, shape (12,); 0 where only rounding."""
+        u = np.sqrt(np.diag(self.covariance))
+        return np.where(u > self.resolution, u, 0.0)
+
+
+def load_conditions() -> Conditions:
+    """Load the shipped device and procedure of the paper."""
+    device, procedure = load_device(DEVICE), load_procedure()
+    if device.gyro is None or device.accelerometer is None:
+        raise ValueError(f"the shipped device {DEVICE} lacks a sensor")
+    return Conditions(
+        gyro=with_lines(device.gyro, **FARTHEST),
+        accelerometer=with_lines(
+            device.accelerometer,
+            scale_factor_nonlinearity=FARTHEST["scale_factor_nonlinearity"],
+        ),
+        printed=replace(procedure, formulas="paper"),
+        corrected=replace(procedure, formulas="corrected"),
+        inputs=tuple(
+            InputFile(role=role, name=origin.file, sha256=origin.sha256)
+            for role, origin in (
+                ("device", device.origin),
+                ("procedure", procedure.origin),
+            )
+        ),
+    )
+
+
+def with_lines(sensor: Sensor, **values: float) -> Sensor:
+    """Return the sensor with lines set, the same on all axes, normal [SI]."""
+    kept = tuple(line for line in sensor.lines if line.name not in values)
+    added = tuple(
+        ErrorLine(
+            name=name,
+            u=np.full(3, value),
+            distributions=(NORMAL,) * 3,
+            printed=f"{value / PPM:g} ppm",
+            unit="ppm",
+            si_per_unit=PPM,
+        )
+        for name, value in values.items()
+    )
+    return replace(sensor, lines=(*kept, *added))
+
+
+def without_nominal_angles(sensor: Sensor) -> Sensor:
+    """Return the sensor with true mounting angles drawn about zero."""
+    return replace(sensor, nominal_mounting_angle=np.zeros(6))
+
+
+def nominal_size(sensor: Sensor) -> Array:
+    """Return what errors are relative to, shape (12,): 1, nominal values [SI]."""
+    return np.concatenate(
+        [np.ones(3), sensor.nominal_mounting_angle, sensor.nominal_bias]
+    )
+
+
+def one_source(sensor: Sensor, procedure: Procedure, source: str) -> Problem:
+    """Set up the calibration with one source; '' is none at all."""
+    # Lines that vary in no run would only slow the draws down.
+    lines = tuple(
+        line for line in sensor.lines if f"{sensor.kind}.{line.name}" == source
+    ) or tuple(line for line in sensor.lines if line.name == "bias_repeatability")
+    only = frozenset({source} if source else ())
+    return calibration_problem((replace(sensor, lines=lines),), procedure, only=only)
+
+
+def expect(problem: Problem, size: Array) -> Expectation:
+    """Propagate a Problem of one triad, its errors relative to `size` [SI]."""
+    law = propagate(problem)
+    resolution = np.array([output.resolution for output in problem.outputs])
+    return Expectation(
+        mean=law.mean / size,
+        covariance=law.covariance / np.outer(size, size),
+        resolution=resolution / np.abs(size),
+    )
