@@ -49,7 +49,28 @@ ASSUMPTIONS = (
     ),
     "eq. (4) for the gyro bias as printed, unless a row says otherwise",
 )
-tuple[InputFile, ...]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PaperStudy:
+    """Everything the paper prints in section 3, beside ours.
+
+    Attributes
+    ----------
+    findings : tuple of Finding
+        In the order of SECTIONS.
+    sweeps : tuple of Sweep
+        Figures 1 to 4.
+    table : CouplingTable
+        Who couples to whom, by the law with eq. (4) as printed.
+    inputs : tuple of InputFile
+        The shipped files that hold the paper's conditions.
+    """
+
+    findings: tuple[Finding, ...]
+    sweeps: tuple[Sweep, ...]
+    table: CouplingTable
+    inputs: tuple[InputFile, ...]
 
     def of_section(self, section: str) -> tuple[Finding, ...]:
         """Return the findings of one section."""
