@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Candidate:
-    """What is judged: a Problem with its law and its limits.
+    """What is judged: a Problem with its limits.
 
     Attributes
     ----------
@@ -39,7 +39,6 @@ class Candidate:
     sensor: Sensor
     procedure: Procedure
     problem: Problem
-    law: Propagation
     rows: Array
     limits: Array
     printed: tuple[str, ...]
@@ -59,14 +58,15 @@ def candidate(
         sensor=sensor,
         procedure=procedure,
         problem=problem,
-        law=propagate(problem),
         rows=np.array([places[limit.output] for limit in required]),
         limits=np.array([limit.limit for limit in required]),
         printed=tuple(limit.printed for limit in required),
     )
 
 
-def find_remedy(one: Candidate, worst: int, coverage: float) -> Remedy:
+def find_remedy(
+    one: Candidate, law: Propagation, worst: int, coverage: float
+) -> Remedy:
     """Return the source that makes most of the worst output, and what would mend it.
 
     With the other sources as they are, k^2 (V - V_s + f^2 V_s) = (limit - |mean|)^2
@@ -76,17 +76,19 @@ def find_remedy(one: Candidate, worst: int, coverage: float) -> Remedy:
     Parameters
     ----------
     one : Candidate
+    law : Propagation
+        Of its Problem.
     worst : int
         Place of the worst output among the required ones.
     coverage : float
         Of the interval that is held against the limit.
     """
     row = one.rows[worst]
-    parts = one.law.source_variance[:, row]
+    parts = law.source_variance[:, row]
     source = int(np.argmax(parts))
-    total = float(one.law.covariance[row, row])
-    k = float(one.law.coverage_factor(coverage)[row])
-    allowed = (max(one.limits[worst] - abs(one.law.mean[row]), 0.0) / k) ** 2
+    total = float(law.covariance[row, row])
+    k = float(law.coverage_factor(coverage)[row])
+    allowed = (max(one.limits[worst] - abs(law.mean[row]), 0.0) / k) ** 2
     rest = total - float(parts[source])
     name = one.problem.groups[source].name
     if total == 0.0:
@@ -107,32 +109,37 @@ def bound_missing(
     """Return what expected lines that are not given could do; None where none miss."""
     if not one.sensor.expected_missing:
         return None
-    found: list[tuple[ErrorLine, str]] = []
-    for full_name in one.sensor.expected_missing:
-        worst = _worst_line(full_name, one.device.technology, one.sensor, catalogue)
-        if worst is not None:
-            found.append(worst)
-    completed = replace(
-        one.sensor, lines=(*one.sensor.lines, *(line for line, _ in found))
-    )
-    other = candidate(one.device, completed, one.procedure, requirement)
-    utilisation = float("nan")
-    if other is not None:
-        ends = other.law.interval(requirement.coverage)[other.rows]
-        utilisation = float((np.abs(ends).max(axis=1) / other.limits).max())
+    missing = one.sensor.expected_missing
+    found = [
+        worst
+        for full_name in missing
+        if (worst := _worst_line(full_name, one.device, one.sensor, catalogue))
+    ]
+    utilisation = None
+    if len(found) == len(missing):
+        completed = replace(
+            one.sensor, lines=(*one.sensor.lines, *(line for line, _ in found))
+        )
+        problem = calibration_problem(
+            (completed,), one.procedure, reference=requirement.reference
+        )
+        ends = propagate(problem).interval(requirement.coverage)[one.rows]
+        utilisation = float((np.abs(ends).max(axis=1) / one.limits).max())
     return MissingLines(
-        lines=one.sensor.expected_missing,
+        lines=missing,
         assumed=tuple(
             f"{one.sensor.kind}.{line.name} {line.printed} (of {owner})"
             for line, owner in found
         ),
         utilisation=utilisation,
-        verdict="meets" if utilisation <= 1.0 else "fails",
+        verdict=""
+        if utilisation is None
+        else ("meets" if utilisation <= 1.0 else "fails"),
     )
 
 
 def _worst_line(
-    full_name: str, technology: str, sensor: Sensor, catalogue: Sequence[Device]
+    full_name: str, device: Device, sensor: Sensor, catalogue: Sequence[Device]
 ) -> tuple[ErrorLine, str] | None:
     """Return the largest such line of the catalogue and whose it is.
 
@@ -146,18 +153,20 @@ def _worst_line(
         if wanted in (line.expected, line.name)
     ][:1]
     offers = [
-        (line, device)
-        for device in catalogue
-        for other in device.sensors
+        (line, owner)
+        for owner in catalogue
+        for other in owner.sensors
         if other.kind == sensor.kind and other.device != sensor.device
         for line in other.lines
         if line.name in names
     ]
     same = [
-        (line, d) for line, d in offers if technology and d.technology == technology
+        (line, owner)
+        for line, owner in offers
+        if device.technology and owner.technology == device.technology
     ]
     chosen = same or offers
     if not chosen:
         return None
-    line, device = max(chosen, key=lambda pair: float(pair[0].u.max()))
-    return line, device.name
+    line, owner = max(chosen, key=lambda pair: float(pair[0].u.max()))
+    return line, owner.name

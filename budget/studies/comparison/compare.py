@@ -2,36 +2,24 @@
 
 from __future__ import annotations
 
-import itertools
 from collections import Counter
-from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from budget.errors import CallError
-from budget.methods.execution import in_order, local_executor
+from budget.methods.execution import local_executor
 from budget.results import InputFile, Settings
 from budget.studies.comparison.candidates import (
     Candidate,
     bound_missing,
     candidate,
-    find_remedy,
 )
 from budget.studies.comparison.figures_of_merit import MERITS, over_cap
+from budget.studies.comparison.judging import Finding, How, judge_all
 from budget.studies.comparison.ranking import pair_up, rank
 from budget.studies.comparison.records import (
-    Ahead,
     Comparison,
     DeviceVerdict,
     RequiredOutput,
-)
-from budget.studies.comparison.sampling import (
-    Judged,
-    judge_by_law,
-    judge_by_trials,
-    probability_smaller,
 )
 
 if TYPE_CHECKING:
@@ -40,22 +28,11 @@ if TYPE_CHECKING:
 
     from budget.spec.records import Device, Procedure, Requirement
 
+LEAST_TRIALS = 2
 METHODS = ("gum", "monte-carlo")
 TRIALS = 100_000
 MAX_TRIALS = 1_600_000  # where more trials stop trying to settle a verdict or a rank
-STEP = 4  # times as many trials in each try
 NEAR = (0.95, 1.05)  # utilisations for which the law alone is a poor judge
-
-
-@dataclass(frozen=True, kw_only=True)
-class _How:
-    """What every judgement of one comparison shares."""
-
-    method: str
-    coverage: float
-    seed: int
-    trials: int
-    max_trials: int
 
 
 def compare(
@@ -66,7 +43,8 @@ def compare(
     catalogue: Sequence[Device] = (),
     method: str = "monte-carlo",
     trials: int = TRIALS,
-    max_trials: int = MAX_TRIALS,
+    max_trials: int | None = None,
+    validate: bool = False,
     pairs: bool = False,
     seed: int = 0,
     workers: int = 1,
@@ -89,8 +67,10 @@ def compare(
         'monte-carlo' on common random numbers, or 'gum', the fast screen.
     trials : int
         Of each device at first; verdicts and ranks that they leave open get more.
-    max_trials : int
-        The most that a device gets.
+    max_trials : int, optional
+        The most that a device gets; MAX_TRIALS without, or `trials` if that is more.
+    validate : bool
+        Whether Monte Carlo checks the law of every sensor, by gum.
     pairs : bool
         Whether gyros and accelerometers are paired too.
     seed, workers, executor
@@ -105,8 +85,11 @@ def compare(
     Raises
     ------
     CallError
-        No device has a sensor that the requirement limits.
+        Options that do not fit together, or no device has a sensor that the
+        requirement limits.
     """
+    most = max(trials, MAX_TRIALS) if max_trials is None else max_trials
+    _check(method, trials=trials, max_trials=most, validate=validate)
     candidates = [
         one
         for procedure in procedures
@@ -119,24 +102,25 @@ def compare(
             f"{requirement.name} limits no sensor that these devices have; "
             "add limits for them, or give other devices"
         )
-    how = _How(
+    how = How(
         method=method,
         coverage=requirement.coverage,
         seed=seed,
         trials=trials,
-        max_trials=max_trials,
+        max_trials=most,
+        validate=validate,
     )
     with local_executor(1 if executor is not None else workers) as pool:
-        judged = _judge_all(
+        findings = judge_all(
             candidates,
             how,
-            doer=executor or pool,
+            executor=executor or pool,
             ahead=2 * workers,
             progress=progress,
         )
     verdicts = [
-        _verdict(one, result, requirement, catalogue, method)
-        for one, result in zip(candidates, judged, strict=True)
+        _verdict(one, finding, requirement, catalogue, method)
+        for one, finding in zip(candidates, findings, strict=True)
     ]
     ranked = rank(verdicts)
     return Comparison(
@@ -162,101 +146,36 @@ def compare(
                 for text in device.assumptions
             )
         ),
-        warnings=_warnings(devices, requirement, candidates),
+        warnings=_warnings(devices, requirement, candidates, findings),
     )
 
 
-def _judge_all(
-    candidates: Sequence[Candidate],
-    how: _How,
-    *,
-    doer: Executor | None,
-    ahead: int,
-    progress: Callable[[int, int], None] | None,
-) -> list[Judged]:
-    """Judge all; those whose verdict or rank is open again, with more trials."""
-    open_ones = list(range(len(candidates)))
-    judged: dict[int, Judged] = {}
-    number, done = how.trials, 0
-    while open_ones:
-        work = partial(_judge, how=how, trials=number)
-        chosen = [candidates[place] for place in open_ones]
-        for place, result in zip(
-            open_ones, in_order(work, chosen, doer, ahead=ahead), strict=True
-        ):
-            judged[place] = result
-            done += 1
-            if progress is not None:
-                progress(done, max(done, len(candidates)))
-        number *= STEP
-        if how.method == "gum" or number > how.max_trials:
-            break
-        open_ones = _unsettled(candidates, judged)
-    return [judged[place] for place in range(len(candidates))]
-
-
-def _judge(one: Candidate, *, how: _How, trials: int) -> Judged:
-    """Judge one candidate."""
-    if how.method == "gum":
-        return judge_by_law(
-            one.law, one.rows, one.limits, coverage=how.coverage, seed=how.seed
+def _check(method: str, *, trials: int, max_trials: int, validate: bool) -> None:
+    """Refuse options that mean nothing, or nothing together."""
+    if method not in METHODS:
+        raise CallError(f"method is {method!r}, allowed: {', '.join(METHODS)}")
+    if validate and method != "gum":
+        raise CallError(
+            "--validate checks the law of propagation, which --method monte-carlo "
+            "does not use; leave it out, or take --method gum"
         )
-    return judge_by_trials(
-        one.problem,
-        one.rows,
-        one.limits,
-        coverage=how.coverage,
-        trials=trials,
-        seed=how.seed,
-    )
-
-
-def _unsettled(candidates: Sequence[Candidate], judged: dict[int, Judged]) -> list[int]:
-    """Return the places whose verdict is open, or that a neighbour ties with."""
-    found = {
-        place
-        for place, result in judged.items()
-        if result.utilisation_low <= 1.0 < result.utilisation_high
-    }
-    lists: dict[tuple[str, str], list[int]] = {}
-    for place, one in enumerate(candidates):
-        lists.setdefault((one.sensor.kind, one.procedure.name), []).append(place)
-    for places in lists.values():
-        order = sorted(
-            places, key=lambda place: _largest(candidates[place], judged[place])
+    if not LEAST_TRIALS <= trials <= max_trials:
+        raise CallError(
+            f"{trials} trials at first and {max_trials} at most, expected "
+            f"{LEAST_TRIALS} or more, and no more than --max-trials"
         )
-        for better, worse in itertools.pairwise(order):
-            a, b = judged[better].batches, judged[worse].batches
-            if np.array_equal(a, b):
-                continue  # the same lines under two names: no trial parts them
-            step = Ahead(other="", probability=probability_smaller(a, b))
-            if step.is_tied:
-                found |= {better, worse}
-    return sorted(found)
-
-
-def _largest(one: Candidate, result: Judged) -> float:
-    """Return the largest utilisation [1]."""
-    return float((result.largest_error / one.limits).max())
 
 
 def _verdict(
     one: Candidate,
-    result: Judged,
+    finding: Finding,
     requirement: Requirement,
     catalogue: Sequence[Device],
     method: str,
 ) -> DeviceVerdict:
-    """Turn a judgement into the verdict on one sensor of one device."""
-    utilisations = result.largest_error / one.limits
-    worst = int(np.argmax(utilisations))
-    utilisation = float(utilisations[worst])
-    if result.utilisation_low <= 1.0 < result.utilisation_high:
-        verdict = "undecided"
-    elif utilisation > 1.0:
-        verdict = "fails"
-    else:
-        verdict = "undecidable" if one.sensor.expected_missing else "meets"
+    """Turn a finding into the verdict on one sensor of one device."""
+    result, worst = finding.judged, finding.worst
+    utilisation = float(result.largest_error[worst] / one.limits[worst])
     near = method == "gum" and NEAR[0] <= utilisation <= NEAR[1]
     device = one.device
     outputs = [one.problem.outputs[row] for row in one.rows]
@@ -266,7 +185,7 @@ def _verdict(
         procedure=one.procedure.name,
         file=device.origin.file,
         technology=device.technology,
-        verdict=verdict,
+        verdict=finding.verdict,
         utilisation=utilisation,
         utilisation_interval=(result.utilisation_low, result.utilisation_high),
         worst_output=outputs[worst].name,
@@ -282,7 +201,7 @@ def _verdict(
             )
             for k, output in enumerate(outputs)
         ),
-        remedy=find_remedy(one, worst, requirement.coverage),
+        remedy=finding.remedy,
         not_given=one.sensor.not_given,
         missing=bound_missing(one, requirement, catalogue),
         trials=result.trials,
@@ -304,8 +223,9 @@ def _warnings(
     devices: Sequence[Device],
     requirement: Requirement,
     candidates: Sequence[Candidate],
+    findings: Sequence[Finding],
 ) -> tuple[str, ...]:
-    """Name what a reader could misread: double names, no limits, impossible limits."""
+    """Name what a reader could misread."""
     found = []
     twice = [name for name, n in Counter(d.name for d in devices).items() if n > 1]
     if twice:
@@ -317,16 +237,20 @@ def _warnings(
         "it is not compared"
         for kind in sorted(present - limited)
     ]
-    impossible = {
-        one.problem.outputs[row].name
-        for one in candidates
-        for row, limit in zip(one.rows, one.limits, strict=True)
-        if abs(one.law.value[row]) >= limit
-    }
+    impossible = {name for finding in findings for name in finding.impossible}
     found += [
         f"the limit on {name} is below what the procedure leaves without any error "
         "source: no device can meet it"
         for name in sorted(impossible)
+    ]
+    doubts: dict[str, list[str]] = {}
+    for one, finding in zip(candidates, findings, strict=True):
+        for name in finding.doubtful:
+            doubts.setdefault(one.device.name, []).append(name)
+    found += [
+        "the law of propagation is not confirmed by Monte Carlo (JCGM 101, clause 8) "
+        f"for {device}, {', '.join(dict.fromkeys(names))}: use --method monte-carlo"
+        for device, names in doubts.items()
     ]
     return tuple(found)
 

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from itertools import groupby
+from math import inf
+from operator import itemgetter
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -16,7 +19,10 @@ UNITS = {
     "mass": {"kg": 1.0, "g": 1e-3, "gram": 1e-3, "grams": 1e-3, "lb": 0.45359237},
     "power": {"W": 1.0, "mW": 1e-3},
 }
-NUMBER = re.compile(r"^\s*[<≤~]?\s*(\d+(?:\.\d+)?)\s*([A-Za-z€$]+)\s*$")
+# Catalogue files add the maker's remark in brackets: '140 grams (typical)'.
+NUMBER = re.compile(
+    r"\s*[<≤~]?\s*(\d+(?:\.\d+)?)\s*([A-Za-z€$]+)\s*(?:\(.*\))?\s*", re.DOTALL
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,7 +35,7 @@ class Amount:
 
 def read_amount(merit: str, text: str) -> Amount | None:
     """Read '140 g', '2 W' or '50000 EUR'; None for a text that is no such number."""
-    match = NUMBER.match(text)
+    match = NUMBER.fullmatch(text)
     if match is None:
         return None
     value, unit = float(match[1]), match[2]
@@ -60,18 +66,16 @@ def front(points: Sequence[tuple[float, Amount | None]]) -> tuple[bool, ...]:
     """
     unit = next((amount.unit for _, amount in points if amount is not None), "")
     known = [
-        (u, amount.value)
-        for u, amount in points
+        (amount.value, u, place)
+        for place, (u, amount) in enumerate(points)
         if amount is not None and amount.unit == unit
     ]
-    best = []
-    for u, amount in points:
-        if amount is None or amount.unit != unit:
-            best.append(False)
-            continue
-        beaten = any(
-            (v <= u and cost <= amount.value) and (v < u or cost < amount.value)
-            for v, cost in known
-        )
-        best.append(not beaten)
+    best = [False] * len(points)
+    lowest = inf  # utilisation of all that cost less
+    for _, same_cost in groupby(sorted(known), key=itemgetter(0)):
+        rows = list(same_cost)
+        least = rows[0][1]
+        for _, u, place in rows:
+            best[place] = u == least < lowest
+        lowest = min(lowest, least)
     return tuple(best)

@@ -46,8 +46,11 @@ def rank(verdicts: Sequence[DeviceVerdict]) -> tuple[DeviceVerdict, ...]:
 
 
 def _ahead(row: DeviceVerdict, following: DeviceVerdict | None) -> Ahead | None:
-    """Return how sure it is that a device is better than the next; None by the law."""
-    if following is None or not (row.batches.size and following.batches.size):
+    """Return how sure it is that a device is better than the next; None by the law.
+
+    Between two verdicts the verdict decides, whatever the utilisations are.
+    """
+    if following is None or following.verdict != row.verdict or row.trials is None:
         return None
     return Ahead(
         other=following.name,

@@ -53,13 +53,13 @@ class MissingLines:
     """What lines that are not given could do.
 
     At best they are zero, which is what the verdict counts; at worst they are what the
-    worst device of the catalogue has.
+    worst device of the catalogue has. Where that has no such line nothing is known.
     """
 
     lines: tuple[str, ...]  # expected and not given
     assumed: tuple[str, ...]  # 'gyro.bias_stability 24 deg/h (of NAME)'
-    utilisation: float  # with those, by the law [1]
-    verdict: str  # 'meets' or 'fails'
+    utilisation: float | None  # with those, by the law [1]; None: not known
+    verdict: str  # 'meets', 'fails', or '' where it is not known
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,7 +99,7 @@ class DeviceVerdict:
     power: str
     over_caps: tuple[str, ...]  # 'mass 140 g, at most 100 g'
     advice: str
-    ahead: Ahead | None = None
+    ahead: Ahead | None = None  # of the next one with the same verdict
     on_front: tuple[str, ...] = ()  # 'price', 'mass', 'power' it is Pareto-best in
     batches: Array = field(repr=False, compare=False)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import sqrt
 from typing import TYPE_CHECKING
 
@@ -131,9 +132,8 @@ def judge_by_law(
         law.covariance[np.ix_(rows, rows)] / np.outer(limits, limits)
     )
     factor = vectors * np.sqrt(np.maximum(values, 0.0))
-    z = stream(seed, "joint conformance", 0).standard_normal((rows.size, NORMAL_TRIALS))
     with one_blas_thread():
-        y = factor @ z + (mean / limits)[:, None]
+        y = factor @ _unit_normals(seed, rows.size) + (mean / limits)[:, None]
     joint = int((np.abs(y) <= 1.0).all(axis=0).sum())
     return Judged(
         largest_error=largest,
@@ -151,17 +151,27 @@ def probability_smaller(a: Array, b: Array) -> float:
     """Return the probability that a's true utilisation is the smaller one.
 
     Both were found on the same random numbers, batch by batch; their difference has a
-    Student t distribution over the batches.
+    Student t distribution over the batches. Fewer than two batches tell nothing.
     """
     from scipy.special import stdtr
 
     n = min(a.size, b.size)
+    if n < 2:  # noqa: PLR2004 - a spread takes two
+        return 0.5
     difference = a[:n] - b[:n]
-    spread = difference.std(ddof=1) if n > 1 else 0.0
+    spread = difference.std(ddof=1)
     mean = difference.mean()
     if spread == 0.0:
         return 0.5 if mean == 0.0 else float(mean < 0.0)
     return float(stdtr(n - 1, -mean / (spread / sqrt(n))))
+
+
+@lru_cache(maxsize=4)
+def _unit_normals(seed: int, n: int) -> Array:
+    """Return independent unit normals, shape (n, NORMAL_TRIALS): all devices' own."""
+    z = stream(seed, "joint conformance", 0).standard_normal((n, NORMAL_TRIALS))
+    z.flags.writeable = False
+    return z
 
 
 def _utilisation(ordered: Array, limits: Array, coverage: float) -> float:
