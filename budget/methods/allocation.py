@@ -1,0 +1,238 @@
+"""How large each source may be: limits on outputs turned into factors on sources.
+
+A Task is one law, one set of limits and the room that each source has. Three
+strategies share the limits out, headroom and floor say what is possible at all. Least
+cost is in budget.methods.least_cost.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import inf, log
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.methods.scaling import FELT
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from budget.arrays import Array
+    from budget.methods.scaling import ScaledLaw
+
+# Allocations aim this little below the limit, so that rounding does not carry them
+# beyond it [1].
+TARGET = 1.0 - 1e-9
+# An output counts as at its limit from here on [1].
+AT_LIMIT = 1.0 - 1e-6
+SMALLEST = 1e-30  # factor that stands for none where a logarithm is taken [1]
+TOUCHES = 1e-12  # relative distance at which a bound counts as reached
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Task:
+    """Limits on some outputs of one law, and the room of each source.
+
+    Attributes
+    ----------
+    law : ScaledLaw
+        Of the limited outputs alone.
+    limit : ndarray, shape (n_out,)
+        Largest absolute interval end that is allowed [SI].
+    coverage_factor : ndarray, shape (n_out,)
+        k of the interval mean +- k u of each output [1].
+    free : ndarray of bool, shape (n_src,)
+        Sources that may change; the others stay at s = 1.
+    low, high : ndarray, shape (n_src,)
+        Least and largest factor of each free source [1].
+    """
+
+    law: ScaledLaw
+    limit: Array
+    coverage_factor: Array
+    free: NDArray[np.bool_]
+    low: Array
+    high: Array
+
+    @property
+    def now(self) -> Array:
+        """Return the factors of the present state, all 1."""
+        return np.ones(len(self.law.sources))
+
+    @property
+    def least(self) -> Array:
+        """Return the factors of the floor: every free source as small as it may be."""
+        return np.where(self.free, self.low, 1.0)
+
+    def clip(self, s: Array) -> Array:
+        """Return factors within bounds, those of held sources 1."""
+        return np.where(self.free, np.clip(s, self.low, self.high), 1.0)
+
+    def utilisation(self, s: Array) -> Array:
+        """Return interval ends over limits, shape (n_out,) [1]."""
+        return self.law.end(s, self.coverage_factor) / self.limit
+
+    def part(self, s: Array) -> Array:
+        """Return k^2 V_g / limit^2 of each source alone, shape (n_out, n_src) [1]."""
+        scale = (self.coverage_factor / self.limit) ** 2
+        return np.asarray(scale[:, None] * self.law.variance_alone(s))
+
+    def binding(self, s: Array) -> NDArray[np.bool_]:
+        """Return which outputs are at their limits, shape (n_out,)."""
+        return np.asarray(self.utilisation(s) >= AT_LIMIT)
+
+    @property
+    def is_feasible(self) -> bool:
+        """Whether the limits can be met at all."""
+        return bool((self.utilisation(self.least) <= TARGET).all())
+
+
+@dataclass(frozen=True, kw_only=True)
+class Headroom:
+    """How far one source may go alone."""
+
+    factor: float  # on its present size [1]; inf where nothing stops it
+    stopped_by: int | None  # place of the output; None: its ceiling or nothing
+
+
+def proportional(task: Task) -> Array:
+    """Return one common factor on all free sources, shape (n_src,) [1]."""
+    return grow(task, task.now, task.free)
+
+
+def equal(task: Task) -> Array:
+    """Share the limits equally, then use up what is left.
+
+    Each free source starts with 1/n of the squared limit at the output where it now
+    uses most of it, n being the free sources that are felt there. One common factor
+    then brings the first output to its limit; sources that no output at its limit
+    feels grow on; a last factor takes back what their second-order terms added.
+
+    Returns
+    -------
+    ndarray, shape (n_src,)
+        Factors [1].
+    """
+    s = _equal_start(task)
+    s = grow(task, s, task.free)
+    for _ in range(len(task.law.outputs)):
+        bound = task.binding(s)
+        felt = (task.part(s)[bound] >= FELT).any(axis=0)
+        at_ceiling = s >= task.high * (1.0 - TOUCHES)
+        loose = task.free & ~felt & ~at_ceiling
+        if not loose.any() or bound.all():
+            break
+        # Outputs at their limits now may be passed by a little: see the last factor.
+        s = grow(task, s, loose, among=~bound)
+    if (task.utilisation(s) > 1.0).any():
+        s = grow(task, s, task.free)
+    return s
+
+
+def headroom(task: Task, s: Array) -> tuple[Headroom, ...]:
+    """Return how far each source may go alone, the others staying as they are at s.
+
+    A factor counts from the present size; below 1 the source must shrink, 0 says that
+    an output that feels it passes its limit even without it. Outputs that fail and
+    feel nothing of a source do not stop it. Ceilings do not count here.
+    """
+    found = []
+    for g in range(len(task.law.sources)):
+        alone = np.zeros(len(s), dtype=bool)
+        alone[g] = True
+        open_task = replace(
+            task,
+            free=alone,
+            low=np.zeros_like(task.low),
+            high=np.full_like(task.high, inf),
+        )
+        found.append(_headroom(open_task, s, g))
+    return tuple(found)
+
+
+def grow(
+    task: Task,
+    s: Array,
+    who: NDArray[np.bool_],
+    *,
+    among: NDArray[np.bool_] | None = None,
+) -> Array:
+    """Multiply some sources by one factor until an output is at its limit.
+
+    Parameters
+    ----------
+    task : Task
+        Bounds are kept: a source that reaches one stays there.
+    s : ndarray, shape (n_src,)
+        Where to start; the factor may be below 1.
+    who : ndarray of bool, shape (n_src,)
+        Sources that take part; the others stay at s.
+    among : ndarray of bool, shape (n_out,), optional
+        Outputs that count, all without it.
+
+    Returns
+    -------
+    ndarray, shape (n_src,)
+        Factors; all at their ceilings where no output stops them, all at their least
+        where even that is too much.
+    """
+    from scipy.optimize import brentq
+
+    counts = np.ones(len(task.limit), dtype=bool) if among is None else among
+    start = np.where(s > 0.0, s, SMALLEST)
+
+    def at(x: float) -> Array:
+        moved = np.clip(start * np.exp(x), task.low, task.high)
+        return np.where(who, moved, s)
+
+    def excess(x: float) -> float:
+        largest = task.utilisation(at(x))[counts].max()
+        return float(np.log(max(largest, SMALLEST) / TARGET))
+
+    moving = who & (task.high > 0.0)
+    if not moving.any() or not counts.any():
+        return np.asarray(s)
+    finite = np.where(np.isfinite(task.high), task.high, 1.0 / SMALLEST)
+    top = max(float(np.log(finite[moving] / start[moving]).max()), 0.0) + 1.0
+    if excess(top) <= 0.0:
+        return at(top)
+    bottom = min(log(SMALLEST), top - 1.0)
+    if excess(bottom) > 0.0:
+        return at(bottom)
+    return at(float(brentq(excess, bottom, top, xtol=1e-13, rtol=1e-14)))
+
+
+def _equal_start(task: Task) -> Array:
+    """Return the factors that give each free source its equal part of one limit."""
+    part = task.part(task.now)
+    felt = (part >= FELT) & task.free
+    n = felt.sum(axis=1)
+    s = task.now.copy()
+    for g in np.flatnonzero(task.free):
+        if not felt[:, g].any():
+            continue  # felt nowhere: the common factors move it to its ceiling
+        k = int(np.argmax(part[:, g]))
+        a = task.law.first[k, g]
+        b = task.law.second[k, g, g]
+        wanted = (task.limit[k] / task.coverage_factor[k]) ** 2 / n[k]
+        # a q + b q^2 = wanted, in the form that does not cancel where b is small.
+        s[g] = np.sqrt(2.0 * wanted / (a + np.sqrt(a**2 + 4.0 * b * wanted)))
+    return s
+
+
+def _headroom(task: Task, s: Array, g: int) -> Headroom:
+    """Return how far the one free source may go from s."""
+    without = s.copy()
+    without[g] = 0.0
+    over = task.utilisation(without)
+    hopeless = (over > TARGET) & (task.part(s)[:, g] >= FELT)
+    if hopeless.any():
+        place = int(np.argmax(np.where(hopeless, over, 0.0)))
+        return Headroom(factor=0.0, stopped_by=place)
+    counts = over <= TARGET
+    end = grow(task, s, task.free, among=counts)
+    used = np.where(counts, task.utilisation(end), 0.0)
+    if used.max() < AT_LIMIT:
+        return Headroom(factor=inf, stopped_by=None)
+    return Headroom(factor=float(end[g]), stopped_by=int(np.argmax(used)))

@@ -1,0 +1,223 @@
+"""The cheapest allocation: cost a (u_ref/u)^p of each source, limits on the outputs.
+
+With x = log s the cost is a sum of exponentials and the logarithm of each interval end
+is convex (budget.methods.scaling), so what is found is the optimum, and how far a point
+is from it can be bounded without trusting the solver: by the residual of the conditions
+of Karush, Kuhn and Tucker and by the duality gap.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from budget.methods.allocation import SMALLEST, TOUCHES, grow, proportional
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from budget.arrays import Array
+    from budget.methods.allocation import Task
+
+GOOD = 1e-6  # residual and gap that are as good as none [1]
+ROUNDS = 6  # of the solver, each from the point before
+ITERATIONS = 500  # of the solver in one round
+NEAR = 1e-5  # an output this close to its limit may have a multiplier [1]
+ALIKE = 1e-12  # limits closer than this have one multiplier [1]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Prices:
+    """Cost of each source as a function of its factor: c s^-p.
+
+    Attributes
+    ----------
+    c : ndarray, shape (n_src,)
+        Cost at the present size, a (u_ref/u)^p [unit of cost].
+    p : ndarray, shape (n_src,)
+        Powers [1].
+    """
+
+    c: Array
+    p: Array
+
+    def each(self, s: Array) -> Array:
+        """Return the cost of each source, shape (n_src,)."""
+        return np.asarray(self.c * np.maximum(s, SMALLEST) ** -self.p)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LeastCost:
+    """The cheapest allocation, and what shows that it is one.
+
+    Attributes
+    ----------
+    s : ndarray, shape (n_src,)
+        Factors [1].
+    cost : float
+        Of the free sources [unit of cost].
+    multiplier : ndarray, shape (n_out,)
+        Fall of the cost for a relative rise of each limit, - d cost / d log(limit)
+        [unit of cost]. Where several outputs bind in the same way only their sum is
+        determined.
+    residual : float
+        Largest component of the gradient that the multipliers leave, over the cost [1].
+    gap : float
+        The cost is at most this part above the least possible one [1].
+    solver : str
+        What the solver said of itself; it decides nothing.
+    """
+
+    s: Array
+    cost: float
+    multiplier: Array
+    residual: float
+    gap: float
+    solver: str
+
+    @property
+    def is_optimal(self) -> bool:
+        """Whether residual and gap show the optimum, whatever the solver said."""
+        return self.residual <= GOOD and self.gap <= GOOD
+
+
+def least_cost(task: Task, prices: Prices) -> LeastCost:
+    """Find the cheapest factors that keep every output within its limit.
+
+    Parameters
+    ----------
+    task : Task
+        Feasible.
+    prices : Prices
+        Of all sources; those of held ones count for nothing.
+
+    Returns
+    -------
+    LeastCost
+        The best point found; `is_optimal` says whether it is good enough.
+    """
+    start = proportional(task)
+    free = np.flatnonzero(task.free)
+    if free.size == 0:
+        return _judge(task, prices, start, "nothing to choose")
+    best = _judge(task, prices, start, "not started")
+    s = start
+    for _ in range(ROUNDS):
+        found, message = _solve(task, prices, s, free)
+        # The solver keeps constraints to its own tolerance; ours is the limit itself.
+        s = grow(task, task.clip(found), task.free)
+        judged = _judge(task, prices, s, message)
+        if max(judged.residual, judged.gap) < max(best.residual, best.gap):
+            best = judged
+        if best.is_optimal:
+            break
+    return best
+
+
+def _solve(
+    task: Task, prices: Prices, start: Array, free: NDArray[np.intp]
+) -> tuple[Array, str]:
+    """Minimise log(cost) over x = log s of the free sources, by SLSQP."""
+    from scipy.optimize import Bounds, minimize
+    from scipy.special import logsumexp, softmax
+
+    scale = prices.each(start)[free].sum()
+    log_c, p = np.log(prices.c[free] / scale), prices.p[free]
+
+    def factors(x: Array) -> Array:
+        s = start.copy()
+        s[free] = np.exp(x)
+        return s
+
+    def cost(x: Array) -> float:
+        return float(logsumexp(log_c - p * x))
+
+    def cost_gradient(x: Array) -> Array:
+        return np.asarray(-p * softmax(log_c - p * x))
+
+    def room(x: Array) -> Array:
+        used = task.utilisation(factors(x))[rows]
+        return np.asarray(-np.log(np.maximum(used, SMALLEST)))
+
+    def room_gradient(x: Array) -> Array:
+        gradient = task.law.log_end_gradient(factors(x), task.coverage_factor)
+        return np.asarray(-gradient[rows][:, free])
+
+    rows = _different(task, start)
+    low = np.log(np.maximum(task.low[free], SMALLEST))
+    high = np.log(task.high[free])
+    inside: Any = {"type": "ineq", "fun": room, "jac": room_gradient}
+    found = minimize(
+        cost,
+        np.clip(np.log(np.maximum(start[free], SMALLEST)), low, high),
+        jac=cost_gradient,
+        method="SLSQP",
+        bounds=Bounds(low, high),
+        constraints=inside,
+        options={"ftol": 1e-15, "maxiter": ITERATIONS},
+    )
+    return factors(np.clip(found.x, low, high)), str(found.message)
+
+
+def _different(task: Task, s: Array) -> NDArray[np.intp]:
+    """Return places of outputs, one of those whose conditions are the same at s."""
+    k = task.coverage_factor
+    rows = np.column_stack(
+        [
+            np.log(np.maximum(task.utilisation(s), SMALLEST)),
+            task.law.log_end_gradient(s, k),
+        ]
+    )
+    kept: list[int] = []
+    for place, row in enumerate(rows):
+        if not any(np.abs(row - rows[other]).max() < ALIKE for other in kept):
+            kept.append(place)
+    return np.array(kept, dtype=np.intp)
+
+
+def _judge(task: Task, prices: Prices, s: Array, solver: str) -> LeastCost:
+    """Find the multipliers that explain s best, and how much they leave."""
+    from scipy.optimize import nnls
+
+    free = np.flatnonzero(task.free)
+    each = prices.each(s)[free]
+    cost = float(each.sum())
+    multiplier = np.zeros(len(task.limit))
+    if free.size == 0 or cost == 0.0:
+        return LeastCost(
+            s=s, cost=cost, multiplier=multiplier, residual=0.0, gap=0.0, solver=solver
+        )
+    used = task.utilisation(s)
+    active = np.flatnonzero(used > 1.0 - NEAR)
+    # Everything relative to the cost, so that its unit cancels.
+    slope = -prices.p[free] * each / cost
+    ends = task.law.log_end_gradient(s, task.coverage_factor)[active][:, free]
+    at_high = s[free] >= task.high[free] * (1.0 - TOUCHES)
+    at_low = (s[free] <= task.low[free] * (1.0 + TOUCHES)) & (s[free] > 0.0)
+    unit = np.eye(free.size)
+    # slope + ends^T mu + nu_high - nu_low = 0, all multipliers from 0 up.
+    pushes = np.column_stack([ends.T, unit[:, at_high], -unit[:, at_low]])
+    forces, _ = nnls(pushes, -slope) if pushes.size else (np.zeros(0), 0.0)
+    left = slope + pushes @ forces
+    multiplier[active] = cost * forces[: active.size]
+    # The Lagrangian is convex: over any box it is above its tangent plane. Outside
+    # this box one source alone costs more than all do here.
+    x = np.log(s[free])
+    high = np.log(task.high[free])
+    low = np.maximum(
+        np.log(np.maximum(task.low[free], SMALLEST)),
+        np.log(np.maximum(prices.c[free], SMALLEST) / cost) / prices.p[free],
+    )
+    tilt = slope + ends.T @ forces[: active.size]
+    fall = np.minimum(tilt * (high - x), tilt * (np.minimum(low, x) - x)).sum()
+    slack = forces[: active.size] @ np.log(used[active])
+    return LeastCost(
+        s=s,
+        cost=cost,
+        multiplier=multiplier,
+        residual=float(np.abs(left).max()),
+        gap=float(max(-fall - slack, 0.0)),
+        solver=solver,
+    )
