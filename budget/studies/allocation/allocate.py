@@ -1,0 +1,362 @@
+"""The inverse problem: a requirement in, the standard uncertainty of each line out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.errors import CallError
+from budget.methods.allocation import TOUCHES
+from budget.methods.coverage import coverage_of
+from budget.methods.gum import propagate
+from budget.physics.calibration import calibration_problem
+from budget.results import InputFile
+from budget.spec import load_procedure
+from budget.studies.allocation.cases import (
+    NO_BOUNDS,
+    STRATEGIES,
+    resize,
+    set_up,
+    solve,
+)
+from budget.studies.allocation.levers import AS_THEY_ARE, FLOOR, pull_levers
+from budget.studies.allocation.market import (
+    best_offered,
+    load_catalogue,
+    match_catalogue,
+)
+from budget.studies.allocation.records import Allocation, CoverageCheck
+from budget.studies.allocation.rows import (
+    cost_report,
+    limited_outputs,
+    source_allotments,
+)
+from budget.studies.request import sensors_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from budget.spec.records import Costs, Device, Procedure, Requirement, Sensor
+    from budget.studies.allocation.cases import Bounds, SensorCase
+    from budget.studies.allocation.records import Lever
+
+TRIALS = 250_000  # for which 0.2 % of coverage are 4.6 standard errors at 95 %
+COVERAGE_OFF = 0.002  # [1]; a coverage further off corrects the allocation
+SETTLED = 0.001  # relative change of k that needs no further correction [1]
+CORRECTIONS = 6  # at the most
+
+
+def allocate(
+    *devices: Device,
+    requirement: Requirement,
+    procedure: Procedure | None = None,
+    strategy: str | None = None,
+    costs: Costs | None = None,
+    bounds: Bounds = NO_BOUNDS,
+    market: bool = False,
+    catalogue: Sequence[Device] | None = None,
+    validate: bool = True,
+    seed: int = 0,
+    progress: Callable[[int, int], None] | None = None,
+) -> Allocation:
+    """Find the standard uncertainty that each line may have.
+
+    Parameters
+    ----------
+    *devices : Device
+        Where to start; together at most one gyro and one accelerometer.
+    requirement : Requirement
+        Limits, coverage and reference.
+    procedure : Procedure, optional
+        The paper's, if none is given.
+    strategy : str, optional
+        'proportional' (default), 'equal' or 'cost' (default where there are costs).
+    costs : Costs, optional
+        For the strategy 'cost'; lines that it does not name have a = p = 1.
+    bounds : Bounds
+        Lines that are held, and bounds of others.
+    market : bool
+        Whether no line may become better than the best in the catalogue, or than it
+        is now.
+    catalogue : sequence of Device, optional
+        What is offered; the shipped devices, if none is given.
+    validate : bool
+        Whether Monte Carlo checks, and corrects, the allocation.
+    seed : int
+        Of Monte Carlo.
+    progress : callable, optional
+        Called with steps done and steps in all.
+
+    Returns
+    -------
+    Allocation
+        `feasible` says whether the limits can be met.
+
+    Raises
+    ------
+    CallError
+        Options that do not fit together, or no limit for any sensor that is there.
+    """
+    strategy = _choose_strategy(strategy, costs)
+    procedure = load_procedure(None) if procedure is None else procedure
+    sensors = sensors_of(devices)
+    warnings: tuple[str, ...] = ()
+    if catalogue is None:
+        catalogue, warnings = load_catalogue()
+    offered = best_offered(catalogue)
+    cases = [
+        case
+        for sensor in sensors
+        if (
+            case := set_up(
+                sensor, procedure, requirement, bounds, offered if market else {}
+            )
+        )
+        is not None
+    ]
+    if not cases:
+        raise CallError(
+            f"{requirement.name} sets no limit for a sensor that is there "
+            f"({', '.join(sensor.kind for sensor in sensors)}); add limits for it"
+        )
+    feasible = all(case.task.is_feasible for case in cases)
+    levers = tuple(
+        lever
+        for case in cases
+        for lever in _levers(case, procedure, requirement.reference)
+    )
+    if feasible:
+        for place, case in enumerate(cases):
+            solved = solve(case, strategy, costs)
+            if validate:
+                solved = _correct(
+                    solved, procedure, requirement, strategy, costs, seed=seed
+                )
+            cases[place] = solved
+            if progress is not None:
+                progress(place + 1, len(cases))
+    allotted = tuple(_resized(sensor, cases) for sensor in sensors)
+    required = {case.sensor.kind for case in cases}
+    return Allocation(
+        title=" + ".join(device.name for device in devices),
+        inputs=_inputs(devices, procedure, requirement, costs),
+        strategy=strategy,
+        requirement=requirement.name,
+        procedure=procedure.name,
+        coverage=requirement.coverage,
+        reference=requirement.reference,
+        formulas=procedure.formulas,
+        seed=seed,
+        feasible=feasible,
+        sources=tuple(
+            row
+            for sensor in sensors
+            for row in source_allotments(
+                sensor,
+                next((c for c in cases if c.sensor.kind == sensor.kind), None),
+                offered,
+            )
+        ),
+        outputs=tuple(
+            row for case in cases for row in limited_outputs(case, requirement)
+        ),
+        checks=tuple(check for case in cases for check in case.checks),
+        costs=tuple(cost_report(case) for case in cases if case.solution is not None),
+        levers=levers,
+        matches=(
+            match_catalogue(
+                catalogue,
+                tuple(s for s in allotted if s.kind in required),
+                sample_rate=procedure.sample_rate,
+            )
+            if feasible
+            else ()
+        ),
+        devices=devices,
+        sensors=allotted,
+        not_given=tuple(name for sensor in sensors for name in sensor.not_given),
+        assumptions=tuple(
+            text
+            for record in (*devices, procedure, requirement, costs)
+            if record is not None
+            for text in record.assumptions
+        ),
+        warnings=(*warnings, *_warnings(sensors, cases, bounds, costs)),
+    )
+
+
+def _choose_strategy(strategy: str | None, costs: Costs | None) -> str:
+    """Return the strategy that is meant."""
+    if strategy is None:
+        return "proportional" if costs is None else "cost"
+    if strategy not in STRATEGIES:
+        raise CallError(f"strategy is {strategy!r}, allowed: {', '.join(STRATEGIES)}")
+    if costs is not None and strategy != "cost":
+        raise CallError(
+            f"costs count for nothing in the strategy {strategy!r}; "
+            "use the strategy 'cost', or leave them out"
+        )
+    return strategy
+
+
+def _correct(
+    case: SensorCase,
+    procedure: Procedure,
+    requirement: Requirement,
+    strategy: str,
+    costs: Costs | None,
+    *,
+    seed: int,
+) -> SensorCase:
+    """Check the allocation by Monte Carlo; where coverage is off, allocate again.
+
+    The k of an output whose law misses the coverage becomes what the trials need:
+    their largest interval end is |m| + k u. Allocating again moves the mixture of
+    shapes, so this goes on until k has settled.
+    """
+    law_factor = case.task.coverage_factor
+    by_law = case.s
+    for _ in range(CORRECTIONS):
+        task, s = case.task, case.factors
+        problem = calibration_problem(
+            (resize(case.sensor, task.law.sources, s),),
+            procedure,
+            reference=requirement.reference,
+        )
+        rows = [
+            [output.name for output in problem.outputs].index(name)
+            for name in task.law.outputs
+        ]
+        law = propagate(problem)
+        found = coverage_of(
+            problem,
+            law.interval(requirement.coverage),
+            coverage=requirement.coverage,
+            trials=TRIALS,
+            seed=seed,
+        )
+        u = law.standard_uncertainty[rows]
+        ends = np.abs(found.interval[rows]).max(axis=1)
+        inside = found.inside[rows]
+        checks = tuple(
+            CoverageCheck(
+                output=name,
+                trials=found.trials,
+                covered=float(inside[k]),
+                factor_before=float(law_factor[k]),
+                factor=float(task.coverage_factor[k]),
+                reached=float(ends[k] / task.limit[k]),
+            )
+            for k, name in enumerate(task.law.outputs)
+            if task.binding(s)[k]
+        )
+        case = replace(case, checks=checks)
+        off = (np.abs(inside - requirement.coverage) > COVERAGE_OFF) & (
+            u > np.array([problem.outputs[row].resolution for row in rows])
+        )
+        needed = (ends - np.abs(law.mean[rows])) / np.where(u > 0.0, u, np.inf)
+        k_next = np.where(off, needed, law_factor)
+        moved = np.abs(k_next / task.coverage_factor - 1.0)
+        if not (task.binding(s) & (moved > SETTLED)).any():
+            break
+        corrected = replace(task, coverage_factor=k_next)
+        if not corrected.is_feasible:
+            break
+        case = solve(replace(case, task=corrected, by_law=by_law), strategy, costs)
+    return case
+
+
+def _levers(
+    case: SensorCase, procedure: Procedure, reference: str
+) -> tuple[Lever, ...]:
+    """Ask what the procedure could do where the limits are not met now."""
+    task = case.task
+    levers: tuple[Lever, ...] = ()
+    for s, goal in ((task.now, AS_THEY_ARE), (task.least, FLOOR)):
+        if (task.utilisation(s) > 1.0).any():
+            levers += pull_levers(
+                case.sensor, procedure, task, s, reference=reference, goal=goal
+            )
+    return levers
+
+
+def _resized(sensor: Sensor, cases: Sequence[SensorCase]) -> Sensor:
+    """Return a sensor with its allocated values, as it is where there are none."""
+    for case in cases:
+        if case.sensor.kind == sensor.kind and case.s is not None:
+            return resize(sensor, case.task.law.sources, case.s)
+    return sensor
+
+
+def _warnings(
+    sensors: Sequence[Sensor],
+    cases: Sequence[SensorCase],
+    bounds: Bounds,
+    costs: Costs | None,
+) -> tuple[str, ...]:
+    """Say what a reader should know before believing the table."""
+    given = {f"{s.kind}.{line.name}" for s in sensors for line in s.lines}
+    texts: list[str] = []
+    named = (
+        ("held", sorted(bounds.held)),
+        ("bounded", sorted({*bounds.most, *bounds.least})),
+        ("given a cost", [] if costs is None else [c.source for c in costs.costs]),
+    )
+    for what, names in named:
+        texts.extend(
+            f"{name} was {what}, but the device does not give it: it plays no part"
+            for name in names
+            if name not in given
+        )
+    required = {case.sensor.kind for case in cases}
+    texts.extend(
+        f"the requirement has no limit for the {sensor.kind}: left as it is"
+        for sensor in sensors
+        if sensor.kind not in required
+    )
+    for case in cases:
+        kind = case.sensor.kind
+        if not case.task.free.any():
+            texts.append(f"no source of the {kind} is free: there is nothing to share")
+        elif case.s is not None and not case.task.binding(case.s).any():
+            at_top = case.s >= case.task.high * (1.0 - TOUCHES)
+            if at_top[case.task.free].all():
+                texts.append(
+                    f"every source of the {kind} is at its ceiling before a limit is"
+                    " reached: raise --max to use what is left"
+                )
+        if case.solution is not None and not case.solution.is_optimal:
+            texts.append(
+                f"the least cost of the {kind} is sure to a part of "
+                f"{case.solution.gap:.1g} only (residual {case.solution.residual:.1g})"
+            )
+        if case.sensor.expected_missing:
+            lines = ", ".join(case.sensor.expected_missing)
+            texts.append(
+                f"{lines}: not given, so nothing was allotted to it; a verdict on the "
+                "allocated device stays undecidable"
+            )
+    return tuple(texts)
+
+
+def _inputs(
+    devices: Sequence[Device],
+    procedure: Procedure,
+    requirement: Requirement,
+    costs: Costs | None,
+) -> tuple[InputFile, ...]:
+    """Return what the result depends on, by base name and content."""
+    several = len(devices) > 1
+    origins = [
+        (f"device {place}" if several else "device", device.origin)
+        for place, device in enumerate(devices, start=1)
+    ]
+    origins += [("procedure", procedure.origin), ("requirement", requirement.origin)]
+    if costs is not None:
+        origins.append(("costs", costs.origin))
+    return tuple(
+        InputFile(role=role, name=origin.file, sha256=origin.sha256)
+        for role, origin in origins
+    )

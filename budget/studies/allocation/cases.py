@@ -1,0 +1,178 @@
+"""One sensor's part of an allocation: its limits, bounds and costs as a task."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.errors import CallError
+from budget.methods.allocation import Task, equal, proportional
+from budget.methods.least_cost import LeastCost, Prices, least_cost
+from budget.methods.scaling import scaled_law
+from budget.physics.calibration import calibration_problem
+from budget.studies.allocation.records import FREE, HELD, ZERO, CoverageCheck
+from budget.units import DEGREE
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from budget.arrays import Array
+    from budget.problem import Output
+    from budget.spec.records import Costs, Procedure, Requirement, Sensor
+
+STRATEGIES = ("proportional", "equal", "cost")
+
+# What a line may grow to unless the call says otherwise.
+SCALE_FACTOR_CEILING = 0.01  # [1]
+ANGLE_CEILING = DEGREE  # [rad]
+OTHER_CEILING = 100.0  # times the present value [1]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bounds:
+    """What the call says of single sources, by full names, largest axis [SI]."""
+
+    held: frozenset[str]
+    most: Mapping[str, float]
+    least: Mapping[str, float]
+
+
+NO_BOUNDS = Bounds(held=frozenset(), most={}, least={})
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SensorCase:
+    """One required sensor: its task, and what became of it.
+
+    Attributes
+    ----------
+    task : Task
+        With the coverage factors that were allocated with in the end.
+    outputs : mapping of str to Output
+        Of this sensor, by name.
+    statuses : tuple of str
+        Of each source.
+    s : ndarray, shape (n_src,), or None
+        Factors; None where the limits cannot be met.
+    by_law : ndarray, shape (n_src,), or None
+        Factors before Monte Carlo corrected them; None where it did not.
+    """
+
+    sensor: Sensor
+    task: Task
+    outputs: Mapping[str, Output]
+    statuses: tuple[str, ...]
+    s: Array | None = None
+    by_law: Array | None = None
+    prices: Prices | None = None
+    solution: LeastCost | None = None
+    checks: tuple[CoverageCheck, ...] = ()
+
+    @property
+    def factors(self) -> Array:
+        """The allocated factors, of the present state where there are none."""
+        return self.task.now if self.s is None else self.s
+
+
+def set_up(
+    sensor: Sensor,
+    procedure: Procedure,
+    requirement: Requirement,
+    bounds: Bounds,
+    market: Mapping[str, float],
+) -> SensorCase | None:
+    """Return the task of one sensor, None where nothing is required of it."""
+    from scipy.special import ndtri
+
+    limits = [
+        limit
+        for limit in requirement.limits
+        if limit.output.startswith(f"{sensor.kind}.")
+    ]
+    if not limits:
+        return None
+    problem = calibration_problem((sensor,), procedure, reference=requirement.reference)
+    statuses, low, high = [], [], []
+    for line in sensor.lines:
+        name, now = f"{sensor.kind}.{line.name}", float(line.u.max())
+        statuses.append(ZERO if now == 0.0 else HELD if name in bounds.held else FREE)
+        least, most = _bounds_of(name, now, bounds, market)
+        low.append(least)
+        high.append(most)
+    k = float(ndtri((1.0 + requirement.coverage) / 2.0))
+    return SensorCase(
+        sensor=sensor,
+        outputs={output.name: output for output in problem.outputs},
+        statuses=tuple(statuses),
+        task=Task(
+            law=scaled_law(problem).select([limit.output for limit in limits]),
+            limit=np.array([limit.limit for limit in limits]),
+            coverage_factor=np.full(len(limits), k),
+            free=np.array([status == FREE for status in statuses], dtype=bool),
+            low=np.array(low),
+            high=np.array(high),
+        ),
+    )
+
+
+def solve(case: SensorCase, strategy: str, costs: Costs | None) -> SensorCase:
+    """Allocate by the law with the coverage factors of the task."""
+    if strategy == "cost":
+        prices = _prices(case, costs)
+        solution = least_cost(case.task, prices)
+        return replace(case, s=solution.s, prices=prices, solution=solution)
+    share_out = proportional if strategy == "proportional" else equal
+    return replace(case, s=share_out(case.task))
+
+
+def resize(sensor: Sensor, sources: Sequence[str], factors: Array) -> Sensor:
+    """Return a sensor with its lines multiplied; correlation times stay."""
+    by_name = dict(zip(sources, factors, strict=True))
+    return replace(
+        sensor,
+        lines=tuple(
+            replace(line, u=line.u * by_name[f"{sensor.kind}.{line.name}"])
+            for line in sensor.lines
+        ),
+    )
+
+
+def _bounds_of(
+    name: str, now: float, bounds: Bounds, market: Mapping[str, float]
+) -> tuple[float, float]:
+    """Return least and largest factor of one source; a default never asks for less."""
+    if now == 0.0:
+        return 0.0, 1.0
+    line = name.partition(".")[2]
+    if line.startswith("scale_factor"):
+        most = max(SCALE_FACTOR_CEILING, now)
+    elif line.startswith("mounting"):
+        most = max(ANGLE_CEILING, now)
+    else:
+        most = OTHER_CEILING * now
+    least = min(market.get(name, 0.0), now)
+    least, most = bounds.least.get(name, least), bounds.most.get(name, most)
+    if least > most:
+        raise CallError(
+            f"{name}: the least value, {least:.6g}, is above the largest, {most:.6g} "
+            "(SI units); change --min, --max or --market"
+        )
+    return least / now, most / now
+
+
+def _prices(case: SensorCase, costs: Costs | None) -> Prices:
+    """Return the cost of each source as a function of its factor."""
+    named = {cost.source: cost for cost in costs.costs} if costs is not None else {}
+    c, p = [], []
+    for line in case.sensor.lines:
+        cost = named.get(f"{case.sensor.kind}.{line.name}")
+        now = float(line.u.max())
+        power = 1.0 if cost is None else cost.p
+        ratio = 1.0
+        if cost is not None and cost.u_ref is not None and now > 0.0:
+            ratio = cost.u_ref / now
+        c.append((1.0 if cost is None else cost.a) * ratio**power)
+        p.append(power)
+    return Prices(c=np.array(c), p=np.array(p))

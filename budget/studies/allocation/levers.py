@@ -1,0 +1,173 @@
+"""The procedure as a lever: how many turns, how long a dwell would meet the limits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import floor, log10
+from typing import TYPE_CHECKING
+
+from budget.methods.scaling import scaled_law
+from budget.physics.calibration import calibration_problem
+from budget.studies.allocation.records import Lever
+from budget.units import HOUR
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from budget.arrays import Array
+    from budget.methods.allocation import Task
+    from budget.spec.records import Procedure, Sensor
+
+MOST_TURNS = 1000  # at 20 deg/s five hours for each axis and sense
+LONGEST_DWELL = 24.0 * HOUR  # [s]
+STEP = 1.25  # from one trial to the next [1]
+DIGITS = 3  # of a dwell that is found
+
+AS_THEY_ARE = "devices as they are"
+FLOOR = "what is held"
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Trials:
+    """One lever of one sensor, and how a procedure is changed by it."""
+
+    name: str
+    now: float
+    most: float
+    change: Callable[[float], Procedure]
+    whole: bool
+
+
+def pull_levers(
+    sensor: Sensor,
+    procedure: Procedure,
+    task: Task,
+    s: Array,
+    *,
+    reference: str,
+    goal: str,
+) -> tuple[Lever, ...]:
+    """Find the least number of turns and the shortest dwell that meet the limits.
+
+    Each alone, the other things as they are; upwards from the present value, because
+    shorter costs nothing to try by hand. A longer test is not always a better one
+    (random walks grow), so what meets is searched step by step, then narrowed.
+
+    Parameters
+    ----------
+    sensor : Sensor
+        As it is.
+    procedure : Procedure
+        As it is.
+    task : Task
+        Limits on this sensor's outputs.
+    s : ndarray, shape (n_src,)
+        Factors on its sources.
+    reference : str
+        What errors are counted from.
+    goal : str
+        AS_THEY_ARE or FLOOR: what `s` stands for.
+
+    Returns
+    -------
+    tuple of Lever
+    """
+
+    def utilisation(changed: Procedure) -> float:
+        problem = calibration_problem((sensor,), changed, reference=reference)
+        law = scaled_law(problem).select(task.law.outputs)
+        return float(replace(task, law=law).utilisation(s).max())
+
+    return tuple(
+        _pull(trials, utilisation, sensor.kind, goal)
+        for trials in _levers(sensor, procedure)
+    )
+
+
+def _levers(sensor: Sensor, procedure: Procedure) -> tuple[_Trials, ...]:
+    """Return the levers of a sensor."""
+    if sensor.kind != "gyro":
+        own = procedure.accelerometer
+        return (
+            _Trials(
+                name="dwell",
+                now=own.dwell,
+                most=LONGEST_DWELL,
+                change=lambda dwell: replace(
+                    procedure, accelerometer=replace(own, dwell=dwell)
+                ),
+                whole=False,
+            ),
+        )
+    gyro = procedure.gyro
+    return (
+        _Trials(
+            name="turns",
+            now=gyro.turns,
+            most=MOST_TURNS,
+            change=lambda turns: replace(
+                procedure, gyro=replace(gyro, turns=int(turns))
+            ),
+            whole=True,
+        ),
+        _Trials(
+            name="dwell",
+            now=gyro.dwell,
+            most=LONGEST_DWELL,
+            change=lambda dwell: replace(procedure, gyro=replace(gyro, dwell=dwell)),
+            whole=False,
+        ),
+    )
+
+
+def _pull(
+    trials: _Trials,
+    utilisation: Callable[[Procedure], float],
+    sensor: str,
+    goal: str,
+) -> Lever:
+    """Step upwards until the limits are met, then narrow the last step."""
+    below, value = trials.now, trials.now
+    best, least = value, utilisation(trials.change(value))
+    needed = None
+    while value < trials.most:
+        below, value = value, min(value * STEP, trials.most)
+        if trials.whole:
+            value = max(float(int(value)), below + 1.0)
+        used = utilisation(trials.change(value))
+        if used < least:
+            best, least = value, used
+        if used <= 1.0:
+            needed = _narrow(trials, utilisation, below, value)
+            best, least = needed, utilisation(trials.change(needed))
+            break
+    return Lever(
+        sensor=sensor,
+        name=trials.name,
+        goal=goal,
+        now=trials.now,
+        needed=needed,
+        tried_to=value,
+        utilisation=least,
+        best=best,
+    )
+
+
+def _narrow(
+    trials: _Trials,
+    utilisation: Callable[[Procedure], float],
+    fails: float,
+    meets: float,
+) -> float:
+    """Return the least value that meets, to a whole number or three digits up."""
+    step = 1.0 if trials.whole else 10.0 ** (floor(log10(meets)) - DIGITS + 1)
+    while meets - fails > step:
+        middle = (fails + meets) / 2.0
+        middle = float(int(middle)) if trials.whole else middle
+        if utilisation(trials.change(middle)) <= 1.0:
+            meets = middle
+        else:
+            fails = middle
+    rounded = step * -(-meets // step)
+    meets_too = utilisation(trials.change(rounded)) <= 1.0
+    return rounded if meets_too else meets

@@ -1,0 +1,153 @@
+"""The catalogue against allocated lines: what is offered, what comes closest."""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.errors import SpecError
+from budget.resources import shipped
+from budget.spec import load_device, variants
+from budget.studies.allocation.records import LineMatch, Match
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from budget.arrays import Array
+    from budget.spec.records import Device, Sensor
+
+# White noise is printed as a density or for every sample: one is the other over the
+# root of the sample rate.
+DENSITIES = ("angle_random_walk", "velocity_random_walk")
+SAMPLE_NOISE = "sample_noise"
+
+
+def load_catalogue() -> tuple[tuple[Device, ...], tuple[str, ...]]:
+    """Load every shipped device in every variant.
+
+    Returns
+    -------
+    tuple of Device
+        In the order of their files.
+    tuple of str
+        Warnings about files that cannot be read.
+    """
+    devices: list[Device] = []
+    warnings: list[str] = []
+    for path in sorted((shipped("specs") / "devices").glob("*.yaml")):
+        try:
+            names = variants(path)
+            devices.extend(
+                load_device(f"{path}#{name}" if name else path) for name in names
+            )
+        except SpecError as error:
+            warnings.append(f"left out of the catalogue: {error.issues[0].message}")
+    return tuple(devices), tuple(warnings)
+
+
+def best_offered(catalogue: Sequence[Device]) -> dict[str, float]:
+    """Return the least value above zero of every line, largest axis [SI]."""
+    best: dict[str, float] = {}
+    for device in catalogue:
+        for sensor in device.sensors:
+            for line in sensor.lines:
+                name, u = f"{sensor.kind}.{line.name}", float(line.u.max())
+                if u > 0.0:
+                    best[name] = min(best.get(name, u), u)
+    return best
+
+
+def match_catalogue(
+    catalogue: Sequence[Device], sensors: Sequence[Sensor], *, sample_rate: float
+) -> tuple[Match, ...]:
+    """Hold every triad of the catalogue against the lines of the allocated ones.
+
+    Parameters
+    ----------
+    catalogue : sequence of Device
+        What is offered.
+    sensors : sequence of Sensor
+        With the allocated values; their lines above zero are what counts.
+    sample_rate : float
+        Turns noise of a sample into a density [Hz].
+
+    Returns
+    -------
+    tuple of Match
+        By sensor, the closest first: those that meet every line, then by missing
+        lines, then by the worst ratio.
+    """
+    matches = [
+        _match(device, offered, wanted, sample_rate)
+        for wanted in sensors
+        for device in catalogue
+        for offered in device.sensors
+        if offered.kind == wanted.kind and offered.lines
+    ]
+    kinds = [sensor.kind for sensor in sensors]
+    return tuple(
+        sorted(
+            matches,
+            key=lambda m: (
+                kinds.index(m.sensor),
+                not m.meets,
+                len(m.missing),
+                m.worst,
+                m.device,
+            ),
+        )
+    )
+
+
+def _match(device: Device, offered: Sensor, wanted: Sensor, rate: float) -> Match:
+    """Compare two triads line by line."""
+    lines = []
+    for line in wanted.lines:
+        if not line.u.any():
+            continue
+        value, how = _value(offered, line.name, rate)
+        # An axis that may have nothing has no ratio: the others decide.
+        ratio = None
+        if value is not None:
+            limit = np.where(line.u > 0.0, line.u, np.inf)
+            ratio = float((value / limit).max())
+        lines.append(
+            LineMatch(
+                source=f"{wanted.kind}.{line.name}",
+                value=None if value is None else float(value.max()),
+                ratio=ratio,
+                how=how,
+            )
+        )
+    allotted = {line.name for line in wanted.lines if line.u.any()}
+    noise = {SAMPLE_NOISE, *DENSITIES}
+    extra = tuple(
+        f"{offered.kind}.{line.name}"
+        for line in offered.lines
+        if line.u.any()
+        and line.name not in allotted
+        and not (line.name in noise and allotted & noise)
+    )
+    return Match(
+        device=device.name,
+        file=device.origin.file,
+        sensor=offered.kind,
+        lines=tuple(lines),
+        extra=extra,
+    )
+
+
+def _value(sensor: Sensor, name: str, rate: float) -> tuple[Array | None, str]:
+    """Return what a triad has in one line [SI], white noise converted."""
+    line = sensor.line(name)
+    if line is not None:
+        return line.u, ""
+    if name == SAMPLE_NOISE:
+        for density in DENSITIES:
+            if (other := sensor.line(density)) is not None:
+                return other.u * sqrt(rate), f"from its {density}"
+    if name in DENSITIES and (other := sensor.line(SAMPLE_NOISE)) is not None:
+        return other.u / sqrt(rate), f"from its {SAMPLE_NOISE}"
+    return None, ""

@@ -1,0 +1,229 @@
+"""What an allocation says: frozen records, SI inside."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from budget.problem import Output
+    from budget.results import InputFile
+    from budget.spec.records import Device, Sensor
+
+MEAN = "mean"  # the part of a limit that the mean error takes
+
+FREE = "free"
+HELD = "held"  # by --fix
+ZERO = "zero"  # a present value of zero stays
+NOT_REQUIRED = "not required"  # its sensor has no limits
+
+
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """What one source takes of one squared limit, k^2 u^2 / limit^2 [1]."""
+
+    source: str  # dotted name, 'interaction' or 'mean'
+    now: float
+    allowed: float | None  # None where the requirement cannot be met
+    floor: float  # with every free source as small as it may be
+
+
+@dataclass(frozen=True, kw_only=True)
+class LimitedOutput:
+    """One limit, and how it is shared out."""
+
+    output: Output
+    limit: float  # [SI]
+    printed_limit: str
+    now: float  # largest interval end over limit [1]
+    allowed: float | None  # the same after the allocation [1]
+    floor: float  # the same of what cannot be allocated [1]
+    is_binding: bool
+    parts: tuple[Part, ...]
+
+    @property
+    def sensor(self) -> str:
+        """First part of the output's name."""
+        return self.output.name.partition(".")[0]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Headroom:
+    """How far one source may go alone, the others as they are."""
+
+    value: float | None  # [SI]; None: no limit stops it
+    stopped_by: str | None  # output; None: no limit stops it
+
+
+@dataclass(frozen=True, kw_only=True)
+class SourceAllotment:
+    """One line of a data sheet: what it is and what it may be.
+
+    Values are standard uncertainties of the largest axis; one factor is for all.
+    """
+
+    source: str
+    unit: str  # as in the file
+    si_per_unit: float
+    status: str  # free, held, zero, not required
+    now: float  # [SI]
+    allowed: float | None  # [SI]; None where the requirement cannot be met
+    uncorrected: float | None  # by the law alone, where Monte Carlo corrected it [SI]
+    ceiling: float | None  # [SI]; None for what is not free
+    least: float | None  # bound below [SI]; None for what is not free
+    at_ceiling: bool
+    at_least: bool
+    binding_output: str | None  # of those at their limits, where it takes most
+    headroom: Headroom | None  # None for what is zero or has no limit
+    best_offered: float | None  # least value in the catalogue [SI]
+
+    @property
+    def factor(self) -> float:
+        """Allowed over present value [1]; 1 where nothing was allocated."""
+        if self.allowed is None or self.now == 0.0:
+            return 1.0
+        return self.allowed / self.now
+
+    @property
+    def is_beyond_market(self) -> bool:
+        """Whether nothing in the catalogue is as good as what is allowed."""
+        return (
+            self.status == FREE
+            and self.allowed is not None
+            and self.best_offered is not None
+            and self.allowed < self.best_offered
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class CoverageCheck:
+    """Monte Carlo at the allocated values, for one output at its limit."""
+
+    output: str
+    trials: int
+    covered: float  # part of the trials within the law's interval [1]
+    factor_before: float  # k of the law [1]
+    factor: float  # k that was allocated with in the end [1]
+    reached: float  # largest end of the trials' interval over the limit [1]
+
+    @property
+    def is_corrected(self) -> bool:
+        """Whether the law's coverage was too far off to allocate with."""
+        return self.factor != self.factor_before
+
+
+@dataclass(frozen=True, kw_only=True)
+class Saving:
+    """What one percent more on the limits of one parameter would save."""
+
+    outputs: tuple[str, ...]  # those of the parameter that are at their limits
+    saves: float  # [unit of cost]
+    part: float  # of the cost of that sensor [1]
+
+
+@dataclass(frozen=True, kw_only=True)
+class CostReport:
+    """The cost of one sensor, and what shows that it is the least one."""
+
+    sensor: str
+    now: float  # of the sources that are free [unit of cost]
+    cost: float
+    residual: float  # of the conditions of Karush, Kuhn and Tucker [1]
+    gap: float  # duality gap over the cost [1]
+    is_optimal: bool
+    solver: str
+    savings: tuple[Saving, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lever:
+    """What a change of the procedure would do for one sensor."""
+
+    sensor: str
+    name: str  # 'turns' or 'dwell'
+    goal: str  # 'devices as they are', or 'what is held'
+    now: float  # turns [1] or dwell [s]
+    needed: float | None  # None: no value that was tried meets
+    tried_to: float
+    utilisation: float  # largest one at `needed`, else the least that was found [1]
+    best: float  # where that is
+
+
+@dataclass(frozen=True, kw_only=True)
+class LineMatch:
+    """One line of a catalogue device against what is allowed."""
+
+    source: str
+    value: float | None  # largest axis [SI]; None: the device does not give it
+    ratio: float | None  # worst axis over what that axis may have [1]
+    how: str  # '' or what was converted to compare
+
+
+@dataclass(frozen=True, kw_only=True)
+class Match:
+    """One triad of the catalogue against the allocated lines."""
+
+    device: str
+    file: str
+    sensor: str
+    lines: tuple[LineMatch, ...]
+    extra: tuple[str, ...]  # lines that it gives and that nothing was allotted to
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """Allocated lines that the device does not give."""
+        return tuple(line.source for line in self.lines if line.ratio is None)
+
+    @property
+    def beyond(self) -> tuple[LineMatch, ...]:
+        """Lines that are larger than allowed."""
+        return tuple(
+            line for line in self.lines if line.ratio is not None and line.ratio > 1.0
+        )
+
+    @property
+    def worst(self) -> float:
+        """Largest ratio of the lines that are given [1]; 0 where none is."""
+        return max((line.ratio or 0.0 for line in self.lines), default=0.0)
+
+    @property
+    def meets(self) -> bool:
+        """Whether every allocated line is given and small enough."""
+        return not self.missing and not self.beyond
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Allocation:
+    """Everything that `budget allocate` says."""
+
+    title: str
+    inputs: tuple[InputFile, ...]
+    strategy: str
+    requirement: str
+    procedure: str
+    coverage: float
+    reference: str
+    formulas: str
+    seed: int
+    feasible: bool
+    sources: tuple[SourceAllotment, ...]
+    outputs: tuple[LimitedOutput, ...]
+    checks: tuple[CoverageCheck, ...]
+    costs: tuple[CostReport, ...]
+    levers: tuple[Lever, ...]
+    matches: tuple[Match, ...]
+    devices: tuple[Device, ...]
+    sensors: tuple[Sensor, ...]  # with the allocated values; as given if infeasible
+    not_given: tuple[str, ...]
+    assumptions: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+    @property
+    def binding(self) -> tuple[LimitedOutput, ...]:
+        """Outputs at their limits after the allocation."""
+        return tuple(row for row in self.outputs if row.is_binding)
+
+    @property
+    def impossible(self) -> tuple[LimitedOutput, ...]:
+        """Outputs whose limits are passed by what cannot be allocated."""
+        return tuple(row for row in self.outputs if row.floor > 1.0)

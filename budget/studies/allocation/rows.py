@@ -1,0 +1,187 @@
+"""From factors to what people read: sources, limits and costs of an allocation."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.methods.allocation import TOUCHES, headroom
+from budget.methods.scaling import FELT
+from budget.results import INTERACTION
+from budget.studies.allocation.records import (
+    FREE,
+    MEAN,
+    NOT_REQUIRED,
+    ZERO,
+    CostReport,
+    Headroom,
+    LimitedOutput,
+    Part,
+    Saving,
+    SourceAllotment,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from budget.arrays import Array
+    from budget.methods.allocation import Task
+    from budget.spec.records import Requirement, Sensor
+    from budget.studies.allocation.cases import SensorCase
+
+ONE_PERCENT = 0.01  # [1]
+
+
+def limited_outputs(
+    case: SensorCase, requirement: Requirement
+) -> tuple[LimitedOutput, ...]:
+    """Say of each limit who takes how much of it, now and after the allocation."""
+    task, s = case.task, case.s
+    printed = {limit.output: limit.printed for limit in requirement.limits}
+    states = [task.now, task.least, *([] if s is None else [s])]
+    used = [task.utilisation(state) for state in states]
+    parts = [_parts(task, state) for state in states]
+    bound = np.zeros(len(task.limit), bool) if s is None else task.binding(s)
+    names = (*task.law.sources, INTERACTION, MEAN)
+    return tuple(
+        LimitedOutput(
+            output=case.outputs[name],
+            limit=float(task.limit[k]),
+            printed_limit=printed[name],
+            now=float(used[0][k]),
+            floor=float(used[1][k]),
+            allowed=None if s is None else float(used[2][k]),
+            is_binding=bool(bound[k]),
+            parts=tuple(
+                Part(
+                    source=source,
+                    now=float(parts[0][k, g]),
+                    floor=float(parts[1][k, g]),
+                    allowed=None if s is None else float(parts[2][k, g]),
+                )
+                for g, source in enumerate(names)
+            ),
+        )
+        for k, name in enumerate(task.law.outputs)
+    )
+
+
+def source_allotments(
+    sensor: Sensor, case: SensorCase | None, offered: Mapping[str, float]
+) -> tuple[SourceAllotment, ...]:
+    """Say of each line of one sensor what it is and what it may be."""
+    if case is None:
+        return tuple(
+            SourceAllotment(
+                source=f"{sensor.kind}.{line.name}",
+                unit=line.unit,
+                si_per_unit=line.si_per_unit,
+                status=NOT_REQUIRED,
+                now=float(line.u.max()),
+                allowed=float(line.u.max()),
+                uncorrected=None,
+                ceiling=None,
+                least=None,
+                at_ceiling=False,
+                at_least=False,
+                binding_output=None,
+                headroom=None,
+                best_offered=offered.get(f"{sensor.kind}.{line.name}"),
+            )
+            for line in sensor.lines
+        )
+    task, s = case.task, case.s
+    room = headroom(task, task.now)
+    rows = []
+    for g, line in enumerate(sensor.lines):
+        name, now = f"{sensor.kind}.{line.name}", float(line.u.max())
+        status = case.statuses[g]
+        free = status == FREE
+        allotted = s is not None and free
+        place = room[g].stopped_by
+        rows.append(
+            SourceAllotment(
+                source=name,
+                unit=line.unit,
+                si_per_unit=line.si_per_unit,
+                status=status,
+                now=now,
+                allowed=None if s is None else now * float(s[g]),
+                uncorrected=(
+                    now * float(case.by_law[g])
+                    if case.by_law is not None and free
+                    else None
+                ),
+                ceiling=now * float(task.high[g]) if free else None,
+                least=now * float(task.low[g]) if free else None,
+                at_ceiling=allotted
+                and bool(case.factors[g] >= task.high[g] * (1.0 - TOUCHES)),
+                at_least=allotted
+                and bool(case.factors[g] <= task.low[g] * (1.0 + TOUCHES)),
+                binding_output=_binding_output(task, case.factors, g)
+                if allotted
+                else None,
+                headroom=None
+                if status == ZERO
+                else Headroom(
+                    value=now * room[g].factor if np.isfinite(room[g].factor) else None,
+                    stopped_by=None if place is None else task.law.outputs[place],
+                ),
+                best_offered=offered.get(name),
+            )
+        )
+    return tuple(rows)
+
+
+def cost_report(case: SensorCase) -> CostReport:
+    """Say what the cheapest allocation of one sensor costs and what limits cost."""
+    solution, prices = case.solution, case.prices
+    if solution is None or prices is None:
+        raise ValueError(f"the {case.sensor.kind} was not allocated by cost")
+    task = case.task
+    bound = task.binding(solution.s)
+    groups: dict[str, list[int]] = {}
+    for k in np.flatnonzero(bound):
+        name = task.law.outputs[k].rpartition(".")[0]
+        groups.setdefault(name, []).append(int(k))
+    savings = []
+    for places in groups.values():
+        saves = ONE_PERCENT * float(solution.multiplier[places].sum())
+        savings.append(
+            Saving(
+                outputs=tuple(task.law.outputs[k] for k in places),
+                saves=saves,
+                part=saves / solution.cost if solution.cost > 0.0 else 0.0,
+            )
+        )
+    return CostReport(
+        sensor=case.sensor.kind,
+        now=float(prices.each(task.now)[task.free].sum()),
+        cost=solution.cost,
+        residual=solution.residual,
+        gap=solution.gap,
+        is_optimal=solution.is_optimal,
+        solver=solution.solver,
+        savings=tuple(sorted(savings, key=lambda saving: -saving.saves)),
+    )
+
+
+def _parts(task: Task, s: Array) -> Array:
+    """Return parts of the squared limits, shape (n_out, n_src + 2) [1].
+
+    Sources alone, then products of two sources, then what the mean takes: they add up
+    to the square of the utilisation.
+    """
+    alone = task.part(s)
+    scale = (task.coverage_factor / task.limit) ** 2
+    spread = scale * task.law.variance(s)
+    mean = task.utilisation(s) ** 2 - spread
+    return np.column_stack([alone, spread - alone.sum(axis=1), np.maximum(mean, 0.0)])
+
+
+def _binding_output(task: Task, s: Array, g: int) -> str | None:
+    """Return the output at its limit of which a source takes most, if it is felt."""
+    part = np.where(task.binding(s), task.part(s)[:, g], 0.0)
+    k = int(np.argmax(part))
+    return task.law.outputs[k] if part[k] >= FELT else None
