@@ -6,6 +6,7 @@ import sys
 
 import typer
 
+from budget.cli.allocate import allocate
 from budget.cli.analyze import analyze
 from budget.cli.check_files import schema, validate
 from budget.cli.report import report
@@ -23,6 +24,7 @@ app = typer.Typer(
     rich_markup_mode=None,  # plain help starts faster and reads well in any terminal
 )
 app.command()(analyze)
+app.command()(allocate)
 app.command()(report)
 app.command()(validate)
 app.command()(schema)

@@ -127,18 +127,18 @@ def allocate(
         for case in cases
         for lever in _levers(case, procedure, requirement.reference)
     )
-    if feasible:
-        for place, case in enumerate(cases):
+    for place, case in enumerate(cases):
+        if case.task.is_feasible:
             solved = solve(case, strategy, costs)
             if validate:
                 solved = _correct(
                     solved, procedure, requirement, strategy, costs, seed=seed
                 )
             cases[place] = solved
-            if progress is not None:
-                progress(place + 1, len(cases))
+        if progress is not None:
+            progress(place + 1, len(cases))
     allotted = tuple(_resized(sensor, cases) for sensor in sensors)
-    required = {case.sensor.kind for case in cases}
+    solved_kinds = {case.sensor.kind for case in cases if case.s is not None}
     return Allocation(
         title=" + ".join(device.name for device in devices),
         inputs=_inputs(devices, procedure, requirement, costs),
@@ -165,14 +165,10 @@ def allocate(
         checks=tuple(check for case in cases for check in case.checks),
         costs=tuple(cost_report(case) for case in cases if case.solution is not None),
         levers=levers,
-        matches=(
-            match_catalogue(
-                catalogue,
-                tuple(s for s in allotted if s.kind in required),
-                sample_rate=procedure.sample_rate,
-            )
-            if feasible
-            else ()
+        matches=match_catalogue(
+            catalogue,
+            tuple(sensor for sensor in allotted if sensor.kind in solved_kinds),
+            sample_rate=procedure.sample_rate,
         ),
         devices=devices,
         sensors=allotted,

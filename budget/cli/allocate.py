@@ -1,0 +1,224 @@
+"""`budget allocate`: a requirement in, what each line of the data sheet may be out."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from budget.cli import options
+
+if TYPE_CHECKING:
+    from budget.spec.records import Sensor
+    from budget.studies.allocation.records import Allocation
+
+EXIT_NOT_MET = 1
+
+
+def allocate(
+    devices: options.Devices = None,
+    *,
+    requirement: Annotated[
+        Path,
+        typer.Option(
+            metavar="FILE", help="Requirement file; its coverage and reference rule."
+        ),
+    ],
+    procedure: options.ProcedureFile = None,
+    strategy: Annotated[
+        Literal["equal", "proportional", "cost"] | None,
+        typer.Option(
+            help="How limits are shared out (proportional; cost where --costs is).",
+            show_default=False,
+        ),
+    ] = None,
+    costs: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Costs file; other lines have a = p = 1."),
+    ] = None,
+    fix: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="SOURCE",
+            help="Hold this line, as gyro.bias_stability; may be given again.",
+            show_default=False,
+        ),
+    ] = None,
+    most: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--max",
+            metavar="SOURCE=VALUE",
+            help="Largest value of a line, as 'bias_stability=0.1 deg/h' (scale "
+            "factors 1 %, angles 1 deg, others 100 times the present value).",
+            show_default=False,
+        ),
+    ] = None,
+    least: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--min",
+            metavar="SOURCE=VALUE",
+            help="Least value of a line, largest axis, 1 sigma.",
+            show_default=False,
+        ),
+    ] = None,
+    market: Annotated[
+        bool,
+        typer.Option(
+            "--market", help="No line better than the best in the catalogue, or now."
+        ),
+    ] = False,
+    write: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.yaml", help="Write the allocated device as a device file."
+        ),
+    ] = None,
+    seed: options.Seed = 0,
+    no_validate: options.NoValidate = False,
+    json: options.JsonFile = None,
+    csv: options.CsvFile = None,
+) -> None:
+    """Find the standard uncertainty that each line may have for a requirement.
+
+    The device is where it starts. Exit code 1, and no file written, where the
+    requirement cannot be met.
+    """
+    from budget.cli.computing import computing
+    from budget.cli.output import check_destinations
+    from budget.report.allocation.document import (
+        allocated_device,
+        allocation_csv,
+        allocation_json,
+    )
+    from budget.report.files import write_all
+    from budget.spec import load_costs, load_procedure, load_requirement
+    from budget.studies.allocation.allocate import allocate as run
+    from budget.studies.allocation.cases import Bounds
+    from budget.studies.request import sensors_of
+
+    check_destinations(json, csv)
+    _check_suffix(write)
+    loaded = options.load_devices(devices)
+    wanted = load_requirement(requirement)
+    sensors = sensors_of(loaded)
+    bounds = Bounds(
+        held=frozenset(
+            name for text in fix or () for name in _names(sensors, "--fix", text)
+        ),
+        most=_values(sensors, "--max", most or []),
+        least=_values(sensors, "--min", least or []),
+    )
+    with computing("allocate", workers=1, cluster=None) as shop:
+        allocation = run(
+            *loaded,
+            requirement=wanted,
+            procedure=load_procedure(procedure),
+            strategy=strategy,
+            costs=None if costs is None else load_costs(costs),
+            bounds=bounds,
+            market=market,
+            validate=not no_validate,
+            seed=seed,
+            progress=shop.progress,
+        )
+    documents = {json: allocation_json, csv: allocation_csv}
+    files = {
+        path: render(allocation)
+        for path, render in documents.items()
+        if path is not None and path != options.STDOUT
+    }
+    if allocation.feasible:
+        if write is not None:
+            files[write] = allocated_device(allocation)
+        write_all(files)
+        if write is not None:
+            typer.echo(f"{write}: written", err=True)
+    render = documents.get(options.STDOUT)
+    if render is not None:
+        sys.stdout.write(render(allocation))
+    else:
+        _show(allocation)
+    if not allocation.feasible:
+        if files or write is not None:
+            typer.echo("the requirement cannot be met: no file was written", err=True)
+        raise typer.Exit(EXIT_NOT_MET)
+
+
+def _show(allocation: Allocation) -> None:
+    """Print the text for people, in characters that the terminal has."""
+    from rich.console import Console
+
+    from budget.report.allocation.terminal import allocation_text
+
+    text = allocation_text(allocation, width=Console().width)
+    encoding = sys.stdout.encoding or "utf-8"
+    sys.stdout.write(text.encode(encoding, errors="replace").decode(encoding))
+
+
+def _names(sensors: tuple[Sensor, ...], option: str, name: str) -> tuple[str, ...]:
+    """Return the full names of a source; a bare name means every sensor."""
+    from difflib import get_close_matches
+
+    from budget.errors import CallError
+    from budget.spec.lines import lines_of
+
+    known = [f"{s.kind}.{line.name}" for s in sensors for line in lines_of(s.kind)]
+    full = tuple(k for k in known if name in {k, k.partition(".")[2]})
+    if not full:
+        every = [*known, *(k.partition(".")[2] for k in known)]
+        near = get_close_matches(name, every)
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        raise CallError(
+            f"{option}: {name!r} is no source of these devices{hint}. Known: "
+            + ", ".join(known)
+        )
+    return full
+
+
+def _values(
+    sensors: tuple[Sensor, ...], option: str, texts: list[str]
+) -> dict[str, float]:
+    """Read SOURCE=VALUE [SI]; every unit of the line will do."""
+    from budget.errors import CallError, UnitError
+    from budget.spec.lines import lines_of
+    from budget.units import parse_quantity
+
+    units = {
+        f"{s.kind}.{line.name}": line.like(s.kind)
+        for s in sensors
+        for line in lines_of(s.kind)
+    }
+    values: dict[str, float] = {}
+    for text in texts:
+        name, sign, figure = text.partition("=")
+        if not sign:
+            raise CallError(
+                f"{option}: found {text!r}, expected SOURCE=VALUE, as "
+                "'bias_stability=0.1 deg/h'"
+            )
+        for full in _names(sensors, option, name.strip()):
+            try:
+                value = parse_quantity(figure, units[full]).value
+            except UnitError as error:
+                raise CallError(f"{option} {name.strip()}: {error}") from None
+            if value <= 0.0:
+                raise CallError(
+                    f"{option} {name.strip()}: found {figure.strip()!r}, expected a "
+                    "value above 0; to take a line out, leave it out of the device"
+                )
+            values[full] = value
+    return values
+
+
+def _check_suffix(write: Path | None) -> None:
+    """Refuse a device file that would not be read back."""
+    from budget.errors import CallError
+
+    if write is not None and write.suffix.lower() not in {".yaml", ".yml"}:
+        raise CallError(
+            f"--write {write}: a device file ends in .yaml or .yml; give it that name"
+        )

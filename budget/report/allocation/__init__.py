@@ -1,0 +1,1 @@
+"""The allocation for people and programs: formats only, computes nothing."""

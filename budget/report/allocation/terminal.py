@@ -1,0 +1,300 @@
+"""An allocation on a terminal of any width."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import TYPE_CHECKING
+
+from budget.report.allocation.words import (
+    DIGITS,
+    headline,
+    join_outputs,
+    lever_text,
+    match_text,
+    part_title,
+    print_change,
+    print_part,
+    print_used,
+    print_value,
+    relaxations,
+    tightest,
+)
+from budget.report.tables import (
+    output_title,
+    print_count,
+    print_coverage,
+    print_given,
+    source_title,
+)
+from budget.results import INTERACTION
+from budget.studies.allocation.records import FREE, MEAN
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from budget.studies.allocation.records import (
+        Allocation,
+        LimitedOutput,
+        SourceAllotment,
+    )
+
+CLOSEST = 3  # devices a sensor that are shown where none meets
+GAP = "  "
+TEXT_WIDTH = 78
+PLAIN = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u"})
+
+
+def allocation_text(allocation: Allocation, *, width: int) -> str:
+    """Write an allocation for a terminal.
+
+    Parameters
+    ----------
+    allocation : Allocation
+    width : int
+        Of the terminal; rows that do not fit are set one field a line [columns].
+
+    Returns
+    -------
+    str
+        Ends with a line feed.
+    """
+    coverage = print_coverage(allocation.coverage)
+    lines = [allocation.title]
+    lines += _wrap(headline(allocation), width)
+    lines += _wrap(
+        f"strategy {allocation.strategy}, coverage {coverage} %, reference "
+        f"{allocation.reference}, procedure {allocation.procedure}",
+        width,
+    )
+    if not allocation.feasible:
+        lines += ["", "What would make it feasible"]
+        lines += _items(relaxations(allocation.impossible), width)
+    for sensor in dict.fromkeys(
+        row.source.partition(".")[0] for row in allocation.sources
+    ):
+        rows = [
+            row for row in allocation.sources if row.source.startswith(f"{sensor}.")
+        ]
+        feasible = all(row.allowed is not None for row in rows)
+        lines += ["", f"{sensor.capitalize()} lines, 1 sigma"]
+        lines += _table(_source_cells(rows, feasible=feasible), width)
+        if any(row.uncorrected is not None for row in rows):
+            lines += _items(_corrections(rows), width)
+        limited = [row for row in allocation.outputs if row.sensor == sensor]
+        if limited:
+            lines += [
+                "",
+                f"{sensor.capitalize()}: part of each squared limit [%], now > allowed",
+            ]
+            lines += _table(_part_cells(limited, feasible=feasible), width)
+            lines += [
+                "",
+                f"{sensor.capitalize()} headroom: each line alone, the others as now",
+            ]
+            lines += _table(_headroom_cells(rows), width)
+    lines += _cost_lines(allocation, width)
+    lines += _check_lines(allocation, width)
+    if allocation.levers:
+        lines += ["", "The procedure as a lever"]
+        lines += _items([lever_text(lever) for lever in allocation.levers], width)
+    for sensor in dict.fromkeys(match.sensor for match in allocation.matches):
+        own = [match for match in allocation.matches if match.sensor == sensor]
+        meeting = sum(match.meets for match in own)
+        lines += [
+            "",
+            f"Catalogue: {meeting} of {len(own)} {sensor} entries meet every line",
+        ]
+        lines += _items(
+            [match_text(match) for match in own[: max(meeting, CLOSEST)]], width
+        )
+    for label, texts in (
+        ("Assumptions", allocation.assumptions),
+        ("Warnings", allocation.warnings),
+    ):
+        if texts:
+            lines += ["", label, *_items(texts, width)]
+    return "\n".join(line.rstrip() for line in lines) + "\n"
+
+
+def _source_cells(
+    rows: Sequence[SourceAllotment], *, feasible: bool
+) -> list[list[str]]:
+    """Return head and rows of the allocation table."""
+    head = ["line", "now", *(["allowed"] if feasible else []), "unit"]
+    head += ["change", "stopped by", ""] if feasible else [""]
+    cells = [head]
+    for row in rows:
+        now = print_given(row.now / row.si_per_unit)
+        cell = [source_title(row.source), now]
+        if feasible and row.allowed is not None:
+            cell.append(print_given(row.allowed / row.si_per_unit, digits=DIGITS))
+        cell.append(row.unit.translate(PLAIN))
+        if feasible:
+            stop = row.binding_output
+            cell += [
+                print_change(row),
+                "-" if stop is None else output_title(stop.partition(".")[2]),
+            ]
+        cell.append("" if row.status == FREE else row.status)
+        if row.at_ceiling or row.at_least:
+            cell[-1] = "ceiling" if row.at_ceiling else "least"
+        elif feasible and row.is_beyond_market:
+            cell[-1] = "not offered"
+        cells.append(cell)
+    return cells
+
+
+def _part_cells(outputs: Sequence[LimitedOutput], *, feasible: bool) -> list[list[str]]:
+    """Return head and rows of the parts, at the tightest output of each group."""
+    chosen = tightest(outputs)
+    cells = [["", *(output_title(row.output.name.partition(".")[2]) for row in chosen)]]
+    for place, part in enumerate(chosen[0].parts):
+        parts = [row.parts[place] for row in chosen]
+        shown = [
+            print_part(p.now) + (f" > {print_part(p.allowed)}" if feasible else "")
+            for p in parts
+        ]
+        small = part.source in {INTERACTION, MEAN}
+        if small and all(max(p.now, p.allowed or 0.0) < 1e-3 for p in parts):  # noqa: PLR2004
+            continue
+        cells.append([part_title(part.source), *shown])
+    errors = [
+        print_used(row, now=True)
+        + (f" > {print_used(row, now=False)}" if feasible else "")
+        for row in chosen
+    ]
+    cells.append(["largest error, of the limit", *errors])
+    return cells
+
+
+def _headroom_cells(rows: Sequence[SourceAllotment]) -> list[list[str]]:
+    """Return head and rows of the headroom table."""
+    cells = [["line", "now", "alone up to", "unit", "stopped by"]]
+    for row in rows:
+        room = row.headroom
+        if room is None:
+            continue
+        stop = room.stopped_by
+        up_to = "any" if room.value is None else "none"
+        if room.value:
+            up_to = print_given(room.value / row.si_per_unit, digits=DIGITS)
+        cells.append(
+            [
+                source_title(row.source),
+                print_given(row.now / row.si_per_unit),
+                up_to,
+                row.unit.translate(PLAIN),
+                "nothing" if stop is None else output_title(stop.partition(".")[2]),
+            ]
+        )
+    return cells
+
+
+def _corrections(rows: Iterable[SourceAllotment]) -> list[str]:
+    """Say what Monte Carlo changed."""
+    return [
+        f"{source_title(row.source)}: the law alone allows "
+        f"{print_value(row.uncorrected / row.si_per_unit, row.unit)}, corrected by "
+        "Monte Carlo"
+        for row in rows
+        if row.uncorrected is not None
+    ]
+
+
+def _cost_lines(allocation: Allocation, width: int) -> list[str]:
+    """Say what the allocation costs and what limits cost."""
+    if not allocation.costs:
+        return []
+    lines = ["", "Cost"]
+    for cost in allocation.costs:
+        total = (
+            f"{cost.sensor}: {cost.cost:.5g} for the lines that are free, "
+            f"{cost.now:.5g} now; at most {cost.gap:.1g} of it above the least "
+            f"(residual {cost.residual:.1g})"
+        )
+        texts = [total]
+        texts += [
+            f"one percent more on {join_outputs(saving.outputs)} would save "
+            f"{saving.saves:.3g} ({100.0 * saving.part:.2g} % of the cost)"
+            for saving in cost.savings
+        ]
+        lines += _items(texts, width)
+    return lines
+
+
+def _check_lines(allocation: Allocation, width: int) -> list[str]:
+    """Say how Monte Carlo found the allocated values."""
+    if not allocation.checks:
+        return []
+    wanted = 100.0 * allocation.coverage
+    lines = ["", "Checked by Monte Carlo at the allocated values"]
+    fine = [check for check in allocation.checks if not check.is_corrected]
+    texts = []
+    if fine:
+        covered = [100.0 * check.covered for check in fine]
+        span = (
+            f"{min(covered):.2f} %"
+            if len(covered) == 1
+            else f"{min(covered):.2f} to {max(covered):.2f} %"
+        )
+        texts.append(
+            f"coverage {span} at {len(fine)} outputs at their limits, {wanted:g} % "
+            f"wanted ({print_count(fine[0].trials)} trials)"
+        )
+    texts += [
+        f"{output_title(check.output)}: the law's interval covers "
+        f"{100.0 * check.covered:.2f} % in place of {wanted:g} %, so it was allocated "
+        f"with k = {check.factor:.4f} in place of {check.factor_before:.4f}"
+        for check in allocation.checks
+        if check.is_corrected
+    ]
+    return lines + _items(texts, width)
+
+
+def _items(texts: Iterable[str], width: int) -> list[str]:
+    """Write a list of sentences."""
+    return [line for text in texts for line in _wrap(text, width, first="- ")]
+
+
+def _wrap(text: str, width: int, *, first: str = "") -> list[str]:
+    """Break a text into lines, indented below `first`."""
+    return textwrap.wrap(
+        text.translate(PLAIN),
+        min(width, TEXT_WIDTH),
+        initial_indent=first,
+        subsequent_indent=" " * len(first),
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+
+
+def _table(cells: Sequence[Sequence[str]], width: int) -> list[str]:
+    """Set a table; one field a line where it is wider than the terminal."""
+    widths = [max(len(row[place]) for row in cells) for place in range(len(cells[0]))]
+    lines = []
+    for row in cells:
+        texts = [
+            text.rjust(size) if _is_number(place, cells) else text.ljust(size)
+            for place, (text, size) in enumerate(zip(row, widths, strict=True))
+        ]
+        lines.append(GAP.join(texts).rstrip())
+    if max(len(line) for line in lines) <= width:
+        return lines
+    head, *rows = cells
+    return [
+        line
+        for row in rows
+        for line in (
+            row[0],
+            *(
+                f"{GAP}{name}: {text}" if name else f"{GAP}{text}"
+                for name, text in zip(head[1:], row[1:], strict=True)
+                if text
+            ),
+        )
+    ]
+
+
+def _is_number(place: int, cells: Sequence[Sequence[str]]) -> bool:
+    """Whether a column is set flush right."""
+    return place > 0 and any(row[place][:1].isdigit() for row in cells[1:])

@@ -1,0 +1,186 @@
+"""An allocation in words: what changes, what stops it, what would help."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from budget.report.tables import (
+    output_title,
+    print_given,
+    print_utilisation,
+    source_title,
+    words,
+)
+from budget.studies.allocation.records import FREE, MEAN
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from budget.studies.allocation.records import (
+        Allocation,
+        Lever,
+        LimitedOutput,
+        LineMatch,
+        Match,
+        SourceAllotment,
+    )
+
+DIGITS = 3  # of an allocated value: it is a specification, not a measurement
+
+
+def print_value(value: float, unit: str) -> str:
+    """Print a value with its unit to three digits."""
+    return f"{print_given(value, digits=DIGITS)} {unit}"
+
+
+def print_change(row: SourceAllotment) -> str:
+    """Print how much a source changes: '-93 %', 'x 49', 'as it is'."""
+    factor = row.factor
+    if row.status != FREE or row.allowed is None:
+        return "as it is"
+    if factor >= 2.0:  # noqa: PLR2004 - from here on a factor reads better
+        return f"x {factor:.3g}"
+    return f"{100.0 * (factor - 1.0):+.{1 if factor > 0.9 else 0}f} %"  # noqa: PLR2004
+
+
+def print_part(part: float | None) -> str:
+    """Print a part of a squared limit in per cent, 0 plainly."""
+    if part is None:
+        return "-"
+    if part == 0.0 or part < 0.5e-3:  # noqa: PLR2004
+        return "0" if part <= 1e-12 else "<0.1"  # noqa: PLR2004 - not felt
+    return f"{100.0 * part:.{1 if part < 0.1 else 0}f}"  # noqa: PLR2004
+
+
+def print_used(row: LimitedOutput, *, now: bool) -> str:
+    """Print the largest error in per cent of the limit; at its limit it is 100 %."""
+    if row.is_binding and not now:
+        return "100 %"
+    used = row.now if now or row.allowed is None else row.allowed
+    return print_utilisation(used)
+
+
+def tightest(outputs: Sequence[LimitedOutput]) -> tuple[LimitedOutput, ...]:
+    """Return the output of each parameter group that is nearest to its limit."""
+    found: dict[str, LimitedOutput] = {}
+    for row in outputs:
+        group = row.output.name.rpartition(".")[0]
+        if group not in found or _used(row) > _used(found[group]):
+            found[group] = row
+    return tuple(found.values())
+
+
+def part_title(source: str) -> str:
+    """Name what takes a part of a limit."""
+    return "mean error" if source == MEAN else source_title(source)
+
+
+def remarks(row: SourceAllotment) -> str:
+    """Say what is special about a source."""
+    found = []
+    if row.status != FREE:
+        found.append(row.status)
+    if row.at_ceiling:
+        found.append("at its ceiling")
+    if row.at_least:
+        found.append("at its least")
+    if row.is_beyond_market:
+        found.append("nothing in the catalogue is as good")
+    return ", ".join(found)
+
+
+def headline(allocation: Allocation) -> str:
+    """State the finding in one sentence."""
+    if allocation.feasible:
+        names = join_outputs([row.output.name for row in allocation.binding])
+        if not names:
+            return f"{allocation.requirement} can be met; no limit is reached."
+        return f"{allocation.requirement} can be met; at its limit: {names}."
+    names = join_outputs([row.output.name for row in allocation.impossible])
+    return (
+        f"{allocation.requirement} cannot be met: what is held and the procedure "
+        f"already pass the limits of {names}."
+    )
+
+
+def join_outputs(names: Sequence[str]) -> str:
+    """Gather outputs of one parameter: 'gyro bias x, y, z'."""
+    groups: dict[str, list[str]] = {}
+    for name in names:
+        group, _, axis = name.rpartition(".")
+        groups.setdefault(group, []).append(axis)
+    return "; ".join(
+        f"{output_title(group)} {', '.join(axes)}" for group, axes in groups.items()
+    )
+
+
+def relaxations(rows: Sequence[LimitedOutput]) -> tuple[str, ...]:
+    """Say how far limits that cannot be met must be relaxed, like ones together."""
+    groups: dict[tuple[str, str], list[LimitedOutput]] = {}
+    for row in rows:
+        key = (row.output.name.rpartition(".")[0], row.printed_limit)
+        groups.setdefault(key, []).append(row)
+    return tuple(_relaxation(group) for group in groups.values())
+
+
+def _relaxation(rows: Sequence[LimitedOutput]) -> str:
+    """Say it of outputs with one limit, by the one that needs most."""
+    row = max(rows, key=lambda row: row.floor)
+    scale = row.output.si_per_unit
+    needed = print_value(row.floor * row.limit / scale, row.output.unit)
+    users = sorted(row.parts, key=lambda part: -part.floor)
+    taken = ", ".join(
+        f"{part_title(part.source)} {print_part(part.floor)} %"
+        for part in users[:3]
+        if part.floor > 0.01  # noqa: PLR2004 - of the squared limit
+    )
+    return (
+        f"{join_outputs([each.output.name for each in rows])}: "
+        f"{print_utilisation(row.floor)} of the limit {row.printed_limit} is used up "
+        f"(of its square: {taken}); relax it to more than {needed}, or let go what is "
+        "held"
+    )
+
+
+def lever_text(lever: Lever) -> str:
+    """Say what a change of the procedure would do."""
+    unit = " s" if lever.name == "dwell" else ""
+    what = f"{lever.sensor}, {lever.goal}: "
+    if lever.needed is not None:
+        return (
+            f"{what}{lever.name} of {lever.needed:g}{unit} in place of "
+            f"{lever.now:g}{unit} would meet the limits"
+        )
+    none = "dwell" if lever.name == "dwell" else f"number of {lever.name}"
+    return (
+        f"{what}no {none} up to {lever.tried_to:g}{unit} would do; best "
+        f"{print_utilisation(lever.utilisation)} of a limit, at {lever.best:g}{unit}"
+    )
+
+
+def line_match_text(line: LineMatch) -> str:
+    """'bias stability x 85 (from its sample_noise)'."""
+    title = source_title(line.source)
+    if line.ratio is None:
+        return f"{title} not given"
+    how = f" ({words(line.how)})" if line.how else ""
+    return f"{title} x {print_given(line.ratio, digits=DIGITS)}{how}"
+
+
+def match_text(match: Match) -> str:
+    """Say of one triad which lines are larger than allowed, and by how much."""
+    if match.meets:
+        text = f"{match.device}: meets every line"
+    else:
+        lines = [row for row in match.lines if row.ratio is None or row.ratio > 1.0]
+        within = len(match.lines) - len(lines)
+        text = f"{match.device}: " + ", ".join(line_match_text(row) for row in lines)
+        text += f"; {within} of {len(match.lines)} lines within"
+    if match.extra:
+        text += f"; has besides {', '.join(source_title(name) for name in match.extra)}"
+    return text
+
+
+def _used(row: LimitedOutput) -> float:
+    """Return largest error over limit, after the allocation where there is one [1]."""
+    return row.now if row.allowed is None else row.allowed
