@@ -17,6 +17,7 @@ from budget.studies.paper.findings import (
     UNEXPLAINED,
     WORD,
     Finding,
+    say,
 )
 from budget.units import ARCSEC, DEG_PER_HOUR
 
@@ -150,16 +151,16 @@ def _finding(
         why = "by law and simulation, by both formulas"
         if claim == YES:
             size = verdicts.law_printed.cell(source, group).size
-            why += f"; {size:.2g} of the spread from all sources together"
+            why += f"; {say(size, 2)} of the spread from all sources together"
     elif source == MOUNTING and parameter == "bias":
         if answers == {
             name: claim if "printed" in name else NO for name, _ in verdicts.tables
         }:
             verdict = EXPLAINED
-            ours = f"{YES} by eq. (4) as printed, {NO} by the corrected formula"
+            ours = "only by eq. (4) as printed"
             why = _explain_mounting(verdicts.sensitivity)
     elif given == {YES} and not verdicts.as_tested.cell(source, group).reaches:
-        verdict, ours = EXPLAINED, f"{YES}, counted from the nominal value"
+        verdict, ours = EXPLAINED, f"{YES} (from nominal)"
         why = (
             "a constant nonlinearity is a change of K and is calibrated as one: no "
             "error against K during the test, in full against the nominal K"
@@ -179,12 +180,12 @@ def _explain_mounting(sensitivity: MountingSensitivity) -> str:
     """Say why eq. (4) couples and the corrected formula does not, with numbers."""
     printed, corrected = np.abs(sensitivity.printed), np.abs(sensitivity.corrected)
     rows = ", ".join(
-        f"{axis} {row.max():.2g}" for axis, row in zip(AXES, printed, strict=True)
+        f"{axis} {say(row.max(), 2)}" for axis, row in zip(AXES, printed, strict=True)
     )
     return (
         "eq. (4) undoes dT by its transpose, which leaves (dT + dT^T) w + dT^T b: "
         f"largest d bias/d angle {rows} (deg/h)/arcsec; the corrected formula "
-        f"subtracts the dT it has found, largest {corrected.max():.1g}"
+        f"subtracts the dT it has found, largest {say(corrected.max(), 1)}"
     )
 
 

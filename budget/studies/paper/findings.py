@@ -86,6 +86,13 @@ class Finding:
     is_summary: bool = False
 
 
+def say(value: float, digits: int = 2) -> str:
+    """Write a number within a sentence: '7.7e-8', '3890', '0.16'."""
+    text = f"{value:.{digits}g}"
+    mantissa, e, exponent = text.partition("e")
+    return f"{mantissa}e{int(exponent)}" if e else text
+
+
 def ratio_of(ours: float, printed: float) -> float | None:
     """Return |ours / printed|, None where either is zero."""
     return abs(ours / printed) if ours and printed else None

@@ -23,7 +23,6 @@ from budget.studies.paper.findings import (
     UNEXPLAINED,
     WORD,
     Finding,
-    ratio_of,
 )
 from budget.units import ARCSEC, DEG_PER_HOUR, STANDARD_GRAVITY
 
@@ -116,7 +115,7 @@ def _finding(formula: Formula) -> Finding:
         printed=formula.printed,
         ours=formula.ours,
         quantity=WORD,
-        ratio=ratio_of(formula.returns_ours, formula.returns_printed),
+        ratio=formula.returns_ours / formula.returns_printed,  # a sign counts here
         verdict=verdict,
         why=why,
     )

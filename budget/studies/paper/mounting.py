@@ -32,6 +32,7 @@ from budget.studies.paper.findings import (
     WORD,
     Finding,
     ratio_of,
+    say,
 )
 from budget.studies.paper.printed import ANGLE_ORDER, RUNS, TABLE_1
 
@@ -133,7 +134,7 @@ def mounting_findings(conditions: Conditions) -> tuple[Finding, ...]:
             quantity=WORD,
             verdict=AGREES if found.order == ANGLE_ORDER else UNEXPLAINED,
             why="of 720 orders the only one that returns the printed biases of the "
-            f"mounting row by eq. (4): off by {found.misfit:.2g} of what rounding "
+            f"mounting row by eq. (4): off by {say(found.misfit, 2)} of what rounding "
             f"allows, the next order by {found.next_misfit:.0f}",
             is_summary=True,
         )
@@ -151,8 +152,8 @@ def mounting_findings(conditions: Conditions) -> tuple[Finding, ...]:
                 ratio=ratio_of(ours, float(text)),
                 verdict=AGREES if agrees else UNEXPLAINED,
                 why="eq. (4) at the six printed angles, whose rounding and whose "
-                f"products allow {tolerance:.1g}: the formula makes this error, not "
-                "the sensor",
+                f"products allow {say(tolerance, 1)}: the formula makes this error, "
+                "not the sensor",
                 is_summary=True,
             )
         )
@@ -168,11 +169,12 @@ def _products_tell_a_mean(found: BiasesFromAngles, printed: float) -> Finding:
     return Finding(
         section="table 1",
         where="Table 1, mounting repeatability, bias z beyond its mean angles",
-        printed=f"{rest:.3g}",
+        printed=f"{say(rest, 3)}",
         ours=ours,
         ratio=ratio_of(ours, rest),
         verdict=FITS_MEAN if is_mean else UNEXPLAINED,
-        why=f"mean of dT^T dT w over {RUNS} draws of 2 arcsec about zero, u {u:.1g}; a "
-        f"single run would leave 0, give or take {slack:.1g} of rounding",
+        why=f"mean of dT^T dT w over {RUNS} draws of 2 arcsec about zero, u "
+        f"{say(u, 1)}; a single run would leave 0, give or take {say(slack, 1)} of "
+        "rounding",
         is_summary=True,
     )

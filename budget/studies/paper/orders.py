@@ -31,6 +31,7 @@ from budget.studies.paper.findings import (
     UNEXPLAINED,
     Finding,
     ratio_of,
+    say,
 )
 from budget.studies.paper.printed import (
     ACCELEROMETER_ORDERS,
@@ -104,7 +105,10 @@ def noise_readings(conditions: Conditions) -> tuple[Finding, ...]:
     readings = (
         ("50e-6 m/s^2 in place of 50 ug", sigma / STANDARD_GRAVITY),
         (ONCE_A_WINDOW, sigma / np.sqrt(samples)),
-        ("both of these", sigma / STANDARD_GRAVITY / np.sqrt(samples)),
+        (
+            f"{ONCE_A_WINDOW}, and 50e-6 m/s^2",
+            sigma / STANDARD_GRAVITY / np.sqrt(samples),
+        ),
     )
     wanted = [row for row in ACCELEROMETER_ORDERS if row.source == NOISE]
     findings = []
@@ -156,10 +160,7 @@ def _judge(
     if found.u[place].any():
         single, mean = _probabilities(printed, found)
         u = float(found.u[place].max())
-        why = (
-            f"{note}probability that the largest of the entries has this order: "
-            f"{single:.2g} in a single run, {mean:.2g} in a mean over {RUNS}"
-        )
+        why = f"{note}p: of the largest entry having this order"
         verdict = AGREES_IN_ORDER
         if max(single, mean) < LEVEL:
             other = best_reading(readings, printed.source) if printed.source else None
@@ -168,7 +169,7 @@ def _judge(
                 p = order_probability(
                     printed.order, other.expectation, place, runs=other.runs
                 )
-                why += f"; {p:.2g} if read so: {other.full_name}"
+                why += f"; {say(p, 2)} if read so: {other.full_name}"
         return replace(
             row,
             ours=u,
@@ -186,7 +187,7 @@ def _judge(
         return replace(
             row,
             verdict=AGREES if agrees else UNEXPLAINED,
-            why=f"{note}no effect; {zero:.1g} is rounding here"
+            why=f"{note}no effect; {say(zero, 1)} is rounding here"
             if order
             else f"{note}no effect",
         )
@@ -212,7 +213,7 @@ def _explain_noise(
     ]
     if row.verdict != UNEXPLAINED or not names:
         return row
-    why = f"{row.why}; all three orders come out if read so: {', or '.join(names)}"
+    why = f"{row.why}; all three orders come out if read so: {'; or '.join(names)}"
     return replace(row, verdict=READING, why=why)
 
 

@@ -24,6 +24,7 @@ from budget.studies.paper.findings import (
     U_SINGLE,
     Finding,
     ratio_of,
+    say,
 )
 from budget.studies.paper.printed import RUNS, TABLE_1
 from budget.studies.paper.statistics import LEVEL, Fit, fit
@@ -156,12 +157,12 @@ def reading_findings(all_readings: tuple[Reading, ...]) -> tuple[Finding, ...]:
                     section="readings",
                     where=f"{_title(reading.source)}, {parameter.replace('_', ' ')}: "
                     f"{reading.full_name}",
-                    printed=f"rms {rms:.3g}" + (" about -1" if shifted else ""),
+                    printed=f"rms {say(rms, 3)}" + (" about -1" if shifted else ""),
                     ours=found.u_rms,
                     quantity=U_SINGLE if reading.runs == 1 else U_MEAN,
                     ratio=ratio_of(found.u_rms, rms),
                     verdict=verdict,
-                    why=f"p {found.p:.2g}; the whole row p {together.p:.2g}, least "
+                    why=f"p {say(found.p)}; the whole row p {say(together.p)}, least "
                     f"allowed {LEVEL:g}",
                     p_single=found.p if reading.runs == 1 else None,
                     p_mean=None if reading.runs == 1 else found.p,

@@ -22,6 +22,7 @@ from budget.studies.paper.findings import (
     UNEXPLAINED,
     Finding,
     ratio_of,
+    say,
 )
 from budget.studies.paper.printed import (
     ASYMMETRY_STEP,
@@ -185,7 +186,7 @@ def _order(sweep: Sweep) -> Finding:
             "text has it"
         )
     elif not agrees:
-        why += f": {ours:.3g}, {printed / ours:.0f} times below the order printed"
+        why += f": {say(ours, 3)}, {printed / ours:.0f} times below the order printed"
     return Finding(
         section="figures",
         where=where,
@@ -208,8 +209,8 @@ def _slopes(sweep: Sweep) -> list[Finding]:
             printed="proportional",
             ours=float(found),
             verdict=AGREES if straight else UNEXPLAINED,
-            why=f"relative error per unit of asymmetry; closed form {closed:.5g}; "
-            f"straight to {sweep.departure:.0e} of the largest error",
+            why=f"relative error per unit of asymmetry; closed form {say(closed, 5)}; "
+            f"straight to {say(sweep.departure, 1)} of the largest error",
         )
         for name, found, closed in zip(
             sweep.names, sweep.fitted_slopes, sweep.slopes, strict=True

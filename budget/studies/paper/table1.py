@@ -26,6 +26,7 @@ from budget.studies.paper.findings import (
     UNEXPLAINED,
     Finding,
     ratio_of,
+    say,
 )
 from budget.studies.paper.mounting import SOURCE as MOUNTING
 from budget.studies.paper.printed import RUNS, TABLE_1
@@ -136,20 +137,20 @@ def _summarize(row: Row, parameter: str, other: Reading | None) -> Finding:
     place = PLACES[parameter]
     drawn = np.mean(row.drawn[place] / (row.expectation.u[place] / np.sqrt(RUNS)))
     why = (
-        f"chi-square for {single.entries} entries: {single.chi_square:.3g} as a single "
-        f"run, {mean.chi_square:.3g} as a mean over {RUNS}; u single "
-        f"{single.u_rms:.2g}, mean {mean.u_rms:.2g} ({repeats(RUNS)} means drawn "
+        f"chi-square for {single.entries} entries: {say(single.chi_square, 3)} as a "
+        f"single run, {say(mean.chi_square, 3)} as a mean over {RUNS}; u single "
+        f"{say(single.u_rms)}, mean {say(mean.u_rms)} ({repeats(RUNS)} means drawn "
         f"spread by {drawn:.3f} of it)"
     )
     if verdict in {READING, EXPLAINED} and other is not None:
         p = other.fit(row.printed, parameter).p
-        why += f"; fits if read so: {other.full_name} (p {p:.2g})"
+        why += f"; fits if read so: {other.full_name} (p {say(p, 2)})"
     if verdict == EXPLAINED:
         why += "; its biases prove it, see below"
     return Finding(
         section="table 1",
         where=f"Table 1, {_title(row)}, {_words(parameter)}, all {single.entries}",
-        printed=f"rms {rms:.3g}",
+        printed=f"rms {say(rms, 3)}",
         ours=chosen.u_rms,
         quantity=quantity,
         ratio=ratio_of(chosen.u_rms, rms),
@@ -213,7 +214,7 @@ def _fixed_entries(row: Row, parameter: str) -> list[Finding]:
             agrees = abs(ours / printed - 1.0) <= SIX_DIGITS
             why = (
                 "eq. (4)'s own error (dT + dT^T) w + dT^T b + dT^T dT w, no rounding; "
-                f"to six digits: ours/printed - 1 = {ours / printed - 1.0:.1e}"
+                f"to six digits: ours/printed - 1 = {say(ours / printed - 1.0, 2)}"
             )
         findings.append(
             Finding(
@@ -246,13 +247,13 @@ def _both_repeatabilities(rows: tuple[Row, ...]) -> Finding:
     return Finding(
         section="table 1",
         where="Table 1, bias and scale factor repeatability, their 6 random entries",
-        printed=f"rms {rms:.3g} of u, single run",
+        printed=f"rms {say(rms, 3)} of u, single run",
         ours=1.0 / np.sqrt(RUNS),
         quantity=U_MEAN,
         ratio=float(1.0 / np.sqrt(RUNS) / rms),
         verdict=FITS_MEAN if p_mean > p_single else FITS_SINGLE,
-        why=f"chi-square for 6 entries: {single:.2g} as a single run, {mean:.2g} as a "
-        f"mean over {RUNS}",
+        why=f"chi-square for 6 entries: {say(single)} as a single run, {say(mean)} as "
+        f"a mean over {RUNS}",
         p_single=p_single,
         p_mean=p_mean,
         is_summary=True,

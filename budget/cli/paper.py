@@ -1,0 +1,86 @@
+"""`budget paper`: every number and claim of the paper beside ours."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from budget.cli import options
+
+SUFFIXES = (".html",)
+
+
+def paper(
+    *,
+    output: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="FILE",
+            help="Page to write, .html.",
+            show_default=False,
+        ),
+    ] = None,
+    json: options.JsonFile = None,
+    csv: options.CsvFile = None,
+) -> None:
+    """Compute section 3 of Zhao 2019 again, with a verdict for every number in it.
+
+    Table 1, the figures, the orders of magnitude in the text, the formulas and the
+    conclusions: what is printed, ours, their ratio, and why they differ.
+    """
+    from budget.cli.output import check_destinations
+    from budget.report.files import write_all
+    from budget.report.paper import paper_csv, paper_json, paper_text
+    from budget.report.paper_page import paper_html
+    from budget.studies.paper.study import reproduce
+
+    check_destinations(json, csv)
+    pages = output or []
+    _check_suffixes(pages)
+    _check_twice([*(path for path in (json, csv) if path is not None), *pages])
+    study = reproduce()
+    documents = [
+        (json, paper_json),
+        (csv, paper_csv),
+        *((path, paper_html) for path in pages),
+    ]
+    files = [(path, render) for path, render in documents if path is not None]
+    write_all({path: render(study) for path, render in files if path != options.STDOUT})
+    for path in pages:
+        typer.echo(f"{path}: written", err=True)
+    on_stdout = [render for path, render in files if path == options.STDOUT]
+    if on_stdout:
+        sys.stdout.write(on_stdout[0](study))
+    elif not pages:
+        from rich.console import Console
+
+        sys.stdout.write(paper_text(study, width=Console().width))
+
+
+def _check_twice(paths: list[Path]) -> None:
+    """Refuse two documents in one file, before anything is computed."""
+    from budget.errors import CallError
+
+    twice = sorted({str(path) for path in paths if paths.count(path) > 1})
+    if twice:
+        raise CallError(
+            f"{', '.join(twice)}: two outputs would be written to this one file, "
+            "expected a file for each; give them different names"
+        )
+
+
+def _check_suffixes(paths: list[Path]) -> None:
+    """Refuse a kind of page that there is not, before anything is computed."""
+    from budget.errors import CallError
+
+    wrong = [str(path) for path in paths if path.suffix.lower() not in SUFFIXES]
+    if wrong:
+        raise CallError(
+            f"-o {', '.join(wrong)}: the suffix decides the kind of page, "
+            f"allowed: {', '.join(SUFFIXES)}"
+        )

@@ -1,0 +1,154 @@
+"""The paper beside ours as one HTML page; the words are in the template."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from html import escape
+from typing import TYPE_CHECKING
+
+from budget.report import figures
+from budget.report.curves import sweep_alt, sweep_curves, sweep_title
+from budget.report.html import INKS
+from budget.report.markup import bind, css_string, number_markup, script_safe
+from budget.report.paper import (
+    paper_json,
+    print_ours,
+    print_probability,
+    print_ratio,
+    shorten,
+    unexplained,
+)
+from budget.resources import shipped
+from budget.studies.paper.findings import AGREES, UNEXPLAINED, VERDICTS
+from budget.studies.paper.study import ASSUMPTIONS, SECTIONS, TITLE
+from budget.version import __version__
+
+if TYPE_CHECKING:
+    from budget.studies.paper.findings import Finding
+    from budget.studies.paper.study import PaperStudy
+    from budget.studies.paper.sweeps import Sweep
+
+# A number, or the root mean square of several.
+NUMBER = re.compile(r"(rms |)(-?[0-9.]+(?:e-?[0-9]+)?)( about -1|)")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PageRow:
+    """One finding as text."""
+
+    where: str
+    printed: str
+    ours: str
+    exact: str  # for the tooltip
+    quantity: str
+    ratio: str
+    p_single: str
+    p_mean: str
+    verdict: str
+    why: str
+    is_summary: bool
+    is_open: bool
+
+
+@dataclass(frozen=True, kw_only=True)
+class PageSection:
+    """One section of the page."""
+
+    title: str
+    rows: tuple[PageRow, ...]
+    has_ratios: bool
+    has_probabilities: bool
+
+
+def paper_html(study: PaperStudy) -> str:
+    """Write the whole study as one page that needs nothing else.
+
+    Parameters
+    ----------
+    study : PaperStudy
+
+    Returns
+    -------
+    str
+        The same bytes for the same study.
+    """
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+    from markupsafe import Markup
+
+    def markup(html: str) -> Markup:
+        return Markup(html)  # noqa: S704 - each maker below escapes what it is given
+
+    environment = Environment(
+        loader=FileSystemLoader(shipped("templates")),
+        autoescape=True,
+        undefined=StrictUndefined,
+        finalize=lambda value: bind(value) if type(value) is str else value,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["number"] = lambda text: (
+        markup(f"{number[1]}{number_markup(number[2])}{number[3]}")
+        if (number := NUMBER.fullmatch(text))
+        else text
+    )
+    return environment.get_template("paper.html.j2").render(
+        title=TITLE,
+        total=sum(number for _, number in study.counts),
+        counts=study.counts,
+        verdicts=VERDICTS,
+        unexplained=[(row.where, _row(row)) for row in unexplained(study)],
+        sections=[(name, _section(study, name)) for name in SECTIONS],
+        pictures=[
+            (sweep_title(sweep), markup(_inline(sweep))) for sweep in study.sweeps
+        ],
+        assumptions=ASSUMPTIONS,
+        inputs=study.inputs,
+        version=__version__,
+        document=markup(script_safe(paper_json(study))),
+        css_string=lambda text: markup(css_string(text)),
+    )
+
+
+def _section(study: PaperStudy, name: str) -> PageSection:
+    """Write the rows of one section."""
+    rows = study.of_section(name)
+    return PageSection(
+        title=SECTIONS[name],
+        rows=tuple(_row(row) for row in rows),
+        has_ratios=any(row.ratio is not None for row in rows),
+        has_probabilities=any(
+            row.p_single is not None or row.p_mean is not None for row in rows
+        ),
+    )
+
+
+def _row(row: Finding) -> PageRow:
+    """Write one finding."""
+    return PageRow(
+        where=shorten(row),
+        printed=row.printed,
+        ours=print_ours(row),
+        exact=str(row.ours),
+        quantity=row.quantity,
+        ratio=print_ratio(row.ratio),
+        p_single=print_probability(row.p_single),
+        p_mean=print_probability(row.p_mean),
+        verdict=row.verdict,
+        why="" if row.why.startswith("judged with") else row.why,
+        is_summary=row.is_summary and row.verdict != AGREES,
+        is_open=row.verdict == UNEXPLAINED,
+    )
+
+
+def _inline(sweep: Sweep) -> str:
+    """Turn a figure to SVG inside HTML: no prolog, no size, the inks of the page."""
+    svg = figures.to_svg(sweep_curves(sweep), name=sweep.figure.replace(" ", "-"))
+    svg = svg[svg.index("<svg") :]
+    for element in ("title", "metadata", "style"):
+        svg = re.sub(rf"<{element}.*?</{element}>", "", svg, flags=re.DOTALL)
+    head, end, rest = svg.partition(">")
+    head = re.sub(r' (xmlns(:\w+)?|width|height|version)="[^"]*"', "", head)
+    for ink, of_page in INKS.items():
+        rest = rest.replace(ink, of_page)
+    return f'{head} role="img" aria-label="{escape(sweep_alt(sweep))}"{end}{rest}'

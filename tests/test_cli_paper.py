@@ -1,0 +1,143 @@
+"""`budget paper`: text, page and documents, and what it refuses."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import re
+
+import pytest
+from command_line import call, start
+
+from budget.report.paper import (
+    COLUMNS,
+    paper_text,
+    print_probability,
+    print_ratio,
+)
+from budget.studies.paper.findings import VERDICTS
+from budget.studies.paper.study import SECTIONS, reproduce
+
+CONTRACT = {"where", "printed", "ours", "ratio", "verdict", "why"}
+
+
+@pytest.fixture(scope="module")
+def study():
+    return reproduce()
+
+
+@pytest.fixture(scope="module")
+def document():
+    run = call("paper", "--json", "-")
+    assert (run.code, run.err) == (0, "")
+    return run.document
+
+
+def test_text_has_every_section_and_is_ascii():
+    """Without options everything goes to stdout, in ASCII, and the exit code is 0."""
+    run = call("paper")
+    assert (run.code, run.err) == (0, "")
+    assert run.out.isascii()
+    for title in (*SECTIONS.values(), "Nothing explains", "Verdicts", "Assumed"):
+        assert f"{title}\n" in run.out
+
+
+@pytest.mark.parametrize("width", [60, 100, 160])
+def test_text_keeps_to_the_terminal(study, width):
+    """No line is wider than the terminal, but for single words."""
+    lines = paper_text(study, width=width).splitlines()
+    assert max(len(line) for line in lines if " " in line.strip()) <= width
+
+
+def test_json_keeps_the_contract(document):
+    """Schema, command and the fields of every row are those of the contract."""
+    assert (document["schema"], document["command"]) == ("budget/1", "paper")
+    assert set(document["inputs"]) == {"device", "procedure"}
+    for row in document["rows"]:
+        assert row.keys() >= CONTRACT
+        assert row["verdict"] in VERDICTS
+
+
+def test_json_holds_the_residual_in_full(document):
+    """Numbers are not rounded: eq. (4)'s residual has more than its printed digits."""
+    (row,) = (
+        row
+        for row in document["rows"]
+        if row["where"] == "Table 1, scale factor repeatability, bias z"
+    )
+    assert row["printed"] == "6.36529e-10"
+    assert len(repr(row["ours"])) > 15
+
+
+def test_csv_has_the_rows_of_the_json(document):
+    """One line a row, the same numbers to the last digit."""
+    run = call("paper", "--csv", "-")
+    rows = list(csv.DictReader(io.StringIO(run.out)))
+    assert tuple(rows[0]) == COLUMNS
+    assert len(rows) == len(document["rows"])
+    for line, row in zip(rows, document["rows"], strict=True):
+        assert line["where"] == row["where"]
+        if isinstance(row["ours"], float):
+            assert float(line["ours"]) == row["ours"]
+
+
+def test_page_needs_nothing_else_and_has_the_figures(tmp_path):
+    """The page holds four figures with words for them, its data, and no address."""
+    page = tmp_path / "paper.html"
+    run = call("paper", "-o", page)
+    assert (run.code, run.out) == (0, "")
+    assert run.err == f"{page}: written\n"
+    text = page.read_text(encoding="utf-8")
+    assert text.count('role="img" aria-label="Figure ') == 4
+    assert not re.findall(r'(?:src|href)="(?!#)', text)
+    data = re.search(r'id="budget">\n(.*)</script>', text, re.DOTALL)
+    assert json.loads(data[1])["command"] == "paper"
+
+
+def test_same_bytes_every_time(tmp_path):
+    """Two processes write the same page and the same documents."""
+    names = ("paper.html", "paper.json", "paper.csv")
+    written = []
+    for place in ("a", "b"):
+        folder = tmp_path / place
+        folder.mkdir()
+        options = ("-o", names[0], "--json", names[1], "--csv", names[2])
+        assert start("paper", *options, cwd=folder).code == 0
+        written.append([(folder / name).read_bytes() for name in names])
+    assert written[0] == written[1]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("-o", "paper.pdf"), "allowed: .html"),
+        (("--json", "-", "--csv", "-"), "both write to stdout"),
+        (("--json", "x", "--csv", "x"), "different names"),
+        (("-o", "x.html", "--json", "x.html"), "different names"),
+    ],
+)
+def test_bad_calls_are_refused_before_work(tmp_path, monkeypatch, options, message):
+    """A call that cannot be meant is exit 2 with a reason, and nothing is written."""
+    monkeypatch.chdir(tmp_path)
+    run = call("paper", *options)
+    assert run.code == 2
+    assert message in run.err
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("ratio", "text"),
+    [(None, ""), (1.0000048, "1.000005"), (146.63, "147"), (0.0224, "0.0224")],
+)
+def test_ratios_near_one_keep_their_digits(ratio, text):
+    """A ratio near 1 is printed to six decimals, others to three digits."""
+    assert print_ratio(ratio) == text
+
+
+@pytest.mark.parametrize(
+    ("p", "text"), [(None, ""), (0.0, "<1e-6"), (0.0409, "0.041"), (1.0, "1")]
+)
+def test_probabilities_have_two_digits(p, text):
+    """Probabilities below one in a million are said to be just that."""
+    assert print_probability(p) == text

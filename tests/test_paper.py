@@ -1,0 +1,417 @@
+"""Zhao 2019, section 3, computed again: what fits, what does not, and how sure."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.stats import chi2, norm
+
+from budget.physics.simulation import simulate
+from budget.studies.paper import findings as words
+from budget.studies.paper.conditions import (
+    PLACES,
+    load_conditions,
+    nominal_size,
+    one_source,
+)
+from budget.studies.paper.misprints import compute_formulas
+from budget.studies.paper.mounting import biases_from_angles
+from budget.studies.paper.orders import expectation_of
+from budget.studies.paper.printed import (
+    ACCELEROMETER_ORDERS,
+    ANGLE_ORDER,
+    RUNS,
+    TABLE_1,
+)
+from budget.studies.paper.readings import printed_entries, readings
+from budget.studies.paper.statistics import LEVEL, fit, order_probability, repeats
+from budget.studies.paper.study import SECTIONS, reproduce
+from budget.studies.paper.table1 import compute_rows
+
+SIGMAS = 5.0  # of the sampling error that a drawn spread may miss by
+
+
+@pytest.fixture(scope="module")
+def conditions():
+    return load_conditions()
+
+
+@pytest.fixture(scope="module")
+def study():
+    return reproduce()
+
+
+@pytest.fixture(scope="module")
+def rows(conditions):
+    return {row.row.source.partition(".")[2]: row for row in compute_rows(conditions)}
+
+
+def rms(values):
+    """Return the root mean square."""
+    return float(np.sqrt(np.mean(np.asarray(values) ** 2)))
+
+
+def find(study, where):
+    """Return the one finding of that name."""
+    (found,) = (row for row in study.findings if row.where == where)
+    return found
+
+
+def test_all_sixty_entries_of_table_1_are_there_once(study):
+    """Every printed entry stands in one row, character for character."""
+    found = [row.printed for row in study.of_section("table 1") if not row.is_summary]
+    printed = [text for row in TABLE_1 for text in row.entries]
+    assert len(found) == 60
+    assert Counter(found) == Counter(printed)
+
+
+@pytest.mark.parametrize(
+    ("axis", "printed"),
+    [("x", "-3.18263e-10"), ("y", "-3.18264e-10"), ("z", "6.36529e-10")],
+)
+def test_bias_without_spread_agrees_to_six_digits(study, axis, printed):
+    """Eq. (4)'s own residual is what Table 1 prints under SF repeatability."""
+    row = find(study, f"Table 1, scale factor repeatability, bias {axis}")
+    # Doubles leave about 1e-6 of this residual, the paper's no less than ours.
+    assert_allclose(row.ours, float(printed), rtol=5e-6)
+    assert row.verdict == words.AGREES
+
+
+def test_printed_angle_rounding_is_whole_steps_of_doubles_below_one():
+    """Nonzero entries of rounding size are whole multiples of 2^-53, to five digits."""
+    tiny = [
+        float(text)
+        for row in TABLE_1
+        for text in row.mounting_angle
+        if 0.0 < abs(float(text)) < 1e-10
+    ]
+    assert len(tiny) == 11
+    for value in tiny:
+        steps = abs(value) / 2.0**-53
+        # One unit in the last of five printed digits.
+        assert_allclose(steps, round(steps), rtol=1e-4)
+        # Above 1 doubles are twice as far apart.
+        assert value < 0.0 or round(steps) % 2 == 0
+
+
+def test_a_spread_of_drawn_means_is_a_fifth_of_a_runs(rows):
+    """Means over 25 drawn runs spread by u/5, which the law says."""
+    bound = SIGMAS / np.sqrt(2.0 * (repeats(RUNS) - 1))
+    for row in rows.values():
+        varies = row.expectation.u > 0.0
+        found = row.drawn[varies] / row.expectation.u[varies] * np.sqrt(RUNS)
+        assert np.abs(found - 1.0).max() < bound
+        # Control: a mean over 16 runs is told from one over 25.
+        assert np.abs(found * 5.0 / 4.0 - 1.0).min() > bound
+
+
+@pytest.mark.parametrize(
+    ("source", "parameter"),
+    [
+        ("gyro.bias_repeatability", "bias"),
+        ("gyro.bias_stability", "mounting_angle"),
+        ("gyro.angle_random_walk", "scale_factor"),
+        ("gyro.mounting_repeatability", "bias"),
+    ],
+)
+def test_simulation_has_the_spread_of_the_law(conditions, rows, source, parameter):
+    """Runs done sample by sample, at 10 Hz, spread as Table 1's rows are judged by."""
+    plan = replace(conditions.printed, sample_rate=10.0)
+    size = nominal_size(conditions.gyro)
+    runs = 60
+    errors = [
+        simulate((conditions.gyro,), plan, run=run, only=frozenset({source})) / size
+        for run in range(runs)
+    ]
+    u = rows[source.partition(".")[2]].expectation.u[PLACES[parameter]]
+    found = np.std(errors, axis=0, ddof=1)[PLACES[parameter]]
+    bound = SIGMAS / np.sqrt(2.0 * (runs - 1))
+    assert np.abs(found / u - 1.0).max() < bound
+    assert np.abs(2.0 * found / u - 1.0).min() > bound  # control: twice as much
+
+
+def test_fit_is_the_chi_square_of_independent_entries(rows):
+    """With one axis an entry, p is that of the sum of squares and of the scatter."""
+    row = rows["bias_repeatability"]
+    z = row.printed[PLACES["bias"]] / (0.02 / 5.0)
+    found = row.fit("bias", runs=RUNS)
+    tails = [
+        2.0 * min(chi2.cdf(q, df), chi2.sf(q, df))
+        for q, df in (((z**2).sum(), 3), (((z - z.mean()) ** 2).sum(), 2))
+    ]
+    # eq. (4)'s residual, 1e-7 of an entry, is in the expectation.
+    assert_allclose(found.chi_square, (z**2).sum(), rtol=1e-6)
+    assert_allclose(found.p, min(1.0, 2.0 * min(tails)), rtol=1e-5)
+    assert_allclose(found.p_entries, 2.0 * norm.sf(np.abs(z)), rtol=1e-5)
+
+
+def test_fit_is_uniform_under_its_own_reading(rows):
+    """Entries drawn as they should be are refused no more often than the level."""
+    row = rows["bias_stability"]
+    rng = np.random.default_rng(0)
+    factor = np.linalg.cholesky(row.expectation.covariance)
+    trials = 2000
+    refused = {1.0: 0, 3.0: 0}
+    for scale in refused:
+        for _ in range(trials):
+            drawn = scale * factor @ rng.standard_normal(12) + row.expectation.mean
+            found = fit(drawn, row.expectation, PLACES["mounting_angle"], runs=1)
+            refused[scale] += not found.fits
+    # The doubled smaller of two p keeps the level or better.
+    bound = LEVEL + SIGMAS * np.sqrt(LEVEL / trials)
+    assert refused[1.0] / trials < bound
+    assert refused[3.0] / trials > 0.5  # control: three times the spread
+
+
+@pytest.mark.parametrize(
+    ("row", "parameter", "verdict"),
+    [
+        ("bias repeatability", "bias, all 3", words.FITS_MEAN),
+        ("scale factor repeatability", "scale factor, all 3", words.FITS_MEAN),
+        ("mounting repeatability", "bias, all 3", words.FITS_MEAN),
+        ("bias stability", "bias, all 3", words.FITS_SINGLE),
+        ("bias stability", "scale factor, all 3", words.UNEXPLAINED),
+        ("bias stability", "mounting angle, all 6", words.UNEXPLAINED),
+        ("angle random walk", "scale factor, all 3", words.READING),
+        ("angle random walk", "mounting angle, all 6", words.READING),
+        ("angle random walk", "bias, all 3", words.READING),
+        ("mounting repeatability", "mounting angle, all 6", words.EXPLAINED),
+    ],
+)
+def test_verdicts_of_table_1(study, row, parameter, verdict):
+    """Each group of random entries has the verdict that was found for it."""
+    assert find(study, f"Table 1, {row}, {parameter}").verdict == verdict
+
+
+def test_both_repeatability_rows_exclude_a_single_run(study):
+    """Together they fit a mean over 25 runs and no single run."""
+    row = find(
+        study, "Table 1, bias and scale factor repeatability, their 6 random entries"
+    )
+    assert row.p_single < 1e-3
+    assert row.p_mean > 0.5
+
+
+@pytest.mark.parametrize(
+    ("parameter", "ours", "last_digit", "times"),
+    [
+        ("scale_factor", 6.9e-7, 1e-8, 147),
+        ("mounting_angle", 0.143 / 2.0, 1e-3 / 2.0, 264),  # arcsec over 2 arcsec
+        ("bias", 3.5e-3, 1e-4, 472),
+    ],
+)
+def test_random_walk_row_is_far_below_its_inputs(
+    rows, parameter, ours, last_digit, times
+):
+    """Ours from 0.005 deg/sqrt(h), and how many times less is printed (rms)."""
+    row = rows["angle_random_walk"]
+    u = row.expectation.u[PLACES[parameter]]
+    assert_allclose(u, ours, rtol=0, atol=last_digit)
+    printed = rms(row.printed[PLACES[parameter]])
+    assert_allclose(rms(u) / printed, times, rtol=0, atol=0.5)
+
+
+def test_random_walk_as_white_noise_per_sample_is_within_1_3_to_4(conditions):
+    """Read as 0.005 deg/h in each sample, printed is 1.3 to 4.1 times larger."""
+    (reading,) = (
+        r
+        for r in readings(conditions)
+        if r.name.startswith("0.005 deg/h,") and r.runs == 1
+    )
+    printed = printed_entries("gyro.angle_random_walk")
+    times = [
+        rms(printed[place]) / rms(reading.expectation.u[place])
+        for place in PLACES.values()
+    ]
+    assert_allclose(times, [4.09, 2.28, 1.27], rtol=0.01)
+
+
+def test_noise_once_a_window_fits_both_white_noise_rows(study):
+    """One slip, noise added once to a window's sum, gives gyro and accelerometer."""
+    name = "noise added once to the sum of a window, not to each of its samples"
+    found = [
+        row
+        for row in study.of_section("readings")
+        if name in row.where and "single run" not in row.where
+    ]
+    assert {row.verdict for row in found} == {words.READING_FITS}
+    assert {row.where.partition(",")[0] for row in found} == {"Table 1", "3.2"}
+
+
+def test_bias_stability_with_independent_turns(conditions):
+    """Far apart, turns give 3.9e-7 (adjacent 7.7e-8); angles stay 1.9 times larger."""
+    (reading,) = (
+        r
+        for r in readings(conditions)
+        if r.source == "gyro.bias_stability" and r.runs == 1
+    )
+    printed = printed_entries("gyro.bias_stability")
+    assert_allclose(reading.expectation.u[:3], 3.9e-7, rtol=0.01)
+    angle = PLACES["mounting_angle"]
+    times = rms(printed[angle]) / rms(reading.expectation.u[angle])
+    assert_allclose(times, 1.92, rtol=0.01)
+    assert reading.fit(printed, "scale_factor").fits
+    assert not reading.fit(printed, "mounting_angle").fits
+
+
+def test_mounting_row_shows_the_order_of_its_angles(conditions):
+    """One order of 720 returns the printed biases; the next is far off."""
+    found = biases_from_angles(conditions)
+    printed = [float(text) for text in TABLE_1[-1].bias]
+    assert found.order == ANGLE_ORDER
+    assert np.abs(found.bias - printed).max() < 6e-10
+    assert found.misfit < 1.0
+    assert found.next_misfit > 100.0  # control
+
+
+def test_mounting_row_is_a_mean_and_no_single_run(conditions):
+    """What the mean angles leave of the bias of z is a mean of products."""
+    found = biases_from_angles(conditions)
+    rest = float(TABLE_1[-1].bias[2]) - (found.bias[2] - found.products[2])
+    allowed = found.rounding[2] + 3.0 * found.u_products[2]
+    assert abs(rest - found.products[2]) < allowed
+    assert abs(rest) > found.rounding[2] + 3.0 * found.u_products[2]
+
+
+def test_mounting_angles_fit_without_their_nominal(conditions):
+    """About -1 a mean over 25 runs fits; about 0 it does not, nor a single run."""
+    printed = printed_entries("gyro.mounting_repeatability")
+    assert_allclose(printed[PLACES["mounting_angle"]].mean(), -1.008, atol=5e-4)
+    single, mean = (
+        r for r in readings(conditions) if r.source == "gyro.mounting_repeatability"
+    )
+    assert mean.fit(printed, "mounting_angle").fits
+    assert not single.fit(printed, "mounting_angle").fits
+
+
+def test_figures_are_straight_with_their_closed_slopes(study):
+    """Errors from asymmetry are proportional to it; slopes as eqs. (12), (4) say."""
+    for sweep in study.sweeps[2:]:
+        # Terms of the mounting angles, 1e-5 rad times up to 6, are left out.
+        assert_allclose(sweep.fitted_slopes, sweep.slopes, rtol=3e-4)
+        assert sweep.departure < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("figure", "largest"),
+    [(0, 6.36529e-10), (1, 0.0), (2, 2.24e-3), (3, 3.73e-7)],
+)
+def test_figures_have_their_sizes(study, figure, largest):
+    """The largest errors of figures 1 to 4; figure 3 is 45 times below its print."""
+    assert_allclose(study.sweeps[figure].largest, largest, rtol=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("source", "parameter", "ours"),
+    [
+        ("bias_stability", "scale_factor", 8.7e-6),
+        ("bias_stability", "mounting_angle", 0.90),
+        ("bias_stability", "bias", 2.0e-3),
+        ("sample_noise", "scale_factor", 1.4e-7),
+        ("sample_noise", "mounting_angle", 1.5e-2),
+        ("sample_noise", "bias", 2.4e-5),
+    ],
+)
+def test_accelerometer_magnitudes(conditions, source, parameter, ours):
+    """Ours from the inputs of 3.2, to the two digits that were found."""
+    (printed,) = (
+        row
+        for row in ACCELEROMETER_ORDERS
+        if row.source == f"accelerometer.{source}" and row.parameter == parameter
+    )
+    u = expectation_of(printed, conditions).u[PLACES[parameter]]
+    assert_allclose(u, ours, rtol=0.035)
+
+
+def test_accelerometer_experiments_are_all_seven():
+    """Section 3.2 does seven experiments, and each has its orders here."""
+    assert len({row.condition for row in ACCELEROMETER_ORDERS}) == 7
+
+
+def test_order_probability_is_a_share_of_draws(conditions):
+    """The closed form is the share of draws whose largest entry has the order."""
+    (printed,) = (
+        row
+        for row in ACCELEROMETER_ORDERS
+        if row.source == "accelerometer.bias_stability"
+        and row.parameter == "mounting_angle"
+    )
+    found = expectation_of(printed, conditions)
+    place = PLACES["mounting_angle"]
+    closed = order_probability("1e-1", found, place, runs=1)
+    trials = 20_000
+    factor = np.linalg.cholesky(found.covariance[place, place])
+    z = np.random.default_rng(1).standard_normal((6, trials))
+    largest = np.abs(factor @ z).max(axis=0)
+    share = np.mean((largest >= 0.1) & (largest < 1.0))
+    # Correlations of 0.4 at the most, taken as none, move it by some hundredths.
+    assert abs(share - closed) < 0.05
+    assert abs(np.mean(largest < 0.1) - closed) > 0.1  # control: another order
+
+
+@pytest.mark.parametrize(
+    ("equation", "name", "printed", "truth"),
+    [
+        ("eq. (3)", "d_yx", -3.0, 3.0),
+        ("eq. (5)", "second d_xy", 2.0, 1.0),
+        ("eq. (5)", "d_yz", -198014.2, 4.0),
+    ],
+)
+def test_misprints_return_a_wrong_angle(conditions, equation, name, printed, truth):
+    """Fed with error-free pulses the printed formula misses, ours does not [arcsec]."""
+    (formula,) = (
+        f
+        for f in compute_formulas(conditions)
+        if (f.equation, f.name) == (equation, name)
+    )
+    assert formula.is_misprint
+    assert formula.is_right
+    assert_allclose(formula.returns_printed, printed, rtol=1e-6)
+    assert_allclose(formula.returns_ours, truth, rtol=1e-8)
+
+
+def test_eq_4_misses_the_bias_and_eq_17_the_earth(conditions):
+    """Eq. (4) is wrong on every axis, eq. (17) where the earth turns along it."""
+    wrong = Counter(f.equation for f in compute_formulas(conditions) if f.is_misprint)
+    assert wrong == {"eq. (3)": 1, "eq. (4)": 3, "eq. (5)": 2, "eq. (17)": 2}
+    seventeen = [f for f in compute_formulas(conditions) if f.equation == "eq. (17)"]
+    assert_allclose([f.returns_printed for f in seventeen], 2.17e-8, rtol=1e-3)
+    truth = [2.17e-8, 1.30e-7, 9.52e-8]
+    assert_allclose([f.truth for f in seventeen], truth, rtol=5e-3)
+    assert all(f.is_right for f in compute_formulas(conditions))
+
+
+def test_conclusions_agree_but_for_two(study):
+    """Law and simulation bear the paper out, save for eq. (4) and a way of counting."""
+    differing = {
+        row.where: row.verdict
+        for row in study.of_section("conclusions")
+        if row.verdict != words.AGREES
+    }
+    assert differing == {
+        "section 2.1.2: gyro scale factor nonlinearity on scale factor": (
+            words.EXPLAINED
+        ),
+        "section 2.1.3, 4: gyro mounting repeatability on bias": words.EXPLAINED,
+    }
+
+
+def test_every_row_has_a_known_verdict_and_section(study):
+    """Verdicts come from the closed set, sections too, and a reason is given."""
+    for row in study.findings:
+        assert row.verdict in words.VERDICTS
+        assert row.section in SECTIONS
+        assert row.why
+
+
+def test_sources_that_are_not_asked_for_stay_out(conditions):
+    """Without any error the gyro problem has no spread and eq. (4)'s residual alone."""
+    problem = one_source(conditions.gyro, conditions.printed, "")
+    assert problem.normals_per_trial == 0
+    y = problem.evaluate(np.zeros((problem.n_inputs, 1)))[:, 0]
+    assert not y[:9].any()
+    assert y[9:].all()
