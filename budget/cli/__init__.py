@@ -9,6 +9,7 @@ import typer
 from budget.cli.allocate import allocate
 from budget.cli.analyze import analyze
 from budget.cli.check_files import schema, validate
+from budget.cli.paper import paper
 from budget.cli.report import report
 from budget.errors import BudgetError
 from budget.version import __version__
@@ -26,6 +27,7 @@ app = typer.Typer(
 app.command()(analyze)
 app.command()(allocate)
 app.command()(report)
+app.command()(paper)
 app.command()(validate)
 app.command()(schema)
 
