@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from budget.spec.catalogue import load_all, load_catalogue, load_variants
 from budget.spec.load import (
     load_costs,
     load_device,
@@ -14,10 +15,13 @@ from budget.spec.schema import json_schema
 
 __all__ = [
     "json_schema",
+    "load_all",
+    "load_catalogue",
     "load_costs",
     "load_device",
     "load_procedure",
     "load_requirement",
+    "load_variants",
     "validate",
     "variants",
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
     from budget.problem import Problem
     from budget.spec.records import Device, ErrorLine, Procedure, Requirement, Sensor
 
+# What makers call their technology has one of these in it, mostly.
+FAMILIES = ("mems", "fog", "rlg", "hrg", "quartz flexure")
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Candidate:
@@ -27,6 +31,8 @@ class Candidate:
 
     Attributes
     ----------
+    place : int
+        Of the device among those compared.
     rows : ndarray of int, shape (n_required,)
         Required outputs among those of the Problem.
     limits : ndarray, shape (n_required,)
@@ -36,6 +42,7 @@ class Candidate:
     """
 
     device: Device
+    place: int
     sensor: Sensor
     procedure: Procedure
     problem: Problem
@@ -45,7 +52,12 @@ class Candidate:
 
 
 def candidate(
-    device: Device, sensor: Sensor, procedure: Procedure, requirement: Requirement
+    device: Device,
+    sensor: Sensor,
+    procedure: Procedure,
+    requirement: Requirement,
+    *,
+    place: int = 0,
 ) -> Candidate | None:
     """Set up one sensor of a device; None where nothing is required of it."""
     problem = calibration_problem((sensor,), procedure, reference=requirement.reference)
@@ -55,6 +67,7 @@ def candidate(
         return None
     return Candidate(
         device=device,
+        place=place,
         sensor=sensor,
         procedure=procedure,
         problem=problem,
@@ -143,7 +156,7 @@ def _worst_line(
 ) -> tuple[ErrorLine, str] | None:
     """Return the largest such line of the catalogue and whose it is.
 
-    Of devices of the same technology; of the whole catalogue where none of them has it.
+    Of the same family of technology; of the whole catalogue where none there has it.
     'gyro.noise' stands for the first of the noise lines, a random walk.
     """
     wanted = full_name.split(".")[1]
@@ -160,13 +173,17 @@ def _worst_line(
         for line in other.lines
         if line.name in names
     ]
-    same = [
-        (line, owner)
-        for line, owner in offers
-        if device.technology and owner.technology == device.technology
-    ]
+    family = _family(device.technology)
+    same = [pair for pair in offers if family and _family(pair[1].technology) == family]
     chosen = same or offers
     if not chosen:
         return None
     line, owner = max(chosen, key=lambda pair: float(pair[0].u.max()))
     return line, owner.name
+
+
+def _family(technology: str) -> str:
+    """Return 'mems' of 'MEMS, Z axis' and 'bulk MEMS'; '' where nothing is said."""
+    text = technology.casefold()
+    known = next((family for family in FAMILIES if family in text), "")
+    return known or re.split(r"[,(]", text)[0].strip()

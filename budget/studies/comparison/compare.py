@@ -90,12 +90,13 @@ def compare(
     """
     most = max(trials, MAX_TRIALS) if max_trials is None else max_trials
     _check(method, trials=trials, max_trials=most, validate=validate)
+    _check_names(procedures)
     candidates = [
         one
         for procedure in procedures
-        for device in devices
+        for place, device in enumerate(devices)
         for sensor in device.sensors
-        if (one := candidate(device, sensor, procedure, requirement)) is not None
+        if (one := candidate(device, sensor, procedure, requirement, place=place))
     ]
     if not candidates:
         raise CallError(
@@ -166,6 +167,17 @@ def _check(method: str, *, trials: int, max_trials: int, validate: bool) -> None
         )
 
 
+def _check_names(procedures: Sequence[Procedure]) -> None:
+    """Refuse two procedures that could not be told apart in the result."""
+    names = [procedure.name for procedure in procedures]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise CallError(
+            f"procedures of the same name: {', '.join(twice)}; expected a name of its "
+            "own for each, change `name` in their files"
+        )
+
+
 def _verdict(
     one: Candidate,
     finding: Finding,
@@ -181,6 +193,7 @@ def _verdict(
     outputs = [one.problem.outputs[row] for row in one.rows]
     return DeviceVerdict(
         name=device.name,
+        place=one.place,
         sensor=one.sensor.kind,
         procedure=one.procedure.name,
         file=device.origin.file,
@@ -236,6 +249,10 @@ def _warnings(
         f"{requirement.name} has no limit for a {kind}, which some devices have: "
         "it is not compared"
         for kind in sorted(present - limited)
+    ]
+    found += [
+        f"{requirement.name} limits a {kind}, which no device here has: not compared"
+        for kind in sorted(limited - present)
     ]
     impossible = {name for finding in findings for name in finding.impossible}
     found += [

@@ -80,6 +80,7 @@ class DeviceVerdict:
     """One sensor of one device under one procedure, held against the requirement."""
 
     name: str
+    place: int  # of the device among those compared, as they were given
     sensor: str
     procedure: str
     file: str

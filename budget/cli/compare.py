@@ -1,0 +1,218 @@
+"""`budget compare`: which devices meet a requirement, by what margin, and why not."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from budget.cli import options
+
+if TYPE_CHECKING:
+    from budget.errors import Issue
+    from budget.report.comparison.tables import Column
+    from budget.spec.records import Device
+    from budget.studies.comparison.records import Comparison
+
+EXIT_NOT_MET = 1
+EXIT_BAD_INPUT = 2
+SUFFIX = ".html"
+
+
+def compare(
+    devices: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="DEVICE...",
+            help="Device files; FILE is its base and every variant, FILE#VARIANT one.",
+        ),
+    ],
+    *,
+    requirement: Annotated[
+        Path,
+        typer.Option(
+            "--requirement",
+            metavar="FILE",
+            help="Requirement file; its coverage and reference rule.",
+        ),
+    ],
+    procedure: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--procedure",
+            metavar="FILE",
+            help="Procedure file (the paper's); may be given again.",
+        ),
+    ] = None,
+    method: Annotated[
+        Literal["gum", "monte-carlo"],
+        typer.Option(help="gum is the fast screen."),
+    ] = "monte-carlo",
+    trials: Annotated[
+        int | None,
+        typer.Option(
+            min=2,
+            metavar="N",
+            help="Monte Carlo trials of each device at first (100000).",
+            show_default=False,
+        ),
+    ] = None,
+    max_trials: Annotated[
+        int | None,
+        typer.Option(
+            min=2,
+            metavar="N",
+            help="The most of a device whose verdict or rank is open (1600000).",
+            show_default=False,
+        ),
+    ] = None,
+    seed: options.Seed = 0,
+    workers: options.Workers = 1,
+    cluster: options.Cluster = None,
+    pairs: Annotated[
+        bool,
+        typer.Option("--pairs", help="Pair every gyro with every accelerometer too."),
+    ] = False,
+    sort: Annotated[
+        str | None,
+        typer.Option(
+            metavar="COLUMN",
+            help="Sort the printed tables by this column (rank).",
+            show_default=False,
+        ),
+    ] = None,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Compute nothing if any file is bad.")
+    ] = False,
+    validate: Annotated[
+        bool,
+        typer.Option("--validate", help="By gum: check every law by Monte Carlo."),
+    ] = False,
+    json: options.JsonFile = None,
+    csv: options.CsvFile = None,
+    output: Annotated[
+        list[Path] | None,
+        typer.Option("-o", "--output", metavar="FILE", help="Report file, .html."),
+    ] = None,
+) -> None:
+    """Compare devices against a requirement, best first.
+
+    For every sensor: who meets, by what part of the limit and with what probability,
+    and which line of the data sheet limits it. Exit code 1 if a required sensor has no
+    device that meets.
+    """
+    from budget.cli.computing import computing
+    from budget.cli.output import check_destinations
+    from budget.errors import CallError
+    from budget.report.comparison.tables import find_column
+    from budget.spec import load_catalogue, load_procedure, load_requirement
+    from budget.studies.comparison.compare import TRIALS
+    from budget.studies.comparison.compare import compare as run
+
+    check_destinations(json, csv)
+    _check_suffixes(output or [])
+    column = None if sort is None else find_column(sort)
+    wanted = load_requirement(requirement)
+    paths: list[Path | None] = [*procedure] if procedure else [None]
+    procedures = [load_procedure(path) for path in paths]
+    loaded, issues = _load(devices, strict=strict)
+    for issue in issues:
+        typer.echo(str(issue), err=True)
+    if not loaded:
+        raise CallError("none of the device files can be read; mend them and try again")
+
+    with computing(method, workers=workers, cluster=cluster) as shop:
+        found = run(
+            loaded,
+            wanted,
+            procedures,
+            catalogue=load_catalogue(),
+            method=method,
+            trials=trials or TRIALS,
+            max_trials=max_trials,
+            validate=validate,
+            pairs=pairs,
+            seed=seed,
+            workers=shop.workers,
+            executor=shop.executor,
+            progress=shop.progress,
+        )
+    _deliver(found, json=json, csv=csv, pages=output or [], sort=column)
+    if issues:
+        raise typer.Exit(EXIT_BAD_INPUT)
+    if not found.is_met:
+        raise typer.Exit(EXIT_NOT_MET)
+
+
+def _load(names: list[str], *, strict: bool) -> tuple[list[Device], list[Issue]]:
+    """Load what can be read, and the issues of what cannot.
+
+    Raises
+    ------
+    SpecError
+        There are issues, and none are to be passed over.
+    """
+    from budget.errors import SpecError
+    from budget.spec import load_variants
+
+    devices: list[Device] = []
+    issues: list[Issue] = []
+    for name in names:
+        try:
+            devices.extend(load_variants(name))
+        except SpecError as error:
+            issues.extend(error.issues)
+    if strict and issues:
+        raise SpecError(tuple(issues))
+    return devices, issues
+
+
+def _deliver(
+    comparison: Comparison,
+    *,
+    json: Path | None,
+    csv: Path | None,
+    pages: list[Path],
+    sort: Column | None,
+) -> None:
+    """Print the comparison, or the document asked for; write the files."""
+    from budget.report.comparison.document import to_csv, to_json
+    from budget.report.files import write_all
+
+    documents = [(json, to_json), (csv, to_csv)]
+    files = {
+        path: render(comparison)
+        for path, render in documents
+        if path is not None and path != options.STDOUT
+    }
+    if pages:
+        from budget.cli.report import _date
+        from budget.report.comparison.html import render_html
+
+        files |= dict.fromkeys(pages, render_html(comparison, date=_date()))
+    write_all(files)
+    for path in pages:
+        typer.echo(f"{path}: written", err=True)
+    on_stdout = [render for path, render in documents if path == options.STDOUT]
+    if on_stdout:
+        sys.stdout.write(on_stdout[0](comparison))
+        return
+    from rich.console import Console
+
+    from budget.report.comparison.terminal import render_comparison
+
+    render_comparison(comparison, Console(), sort=sort)
+
+
+def _check_suffixes(paths: list[Path]) -> None:
+    """Refuse a kind of report that there is not, before anything is computed."""
+    from budget.errors import CallError
+
+    wrong = [str(path) for path in paths if path.suffix.lower() != SUFFIX]
+    if wrong:
+        raise CallError(
+            f"-o {', '.join(wrong)}: the suffix decides the kind of report, "
+            f"allowed: {SUFFIX}"
+        )

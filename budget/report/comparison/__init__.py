@@ -1,0 +1,1 @@
+"""A comparison of devices for people and programs: formats only, computes nothing."""

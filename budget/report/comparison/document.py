@@ -1,0 +1,181 @@
+"""A comparison for other programs: JSON of schema `budget/1`, CSV; full precision."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from budget.report.comparison.tables import tables
+from budget.results import SCHEMA
+
+if TYPE_CHECKING:
+    from budget.studies.comparison.records import (
+        Comparison,
+        DeviceVerdict,
+        Pair,
+        Probability,
+        RequiredOutput,
+    )
+
+COLUMNS = (
+    "procedure",
+    "sensor",
+    "rank",
+    "device",
+    "file",
+    "verdict",
+    "device_utilisation",
+    "device_conformance",
+    "parameter",
+    "axis",
+    "unit",
+    "limit",
+    "standard_uncertainty",
+    "largest_error",
+    "utilisation",
+    "conformance",
+)
+
+
+def to_dict(comparison: Comparison) -> dict[str, Any]:
+    """Return the JSON document, in printed units, best first."""
+    return {
+        "schema": SCHEMA,
+        "command": "compare",
+        "requirement": comparison.requirement,
+        "procedures": list(comparison.procedures),
+        "met": comparison.is_met,
+        "inputs": [asdict(file) for file in comparison.inputs],
+        "settings": asdict(comparison.settings),
+        "devices": [
+            _device(row.of, row.rank)
+            for table in tables(comparison)
+            for row in table.rows
+        ],
+        "pairs": [_pair(pair) for pair in comparison.pairs],
+        "assumptions": list(comparison.assumptions),
+        "warnings": list(comparison.warnings),
+    }
+
+
+def to_json(comparison: Comparison) -> str:
+    """Write the JSON document of a comparison.
+
+    Raises
+    ------
+    ValueError
+        A number is not finite: JSON has none, and a comparison must have none.
+    """
+    document = to_dict(comparison)
+    return json.dumps(document, allow_nan=False, ensure_ascii=False, indent=1) + "\n"
+
+
+def to_csv(comparison: Comparison) -> str:
+    """Write one row for each device and required output, in printed units."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    writer.writeheader()
+    for table in tables(comparison):
+        for row in table.rows:
+            for output in row.of.outputs:
+                writer.writerow(
+                    {
+                        "procedure": table.procedure,
+                        "sensor": table.sensor,
+                        "rank": _number(row.rank),
+                        "device": row.device,
+                        "file": row.of.file,
+                        "verdict": row.verdict,
+                        "device_utilisation": row.of.utilisation,
+                        "device_conformance": row.of.conformance.value,
+                        **_output(output),
+                    }
+                )
+    return text.getvalue()
+
+
+def _device(one: DeviceVerdict, rank: str) -> dict[str, Any]:
+    """Return one entry of `devices`."""
+    missing, ahead = one.missing, one.ahead
+    return {
+        "name": one.name,
+        "file": one.file,
+        "technology": one.technology,
+        "sensor": one.sensor,
+        "procedure": one.procedure,
+        "rank": _number(rank),
+        "verdict": one.verdict,
+        "utilisation": one.utilisation,
+        "utilisation_interval": list(one.utilisation_interval),
+        "margin": one.margin,
+        "worst_output": one.worst_output,
+        **_probability(one.conformance),
+        "limiting_source": one.remedy.source,
+        "limiting_share": one.remedy.share,
+        "improvement_factor": one.remedy.factor,
+        "not_given": list(one.not_given),
+        "missing": None
+        if missing is None
+        else {
+            "lines": list(missing.lines),
+            "assumed": list(missing.assumed),
+            "utilisation": missing.utilisation,
+            "verdict": missing.verdict or None,
+        },
+        "ahead": None
+        if ahead is None
+        else {
+            "other": ahead.other,
+            "probability": ahead.probability,
+            "tied": ahead.is_tied,
+        },
+        "on_front": list(one.on_front),
+        "price": one.price,
+        "mass": one.mass,
+        "power": one.power,
+        "over_caps": list(one.over_caps),
+        "advice": one.advice,
+        "trials": one.trials,
+        "outputs": [_output(output) for output in one.outputs],
+    }
+
+
+def _number(rank: str) -> int:
+    """Return a rank without the mark of a tie."""
+    return int(rank.rstrip("="))
+
+
+def _output(row: RequiredOutput) -> dict[str, Any]:
+    """Return one required output of a device."""
+    _, parameter, axis = row.output.name.split(".")
+    scale = row.output.si_per_unit
+    return {
+        "parameter": parameter,
+        "axis": axis,
+        "unit": row.output.unit,
+        "limit": row.limit / scale,
+        "standard_uncertainty": row.standard_uncertainty / scale,
+        "largest_error": row.largest_error / scale,
+        "utilisation": row.utilisation,
+        "conformance": row.conformance,
+    }
+
+
+def _pair(pair: Pair) -> dict[str, Any]:
+    """Return one entry of `pairs`."""
+    return {
+        "gyro": pair.gyro,
+        "accelerometer": pair.accelerometer,
+        "procedure": pair.procedure,
+        "verdict": pair.verdict,
+        "utilisation": pair.utilisation,
+        **_probability(pair.conformance),
+    }
+
+
+def _probability(p: Probability) -> dict[str, Any]:
+    """Return a conformance with its 95 % interval."""
+    return {"conformance": p.value, "conformance_interval": [p.low, p.high]}

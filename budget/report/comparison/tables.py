@@ -1,0 +1,336 @@
+"""A comparison as texts: the tables that terminal and page share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from difflib import get_close_matches
+from itertools import pairwise
+from math import floor, log10
+from typing import TYPE_CHECKING, Any
+
+from budget.errors import CallError
+from budget.report.tables import (
+    NEAR_LIMIT,
+    output_title,
+    print_given,
+    print_utilisation,
+    round_value,
+    source_title,
+    words,
+)
+from budget.studies.comparison.records import VERDICTS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from budget.studies.comparison.records import (
+        Comparison,
+        DeviceVerdict,
+        MissingLines,
+        Probability,
+        Remedy,
+    )
+
+PAIRS_SHOWN = 20
+MOST_FACTOR = 1000.0  # beyond, a line does not limit anything in any case
+CERTAIN = 4  # decimals of a per cent that nearly certain probabilities get at most
+PER_CENT = 100.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """One sensor of one device, as texts; numbers are in per cent, without the sign."""
+
+    rank: str  # '2', '2=' where it is tied with a neighbour
+    device: str
+    verdict: str
+    utilisation: str
+    interval: str  # '' by the law
+    conformance: str
+    worst_output: str  # without the sensor
+    limiting_source: str
+    factor: str  # '' where the source alone cannot mend it
+    missing: str  # number of expected lines that are not given
+    at_worst: str  # '198 fails' with the worst of the catalogue in their place
+    of: DeviceVerdict
+
+
+@dataclass(frozen=True, kw_only=True)
+class Column:
+    """A printed column: its key for --sort, its head, and what it is sorted by."""
+
+    key: str
+    head: str
+    order: Callable[[Row], Any]
+
+
+COLUMNS = (
+    Column(key="rank", head="rank", order=lambda row: int(row.rank.rstrip("="))),
+    Column(key="device", head="device", order=lambda row: row.device.casefold()),
+    Column(
+        key="verdict",
+        head="verdict",
+        order=lambda row: VERDICTS.index(row.of.verdict),
+    ),
+    Column(key="utilisation", head="% of limit", order=lambda row: row.of.utilisation),
+    Column(
+        key="interval", head="interval", order=lambda row: row.of.utilisation_interval
+    ),
+    Column(
+        key="conformance",
+        head="conform %",
+        order=lambda row: -row.of.conformance.value,
+    ),
+    Column(key="worst_output", head="worst output", order=lambda row: row.worst_output),
+    Column(
+        key="limiting_source",
+        head="limiting source",
+        order=lambda row: row.limiting_source,
+    ),
+    Column(
+        key="factor",
+        head="factor",
+        order=lambda row: -(row.of.remedy.factor or 0.0),
+    ),
+    Column(
+        key="missing",
+        head="missing",
+        order=lambda row: len(row.of.missing.lines) if row.of.missing else 0,
+    ),
+    Column(
+        key="at_worst",
+        head="at worst",
+        order=lambda row: (row.of.missing and row.of.missing.utilisation) or 0.0,
+    ),
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Table:
+    """All devices with one sensor under one procedure."""
+
+    sensor: str
+    procedure: str
+    rows: tuple[Row, ...]
+
+    @property
+    def counts(self) -> str:
+        """'2 meet, 1 undecided, 3 fail'."""
+        verdicts = [row.of.verdict for row in self.rows]
+        plural = {"meets": "meet", "fails": "fail"}
+        return ", ".join(
+            f"{verdicts.count(word)} {plural.get(word, word)}"
+            for word in VERDICTS
+            if word in verdicts
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class SideRow:
+    """One sensor of one device under every procedure: '61.2 meets' for each."""
+
+    device: str
+    cells: tuple[str, ...]
+
+
+def find_column(name: str) -> Column:
+    """Return the column of that key or head.
+
+    Raises
+    ------
+    CallError
+        There is none.
+    """
+    known = {
+        text: column for column in COLUMNS for text in (column.key, column.head)
+    } | {words(column.key): column for column in COLUMNS}
+    if name in known:
+        return known[name]
+    near = get_close_matches(name, known)
+    hint = f"; did you mean {near[0]!r}?" if near else ""
+    raise CallError(
+        f"--sort: {name!r} is no column, allowed: "
+        f"{', '.join(column.key for column in COLUMNS)}{hint}"
+    )
+
+
+def tables(comparison: Comparison, *, sort: Column | None = None) -> tuple[Table, ...]:
+    """Return a table for each sensor and procedure, best first or by a column."""
+    lists: dict[tuple[str, str], list[DeviceVerdict]] = {}
+    for one in comparison.devices:
+        lists.setdefault((one.sensor, one.procedure), []).append(one)
+    found = []
+    for (sensor, procedure), devices in lists.items():
+        rows = [
+            _row(one, rank) for one, rank in zip(devices, ranks(devices), strict=True)
+        ]
+        if sort is not None:
+            rows.sort(key=sort.order)
+        found.append(Table(sensor=sensor, procedure=procedure, rows=tuple(rows)))
+    # Sensor by sensor, as everywhere else; procedures in the order they were given.
+    found.sort(key=lambda table: comparison.required.index(table.sensor))
+    return tuple(found)
+
+
+def side_by_side(
+    comparison: Comparison, sensor: str, *, sort: Column | None = None
+) -> tuple[SideRow, ...]:
+    """Return the devices with one sensor under all procedures, as under the first."""
+    own = [table for table in tables(comparison, sort=sort) if table.sensor == sensor]
+    cells = {
+        (row.of.place, table.procedure): f"{row.utilisation} {row.verdict}"
+        for table in own
+        for row in table.rows
+    }
+    return tuple(
+        SideRow(
+            device=row.device,
+            cells=tuple(cells[row.of.place, p] for p in comparison.procedures),
+        )
+        for row in own[0].rows
+    )
+
+
+def ranks(devices: Sequence[DeviceVerdict]) -> tuple[str, ...]:
+    """Return ranks; neighbours that cannot be told apart at 95 % share one."""
+    numbers, tied = [1], [False] * len(devices)
+    for place, (better, _) in enumerate(pairwise(devices)):
+        is_tied = better.ahead is not None and better.ahead.is_tied
+        numbers.append(numbers[-1] if is_tied else place + 2)
+        if is_tied:
+            tied[place] = tied[place + 1] = True
+    return tuple(
+        f"{number}{'=' if share else ''}"
+        for number, share in zip(numbers, tied, strict=False)
+    )
+
+
+def _row(one: DeviceVerdict, rank: str) -> Row:
+    """Write one row."""
+    utilisation, interval = print_parts(one.utilisation, one.utilisation_interval)
+    return Row(
+        rank=rank,
+        device=one.name,
+        verdict=one.verdict,
+        utilisation=utilisation,
+        interval=interval,
+        conformance=print_probability(one.conformance),
+        worst_output=output_title(one.worst_output.partition(".")[2]),
+        limiting_source=source_title(one.remedy.source),
+        factor=print_factor(one.remedy),
+        missing="" if one.missing is None else f"{len(one.missing.lines)}",
+        at_worst=print_worst_case(one.missing),
+        of=one,
+    )
+
+
+def print_parts(value: float, interval: tuple[float, float]) -> tuple[str, str]:
+    """Print a part of a limit in per cent, and its sampling interval.
+
+    To the first digit of the interval's half-width; by the law, which has no sampling,
+    to three digits. 100 stands only where the limit is met exactly.
+    """
+    low, high = interval
+    half = (high - low) / 2.0
+    if half == 0.0:
+        if abs(value - 1.0) < NEAR_LIMIT:
+            return print_utilisation(value).replace(" %", ""), ""
+        return print_given(PER_CENT * value, digits=3), ""
+    # round_value keeps two digits of an uncertainty; of ten times it, one.
+    texts = [
+        round_value(PER_CENT * x, 10.0 * PER_CENT * half) for x in (value, low, high)
+    ]
+    return texts[0], f"{texts[1]} to {texts[2]}"
+
+
+def print_probability(p: Probability) -> str:
+    """Print a probability in per cent as far as its 95 % interval makes it sure."""
+    if p.low == p.high:
+        return print_given(PER_CENT * p.value)
+    if p.value == 1.0:  # every trial: what is known is the lower end
+        nines = min(max(floor(-log10(1.0 - p.low)) - 2, 0), CERTAIN)
+        return f">{floor(PER_CENT * p.low * 10**nines) / 10**nines:.{nines}f}"
+    if p.value == 0.0:
+        return f"<{print_given(PER_CENT * p.high, digits=1)}"
+    return round_value(PER_CENT * p.value, 10.0 * PER_CENT * (p.high - p.low) / 2.0)
+
+
+def print_factor(remedy: Remedy) -> str:
+    """Print what the u of the limiting source times which would just do; '' if none."""
+    if remedy.factor is None:
+        return ""
+    if remedy.factor >= MOST_FACTOR:
+        return f">{MOST_FACTOR:.0f}"
+    return print_given(remedy.factor, digits=3)
+
+
+def missing_lines(comparison: Comparison) -> tuple[str, ...]:
+    """Say what the column 'at worst' puts in the place of lines that are not given.
+
+    Of devices that do not fail in any case; those with the same lines in one.
+    """
+    names: dict[tuple[str, tuple[str, ...], tuple[str, ...]], list[str]] = {}
+    for one in comparison.devices:
+        if one.missing is not None and one.verdict != "fails":
+            key = (one.sensor, one.missing.lines, one.missing.assumed)
+            names.setdefault(key, []).append(one.name)
+    found = []
+    for (sensor, lines, assumed), devices in names.items():
+        if len(assumed) < len(lines):
+            effect = (
+                f"{', '.join(source_title(name) for name in lines)} not given, and no "
+                "device of the catalogue gives them all"
+            )
+        else:
+            effect = ", ".join(
+                words(text.removeprefix(f"{sensor}.")) for text in assumed
+            )
+        found.append(f"{sensor}, {', '.join(dict.fromkeys(devices))}: {effect}")
+    return tuple(found)
+
+
+def print_worst_case(missing: MissingLines | None) -> str:
+    """Print what the missing lines could do at worst: '198 fails', or '?'."""
+    if missing is None:
+        return ""
+    if missing.utilisation is None:
+        return "?"
+    text = print_parts(missing.utilisation, (missing.utilisation,) * 2)[0]
+    return f"{text} {missing.verdict}"
+
+
+def advice_lines(comparison: Comparison) -> tuple[str, ...]:
+    """Return the advice there is, each once, with the devices that it is for."""
+    names: dict[str, list[str]] = {}
+    for one in comparison.devices:
+        if one.advice:
+            names.setdefault(one.advice, []).append(f"{one.name} ({one.sensor})")
+    return tuple(
+        f"{', '.join(dict.fromkeys(of))}: {advice}" for advice, of in names.items()
+    )
+
+
+def cap_lines(comparison: Comparison) -> tuple[str, ...]:
+    """Say which devices exceed a cap; a cap sets no verdict."""
+    return tuple(
+        dict.fromkeys(
+            f"{one.name}: {text}"
+            for one in comparison.devices
+            for text in one.over_caps
+        )
+    )
+
+
+def verdict_lines(comparison: Comparison) -> tuple[str, ...]:
+    """Say for each sensor and procedure who is best, or that nobody meets."""
+    several = len(comparison.procedures) > 1
+    found = []
+    for table in tables(comparison):
+        best = table.rows[0]
+        place = f"{table.sensor}, {table.procedure}" if several else table.sensor
+        if best.of.verdict == "meets":
+            said = f"{best.device} is best, {best.utilisation} % of the limit"
+        else:
+            said = "no device meets"
+        found.append(f"{place}: {said} ({table.counts})")
+    return tuple(found)

@@ -1,0 +1,60 @@
+"""What a device is called, by the one figure that grades go by, and what it tells."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from budget.spec.lines import lines_of
+from budget.units import DEG_PER_HOUR, MICRO_G
+
+if TYPE_CHECKING:
+    from budget.spec.records import Device, Sensor
+
+# The line a sensor is graded by, and the grades below these sizes of it [SI].
+GRADED_BY = {"gyro": "bias_stability", "accelerometer": "bias_repeatability"}
+BELOW = {
+    "gyro": (("navigation", 0.01 * DEG_PER_HOUR), ("tactical", 10.0 * DEG_PER_HOUR)),
+    "accelerometer": (("navigation", 100.0 * MICRO_G), ("tactical", 5e3 * MICRO_G)),
+}
+REST = "consumer"
+UNKNOWN = "-"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Completeness:
+    """How many of the lines that a verdict `meets` needs a data sheet gives."""
+
+    given: int
+    expected: int
+
+    def __str__(self) -> str:
+        """Format as '4/5'."""
+        return f"{self.given}/{self.expected}"
+
+
+def kind_of_device(device: Device) -> str:
+    """Return 'IMU' for both triads, else the name of the one that is there."""
+    kinds = [sensor.kind for sensor in device.sensors]
+    return "IMU" if len(kinds) > 1 else kinds[0]
+
+
+def grade(sensor: Sensor) -> str:
+    """Return 'navigation', 'tactical' or 'consumer'; '-' where nobody can tell.
+
+    Gyros go by bias stability, accelerometers by bias repeatability, both as standard
+    uncertainties of the worst axis. Makers draw these lines in different places.
+    """
+    line = sensor.line(GRADED_BY[sensor.kind])
+    if line is None:
+        return UNKNOWN
+    size = float(line.u.max())
+    return next((name for name, below in BELOW[sensor.kind] if size < below), REST)
+
+
+def completeness(sensor: Sensor) -> Completeness:
+    """Count the expected lines; any one noise line gives the one that is expected."""
+    expected = {line.expected for line in lines_of(sensor.kind) if line.expected}
+    return Completeness(
+        given=len(expected) - len(sensor.expected_missing), expected=len(expected)
+    )
