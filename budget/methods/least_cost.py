@@ -101,19 +101,75 @@ def least_cost(task: Task, prices: Prices) -> LeastCost:
     start = proportional(task)
     free = np.flatnonzero(task.free)
     if free.size == 0:
-        return _judge(task, prices, start, "nothing to choose")
-    best = _judge(task, prices, start, "not started")
+        return judge(task, prices, start, "nothing to choose")
+    best = judge(task, prices, start, "not started")
     s = start
     for _ in range(ROUNDS):
         found, message = _solve(task, prices, s, free)
         # The solver keeps constraints to its own tolerance; ours is the limit itself.
         s = grow(task, task.clip(found), task.free)
-        judged = _judge(task, prices, s, message)
+        judged = judge(task, prices, s, message)
         if max(judged.residual, judged.gap) < max(best.residual, best.gap):
             best = judged
         if best.is_optimal:
             break
     return best
+
+
+def judge(task: Task, prices: Prices, s: Array, solver: str = "") -> LeastCost:
+    """Find the multipliers that explain s best, and how much they leave.
+
+    Parameters
+    ----------
+    task, prices
+        As of least_cost.
+    s : ndarray, shape (n_src,)
+        Any factors within the limits [1].
+    solver : str
+        What is said of where they come from.
+    """
+    from scipy.optimize import nnls
+
+    free = np.flatnonzero(task.free)
+    each = prices.each(s)[free]
+    cost = float(each.sum())
+    multiplier = np.zeros(len(task.limit))
+    if free.size == 0 or cost == 0.0:
+        return LeastCost(
+            s=s, cost=cost, multiplier=multiplier, residual=0.0, gap=0.0, solver=solver
+        )
+    used = task.utilisation(s)
+    active = np.flatnonzero(used > 1.0 - NEAR)
+    # Everything relative to the cost, so that its unit cancels.
+    slope = -prices.p[free] * each / cost
+    ends = task.law.log_end_gradient(s, task.coverage_factor)[active][:, free]
+    at_high = s[free] >= task.high[free] * (1.0 - TOUCHES)
+    at_low = (s[free] <= task.low[free] * (1.0 + TOUCHES)) & (s[free] > 0.0)
+    unit = np.eye(free.size)
+    # slope + ends^T mu + nu_high - nu_low = 0, all multipliers from 0 up.
+    pushes = np.column_stack([ends.T, unit[:, at_high], -unit[:, at_low]])
+    forces, _ = nnls(pushes, -slope) if pushes.size else (np.zeros(0), 0.0)
+    left = slope + pushes @ forces
+    multiplier[active] = cost * forces[: active.size]
+    # The Lagrangian is convex: over any box it is above its tangent plane. Outside
+    # this box one source alone costs more than all do here.
+    x = np.log(s[free])
+    high = np.log(task.high[free])
+    low = np.maximum(
+        np.log(np.maximum(task.low[free], SMALLEST)),
+        np.log(np.maximum(prices.c[free], SMALLEST) / cost) / prices.p[free],
+    )
+    tilt = slope + ends.T @ forces[: active.size]
+    fall = np.minimum(tilt * (high - x), tilt * (np.minimum(low, x) - x)).sum()
+    slack = forces[: active.size] @ np.log(used[active])
+    return LeastCost(
+        s=s,
+        cost=cost,
+        multiplier=multiplier,
+        residual=float(np.abs(left).max()),
+        gap=float(max(-fall - slack, 0.0)),
+        solver=solver,
+    )
 
 
 def _solve(
@@ -175,49 +231,3 @@ def _different(task: Task, s: Array) -> NDArray[np.intp]:
         if not any(np.abs(row - rows[other]).max() < ALIKE for other in kept):
             kept.append(place)
     return np.array(kept, dtype=np.intp)
-
-
-def _judge(task: Task, prices: Prices, s: Array, solver: str) -> LeastCost:
-    """Find the multipliers that explain s best, and how much they leave."""
-    from scipy.optimize import nnls
-
-    free = np.flatnonzero(task.free)
-    each = prices.each(s)[free]
-    cost = float(each.sum())
-    multiplier = np.zeros(len(task.limit))
-    if free.size == 0 or cost == 0.0:
-        return LeastCost(
-            s=s, cost=cost, multiplier=multiplier, residual=0.0, gap=0.0, solver=solver
-        )
-    used = task.utilisation(s)
-    active = np.flatnonzero(used > 1.0 - NEAR)
-    # Everything relative to the cost, so that its unit cancels.
-    slope = -prices.p[free] * each / cost
-    ends = task.law.log_end_gradient(s, task.coverage_factor)[active][:, free]
-    at_high = s[free] >= task.high[free] * (1.0 - TOUCHES)
-    at_low = (s[free] <= task.low[free] * (1.0 + TOUCHES)) & (s[free] > 0.0)
-    unit = np.eye(free.size)
-    # slope + ends^T mu + nu_high - nu_low = 0, all multipliers from 0 up.
-    pushes = np.column_stack([ends.T, unit[:, at_high], -unit[:, at_low]])
-    forces, _ = nnls(pushes, -slope) if pushes.size else (np.zeros(0), 0.0)
-    left = slope + pushes @ forces
-    multiplier[active] = cost * forces[: active.size]
-    # The Lagrangian is convex: over any box it is above its tangent plane. Outside
-    # this box one source alone costs more than all do here.
-    x = np.log(s[free])
-    high = np.log(task.high[free])
-    low = np.maximum(
-        np.log(np.maximum(task.low[free], SMALLEST)),
-        np.log(np.maximum(prices.c[free], SMALLEST) / cost) / prices.p[free],
-    )
-    tilt = slope + ends.T @ forces[: active.size]
-    fall = np.minimum(tilt * (high - x), tilt * (np.minimum(low, x) - x)).sum()
-    slack = forces[: active.size] @ np.log(used[active])
-    return LeastCost(
-        s=s,
-        cost=cost,
-        multiplier=multiplier,
-        residual=float(np.abs(left).max()),
-        gap=float(max(-fall - slack, 0.0)),
-        solver=solver,
-    )

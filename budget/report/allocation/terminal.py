@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from typing import TYPE_CHECKING
 
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
 CLOSEST = 3  # devices a sensor that are shown where none meets
 GAP = "  "
 TEXT_WIDTH = 78
+NO_BREAK = "\N{NO-BREAK SPACE}"
 PLAIN = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u"})
 
 
@@ -78,6 +80,8 @@ def allocation_text(allocation: Allocation, *, width: int) -> str:
         feasible = all(row.allowed is not None for row in rows)
         lines += ["", f"{sensor.capitalize()} lines, 1 sigma"]
         lines += _table(_source_cells(rows, feasible=feasible), width)
+        if feasible and any(row.is_beyond_market for row in rows):
+            lines += ["* nothing in the catalogue is as good"]
         if any(row.uncorrected is not None for row in rows):
             lines += _items(_corrections(rows), width)
         limited = [row for row in allocation.outputs if row.sensor == sensor]
@@ -139,7 +143,7 @@ def _source_cells(
         if row.at_ceiling or row.at_least:
             cell[-1] = "ceiling" if row.at_ceiling else "least"
         elif feasible and row.is_beyond_market:
-            cell[-1] = "not offered"
+            cell[-1] = "*"
         cells.append(cell)
     return cells
 
@@ -258,14 +262,16 @@ def _items(texts: Iterable[str], width: int) -> list[str]:
 
 def _wrap(text: str, width: int, *, first: str = "") -> list[str]:
     """Break a text into lines, indented below `first`."""
-    return textwrap.wrap(
-        text.translate(PLAIN),
+    bound = re.sub(r"(?<=\d) (?=\S)", NO_BREAK, text.translate(PLAIN))
+    lines = textwrap.wrap(
+        bound,
         min(width, TEXT_WIDTH),
         initial_indent=first,
         subsequent_indent=" " * len(first),
         break_long_words=False,
         break_on_hyphens=False,
     )
+    return [line.replace(NO_BREAK, " ") for line in lines]
 
 
 def _table(cells: Sequence[Sequence[str]], width: int) -> list[str]:

@@ -1,0 +1,394 @@
+"""From requirement to lines and back: references, bounds, levers, Monte Carlo."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import builders
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from budget.distributions import UNIFORM
+from budget.errors import CallError
+from budget.methods.gum import propagate
+from budget.physics.calibration import calibration_problem
+from budget.spec import load_device, load_procedure, load_requirement
+from budget.spec.records import Cost, Costs, Device, Limit, Requirement
+from budget.studies.allocation.allocate import allocate
+from budget.studies.allocation.cases import STRATEGIES, Bounds
+from budget.studies.allocation.market import best_offered, load_catalogue
+from budget.studies.analysis import analyze
+from budget.studies.conformity import assess
+from budget.units import ARCSEC, DEG_PER_HOUR, PPM
+
+AXES = ("x", "y", "z")
+
+
+def device(*sensors):
+    """Return a device of ready triads."""
+    by_kind = {sensor.kind: sensor for sensor in sensors}
+    return Device(
+        name="test device",
+        gyro=by_kind.get("gyro"),
+        accelerometer=by_kind.get("accelerometer"),
+        figures=(),
+        assumptions=(),
+        origin=builders.NOWHERE,
+    )
+
+
+def requirement(limits, *, reference="next_turn_on", coverage=0.95):
+    """Return a requirement from `{parameter: limit for all axes}` [SI]."""
+    return Requirement(
+        name="test requirement",
+        coverage=coverage,
+        reference=reference,
+        limits=tuple(
+            Limit(output=f"{group}.{axis}", limit=limit, printed=f"{limit}")
+            for group, limit in limits.items()
+            for axis in (
+                ("xy", "xz", "yx", "yz", "zx", "zy") if "angle" in group else AXES
+            )
+        ),
+        caps=(),
+        assumptions=(),
+        origin=builders.NOWHERE,
+    )
+
+
+ZHAO = load_device("zhao-2019")
+NAVIGATION = load_requirement("navigation-grade")
+
+
+def allot(*devices, wanted=NAVIGATION, **options):
+    """Allocate without catalogue and Monte Carlo unless asked for."""
+    options = {"catalogue": (), "validate": False, **options}
+    return allocate(*devices or (ZHAO,), requirement=wanted, **options)
+
+
+def allowed(allocation, source):
+    """Return what a source may have [SI]."""
+    (row,) = (row for row in allocation.sources if row.source == source)
+    return row.allowed
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES)
+def test_every_strategy_ends_at_a_limit_of_each_sensor(strategy):
+    """No limit is passed, and one of each sensor is reached within 0.2 %."""
+    allocation = allot(strategy=strategy)
+
+    for sensor in ("gyro", "accelerometer"):
+        used = [row.allowed for row in allocation.outputs if row.sensor == sensor]
+        assert 1.0 - 2e-3 < max(used) <= 1.0
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES)
+def test_the_allocated_device_meets_what_it_was_made_for(strategy):
+    """Analysed as a device, it returns the limits at the binding outputs, to 1e-5.
+
+    And what the allocation says of them to 1e-9; a limit counts as reached from 1e-6.
+    """
+    allocation = allot(strategy=strategy)
+    made = device(*allocation.sensors)
+    budget = analyze(
+        made,
+        validate=False,
+        coverage=NAVIGATION.coverage,
+        reference=NAVIGATION.reference,
+    )
+    found = {
+        row.output.name: row for row in assess(budget, NAVIGATION, (made,)).outputs
+    }
+
+    assert all(row.is_within for row in found.values())
+    for row in allocation.binding:
+        assert_allclose(found[row.output.name].utilisation, row.allowed, rtol=1e-9)
+        assert_allclose(row.allowed, 1.0, rtol=1e-5)
+
+
+def test_monte_carlo_returns_the_limit():
+    """The trials' interval ends at the binding limit, within 4 standard errors."""
+    allocation = allot(validate=True)
+
+    assert {check.output.split(".")[0] for check in allocation.checks} == {
+        "gyro",
+        "accelerometer",
+    }
+    for check in allocation.checks:
+        # A quantile at p has the error sqrt(p (1 - p) / n) / density [u].
+        error = np.sqrt(0.025 * 0.975 / check.trials) / 0.05844 / 1.96
+        assert abs(check.reached - 1.0) < 4.0 * np.sqrt(2.0) * error
+        assert not check.is_corrected
+
+
+def test_the_law_is_corrected_where_coverage_is_off():
+    """A uniform source alone covers all of 1.96 u, so it may be 1.96/1.645 larger.
+
+    95 % of a uniform law is 0.95 of its half-width, 0.95 sqrt(3) u = 1.645 u.
+    """
+    gyro = builders.sensor(
+        "gyro",
+        [builders.line("scale_factor_repeatability", 1e-6, distribution=UNIFORM)],
+    )
+    wanted = requirement({"gyro.scale_factor": 20 * PPM}, reference="nominal")
+
+    allocation = allot(device(gyro), wanted=wanted, validate=True)
+
+    (row,) = allocation.sources
+    assert all(check.is_corrected for check in allocation.checks)
+    # Half a percent is 5 standard errors of the interval of 250 000 trials.
+    assert_allclose(row.allowed, 20 * PPM / (0.95 * np.sqrt(3.0)), rtol=5e-3)
+    assert_allclose(row.uncorrected, 20 * PPM / 1.959964, rtol=1e-6)
+
+
+def test_next_turn_on_counts_a_repeatability_twice():
+    """Under next_turn_on a repeatability may be sqrt(2) less than under nominal."""
+    gyro = builders.sensor("gyro", {"bias_repeatability": 0.05 * DEG_PER_HOUR})
+    limits = {"gyro.bias": 0.01 * DEG_PER_HOUR}
+    nominal, later = (
+        allowed(
+            allot(device(gyro), wanted=requirement(limits, reference=reference)),
+            "gyro.bias_repeatability",
+        )
+        for reference in ("nominal", "next_turn_on")
+    )
+
+    assert_allclose(nominal, 0.01 * DEG_PER_HOUR / 1.959964, rtol=1e-6)
+    assert_allclose(later, nominal / np.sqrt(2.0), rtol=1e-8)
+
+
+def test_each_sensor_stands_alone():
+    """The accelerometer's allocation is the same with and without a gyro beside it."""
+    both = allot(strategy="equal")
+    alone = allot(replace(ZHAO, gyro=None), strategy="equal")
+
+    for row in alone.sources:
+        assert_allclose(allowed(both, row.source), row.allowed, rtol=1e-12)
+
+
+def test_a_line_of_zero_stays_held():
+    """A present value of zero is not allocated."""
+    gyro = builders.paper_gyro(scale_factor_asymmetry=0.0)
+    allocation = allot(device(gyro))
+
+    (row,) = (r for r in allocation.sources if r.source.endswith("asymmetry"))
+    assert (row.status, row.allowed) == ("zero", 0.0)
+
+
+def test_held_lines_that_use_a_limit_up_are_named():
+    """With bias stability held the gyro bias limits cannot be met, and it is why."""
+    bounds = Bounds(held=frozenset({"gyro.bias_stability"}), most={}, least={})
+    allocation = allot(bounds=bounds)
+
+    assert not allocation.feasible
+    assert {row.output.name for row in allocation.impossible} == {
+        f"gyro.bias.{axis}" for axis in AXES
+    }
+    for row in allocation.impossible:
+        worst = max(row.parts, key=lambda part: part.floor)
+        assert worst.source == "gyro.bias_stability"
+        assert_allclose(worst.floor, row.floor**2, rtol=1e-6)
+    assert all(r.allowed is None for r in allocation.sources if "gyro" in r.source[:4])
+
+
+def test_relaxing_a_limit_to_the_floor_makes_it_feasible():
+    """Limits at 1.001 times what is held can be met, at 0.999 they cannot."""
+    bounds = Bounds(held=frozenset({"gyro.bias_stability"}), most={}, least={})
+    floors = {
+        row.output.name: row.floor * row.limit
+        for row in allot(bounds=bounds).impossible
+    }
+    for factor, feasible in ((1.001, True), (0.999, False)):
+        limits = tuple(
+            replace(limit, limit=factor * floors.get(limit.output, limit.limit))
+            for limit in NAVIGATION.limits
+            if limit.output in floors
+        )
+        wanted = replace(NAVIGATION, limits=limits)
+        assert allot(wanted=wanted, bounds=bounds).feasible is feasible
+
+
+def test_a_longer_dwell_that_is_found_meets():
+    """The dwell named for what is held meets with it, and one 1 % shorter does not."""
+    bounds = Bounds(held=frozenset({"gyro.bias_stability"}), most={}, least={})
+    levers = {
+        (lever.name, lever.goal): lever
+        for lever in allot(bounds=bounds).levers
+        if lever.sensor == "gyro"
+    }
+    dwell = levers["dwell", "what is held"].needed
+    turns = levers["turns", "what is held"].needed
+
+    assert turns is None  # turns do not average the static test
+    plan = load_procedure()
+    for value, feasible in ((dwell, True), (0.99 * dwell, False)):
+        longer = replace(plan, gyro=replace(plan.gyro, dwell=value))
+        assert allot(bounds=bounds, procedure=longer).feasible is feasible
+
+
+def test_more_turns_that_are_found_meet():
+    """Turns named for the device as it is meet its limit, one turn fewer does not."""
+    gyro = builders.sensor(
+        "gyro", {"angle_random_walk": 0.005 * builders.DEGREE / 60.0}
+    )
+    wanted = requirement({"gyro.mounting_angle": 0.1 * ARCSEC}, reference="nominal")
+    levers = {lever.name: lever for lever in allot(device(gyro), wanted=wanted).levers}
+    turns = int(levers["turns"].needed)
+
+    used = []
+    for n in (turns - 1, turns):
+        problem = calibration_problem((gyro,), builders.procedure(turns=n))
+        ends = np.abs(propagate(problem).interval(0.95)).max(axis=1)
+        used.append(ends[3:9].max() / (0.1 * ARCSEC))
+    assert used[0] > 1.0 >= used[1]
+
+
+@pytest.mark.parametrize(
+    ("source", "most", "least"),
+    [
+        ("accelerometer.sample_noise", 6e-4, None),
+        ("accelerometer.bias_stability", None, 1.9e-4),
+    ],
+)
+def test_bounds_are_kept(source, most, least):
+    """A line that would pass --max or --min ends there, and is marked."""
+    bounds = Bounds(
+        held=frozenset(),
+        most={source: most} if most else {},
+        least={source: least} if least else {},
+    )
+    rows = {row.source: row for row in allot(strategy="equal", bounds=bounds).sources}
+
+    assert_allclose(rows[source].allowed, most or least, rtol=1e-12)
+    assert (rows[source].at_ceiling, rows[source].at_least) == (bool(most), bool(least))
+
+
+def test_default_ceilings_are_one_percent_one_degree_and_a_hundredfold():
+    """Unlimited lines end at 1 %, 1 deg and 100 times the present value."""
+    wanted = requirement({"accelerometer.bias": 1e3})
+    allocation = allot(replace(ZHAO, gyro=None), wanted=wanted)
+    rows = {row.source.split(".")[1]: row for row in allocation.sources}
+
+    assert all(row.at_ceiling for row in rows.values())
+    assert_allclose(rows["scale_factor_repeatability"].allowed, 0.01, rtol=1e-12)
+    assert_allclose(rows["mounting_repeatability"].allowed, builders.DEGREE, rtol=1e-12)
+    noise = rows["sample_noise"]
+    assert_allclose(noise.allowed, 100.0 * noise.now, rtol=1e-12)
+    assert any("ceiling" in text for text in allocation.warnings)
+
+
+def test_headroom_is_where_a_line_alone_meets_its_limit():
+    """Grown to its headroom, the scale factor alone brings its output to the limit."""
+    (row,) = (
+        r for r in allot().sources if r.source == "gyro.scale_factor_repeatability"
+    )
+    gyro = replace(
+        ZHAO.gyro,
+        lines=tuple(
+            replace(line, u=line.u * row.headroom.value / row.now)
+            if line.name == "scale_factor_repeatability"
+            else line
+            for line in ZHAO.gyro.lines
+        ),
+    )
+    problem = calibration_problem(
+        (gyro,), load_procedure(), reference=NAVIGATION.reference
+    )
+    ends = np.abs(propagate(problem).interval(0.95)).max(axis=1)
+
+    assert row.headroom.stopped_by.startswith("gyro.scale_factor.")
+    assert_allclose(ends[:3].max(), 20 * PPM, rtol=1e-8)
+
+
+def test_costs_decide_who_pays():
+    """A line a thousand times dearer to improve may be larger than at equal costs."""
+    dear = Costs(
+        costs=(Cost(source="gyro.bias_stability", a=1e3, p=1.0, u_ref=None),),
+        assumptions=(),
+        origin=builders.NOWHERE,
+    )
+    plain, paid = allot(strategy="cost"), allot(costs=dear)
+
+    assert paid.strategy == "cost"
+    assert allowed(paid, "gyro.bias_stability") > 1.5 * allowed(
+        plain, "gyro.bias_stability"
+    )
+    assert all(report.is_optimal for report in paid.costs)
+
+
+def test_parts_add_up_to_the_squared_utilisation():
+    """Sources, products and mean error of each limit make up all that is used."""
+    for row in allot(strategy="equal").outputs:
+        assert_allclose(sum(part.now for part in row.parts), row.now**2, rtol=1e-9)
+        used = sum(part.allowed for part in row.parts)
+        assert_allclose(used, row.allowed**2, rtol=1e-9)
+
+
+def test_the_catalogue_is_matched_line_by_line():
+    """A device that is exactly what is allowed meets; one line 1 % larger does not."""
+    allocation = allot()
+    exact = replace(device(*allocation.sensors), name="exact")
+    lines = exact.gyro.lines
+    worse = replace(
+        exact,
+        name="worse",
+        gyro=replace(
+            exact.gyro, lines=(replace(lines[0], u=1.01 * lines[0].u), *lines[1:])
+        ),
+    )
+    poorer = replace(exact, name="poorer", gyro=replace(exact.gyro, lines=lines[1:]))
+    matches = [
+        match
+        for match in allot(catalogue=(poorer, worse, exact)).matches
+        if match.sensor == "gyro"
+    ]
+
+    assert [match.device for match in matches] == ["exact", "worse", "poorer"]
+    assert [match.meets for match in matches] == [True, False, False]
+    assert_allclose(matches[1].worst, 1.01, rtol=1e-9)
+    assert matches[2].missing == ("gyro.bias_repeatability",)
+
+
+def test_noise_of_a_sample_is_compared_as_a_density():
+    """A velocity random walk N stands for N sqrt(f) of noise in every sample."""
+    noisy = builders.sensor("accelerometer", {"velocity_random_walk": 1e-5})
+    offered = device(noisy)
+    wanted = builders.sensor("accelerometer", {"sample_noise": 1e-3})
+    limits = requirement({"accelerometer.bias": 1e-3})
+    (match,) = allot(device(wanted), wanted=limits, catalogue=(offered,)).matches
+
+    (line,) = match.lines
+    assert_allclose(line.value, 1e-5 * np.sqrt(100.0), rtol=1e-12)
+    assert not match.extra
+
+
+def test_the_market_bounds_below():
+    """With --market no line gets better than the best that is offered, or than now."""
+    catalogue, warnings = load_catalogue()
+    best = best_offered(catalogue)
+    loose = replace(
+        NAVIGATION,
+        limits=tuple(replace(lim, limit=50.0 * lim.limit) for lim in NAVIGATION.limits),
+    )
+    allocation = allot(wanted=loose, strategy="cost", market=True, catalogue=catalogue)
+
+    assert not warnings
+    for row in allocation.sources:
+        assert row.allowed >= min(best[row.source], row.now) * (1.0 - 1e-12)
+
+
+def test_options_that_contradict_each_other_are_refused():
+    """Costs with another strategy, and a least value above the largest, are refused."""
+    costs = Costs(costs=(), assumptions=(), origin=builders.NOWHERE)
+    crossed = Bounds(
+        held=frozenset(),
+        most={"gyro.bias_stability": 1e-9},
+        least={"gyro.bias_stability": 1e-8},
+    )
+    with pytest.raises(CallError, match="costs count for nothing"):
+        allot(costs=costs, strategy="equal")
+    with pytest.raises(CallError, match="is above the largest"):
+        allot(bounds=crossed)
+    with pytest.raises(CallError, match="no limit for a sensor that is there"):
+        allot(replace(ZHAO, gyro=None), wanted=requirement({"gyro.bias": 1.0}))
