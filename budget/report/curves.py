@@ -51,7 +51,7 @@ def sweep_curves(sweep: Sweep) -> Figure:
         style = DASHES[k % len(DASHES)]
         axes.plot(x, curve / scale, color=INK, linewidth=1.1, linestyle=style)
         axes.annotate(
-            ", ".join(names),
+            "all" if len(names) == len(sweep.names) else ", ".join(names),
             (x[-1], curve[-1] / scale),
             xytext=(5.0, 0.0),
             textcoords="offset points",
@@ -62,6 +62,8 @@ def sweep_curves(sweep: Sweep) -> Figure:
     axes.set_xlim(0.0, float(x[-1]))
     reach = 1.15 * largest / scale or 1.0
     axes.set_ylim(-reach, reach)
+    if not largest:
+        axes.set_yticks([0.0], ["0"])
     axes.set_xlabel(f"{_cause(sweep)} [ppm]", fontsize=SMALL, color=MUTED)
     unit = f"1e{exponent}" if largest else "1"
     axes.set_ylabel(f"relative error [{unit}]", fontsize=SMALL, color=MUTED)

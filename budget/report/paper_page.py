@@ -20,7 +20,7 @@ from budget.report.paper import (
     unexplained,
 )
 from budget.resources import shipped
-from budget.studies.paper.findings import AGREES, UNEXPLAINED, VERDICTS
+from budget.studies.paper.findings import UNEXPLAINED, VERDICTS
 from budget.studies.paper.study import ASSUMPTIONS, SECTIONS, TITLE
 from budget.version import __version__
 
@@ -136,7 +136,7 @@ def _row(row: Finding) -> PageRow:
         p_mean=print_probability(row.p_mean),
         verdict=row.verdict,
         why="" if row.why.startswith("judged with") else row.why,
-        is_summary=row.is_summary and row.verdict != AGREES,
+        is_summary=row.is_summary and row.section == "table 1",
         is_open=row.verdict == UNEXPLAINED,
     )
 
