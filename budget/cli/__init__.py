@@ -9,6 +9,8 @@ import typer
 from budget.cli.allocate import allocate
 from budget.cli.analyze import analyze
 from budget.cli.check_files import schema, validate
+from budget.cli.compare import compare
+from budget.cli.devices import devices
 from budget.cli.paper import paper
 from budget.cli.report import report
 from budget.errors import BudgetError
@@ -27,6 +29,8 @@ app = typer.Typer(
 app.command()(analyze)
 app.command()(allocate)
 app.command()(report)
+app.command()(compare)
+app.command()(devices)
 app.command()(paper)
 app.command()(validate)
 app.command()(schema)

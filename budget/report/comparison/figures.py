@@ -34,6 +34,8 @@ DARK_FROM = 0.6  # opacity from which text is light
 MOST_PER_CENT = 999.5  # beyond, a cell says >999
 LEAST = 1e-4  # utilisation where a bar ends at the latest [1]
 LEAST_POINTS = 2  # that make a scatter
+# Ticks of a logarithmic axis, and the span beyond which the coarse ones are enough.
+FINE, COARSE, DECADES = (1.0, 2.0, 5.0), (1.0,), 99.0
 SHORT = {"scale_factor": "SF", "mounting_angle": "angle", "bias": "bias"}
 
 
@@ -183,6 +185,8 @@ def merit_points(table: Table, merit: str) -> list[tuple[Row, Amount]]:
 
 def pareto_scatter(table: Table, merit: str) -> Figure:
     """Draw the part of the limit against a cost; the front is joined, the rest grey."""
+    from matplotlib.ticker import LogLocator
+
     points = merit_points(table, merit)
     left, right, top, below = 40.0, 12.0, 12.0, 34.0
     figure, axes = _canvas(220.0, left=left, right=right, top=top, below=below)
@@ -193,7 +197,13 @@ def pareto_scatter(table: Table, merit: str) -> Figure:
     parts = [max(row.of.utilisation, LEAST) for row, _ in points]
     axes.set_xlim(min(costs) / 1.6, max(costs) * 2.2)
     axes.set_ylim(100.0 * min(0.5, *parts) / 1.5, 100.0 * max(2.0, *parts) * 1.5)
-    for axis in (axes.xaxis, axes.yaxis):
+    for axis, (low, high) in (
+        (axes.xaxis, axes.get_xlim()),
+        (axes.yaxis, axes.get_ylim()),
+    ):
+        axis.set_major_locator(
+            LogLocator(subs=FINE if high < DECADES * low else COARSE)
+        )
         axis.set_major_formatter("{x:g}")
     axes.minorticks_off()
     axes.tick_params(axis="y", labelsize=SMALL, labelcolor=MUTED)

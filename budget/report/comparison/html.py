@@ -19,7 +19,13 @@ from budget.report.comparison.tables import (
     verdict_lines,
 )
 from budget.report.html import _inline
-from budget.report.markup import bind, css_string, number_markup, script_safe
+from budget.report.markup import (
+    bind,
+    css_string,
+    longest_tail,
+    number_markup,
+    script_safe,
+)
 from budget.report.tables import (
     Number,
     print_coverage,
@@ -110,7 +116,8 @@ def render_html(comparison: Comparison, *, date: str) -> str:
         lstrip_blocks=True,
     )
     environment.filters |= {
-        "number": lambda text: markup(number_markup(text)),
+        "number": lambda text, tail=0: markup(number_markup(text, tail=tail)),
+        "longest_tail": longest_tail,
         "svg": markup,
         "words": words,
         "first_up": lambda text: text[:1].upper() + text[1:],

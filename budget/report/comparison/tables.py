@@ -235,12 +235,17 @@ def print_parts(value: float, interval: tuple[float, float]) -> tuple[str, str]:
     if half == 0.0:
         if abs(value - 1.0) < NEAR_LIMIT:
             return print_utilisation(value).replace(" %", ""), ""
-        return print_given(PER_CENT * value, digits=3), ""
+        return print_three(PER_CENT * value), ""
     # round_value keeps two digits of an uncertainty; of ten times it, one.
     texts = [
         round_value(PER_CENT * x, 10.0 * PER_CENT * half) for x in (value, low, high)
     ]
     return texts[0], f"{texts[1]} to {texts[2]}"
+
+
+def print_three(value: float) -> str:
+    """Print three digits, zeros kept: '2.50'."""
+    return round_value(value, value / 10.0)  # two digits of a tenth
 
 
 def print_probability(p: Probability) -> str:
@@ -261,7 +266,7 @@ def print_factor(remedy: Remedy) -> str:
         return ""
     if remedy.factor >= MOST_FACTOR:
         return f">{MOST_FACTOR:.0f}"
-    return print_given(remedy.factor, digits=3)
+    return print_three(remedy.factor)
 
 
 def missing_lines(comparison: Comparison) -> tuple[str, ...]:
