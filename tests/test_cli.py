@@ -15,7 +15,10 @@ from command_line import call, start
 from budget.version import __version__
 
 NOTE = "No device given: using the built-in zhao-2019 (Zhao 2019).\n"
-COMMANDS = ("analyze", "report", "validate", "schema")
+COMMANDS = (
+    *("analyze", "report", "compare", "allocate", "devices", "paper"),
+    *("validate", "schema"),
+)
 SHARED = (
     *("--procedure", "--method", "--trials", "--max-trials", "--digits", "--seed"),
     *("--workers", "--coverage", "--interval", "--reference", "--no-validate"),

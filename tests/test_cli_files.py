@@ -67,10 +67,10 @@ def test_good_files_are_named_beside_bad_ones(tmp_path):
     """One bad file among good ones is exit 2; the good ones are still said valid."""
     bad = tmp_path / "bad.yaml"
     bad.write_text("name: bad\nwheels: 4\n", encoding="utf-8")
-    run = call("validate", SHIPPED[0], bad)
+    run = call("validate", REQUIREMENT, bad)
 
     assert run.code == 2
-    assert run.out == f"{SHIPPED[0]}: device, valid\n"
+    assert run.out == f"{REQUIREMENT}: requirement, valid\n"
     assert run.err.startswith(f"{bad}:")
 
 
