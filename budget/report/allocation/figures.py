@@ -95,8 +95,10 @@ def waterfall_title(row: LimitedOutput) -> str:
     largest = max(row.parts, key=_after)
     part = f"{part_title(largest.source)} takes {print_part(_after(largest))} %"
     if row.allowed is None:
-        return f"{name.capitalize()} cannot be met: {part} of the squared limit"
-    return f"{part} of the squared {name} limit".capitalize()
+        return (
+            f"{name[:1].upper()}{name[1:]} cannot be met: {part} of the squared limit"
+        )
+    return f"{part[:1].upper()}{part[1:]} of the squared {name} limit"
 
 
 def waterfall_alt(row: LimitedOutput) -> str:
@@ -175,13 +177,14 @@ def headroom_title(rows: Sequence[SourceAllotment]) -> str:
     """State the finding: how many lines may grow alone, and which most."""
     shown = [row for row in rows if row.headroom is not None]
     growing = [row for row in shown if _factor(row) > 1.0]
+    sensor = shown[0].source.partition(".")[0] if shown else ""
     if not growing:
-        return "No line alone may grow"
+        return f"No {sensor} line alone may grow"
     most = max(growing, key=_factor)
     factor = _factor(most)
     far = "without limit" if factor == float("inf") else f"{factor:.3g} times"
     return (
-        f"{len(growing)} of {len(shown)} lines may grow alone, "
+        f"{len(growing)} of {len(shown)} {sensor} lines may grow alone, "
         f"{source_title(most.source)} {far}"
     )
 

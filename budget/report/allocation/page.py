@@ -143,9 +143,9 @@ def allocation_section(allocation: Allocation) -> str:
 def figured(allocation: Allocation) -> tuple[LimitedOutput, ...]:
     """Return the outputs that get a waterfall: of each parameter the tightest one.
 
-    Those at their limits, or those whose limits cannot be met.
+    Those whose limits cannot be met, and those at their limits.
     """
-    return tightest(allocation.binding or allocation.impossible)
+    return tightest((*allocation.impossible, *allocation.binding))
 
 
 def _triad(allocation: Allocation, sensor: str) -> Triad:

@@ -61,7 +61,7 @@ def allocation_text(allocation: Allocation, *, width: int) -> str:
         Ends with a line feed.
     """
     coverage = print_coverage(allocation.coverage)
-    lines = [allocation.title]
+    lines = _wrap(allocation.title, width)
     lines += _wrap(headline(allocation), width)
     lines += _wrap(
         f"strategy {allocation.strategy}, coverage {coverage} %, reference "
@@ -81,20 +81,21 @@ def allocation_text(allocation: Allocation, *, width: int) -> str:
         lines += ["", f"{sensor.capitalize()} lines, 1 sigma"]
         lines += _table(_source_cells(rows, feasible=feasible), width)
         if feasible and any(row.is_beyond_market for row in rows):
-            lines += ["* nothing in the catalogue is as good"]
+            lines += _wrap("* nothing in the catalogue is as good", width)
         if any(row.uncorrected is not None for row in rows):
             lines += _items(_corrections(rows), width)
         limited = [row for row in allocation.outputs if row.sensor == sensor]
         if limited:
-            lines += [
-                "",
-                f"{sensor.capitalize()}: part of each squared limit [%], now > allowed",
-            ]
+            lines += _heading(
+                f"{sensor.capitalize()}: part of each squared limit [%], "
+                + ("now > allowed" if feasible else "now"),
+                width,
+            )
             lines += _table(_part_cells(limited, feasible=feasible), width)
-            lines += [
-                "",
+            lines += _heading(
                 f"{sensor.capitalize()} headroom: each line alone, the others as now",
-            ]
+                width,
+            )
             lines += _table(_headroom_cells(rows), width)
     lines += _cost_lines(allocation, width)
     lines += _check_lines(allocation, width)
@@ -104,10 +105,10 @@ def allocation_text(allocation: Allocation, *, width: int) -> str:
     for sensor in dict.fromkeys(match.sensor for match in allocation.matches):
         own = [match for match in allocation.matches if match.sensor == sensor]
         meeting = sum(match.meets for match in own)
-        lines += [
-            "",
+        lines += _heading(
             f"Catalogue: {meeting} of {len(own)} {sensor} entries meet every line",
-        ]
+            width,
+        )
         lines += _items(
             [match_text(match) for match in own[: max(meeting, CLOSEST)]], width
         )
@@ -231,7 +232,7 @@ def _check_lines(allocation: Allocation, width: int) -> list[str]:
     if not allocation.checks:
         return []
     wanted = 100.0 * allocation.coverage
-    lines = ["", "Checked by Monte Carlo at the allocated values"]
+    lines = _heading("Checked by Monte Carlo at the allocated values", width)
     fine = [check for check in allocation.checks if not check.is_corrected]
     texts = []
     if fine:
@@ -253,6 +254,11 @@ def _check_lines(allocation: Allocation, width: int) -> list[str]:
         if check.is_corrected
     ]
     return lines + _items(texts, width)
+
+
+def _heading(text: str, width: int) -> list[str]:
+    """Return an empty line and a heading."""
+    return ["", *_wrap(text, width)]
 
 
 def _items(texts: Iterable[str], width: int) -> list[str]:
@@ -293,9 +299,10 @@ def _table(cells: Sequence[Sequence[str]], width: int) -> list[str]:
         for line in (
             row[0],
             *(
-                f"{GAP}{name}: {text}" if name else f"{GAP}{text}"
+                part
                 for name, text in zip(head[1:], row[1:], strict=True)
                 if text
+                for part in _wrap(f"{name}: {text}" if name else text, width, first=GAP)
             ),
         )
     ]

@@ -85,7 +85,7 @@ def remarks(row: SourceAllotment) -> str:
     if row.at_least:
         found.append("at its least")
     if row.is_beyond_market:
-        found.append("nothing in the catalogue is as good")
+        found.append("better than any offered")
     return ", ".join(found)
 
 

@@ -1,0 +1,281 @@
+"""`budget allocate`: documents, files, exit codes, and what people read."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+
+import pytest
+from command_line import call, output
+from numpy.testing import assert_allclose
+
+from budget.report.allocation.page import allocation_section
+from budget.spec import load_device, load_requirement
+from budget.studies.allocation.allocate import allocate
+
+FAST = ("--requirement", "navigation-grade", "--no-validate")
+
+# Axes, shapes, another g, a variant, several correlation times, a zero and remarks.
+ODD = """
+name: "Odd: device, no 1"
+gravity_unit: 9.80708 m/s^2
+gyro:
+  nominal: {bias: {x: 1 deg/h, z: -3 deg/h}, mounting_angle: 30 arcsec}
+  errors:
+    bias_repeatability: {value: 0.05 \u00b0/h, meaning: max}
+    bias_stability:
+      axes:
+        x: {value: 0.01 deg/h, correlation_time: 100 s}
+        y: {value: 0.02 deg/h, correlation_time: 200 s}
+        z: 0.03 deg/h
+    angle_random_walk: 0.002 deg/sqrt(h)
+    scale_factor_repeatability: {value: 30 ppm, meaning: 3 sigma}
+    scale_factor_asymmetry: 0 ppm
+    mounting_repeatability: {value: 3 arcsec, axes: {xy: 4 arcsec}}
+accelerometer:
+  nominal: {bias: 2 mg}
+  errors:
+    bias_repeatability: {value: 50 \u00b5g, axes: {z: 80 \u00b5g}}
+    bias_stability: {value: 10 ug, correlation_time: 100 s}
+    velocity_random_walk: 20 ug/sqrt(Hz)
+    scale_factor_repeatability: {value: 60 ppm, meaning: max, distribution: arcsine}
+    mounting_repeatability: 3 arcsec
+"""
+
+
+@pytest.fixture
+def odd(tmp_path):
+    """Write a device file with everything that a writer can get wrong."""
+    path = tmp_path / "odd.yaml"
+    path.write_text(ODD, encoding="utf-8")
+    return path
+
+
+def document(*args):
+    """Return the JSON document of an allocation that succeeds."""
+    run = call("allocate", *FAST, *args, "--json", "-")
+    assert run.code == 0, run.err
+    return run.document
+
+
+def test_the_document_has_the_fixed_keys():
+    """Feasible and the six keys of every source stand there, in the file's units."""
+    found = document("--strategy", "equal")
+
+    assert (found["schema"], found["command"]) == ("budget/1", "allocate")
+    assert found["feasible"] is True
+    assert len(found["sources"]) == 10
+    for row in found["sources"]:
+        assert {"source", "now", "allowed", "unit", "binding_output", "at_ceiling"} <= (
+            row.keys()
+        )
+    first = found["sources"][0]
+    assert (first["source"], first["unit"]) == ("gyro.bias_repeatability", "deg/h")
+    assert_allclose(first["now"], 0.05, rtol=1e-15)
+    assert first["binding_output"] == "gyro.bias.z"
+
+
+def test_the_csv_has_a_row_for_each_source():
+    """The CSV and the JSON document hold the same numbers."""
+    run = call("allocate", *FAST, "--csv", "-")
+    rows = list(csv.DictReader(io.StringIO(run.out)))
+    sources = document()["sources"]
+
+    assert [row["source"] for row in rows] == [row["source"] for row in sources]
+    for row, source in zip(rows, sources, strict=True):
+        assert float(row["allowed"]) == source["allowed"]
+
+
+def test_without_a_device_the_built_in_one_is_named():
+    """The built-in device is said on stderr, as everywhere."""
+    assert "zhao-2019" in call("allocate", *FAST).err
+
+
+@pytest.mark.parametrize("strategy", ["proportional", "equal", "cost"])
+def test_the_written_device_meets_the_requirement(odd, tmp_path, strategy):
+    """Read back by analyze, its errors end at the limits that bind, to 1e-8."""
+    path = tmp_path / "allocated.yaml"
+    allotted = document(odd, "--strategy", strategy, "--write", path)
+    run = call(
+        *("analyze", path, "--reference", "next_turn_on", "--no-validate"),
+        *("--json", "-"),
+    )
+
+    assert run.code == 0, run.err
+    binding = 0
+    for row in allotted["outputs"]:
+        ends = output(run.document, row["output"])["interval"]
+        used = max(abs(end) for end in ends) / row["limit"]
+        assert used <= 1.0
+        assert_allclose(used, row["utilisation_allowed"], rtol=1e-8)
+        binding += row["binding"]
+    assert binding > 0
+
+
+def test_the_written_device_keeps_what_was_not_allocated(odd, tmp_path):
+    """Nominal values, shapes, axes, times, absent lines and origins come back."""
+    path = tmp_path / "allocated.yaml"
+    document(odd, "--write", path)
+    before, after = load_device(odd), load_device(path)
+
+    for was, is_now in zip(before.sensors, after.sensors, strict=True):
+        assert is_now.not_given == was.not_given
+        assert_allclose(is_now.nominal_bias, was.nominal_bias, rtol=1e-14, atol=1e-30)
+        assert_allclose(
+            is_now.nominal_mounting_angle,
+            was.nominal_mounting_angle,
+            rtol=1e-14,
+            atol=1e-30,
+        )
+        for old, new in zip(was.lines, is_now.lines, strict=True):
+            assert new.distributions == old.distributions
+            assert new.unit == old.unit
+            if old.correlation_time is not None:
+                assert_allclose(new.correlation_time, old.correlation_time, rtol=1e-15)
+            if old.u.any():
+                assert_allclose(new.u / new.u[0], old.u / old.u[0], rtol=1e-14)
+            else:
+                assert not new.u.any()
+    notes = " ".join(after.notes.split())
+    for part in ("navigation grade", "95 %", "next_turn_on", "Zhao 2019", "sha256"):
+        assert part in notes
+    assert call("validate", path).code == 0
+
+
+def test_two_files_make_one_device(odd, tmp_path):
+    """A gyro and an accelerometer of two files are written into one."""
+    gyro, accelerometer = tmp_path / "g.yaml", tmp_path / "a.yaml"
+    head, mark, tail = ODD.partition("accelerometer:\n")
+    gyro.write_text(head, encoding="utf-8")
+    start = "name: Other\ngravity_unit: 9.80708 m/s^2\n"
+    accelerometer.write_text(start + mark + tail, encoding="utf-8")
+    path = tmp_path / "both.yaml"
+
+    apart = document(gyro, accelerometer, "--write", path)
+    together = document(odd)
+
+    assert len(load_device(path).sensors) == 2
+    for one, other in zip(apart["sources"], together["sources"], strict=True):
+        assert one["allowed"] == other["allowed"]
+
+
+def test_infeasible_exits_1_and_writes_nothing(tmp_path):
+    """With bias stability held no file appears, and the reason is on stdout."""
+    files = [tmp_path / name for name in ("d.yaml", "r.json", "r.csv")]
+    run = call(
+        *("allocate", *FAST, "--fix", "gyro.bias_stability"),
+        *("--write", files[0], "--json", files[1], "--csv", files[2]),
+    )
+
+    assert run.code == 1
+    assert not any(path.exists() for path in files)
+    text = " ".join(run.out.split())
+    assert "cannot be met" in text
+    assert "gyro bias z: 482 % of the limit 0.01 deg/h is used up" in text
+    assert "bias stability 2319 %" in text
+    assert "relax it to more than 0.0482 deg/h" in text
+    assert "dwell of 9200 s in place of 300 s would meet the limits" in text
+
+
+def test_infeasible_says_so_in_the_document():
+    """On stdout the document has feasible false, and null for what has no answer."""
+    run = call("allocate", *FAST, "--fix", "gyro.bias_stability", "--json", "-")
+
+    assert run.code == 1
+    assert run.document["feasible"] is False
+    by_name = {row["source"]: row["allowed"] for row in run.document["sources"]}
+    assert by_name["gyro.bias_repeatability"] is None
+    assert by_name["accelerometer.bias_repeatability"] > 0.0
+    assert {row["output"] for row in run.document["relaxations"]} == {
+        f"gyro.bias.{axis}" for axis in "xyz"
+    }
+
+
+def test_max_takes_any_unit_of_the_line():
+    """A ceiling in deg/s counts in deg/h, and the line at it is marked."""
+    rows = document(
+        "--strategy", "equal", "--max", "gyro.angle_random_walk=1e-6 deg/sqrt(s)"
+    )
+    (row,) = (r for r in rows["sources"] if r["source"] == "gyro.angle_random_walk")
+
+    assert_allclose(row["allowed"], 1e-6 * 60.0, rtol=1e-12)
+    assert row["at_ceiling"] is True
+
+
+def test_costs_choose_their_strategy(tmp_path):
+    """A costs file makes the strategy cost, and the multipliers are told."""
+    path = tmp_path / "costs.yaml"
+    path.write_text(
+        "costs: {gyro.bias_stability: {a: 1, p: 1, u_ref: 0.04 deg/h}, "
+        "gyro.angle_random_walk: {a: 3, p: 2}}\n",
+        encoding="utf-8",
+    )
+    found = document("--costs", path)
+
+    assert found["settings"]["strategy"] == "cost"
+    assert found["inputs"]["costs"]["name"] == "costs.yaml"
+    gyro = found["costs"][0]
+    assert gyro["is_optimal"] is True
+    assert gyro["savings"][0]["outputs"] == ["gyro.bias.z"]
+    assert gyro["savings"][0]["saves"] > 0.0
+
+
+@pytest.mark.parametrize(
+    ("args", "words"),
+    [
+        (("--fix", "gyro.bias_stabilty"), "did you mean 'gyro.bias_stability'"),
+        (("--max", "bias_stability"), "expected SOURCE=VALUE"),
+        (("--max", "gyro.bias_stability=3 ppm"), "expected an angular rate"),
+        (("--max", "gyro.bias_stability=0 deg/h"), "expected a value above 0"),
+        (("--write", "device.json"), "ends in .yaml"),
+        (("--json", "-", "--csv", "-"), "would both write to stdout"),
+    ],
+)
+def test_a_bad_call_is_refused(args, words):
+    """Exit code 2, nothing on stdout, and what to do instead."""
+    run = call("allocate", *FAST, *args)
+
+    assert (run.code, run.out) == (2, "")
+    assert words in run.err
+
+
+def test_a_missing_requirement_is_a_bad_call():
+    """Without a requirement there is nothing to allocate."""
+    run = call("allocate")
+    assert run.code == 2
+    assert "--requirement" in run.err
+
+
+def test_the_same_inputs_give_the_same_bytes():
+    """Twice the same call, Monte Carlo included, gives the same document."""
+    args = ("allocate", "--requirement", "navigation-grade", "--json", "-")
+    assert call(*args).out == call(*args).out
+
+
+@pytest.mark.parametrize("columns", ["40", "80"])
+def test_no_line_is_wider_than_the_terminal(columns, monkeypatch):
+    """At 40 and 80 columns every line fits."""
+    import command_line
+
+    monkeypatch.setitem(command_line.TERMINAL, "COLUMNS", columns)
+    run = call("allocate", *FAST)
+
+    assert max(len(line) for line in run.out.splitlines()) <= int(columns)
+
+
+def test_the_section_shows_each_waterfall_once():
+    """One section, a figure for each parameter at its limit, ids all different."""
+    allocation = allocate(
+        load_device("zhao-2019"),
+        requirement=load_requirement("navigation-grade"),
+        strategy="equal",
+        validate=False,
+    )
+    page = allocation_section(allocation)
+
+    assert page.count("<section") == 1
+    assert page.count("<figure>") == 6 + 2
+    ids = re.findall(r'\bid="([^"]+)"', page)
+    assert len(ids) == len(set(ids))
+    assert page == allocation_section(allocation)
