@@ -261,3 +261,13 @@ def test_trials_fall_within_the_interval_as_often_as_it_says():
         )
         bound = 4.0 * np.sqrt(wanted * (1.0 - wanted) / found.trials)
         assert abs(found.inside[0] - wanted) < bound
+
+
+def test_the_least_cost_with_sources_at_ceilings_is_known_to_be_one():
+    """A source that no limit feels ends at its ceiling, and the optimum is seen."""
+    task = task_of(linear(C[:2], U), [0.2, 0.3], high=5.0)  # x3 reaches neither
+    found = least_cost(task, Prices(c=np.ones(4), p=np.ones(4)))
+
+    assert found.is_optimal
+    assert_allclose(found.s[3], 5.0, rtol=1e-6)
+    assert_allclose(task.utilisation(found.s).max(), 1.0, rtol=2e-9)

@@ -143,6 +143,35 @@ def test_the_written_device_keeps_what_was_not_allocated(odd, tmp_path):
     assert call("validate", path).code == 0
 
 
+def test_a_corrected_device_meets_by_monte_carlo(odd, tmp_path):
+    """Where shapes are not normal the trials end at the limit, the law beyond it."""
+    path = tmp_path / "allocated.yaml"
+    run = call(
+        *("allocate", odd, "--requirement", "navigation-grade", "--seed", "1"),
+        *("--strategy", "equal", "--write", path, "--json", "-"),
+    )
+    allotted = run.document
+    corrected = {row["output"] for row in allotted["checks"] if row["corrected"]}
+    trials = ("--method", "monte-carlo", "--trials", "250000")
+    used = {}
+    for name, method in (("trials", trials), ("law", ("--no-validate",))):
+        found = call(
+            "analyze", path, "--reference", "next_turn_on", *method, "--json", "-"
+        ).document
+        used[name] = max(
+            max(abs(end) for end in output(found, row["output"])["interval"])
+            / row["limit"]
+            for row in allotted["outputs"]
+            if row["output"] in corrected
+        )
+
+    assert corrected
+    assert "--method monte-carlo" in load_device(path).notes
+    # One standard error of an interval end of 250 000 trials is 0.27 % of it.
+    assert abs(used["trials"] - 1.0) < 4 * 0.0027
+    assert used["law"] > 1.02
+
+
 def test_two_files_make_one_device(odd, tmp_path):
     """A gyro and an accelerometer of two files are written into one."""
     gyro, accelerometer = tmp_path / "g.yaml", tmp_path / "a.yaml"

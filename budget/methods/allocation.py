@@ -27,7 +27,7 @@ TARGET = 1.0 - 1e-9
 # An output counts as at its limit from here on [1].
 AT_LIMIT = 1.0 - 1e-6
 SMALLEST = 1e-30  # factor that stands for none where a logarithm is taken [1]
-TOUCHES = 1e-12  # relative distance at which a bound counts as reached
+TOUCHES = 1e-6  # relative distance at which a bound counts as reached
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

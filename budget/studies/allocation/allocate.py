@@ -44,6 +44,7 @@ if TYPE_CHECKING:
 
 TRIALS = 250_000  # for which 0.2 % of coverage are 4.6 standard errors at 95 %
 COVERAGE_OFF = 0.002  # [1]; a coverage further off corrects the allocation
+MARGIN = 0.001  # that a corrected k has over the trials', which vary by as much [1]
 SETTLED = 0.001  # relative change of k that needs no further correction [1]
 CORRECTIONS = 6  # at the most
 
@@ -208,9 +209,9 @@ def _correct(
 ) -> SensorCase:
     """Check the allocation by Monte Carlo; where coverage is off, allocate again.
 
-    The k of an output whose law misses the coverage becomes what the trials need:
-    their largest interval end is |m| + k u. Allocating again moves the mixture of
-    shapes, so this goes on until k has settled.
+    The k of an output whose law misses the coverage becomes what the trials need, so
+    that their largest interval end is |m| + k u, and a little more. Allocating again
+    moves the mixture of shapes, so this goes on until k has settled.
     """
     law_factor = case.task.coverage_factor
     by_law = case.s
@@ -253,7 +254,7 @@ def _correct(
             u > np.array([problem.outputs[row].resolution for row in rows])
         )
         needed = (ends - np.abs(law.mean[rows])) / np.where(u > 0.0, u, np.inf)
-        k_next = np.where(off, needed, law_factor)
+        k_next = np.where(off, needed * (1.0 + MARGIN), law_factor)
         moved = np.abs(k_next / task.coverage_factor - 1.0)
         if not (task.binding(s) & (moved > SETTLED)).any():
             break
@@ -327,6 +328,11 @@ def _warnings(
             texts.append(
                 f"the least cost of the {kind} is sure to a part of "
                 f"{case.solution.gap:.1g} only (residual {case.solution.residual:.1g})"
+            )
+        if case.by_law is not None:
+            texts.append(
+                f"the {case.sensor.kind} was allocated by what Monte Carlo found: "
+                "analyze the result with --method monte-carlo"
             )
         if case.sensor.expected_missing:
             lines = ", ".join(case.sensor.expected_missing)
