@@ -74,7 +74,9 @@ class Jet:
 
     def __sub__(self, other: Jet | float) -> Jet:
         """Return self - other."""
-        return self + -1.0 * other
+        if isinstance(other, Jet):
+            return self + other * -1.0
+        return Jet(self.value - other, self.gradient, self.hessian)
 
     def __rsub__(self, other: float) -> Jet:
         """Return other - self."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from itertools import accumulate
 from math import degrees, pi
 from typing import TYPE_CHECKING
@@ -51,12 +52,12 @@ class Schedule:
 
     windows: tuple[Window, ...]
 
-    @property
+    @cached_property
     def starts(self) -> Array:
         """Starts, shape (n_windows,) [s]."""
         return np.array([window.start for window in self.windows])
 
-    @property
+    @cached_property
     def lengths(self) -> Array:
         """Lengths, shape (n_windows,) [s]."""
         return np.array([window.length for window in self.windows])
@@ -79,6 +80,7 @@ class Schedule:
         )
 
 
+@lru_cache(maxsize=16)
 def schedule_gyro(procedure: GyroProcedure) -> Schedule:
     """Lay out the rate turns, + before -, then the dwells: Zhao 2019, 1.2.1, 1.2.2."""
     turn = 2.0 * pi * procedure.turns / procedure.rate  # [s]
@@ -94,6 +96,7 @@ def schedule_gyro(procedure: GyroProcedure) -> Schedule:
     return _back_to_back([*turns, *dwells], procedure.pause)
 
 
+@lru_cache(maxsize=16)
 def schedule_accelerometer(procedure: AccelerometerProcedure) -> Schedule:
     """Lay out the twelve dwells, each face twice in a row: Zhao 2019, 1.2.3."""
     faces = [

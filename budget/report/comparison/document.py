@@ -8,7 +8,7 @@ import json
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from budget.report.comparison.tables import tables
+from budget.report.comparison.tables import lists, ranks
 from budget.results import SCHEMA
 
 if TYPE_CHECKING:
@@ -51,9 +51,9 @@ def to_dict(comparison: Comparison) -> dict[str, Any]:
         "inputs": [asdict(file) for file in comparison.inputs],
         "settings": asdict(comparison.settings),
         "devices": [
-            _device(row.of, row.rank)
-            for table in tables(comparison)
-            for row in table.rows
+            _device(one, rank)
+            for devices in lists(comparison).values()
+            for one, rank in zip(devices, ranks(devices), strict=True)
         ],
         "pairs": [_pair(pair) for pair in comparison.pairs],
         "assumptions": list(comparison.assumptions),
@@ -78,19 +78,19 @@ def to_csv(comparison: Comparison) -> str:
     text = io.StringIO()
     writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
     writer.writeheader()
-    for table in tables(comparison):
-        for row in table.rows:
-            for output in row.of.outputs:
+    for (sensor, procedure), devices in lists(comparison).items():
+        for one, rank in zip(devices, ranks(devices), strict=True):
+            for output in one.outputs:
                 writer.writerow(
                     {
-                        "procedure": table.procedure,
-                        "sensor": table.sensor,
-                        "rank": _number(row.rank),
-                        "device": row.device,
-                        "file": row.of.file,
-                        "verdict": row.verdict,
-                        "device_utilisation": row.of.utilisation,
-                        "device_conformance": row.of.conformance.value,
+                        "procedure": procedure,
+                        "sensor": sensor,
+                        "rank": _number(rank),
+                        "device": one.name,
+                        "file": one.file,
+                        "verdict": one.verdict,
+                        "device_utilisation": one.utilisation,
+                        "device_conformance": one.conformance.value,
                         **_output(output),
                     }
                 )

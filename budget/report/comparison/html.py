@@ -39,7 +39,7 @@ from budget.studies.comparison.figures_of_merit import MERITS
 from budget.version import __version__
 
 if TYPE_CHECKING:
-    from budget.report.comparison.tables import Row, SideRow, Table
+    from budget.report.comparison.tables import Row, Table
     from budget.studies.comparison.records import Comparison, Pair, RequiredOutput
 
 
@@ -122,17 +122,18 @@ def render_html(comparison: Comparison, *, date: str) -> str:
         "words": words,
         "first_up": lambda text: text[:1].upper() + text[1:],
     }
-    sections = [
-        _section(table, place) for place, table in enumerate(tables(comparison))
-    ]
+    found = tables(comparison)
     several = len(comparison.procedures) > 1
     return environment.get_template("comparison.html.j2").render(
         comparison=comparison,
         coverage=print_coverage(comparison.settings.coverage),
-        verdicts=verdict_lines(comparison),
+        verdicts=verdict_lines(found),
         several=several,
-        sides=_sides(comparison) if several else (),
-        sections=sections,
+        sides=[
+            (sensor, side_by_side(found, sensor))
+            for sensor in (comparison.required if several else ())
+        ],
+        sections=[_section(table, place) for place, table in enumerate(found)],
         pairs=[_pair_cells(pair) for pair in comparison.pairs[:PAIRS_SHOWN]],
         missing=missing_lines(comparison),
         advice=advice_lines(comparison),
@@ -209,13 +210,6 @@ def _cell(output: RequiredOutput) -> Cell:
         part=Number(text=print_parts(part, (part, part))[0], exact=part),
         error=f"{error} {output.output.unit} of {output.printed_limit}",
         is_within=part <= 1.0,
-    )
-
-
-def _sides(comparison: Comparison) -> tuple[tuple[str, tuple[SideRow, ...]], ...]:
-    """Return each sensor with its devices under all procedures."""
-    return tuple(
-        (sensor, side_by_side(comparison, sensor)) for sensor in comparison.required
     )
 
 

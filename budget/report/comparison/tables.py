@@ -154,29 +154,34 @@ def find_column(name: str) -> Column:
     )
 
 
+def lists(comparison: Comparison) -> dict[tuple[str, str], list[DeviceVerdict]]:
+    """Return the devices by (sensor, procedure), sensor by sensor, best first."""
+    found: dict[tuple[str, str], list[DeviceVerdict]] = {
+        (sensor, procedure): []
+        for sensor in comparison.required
+        for procedure in comparison.procedures
+    }
+    for one in comparison.devices:
+        found[one.sensor, one.procedure].append(one)
+    return found
+
+
 def tables(comparison: Comparison, *, sort: Column | None = None) -> tuple[Table, ...]:
     """Return a table for each sensor and procedure, best first or by a column."""
-    lists: dict[tuple[str, str], list[DeviceVerdict]] = {}
-    for one in comparison.devices:
-        lists.setdefault((one.sensor, one.procedure), []).append(one)
     found = []
-    for (sensor, procedure), devices in lists.items():
+    for (sensor, procedure), devices in lists(comparison).items():
         rows = [
             _row(one, rank) for one, rank in zip(devices, ranks(devices), strict=True)
         ]
         if sort is not None:
             rows.sort(key=sort.order)
         found.append(Table(sensor=sensor, procedure=procedure, rows=tuple(rows)))
-    # Sensor by sensor, as everywhere else; procedures in the order they were given.
-    found.sort(key=lambda table: comparison.required.index(table.sensor))
     return tuple(found)
 
 
-def side_by_side(
-    comparison: Comparison, sensor: str, *, sort: Column | None = None
-) -> tuple[SideRow, ...]:
+def side_by_side(found: Sequence[Table], sensor: str) -> tuple[SideRow, ...]:
     """Return the devices with one sensor under all procedures, as under the first."""
-    own = [table for table in tables(comparison, sort=sort) if table.sensor == sensor]
+    own = [table for table in found if table.sensor == sensor]
     cells = {
         (row.of.place, table.procedure): f"{row.utilisation} {row.verdict}"
         for table in own
@@ -185,7 +190,7 @@ def side_by_side(
     return tuple(
         SideRow(
             device=row.device,
-            cells=tuple(cells[row.of.place, p] for p in comparison.procedures),
+            cells=tuple(cells[row.of.place, table.procedure] for table in own),
         )
         for row in own[0].rows
     )
@@ -326,16 +331,16 @@ def cap_lines(comparison: Comparison) -> tuple[str, ...]:
     )
 
 
-def verdict_lines(comparison: Comparison) -> tuple[str, ...]:
+def verdict_lines(found: Sequence[Table]) -> tuple[str, ...]:
     """Say for each sensor and procedure who is best, or that nobody meets."""
-    several = len(comparison.procedures) > 1
-    found = []
-    for table in tables(comparison):
-        best = table.rows[0]
+    several = len({table.procedure for table in found}) > 1
+    lines = []
+    for table in found:
+        meets = [row for row in table.rows if row.of.verdict == "meets"]
         place = f"{table.sensor}, {table.procedure}" if several else table.sensor
-        if best.of.verdict == "meets":
+        said = "no device meets"
+        if meets:
+            best = min(meets, key=COLUMNS[0].order)
             said = f"{best.device} is best, {best.utilisation} % of the limit"
-        else:
-            said = "no device meets"
-        found.append(f"{place}: {said} ({table.counts})")
-    return tuple(found)
+        lines.append(f"{place}: {said} ({table.counts})")
+    return tuple(lines)

@@ -71,17 +71,18 @@ def render_comparison(
     """
     page = _Page(console)
     page.line(f"Against {comparison.requirement}", style="bold")
-    for text in verdict_lines(comparison):
+    found = tables(comparison, sort=sort)
+    several = len(comparison.procedures) > 1
+    for text in verdict_lines(found):
         page.paragraph(text, first="- ")
-    if len(comparison.procedures) > 1:
-        for sensor in comparison.required:
-            page.line()
-            _print_side_by_side(comparison, sensor, page, sort)
-    for table in tables(comparison, sort=sort):
+    for sensor in comparison.required if several else ():
         page.line()
-        _print_table(table, page, several=len(comparison.procedures) > 1)
+        _print_side_by_side(found, sensor, page)
+    for table in found:
+        page.line()
+        _print_table(table, page, several=several)
     page.line()
-    page.paragraph(_legend(comparison, sort))
+    page.paragraph(_legend(found))
     _print_pairs(comparison, page)
     for label, lines in (
         ("In the place of missing lines", missing_lines(comparison)),
@@ -126,9 +127,9 @@ def _print_table(table: Table, page: _Page, *, several: bool) -> None:
     _print_lines(page, *_set(table.rows, why))
 
 
-def _legend(comparison: Comparison, sort: Column | None) -> str:
+def _legend(found: Sequence[Table]) -> str:
     """Explain the columns that are there."""
-    rows = [row for table in tables(comparison, sort=sort) for row in table.rows]
+    rows = [row for table in found for row in table.rows]
     said = []
     for key, text in LEGEND.items():
         if key:
@@ -183,17 +184,16 @@ def _print_lines(page: _Page, head: str, lines: Iterable[str]) -> None:
         page.line(line)
 
 
-def _print_side_by_side(
-    comparison: Comparison, sensor: str, page: _Page, sort: Column | None
-) -> None:
+def _print_side_by_side(found: Sequence[Table], sensor: str, page: _Page) -> None:
     """Print one table with a column for each procedure."""
-    rows = side_by_side(comparison, sensor, sort=sort)
+    rows = side_by_side(found, sensor)
+    procedures = [table.procedure for table in found if table.sensor == sensor]
     page.line(
         f"{sensor.capitalize()}: % of limit and verdict by procedure",
         style="bold underline",
     )
     columns: list[Sequence[str]] = [[cut(row.device) for row in rows]]
-    for place in range(len(comparison.procedures)):
+    for place in range(len(procedures)):
         pairs = [row.cells[place].split(" ") for row in rows]
         numbers = align_decimals([number for number, _ in pairs])
         widest = max(len(number) for number in numbers)
@@ -203,14 +203,14 @@ def _print_side_by_side(
                 for number, (_, word) in zip(numbers, pairs, strict=True)
             ]
         )
-    heads = ["device", *(cut(name) for name in comparison.procedures)]
+    heads = ["device", *(cut(name) for name in procedures)]
     width = len(_set_columns(heads, columns)[0])
     if width <= page.width:
         _print_lines(page, *_set_columns(heads, columns))
         return
     for row in rows:
         page.line(cut(row.device))
-        for name, cell in zip(comparison.procedures, row.cells, strict=True):
+        for name, cell in zip(procedures, row.cells, strict=True):
             page.paragraph(f"{name}: {cell}", first=" " * GAP)
 
 

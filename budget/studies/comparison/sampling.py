@@ -127,14 +127,7 @@ def judge_by_law(
         ndtr((limits - mean) / safe) - ndtr((-limits - mean) / safe),
         np.abs(mean) <= limits,
     )
-    # Means and covariance scaled by the limits: the box becomes the unit cube.
-    values, vectors = np.linalg.eigh(
-        law.covariance[np.ix_(rows, rows)] / np.outer(limits, limits)
-    )
-    factor = vectors * np.sqrt(np.maximum(values, 0.0))
-    with one_blas_thread():
-        y = factor @ _unit_normals(seed, rows.size) + (mean / limits)[:, None]
-    joint = int((np.abs(y) <= 1.0).all(axis=0).sum())
+    joint = _count_inside(law, rows, limits, seed)
     return Judged(
         largest_error=largest,
         utilisation_low=utilisation,
@@ -166,12 +159,40 @@ def probability_smaller(a: Array, b: Array) -> float:
     return float(stdtr(n - 1, -mean / (spread / sqrt(n))))
 
 
+def _count_inside(law: Propagation, rows: Array, limits: Array, seed: int) -> int:
+    """Return how many of NORMAL_TRIALS draws of the law lie within all limits."""
+    normals = _unit_normals(seed, rows.size)
+    # Scaled by the limits: the box becomes the unit cube.
+    mean = law.mean[rows] / limits
+    covariance = law.covariance[np.ix_(rows, rows)] / np.outer(limits, limits)
+    reach = normals.longest * np.sqrt(np.diag(covariance))
+    if (np.abs(mean) + reach <= 1.0).all():  # no draw is long enough to get out
+        return NORMAL_TRIALS
+    values, vectors = np.linalg.eigh(covariance)
+    factor = vectors * np.sqrt(np.maximum(values, 0.0))
+    inside = 0
+    with one_blas_thread():
+        for start in range(0, NORMAL_TRIALS, BLOCK):  # blocks stay in the cache
+            y = factor @ normals.z[:, start : start + BLOCK]
+            y += mean[:, None]
+            inside += int((np.abs(y, out=y).max(axis=0) <= 1.0).sum())
+    return inside
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Normals:
+    """Independent unit normals that all devices share."""
+
+    z: Array  # shape (n, NORMAL_TRIALS)
+    longest: float  # the largest norm of a draw
+
+
 @lru_cache(maxsize=4)
-def _unit_normals(seed: int, n: int) -> Array:
-    """Return independent unit normals, shape (n, NORMAL_TRIALS): all devices' own."""
+def _unit_normals(seed: int, n: int) -> _Normals:
+    """Draw unit normals for n outputs."""
     z = stream(seed, "joint conformance", 0).standard_normal((n, NORMAL_TRIALS))
     z.flags.writeable = False
-    return z
+    return _Normals(z=z, longest=float(np.sqrt((z**2).sum(axis=0).max())))
 
 
 def _utilisation(ordered: Array, limits: Array, coverage: float) -> float:
