@@ -106,9 +106,10 @@ def propagate(problem: Problem) -> Propagation:
 
     first_order = C @ U_x @ C.T  # JCGM 102:2011, 6.2.1.3
     HU = H @ U_x
-    second = 0.5 * np.einsum("kij,lji->kl", HU, HU)
+    UH = HU.transpose(0, 2, 1)
+    second = 0.5 * np.tensordot(HU, UH, axes=((1, 2), (1, 2)))
     # Per pair of sources: 1/2 sum over i in one, j in the other of (HU)_ij (HU)_ji.
-    pair = 0.5 * HU * HU.transpose(0, 2, 1)
+    pair = 0.5 * HU * UH
     excess = _excess(problem)
     diagonal = np.einsum("kii->ki", H)
     second += np.einsum("ki,li,i->kl", diagonal, diagonal, excess)

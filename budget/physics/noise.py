@@ -8,6 +8,7 @@ nothing has to be sampled in time.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import factorial
 from typing import TYPE_CHECKING, Protocol
 
@@ -95,7 +96,7 @@ class GaussMarkov:
         2 sigma^2 (tau/L)^2 (L/tau - 1 + e^(-L/tau)) on the diagonal, sigma^2
         tau^2/(L_a L_b) e^(-gap/tau) (1 - e^(-L_a/tau)) (1 - e^(-L_b/tau)) beside it.
         """
-        return self.sigma**2 * self._shape(schedule, less=0.0)
+        return self.sigma**2 * _shape(schedule, self.correlation_time, less=0.0)
 
     def reduce(self, schedule: Schedule, weights: Array) -> Array:
         """Return the covariance of weighted window averages; see Process.
@@ -105,27 +106,33 @@ class GaussMarkov:
         the matrices are multiplied: its weight is the sum of a row, exactly 0 for a
         difference.
         """
-        if self.correlation_time > schedule.lengths.max():
+        tau = self.correlation_time
+        if tau > schedule.lengths.max():
             constant = weights.sum(axis=1)
-            rest = weights @ self._shape(schedule, less=1.0) @ weights.T
+            rest = weights @ _shape(schedule, tau, less=1.0) @ weights.T
             C = np.outer(constant, constant) + rest
         else:
-            C = weights @ self._shape(schedule, less=0.0) @ weights.T
+            C = weights @ _shape(schedule, tau, less=0.0) @ weights.T
         return np.asarray(self.sigma**2 * C)
 
-    def _shape(self, schedule: Schedule, *, less: float) -> Array:
-        """Return covariance / sigma^2 minus 0 or 1, shape (n, n), to rounding."""
-        tau = self.correlation_time
-        starts, lengths = schedule.starts, schedule.lengths
-        ends, x = starts + lengths, lengths / tau
-        later_start = np.maximum(starts[:, None], starts[None, :])
-        earlier_end = np.minimum(ends[:, None], ends[None, :])
-        gap = np.maximum(later_start - earlier_end, 0.0) / tau
-        log_mean = _log_mean_exponential(x)
-        exponent = log_mean[:, None] + log_mean[None, :] - gap
-        C: Array = np.expm1(exponent) if less else np.exp(exponent)
-        np.fill_diagonal(C, _variance(x, less=less))
-        return C
+
+@lru_cache(maxsize=256)
+def _shape(schedule: Schedule, tau: float, *, less: float) -> Array:
+    """Return covariance / sigma^2 minus 0 or 1, shape (n, n), to rounding.
+
+    Kept: axes and devices mostly share their schedule and their correlation time.
+    """
+    starts, lengths = schedule.starts, schedule.lengths
+    ends, x = starts + lengths, lengths / tau
+    later_start = np.maximum(starts[:, None], starts[None, :])
+    earlier_end = np.minimum(ends[:, None], ends[None, :])
+    gap = np.maximum(later_start - earlier_end, 0.0) / tau
+    log_mean = _log_mean_exponential(x)
+    exponent = log_mean[:, None] + log_mean[None, :] - gap
+    C: Array = np.expm1(exponent) if less else np.exp(exponent)
+    np.fill_diagonal(C, _variance(x, less=less))
+    C.flags.writeable = False
+    return C
 
 
 def _log_mean_exponential(x: Array) -> Array:
