@@ -125,28 +125,37 @@ def _source_cells(
     rows: Sequence[SourceAllotment], *, feasible: bool
 ) -> list[list[str]]:
     """Return head and rows of the allocation table."""
+    marks = [_mark(row) for row in rows]
     head = ["line", "now", *(["allowed"] if feasible else []), "unit"]
-    head += ["change", "stopped by", ""] if feasible else [""]
-    cells = [head]
-    for row in rows:
-        now = print_given(row.now / row.si_per_unit)
-        cell = [source_title(row.source), now]
+    head += ["change", "stopped by"] if feasible else []
+    cells = [[*head, ""] if any(marks) else head]
+    for row, mark in zip(rows, marks, strict=True):
+        cell = [source_title(row.source), print_given(row.now / row.si_per_unit)]
         if feasible and row.allowed is not None:
-            cell.append(print_given(row.allowed / row.si_per_unit, digits=DIGITS))
+            star = "*" if row.is_beyond_market else ""
+            size = row.allowed / row.si_per_unit
+            cell.append(print_given(size, digits=DIGITS) + star)
         cell.append(row.unit.translate(PLAIN))
         if feasible:
-            stop = row.binding_output
-            cell += [
-                print_change(row),
-                "-" if stop is None else output_title(stop.partition(".")[2]),
-            ]
-        cell.append("" if row.status == FREE else row.status)
-        if row.at_ceiling or row.at_least:
-            cell[-1] = "ceiling" if row.at_ceiling else "least"
-        elif feasible and row.is_beyond_market:
-            cell[-1] = "*"
-        cells.append(cell)
+            cell += [print_change(row), _short(row.binding_output)]
+        cells.append([*cell, mark] if any(marks) else cell)
     return cells
+
+
+def _mark(row: SourceAllotment) -> str:
+    """Return what is special about a source, in a word or two."""
+    if row.status != FREE:
+        return row.status
+    if row.at_ceiling:
+        return "ceiling"
+    return "least" if row.at_least else ""
+
+
+def _short(name: str | None) -> str:
+    """Name an output of a sensor that stands above: 'angle xy', 'bias z'."""
+    if name is None:
+        return "-"
+    return output_title(name.partition(".")[2]).removeprefix("mounting ")
 
 
 def _part_cells(outputs: Sequence[LimitedOutput], *, feasible: bool) -> list[list[str]]:
@@ -189,7 +198,7 @@ def _headroom_cells(rows: Sequence[SourceAllotment]) -> list[list[str]]:
                 print_given(row.now / row.si_per_unit),
                 up_to,
                 row.unit.translate(PLAIN),
-                "nothing" if stop is None else output_title(stop.partition(".")[2]),
+                "nothing" if stop is None else _short(stop),
             ]
         )
     return cells
