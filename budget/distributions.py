@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.errors import ProblemError
+
 if TYPE_CHECKING:
     from budget.arrays import Array
 
@@ -33,27 +35,6 @@ class Distribution:
     kurtosis: float
     degrees_of_freedom: float = inf
 
-    def draw(self, rng: np.random.Generator, out: Array) -> None:
-        """Fill `out` (any shape, C-contiguous) with independent variates [u]."""
-        if self.name == "normal":
-            rng.standard_normal(out=out)
-            return
-        if self.name == "student_t":  # JCGM 101:2008, 6.4.9
-            out[...] = rng.standard_t(self.degrees_of_freedom, out.shape)
-            return
-        rng.random(out=out)
-        if self.name == "uniform":  # JCGM 101:2008, 6.4.2
-            out -= 0.5
-            out *= 2.0 * self.half_width
-        elif self.name == "triangular":  # JCGM 101:2008, 6.4.5: two rectangular ones
-            out += rng.random(out.shape)
-            out -= 1.0
-            out *= self.half_width
-        else:  # arcsine, JCGM 101:2008, 6.4.6
-            out *= 2.0 * pi
-            np.sin(out, out=out)
-            out *= self.half_width
-
     def quantile(self, p: Array) -> Array:
         """Return the inverse of the distribution function, same shape as p [u]."""
         if self.name == "normal":
@@ -69,7 +50,11 @@ class Distribution:
         if self.name == "triangular":
             tail = np.minimum(p, 1.0 - p)
             return np.copysign(1.0 - np.sqrt(2.0 * tail), p - 0.5) * self.half_width
-        return np.sin(pi * (p - 0.5)) * self.half_width  # arcsine
+        if self.name == "arcsine":
+            return np.asarray(np.sin(pi * (p - 0.5)) * self.half_width)
+        raise ProblemError(
+            f"there is no distribution {self.name!r}; take one of budget.distributions"
+        )
 
 
 NORMAL = Distribution("normal", inf, 3.0)
@@ -89,7 +74,16 @@ def student_t(degrees_of_freedom: float) -> Distribution:
     ----------
     degrees_of_freedom : float
         v, above 0.
+
+    Raises
+    ------
+    ProblemError
+        v is not above 0.
     """
+    if not degrees_of_freedom > 0.0:
+        raise ProblemError(
+            f"{degrees_of_freedom} degrees of freedom, expected a number above 0"
+        )
     return Distribution("student_t", inf, 3.0, degrees_of_freedom)
 
 

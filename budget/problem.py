@@ -82,8 +82,10 @@ class Group:
                 f"{where}: correlated inputs must be normal; "
                 "put inputs of other shapes into groups without correlation"
             )
-        for array in (self.mean, self.covariance):
+        for name in ("mean", "covariance"):  # own copies, that nobody can change
+            array = np.array(getattr(self, name), dtype=float)
             array.flags.writeable = False
+            object.__setattr__(self, name, array)
 
     @classmethod
     def independent(
@@ -96,6 +98,11 @@ class Group:
     ) -> Group:
         """Make a group of uncorrelated inputs from standard uncertainties [SI]."""
         u_x = np.atleast_1d(np.array(u, dtype=float))
+        if (u_x < 0.0).any():
+            raise ProblemError(
+                f"input group {name!r}: a standard uncertainty is {u_x.min()}, "
+                "expected 0 or more"
+            )
         shapes = (
             (distribution,) * u_x.size
             if isinstance(distribution, Distribution)
@@ -187,12 +194,12 @@ class Problem:
         What the function returns, in its order.
     function : callable, (n_inputs, trials) -> (n_outputs, trials)
         The model [SI]. Plain numpy arithmetic that keeps the dtype of its argument:
-        the methods pass float, complex and object arrays through it.
+        the methods pass float arrays and arrays of Taylor numbers through it.
 
     Raises
     ------
     ProblemError
-        A name stands twice, or there are no groups or no outputs.
+        A name stands twice, or there are no outputs.
     """
 
     groups: tuple[Group, ...]
@@ -201,12 +208,12 @@ class Problem:
 
     def __post_init__(self) -> None:
         """Check names; shapes are checked where the function is first called."""
+        if not self.outputs:
+            raise ProblemError("a Problem needs at least one output")
         for kind, names in (
             ("input group", [g.name for g in self.groups]),
             ("output", [o.name for o in self.outputs]),
         ):
-            if not names:
-                raise ProblemError(f"a Problem needs at least one {kind}")
             twice = sorted({n for n in names if names.count(n) > 1})
             if twice:
                 raise ProblemError(f"{kind} named twice: {', '.join(twice)}")
@@ -224,7 +231,7 @@ class Problem:
     @cached_property
     def slices(self) -> tuple[slice, ...]:
         """Rows of the input array that belong to each group."""
-        ends = np.cumsum([group.size for group in self.groups])
+        ends = np.cumsum([group.size for group in self.groups], dtype=int)
         return tuple(
             slice(int(end) - group.size, int(end))
             for end, group in zip(ends, self.groups, strict=True)
@@ -233,7 +240,7 @@ class Problem:
     @cached_property
     def mean(self) -> Array:
         """Best estimates of all inputs, shape (n_inputs,) [SI]."""
-        return np.concatenate([group.mean for group in self.groups])
+        return np.concatenate([np.empty(0), *(group.mean for group in self.groups)])
 
     def evaluate(self, x: Array) -> Array:
         """Call the function and hold it to its shape.

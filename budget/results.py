@@ -64,6 +64,8 @@ class Validation:
     difference_low: float  # of the lower interval ends [SI unit of the output]
     difference_high: float  # of the upper interval ends [SI unit of the output]
     tolerance: float  # numerical tolerance, JCGM 101:2008, 7.9.2 [same]
+    interval: tuple[float, float]  # the Monte Carlo one [same]
+    reached: float  # what Monte Carlo itself has settled to [same]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -119,7 +121,7 @@ class Settings:
     interval: str
     reference: str
     formulas: str
-    normals_per_trial: int
+    normals_per_trial: int | None
     only: tuple[str, ...] = ()
     digits: int = 1  # that adaptive trials and validation make sure
     sobol_samples: int | None = None  # points in one scramble
@@ -244,6 +246,8 @@ def _output_document(row: OutputBudget) -> dict[str, Any]:
             "difference_low": row.validation.difference_low / scale,
             "difference_high": row.validation.difference_high / scale,
             "tolerance": row.validation.tolerance / scale,
+            "interval": [end / scale for end in row.validation.interval],
+            "reached": row.validation.reached / scale,
         }
     return {
         "sensor": row.sensor,
@@ -288,6 +292,7 @@ class OutputAssessment:
     printed_limit: str  # as the requirement file gives it
     largest_error: float  # largest absolute end of the coverage interval
     utilisation: float  # largest error over limit [1]
+    by_monte_carlo: bool = False  # because the law failed its check there
 
     @property
     def is_within(self) -> bool:
@@ -305,6 +310,7 @@ class SensorAssessment:
     worst_output: str  # dotted name
     limiting_source: str  # dotted name
     expected_missing: tuple[str, ...]  # lines that a 'meets' cannot do without
+    advice: str = ""  # what would make the verdict surer
 
 
 @dataclass(frozen=True, kw_only=True)

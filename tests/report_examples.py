@@ -157,6 +157,8 @@ def make_outputs(sensor, groups, **options):
                 difference_low=0.0001 * scale,
                 difference_high=0.0001 * scale,
                 tolerance=0.5 * scale,
+                reached=0.05 * scale,
+                interval=(-0.1 * scale, 0.1 * scale),
             )
             outputs.append(
                 make_output(

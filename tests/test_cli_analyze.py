@@ -89,7 +89,7 @@ def test_a_second_digit_takes_more_trials():
 def test_too_few_trials_allowed_is_said():
     """Stopped by `--max-trials`, a result carries a warning that names the option."""
     document = analyze(
-        *("--method", "monte-carlo", "--digits", "2", "--max-trials", "20000")
+        *("--method", "monte-carlo", "--digits", "2", "--max-trials", "30000")
     )
 
     assert any("--max-trials" in text for text in document["warnings"])

@@ -87,7 +87,7 @@ CONTRACT = record(
         interval={"enum": ["symmetric", "shortest"]},
         reference={"enum": ["nominal", "as_tested", "next_turn_on"]},
         formulas={"enum": ["corrected", "paper"]},
-        normals_per_trial=COUNT,
+        normals_per_trial={"anyOf": [COUNT, {"type": "null"}]},
         only=TEXTS,
     ),
     outputs={

@@ -69,7 +69,6 @@ def test_factor_reproduces_the_covariance(covariance):
 @pytest.mark.parametrize(
     ("groups", "outputs", "words"),
     [
-        ((), ("y",), "input group"),
         (("a",), (), "output"),
         (("a", "a"), ("y",), "twice: a"),
         (("a",), ("y", "y"), "twice: y"),

@@ -7,10 +7,10 @@ from dataclasses import replace
 import pytest
 from report_examples import GYRO, make_budget, make_output, make_outputs
 
+from budget.report.not_given import NOTHING, not_given_lines
 from budget.report.tables import (
     align_decimals,
     group_tables,
-    not_given_lines,
     output_title,
     print_causes,
     print_given,
@@ -264,6 +264,8 @@ def test_validation_names_the_axis_that_fails():
         difference_low=0.011,
         difference_high=0.002,
         tolerance=0.005,
+        reached=0.001,
+        interval=(-0.19, 0.2),
     )
     output = make_output(
         "gyro",
@@ -298,12 +300,18 @@ def test_not_given_says_what_it_could_change():
         "gyro.scale_factor_asymmetry",
     ]
 
-    assert not_given_lines(names) == (
-        (
-            "gyro rate random walk, scale factor asymmetry: "
-            "could widen scale factors, mounting angles and biases"
-        ),
+    wide = (
+        "gyro rate random walk, scale factor asymmetry: "
+        "could widen scale factors, mounting angles and biases"
+    )
+    assert not_given_lines(names, "nominal") == (
+        wide,
         "gyro scale factor nonlinearity: could widen scale factors",
+    )
+    # The reference of a later turn-on has the same nonlinearity.
+    assert not_given_lines(names, "next_turn_on") == (
+        wide,
+        f"gyro scale factor nonlinearity: {NOTHING}",
     )
 
 

@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 from threadpoolctl import ThreadpoolController
 
+from budget.distributions import NORMAL
 from budget.errors import WorkerError
 
 if TYPE_CHECKING:
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.problem import Group, Problem
 
+LEAST = 2.0**-54  # in place of a uniform number 0, where a normal quantile is infinite
 BLOCK = 4096  # trials; inputs of a block (some 2 MB) stay in the cache
 
 Task = TypeVar("Task")
@@ -90,13 +92,18 @@ def draw(problem: Problem, seed: int, block: int, out: Array) -> Array:
 
 
 def _draw_unit(group: Group, rng: np.random.Generator, out: Array) -> None:
-    """Fill `out`, shape (n, BLOCK), with variates of unit standard uncertainty."""
-    shapes = group.distributions
-    if len(set(shapes)) == 1:
-        shapes[0].draw(rng, out)
+    """Fill `out`, shape (n, BLOCK), with variates of unit standard uncertainty.
+
+    Normal ones by numpy's own method. In a group with any other shape every input is
+    the quantile of one uniform number, so that no input's shape moves another's draws.
+    """
+    if all(shape == NORMAL for shape in group.distributions):
+        rng.standard_normal(out=out)
         return
-    for shape, row in zip(shapes, out, strict=True):
-        shape.draw(rng, row)
+    rng.random(out=out)
+    np.maximum(out, LEAST, out=out)
+    for shape, row in zip(group.distributions, out, strict=True):
+        row[:] = shape.quantile(row)
 
 
 @contextmanager
@@ -177,7 +184,9 @@ def in_order(
     except (BrokenExecutor, CancelledError):
         raise WorkerError(
             "a worker died before its task was done, or its scheduler did; nothing was "
-            "computed with what it left. Often memory ran out: use fewer workers"
+            "computed with what it left. A script that asks for workers needs its "
+            "calls under `if __name__ == '__main__':`; else memory may have run out: "
+            "use fewer"
         ) from None
     finally:
         for future in under_way:

@@ -7,7 +7,7 @@ stop depends on who computed them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial, reduce
 from itertools import chain
 from math import ceil
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.errors import ProblemError
+from budget.errors import CallError, ProblemError
 from budget.methods.execution import (
     BLOCK,
     draw,
@@ -25,7 +25,7 @@ from budget.methods.execution import (
     one_blas_thread,
 )
 from budget.methods.gathering import EXACT_TRIALS, Gathering, MacroBlock, Moments
-from budget.methods.intervals import Grid, interval_of_values
+from budget.methods.intervals import KINDS, Grid, interval_of_values
 from budget.methods.tolerance import numerical_tolerance
 
 if TYPE_CHECKING:
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from budget.problem import Problem
 
 MAX_TRIALS = EXACT_TRIALS  # of an adaptive run that is not told otherwise
+LEAST_TRIALS = 2  # have a spread
 LEAST_MACRO_BLOCK = 10_000  # trials, JCGM 101:2008, 7.9.4 b)
 AHEAD = 2  # tasks under way for each worker
 # Macro-blocks in a task: one takes some 10 ms, sending a task 1 ms to a process of this
@@ -58,7 +59,7 @@ class Sample:
         JCGM 101:2008, eq. (17); JCGM 102:2011, 7.6 for several outputs.
     interval : ndarray, shape (n_out, 2)
         JCGM 101:2008, 7.7.
-    tolerance : ndarray, shape (n_out,)
+    tolerance : ndarray, shape (n_out,), or None
         What adaptive trials are to settle to.
     reached : ndarray, shape (n_out,), or None
         What they have settled to: twice the standard error of the least settled of
@@ -70,7 +71,7 @@ class Sample:
     mean: Array
     covariance: Array
     interval: Array
-    tolerance: Array
+    tolerance: Array | None
     reached: Array | None
 
     @property
@@ -81,7 +82,7 @@ class Sample:
     @property
     def is_settled(self) -> Array:
         """Whether each output has settled, shape (n_out,); a fixed run always has."""
-        if self.reached is None:
+        if self.reached is None or self.tolerance is None:
             return np.ones(self.mean.shape, dtype=bool)
         return np.asarray(self.reached <= self.tolerance)
 
@@ -162,36 +163,52 @@ def sample(
 
     Raises
     ------
+    CallError
+        An argument means nothing, or max_trials is too few for the coverage.
+    ProblemError
+        The function returned a value that is not finite.
     WorkerError
         A worker died, or the model cannot be sent to it.
     """
+    _check(trials, digits, coverage, interval)
+    adaptive = trials is None
+    least = 100.0 / (1.0 - coverage) if adaptive else 0.0  # 7.9.4 b)
     plan = _Plan(
         seed=seed,
-        blocks=ceil(max(LEAST_MACRO_BLOCK, 100.0 / (1.0 - coverage)) / BLOCK),
+        blocks=ceil(max(LEAST_MACRO_BLOCK, least) / BLOCK),
         coverage=coverage,
         interval=interval,
-        adaptive=trials is None,
+        adaptive=adaptive,
     )
-    # An adaptive run needs two macro-blocks to see a spread.
-    most = max(max_trials // plan.size, 2) * plan.size if trials is None else trials
+    if adaptive and max_trials < least_trials(coverage):
+        raise CallError(
+            f"adaptive trials at coverage {coverage:g} take at the least "
+            f"{least_trials(coverage)} (two macro-blocks of JCGM 101, 7.9.4), but "
+            f"max_trials is {max_trials}; raise it, or give a number of trials"
+        )
+    most = max_trials // plan.size * plan.size if trials is None else trials
     exact = trials is None or trials <= EXACT_TRIALS
     gathering: Gathering | None = None
 
-    def tasks() -> Iterator[tuple[_Task, ...]]:
-        each = [
-            _Task(index=index, trials=min(plan.size, most - start), grid=None)
-            for index, start in enumerate(range(0, most, plan.size))
-        ]
-        for place in range(0, len(each), bundle):
-            grid = None if gathering is None else gathering.grid
-            yield tuple(replace(t, grid=grid) for t in each[place : place + bundle])
+    def tasks(bundle: int) -> Iterator[tuple[_Task, ...]]:
+        for first in range(0, most, bundle * plan.size):
+            yield tuple(
+                _Task(
+                    index=start // plan.size,
+                    trials=min(plan.size, most - start),
+                    grid=None if gathering is None else gathering.grid,
+                )
+                for start in range(
+                    first, min(first + bundle * plan.size, most), plan.size
+                )
+            )
 
     with local_executor(1 if executor is not None else workers) as pool:
         doer = executor or pool
         bundle = REMOTE_BUNDLE if executor else LOCAL_BUNDLE if pool else 1
         work = partial(_macro_blocks, problem, plan)
         for block in chain.from_iterable(
-            in_order(work, tasks(), doer, ahead=AHEAD * workers)
+            in_order(work, tasks(bundle), doer, ahead=AHEAD * workers)
         ):
             if gathering is None:
                 gathering = Gathering(block, exact=exact)
@@ -199,7 +216,7 @@ def sample(
                 gathering.take(block)
             if progress is not None:
                 progress(gathering.moments.n, most)
-            if trials is None and _is_settled(gathering, problem, digits, part):
+            if adaptive and _is_settled(gathering, problem, digits, part):
                 break
     if gathering is None:
         raise ProblemError(f"a Monte Carlo run of {most} trials has no result")
@@ -208,9 +225,30 @@ def sample(
         mean=gathering.moments.mean,
         covariance=gathering.moments.covariance,
         interval=gathering.interval(coverage, interval),
-        tolerance=part * _tolerance(gathering, problem, digits),
+        tolerance=part * _tolerance(gathering, problem, digits) if adaptive else None,
         reached=gathering.reached() if trials is None else None,
     )
+
+
+def least_trials(coverage: float) -> int:
+    """Return what an adaptive run takes at the least: two macro-blocks, 7.9.4 b)."""
+    size = ceil(max(LEAST_MACRO_BLOCK, 100.0 / (1.0 - coverage)) / BLOCK) * BLOCK
+    return 2 * size
+
+
+def _check(trials: int | None, digits: int, coverage: float, interval: str) -> None:
+    """Refuse arguments that mean nothing, all at once."""
+    faults = []
+    if trials is not None and trials < LEAST_TRIALS:
+        faults.append(f"trials is {trials}, allowed: {LEAST_TRIALS} or more")
+    if digits < 1:
+        faults.append(f"digits is {digits}, allowed: 1 or more")
+    if not 0.0 < coverage < 1.0:
+        faults.append(f"coverage is {coverage!r}, allowed: above 0 and below 1")
+    if interval not in KINDS:
+        faults.append(f"interval is {interval!r}, allowed: {', '.join(KINDS)}")
+    if faults:
+        raise CallError("; ".join(faults))
 
 
 def _macro_blocks(
@@ -232,6 +270,11 @@ def _macro_block(problem: Problem, plan: _Plan, task: _Task) -> MacroBlock:
         y[:, start : start + BLOCK] = block
         moments.append(Moments.of(block))
     total = reduce(add, moments)
+    if not np.isfinite(total.deviations).all():
+        raise ProblemError(
+            "the function returned a value that is not finite; restrict its inputs, or "
+            "mend it where it overflows or divides by zero"
+        )
     settling = None
     if plan.adaptive:
         ends = interval_of_values(np.sort(y), plan.coverage, plan.interval)

@@ -14,12 +14,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from math import ceil, log2
+from math import ceil, isinf, log2
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.errors import ProblemError
+from budget.errors import CallError, ProblemError
 from budget.methods.execution import in_order, local_executor, one_blas_thread
 from budget.methods.gum import propagate
 
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 SAMPLES = 2048
 SCRAMBLES = 8
+LEAST_SCRAMBLES = 2  # an interval takes a spread
 CONFIDENCE = 0.95  # of the intervals over scrambles
 # A control variate helps where it is correlated with the model by more than 1/2; the
 # share of the linear part in the variance is the square of that correlation.
@@ -155,9 +156,20 @@ def sobol(
     ProblemError
         Nothing varies, or a correlated source would have to be split.
     """
+    if scrambles < LEAST_SCRAMBLES or samples < LEAST_SCRAMBLES:
+        raise CallError(
+            f"{samples} samples in {scrambles} scrambles: allowed are "
+            f"{LEAST_SCRAMBLES} or more of each"
+        )
     factors = _factors(problem, by_input=by_input)
     n = _power_of_two(samples)
-    linear = _linear_part(problem, factors) if control_variate else None
+    # A Student t variate has another variance than the u^2 that the law counts.
+    known = all(
+        isinf(shape.degrees_of_freedom)
+        for g in problem.groups
+        for shape in g.distributions
+    )
+    linear = _linear_part(problem, factors) if control_variate and known else None
     work = partial(
         _one_scramble, problem, factors, linear, _Draws(samples=n, seed=seed)
     )

@@ -92,7 +92,7 @@ class GyroCalibration:
         noise = rows.noise(x)
         epsilon = self._response_error(x, bias, angle, noise)
         response = read_response(epsilon, angle)
-        bias_error = self._bias_error(bias, angle, noise[:, -1], response)
+        bias_error = self._bias_error(bias, angle, noise[:, 3], response)
         return refer(x, rows, self.reference, response, bias_error)
 
     def _response_error(
@@ -105,7 +105,7 @@ class GyroCalibration:
         difference = noise[:, :3]  # n+ - n- by turn axis
         if not self.asymmetric:
             return np.asarray(self.gain * difference)
-        mean = noise[:, 3:6]  # (n+ + n-)/2 by turn axis
+        mean = noise[:, 4:7]  # (n+ + n-)/2 by turn axis
         Ka = self.rows.constant(x, "scale_factor_asymmetry")  # eqs. (15), (16)
         standing = np.stack(  # (M e_a)_i
             [e[:, None] + tilt(angle, e) for e in self.turn_earth], axis=1
@@ -175,8 +175,8 @@ def gyro_calibration(
 def _statistics(schedule: Schedule, *, asymmetric: bool) -> Array:
     """Return what eqs. (3), (4) use of the window averages, shape (k, n_windows).
 
-    Differences of the + and the - turn about x, y, z; with asymmetry their means too;
-    last the mean over the static dwells.
+    Differences of the + and the - turn about x, y, z; the mean over the static dwells;
+    with asymmetry the means of the + and the - turn too.
     """
     n = len(schedule.windows)
     difference, mean, static = np.zeros((3, n)), np.zeros((3, n)), np.zeros((1, n))
@@ -185,7 +185,7 @@ def _statistics(schedule: Schedule, *, asymmetric: bool) -> Array:
         difference[axis, plus], difference[axis, minus] = 1.0, -1.0
         mean[axis, plus] = mean[axis, minus] = 0.5
     static[0, schedule.azimuths] = 1.0 / len(schedule.azimuths)
-    return np.concatenate([difference, *([mean] if asymmetric else []), static])
+    return np.concatenate([difference, static, *([mean] if asymmetric else [])])
 
 
 def _mean_earth(

@@ -153,5 +153,5 @@ def _variance(x: Array, *, less: float) -> Array:
         2.0 * (-small) ** k / factorial(k + 2) for k in range(SERIES_TERMS, 0, -1)
     )  # the whole minus 1
     large = np.maximum(x, 1.0)
-    closed = 2.0 * (large + np.expm1(-large)) / large**2
+    closed = 2.0 / large * (1.0 + np.expm1(-large) / large)
     return np.asarray(np.where(x < 1.0, series + (1.0 - less), closed - less))

@@ -28,6 +28,7 @@ from budget.physics.schedule import Window, schedule_accelerometer, schedule_gyr
 if TYPE_CHECKING:
     from budget.spec.records import ErrorLine, Procedure, Sensor
 
+LEAST = 2.0**-54  # of a uniform number whose quantile is taken
 NEW_AT_TURN_ON = (
     "bias_repeatability",
     "scale_factor_repeatability",
@@ -74,7 +75,7 @@ def simulate(
 ) -> Array:
     """Simulate one run of the whole calibration.
 
-    CalibratedTriad
+    Parameters
     ----------
     sensors : tuple of Sensor
         At most one gyro and one accelerometer.
@@ -323,9 +324,8 @@ def _is_constant(line: ErrorLine) -> bool:
 
 def _draw(line: ErrorLine, rng: np.random.Generator) -> Array:
     """Draw a random constant, shape (3,) or (6,) [SI]."""
-    z = np.empty(line.u.size)
-    for i, distribution in enumerate(line.distributions):
-        distribution.draw(rng, z[i : i + 1])
+    p = rng.uniform(LEAST, 1.0, line.u.size)
+    z = [shape.quantile(p[i : i + 1])[0] for i, shape in enumerate(line.distributions)]
     return np.asarray(line.u * z)
 
 

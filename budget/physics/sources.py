@@ -29,6 +29,8 @@ CONSTANTS = (
     "scale_factor_nonlinearity",
     "scale_factor_asymmetry",
 )
+# Statistics of window averages that every triad uses: three differences and one mean.
+BASIC = 4
 REFERENCES = ("nominal", "as_tested", "next_turn_on")
 
 
@@ -37,8 +39,9 @@ class SourceRows:
     """Where each source of one triad stands among the rows of its inputs.
 
     A constant has one row an axis (or angle); under the reference `next_turn_on` the
-    rows of the later turn-on follow. A process has, axis after axis, one row for each
-    statistic of its window averages.
+    rows of the later turn-on follow. A process has one row for each statistic of its
+    window averages: axis after axis the BASIC ones, then axis after axis the others,
+    so that asymmetry, which needs more of them, moves no draws of the first.
     """
 
     constants: tuple[tuple[str, slice], ...]
@@ -80,11 +83,14 @@ class SourceRows:
 
     def noise(self, x: Array) -> Array:
         """Return the sum of all processes, shape (3, statistics, trials)."""
-        shape = (3, self.statistics, x.shape[1])
-        total = np.zeros(shape, dtype=x.dtype)
+        more = self.statistics - BASIC
+        total = np.zeros((3 * self.statistics, x.shape[1]), dtype=x.dtype)
         for rows in self.processes:
-            total += x[rows].reshape(shape)
-        return total
+            total += x[rows]
+        first = total[: 3 * BASIC].reshape(3, BASIC, -1)
+        if not more:
+            return first
+        return np.concatenate([first, total[3 * BASIC :].reshape(3, more, -1)], axis=1)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -198,9 +204,13 @@ def _process_group(
     n = n_axes * statistics
     covariance = np.zeros((n, n))
     for axis in range(n_axes if counts else 0):
-        block = slice(axis * statistics, (axis + 1) * statistics)
         process = process_of(line, axis, sample_rate)
-        covariance[block, block] = process.reduce(schedule, weights[axis])
+        more = statistics - BASIC
+        rows = np.r_[
+            axis * BASIC : (axis + 1) * BASIC,
+            n_axes * BASIC + axis * more : n_axes * BASIC + (axis + 1) * more,
+        ]
+        covariance[np.ix_(rows, rows)] = process.reduce(schedule, weights[axis])
     return Group(
         name=name,
         mean=np.zeros(n),

@@ -18,11 +18,11 @@ from budget.report.markup import (
     number_markup,
     script_safe,
 )
+from budget.report.not_given import not_given_lines
 from budget.report.tables import (
     SMALL_SHARE,
     Number,
     group_tables,
-    not_given_lines,
     output_title,
     print_causes,
     print_count,
@@ -85,6 +85,7 @@ class LimitRow:
     limit: str
     utilisation: Number
     is_within: bool
+    by_monte_carlo: bool  # the law failed its check there
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,6 +98,7 @@ class Verdict:
     limiting: str
     because: str  # shares of the variance of the worst output
     missing: tuple[str, ...]
+    advice: str  # what would make it surer
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -198,7 +200,7 @@ def render_html(
         groups=groups,
         indices=index_tables(budget),
         causes=_causes(groups, devices, assessment),
-        not_given=not_given_lines(budget.not_given),
+        not_given=not_given_lines(budget.not_given, budget.settings.reference),
         pictures=[(picture, markup(picture.svg)) for picture in pictures],
         inputs=[_inputs(sensor) for device in devices for sensor in device.sensors],
         date=date,
@@ -227,6 +229,7 @@ def _limit_row(budget: Budget, row: OutputAssessment) -> LimitRow:
             text=print_utilisation(row.utilisation), exact=row.utilisation
         ),
         is_within=row.is_within,
+        by_monte_carlo=row.by_monte_carlo,
     )
 
 
@@ -248,6 +251,7 @@ def _verdicts(budget: Budget, assessment: Assessment | None) -> list[Verdict]:
                 ]
             ),
             missing=tuple(source_title(name) for name in sensor.expected_missing),
+            advice=sensor.advice,
         )
         for sensor in assessment.sensors
     ]
@@ -270,7 +274,7 @@ def _causes(
         title = output_title(required.output.name.rpartition(".")[0])
         weight[title] = max(weight[title], required.utilisation)
     printed = {
-        f"{sensor.kind}.{line.name}": line.printed
+        f"{sensor.kind}.{line.name}": _as_meant(line)
         for device in devices
         for sensor in device.sensors
         for line in sensor.lines
@@ -294,6 +298,16 @@ def _causes(
         )
         for (sensor, source), found in ranked[:CAUSES]
     ]
+
+
+def _as_meant(line: ErrorLine) -> str:
+    """'0.06 deg/h, 3 sigma': a figure with its meaning, where not 1 sigma."""
+    words = [line.printed]
+    if line.meaning != "1 sigma":
+        words.append(line.meaning)
+    if line.definition not in {"", "sigma"}:
+        words.append(line.definition.replace("_", " "))
+    return ", ".join(words)
 
 
 def _pictures(

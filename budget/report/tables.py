@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from budget.results import INTERACTION, Contribution
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
     from budget.results import Budget, OutputBudget, Settings
 
@@ -22,15 +22,6 @@ EXACT = Context(prec=700, rounding=ROUND_HALF_UP)  # digits from 1e308 to 1e-324
 SMALL_SHARE = 0.01  # of the variance [1]; below it a cause is not worth a sentence
 ALL = 1.0 - 1e-9  # [1]; a share above is the whole, short of it by rounding only
 NEAR_LIMIT = 0.01  # [1]; a utilisation this close to 1 gets one more digit
-
-# What a line of a data sheet reaches, Zhao 2019, section 2; all others reach all.
-REACH = {
-    "bias_repeatability": "biases",
-    "scale_factor_repeatability": "scale factors",
-    "scale_factor_nonlinearity": "scale factors",
-    "mounting_repeatability": "mounting angles",
-}
-EVERYTHING = "scale factors, mounting angles and biases"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -217,19 +208,6 @@ def output_title(name: str) -> str:
     return words(name.replace(".", " "))
 
 
-def not_given_lines(names: Iterable[str]) -> tuple[str, ...]:
-    """Say which lines are absent and what they could change, by sensor and effect."""
-    absent: dict[tuple[str, str], list[str]] = {}
-    for name in names:
-        sensor, _, line = name.rpartition(".")
-        effect = (sensor, REACH.get(line, EVERYTHING))
-        absent.setdefault(effect, []).append(words(line))
-    return tuple(
-        f"{sensor} {', '.join(lines)}: could widen {reach}"
-        for (sensor, reach), lines in absent.items()
-    )
-
-
 def settings_lines(settings: Settings) -> tuple[tuple[str, str], ...]:
     """Return (name, value) of all that a result depends on besides the files."""
     trials = "none" if settings.trials is None else print_count(settings.trials)
@@ -248,7 +226,7 @@ def settings_lines(settings: Settings) -> tuple[tuple[str, str], ...]:
 def group_tables(budget: Budget) -> tuple[GroupTable, ...]:
     """Gather the outputs of a budget by sensor and parameter, in their order."""
     return tuple(
-        _group_table(sensor, parameter, tuple(rows), budget.settings.coverage)
+        _group_table(sensor, parameter, tuple(rows), budget.settings)
         for (sensor, parameter), rows in groupby(
             budget.outputs, key=lambda row: (row.sensor, row.parameter)
         )
@@ -270,7 +248,7 @@ def align_decimals(
 
 
 def _group_table(
-    sensor: str, parameter: str, outputs: tuple[OutputBudget, ...], coverage: float
+    sensor: str, parameter: str, outputs: tuple[OutputBudget, ...], settings: Settings
 ) -> GroupTable:
     """Make the table of one group; sources ranked by variance over the group."""
     # Where the spread is only rounding, so are the shares of it.
@@ -292,10 +270,10 @@ def _group_table(
         sensor=sensor,
         parameter=parameter,
         unit=outputs[0].output.unit,
-        coverage=coverage,
+        coverage=settings.coverage,
         rows=tuple(_output_row(row) for row in outputs),
         sources=tuple(sorted(sources, key=lambda row: -row.share.exact)),
-        validation=_validation(outputs),
+        validation=_validation(outputs, settings.digits),
     )
 
 
@@ -336,7 +314,7 @@ def _source_cell(row: OutputBudget, source: str) -> SourceCell:
     )
 
 
-def _validation(outputs: tuple[OutputBudget, ...]) -> str:
+def _validation(outputs: tuple[OutputBudget, ...], digits: int) -> str:
     """Say in words how the law fared against Monte Carlo, JCGM 101:2008, 8.1."""
     checked = [(row, row.validation) for row in outputs if row.validation is not None]
     if not checked:
@@ -353,7 +331,11 @@ def _validation(outputs: tuple[OutputBudget, ...]) -> str:
             )
     if misses:
         return f"against Monte Carlo with {trials} trials: fails, {'; '.join(misses)}"
-    return f"against Monte Carlo with {trials} trials: holds for every axis"
+    sure = "one digit" if digits == 1 else f"{digits} digits"
+    return (
+        f"against Monte Carlo with {trials} trials: "
+        f"holds for every axis, to {sure} of u"
+    )
 
 
 def _check(u: float) -> None:

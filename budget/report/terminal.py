@@ -7,10 +7,10 @@ import textwrap
 from typing import TYPE_CHECKING
 
 from budget.report.indices import index_tables
+from budget.report.not_given import not_given_lines
 from budget.report.tables import (
     align_decimals,
     group_tables,
-    not_given_lines,
     print_coverage,
     settings_lines,
 )
@@ -56,7 +56,7 @@ def render_budget(budget: Budget, console: Console) -> None:
             page.paragraph(group.validation, first="Checked ")
     _print_indices(budget, page)
     for label, lines in (
-        ("Not given", not_given_lines(budget.not_given)),
+        ("Not given", not_given_lines(budget.not_given, budget.settings.reference)),
         ("Assumptions", budget.assumptions),
         ("Warnings", budget.warnings),
     ):

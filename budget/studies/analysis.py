@@ -10,7 +10,7 @@ import numpy as np
 
 from budget.methods.gum import propagate
 from budget.methods.intervals import interval_of_values
-from budget.methods.monte_carlo import MAX_TRIALS, Sample, sample
+from budget.methods.monte_carlo import MAX_TRIALS, least_trials, sample
 from budget.methods.sobol import SCRAMBLES, SobolResult, evaluations, sobol
 from budget.methods.validation import MAX_TRIALS as VALIDATION_TRIALS
 from budget.methods.validation import validate as validate_law
@@ -27,6 +27,7 @@ from budget.results import (
     Validation,
 )
 from budget.spec import load_procedure
+from budget.studies import cautions
 from budget.studies.cost import describe_cost, seconds_per_trial
 from budget.studies.request import (
     DEFAULT_COVERAGE,
@@ -140,7 +141,15 @@ def analyze(
     sensors = sensors_of(devices)
     check_words(method=method, interval=interval, reference=reference)
     check_numbers(
-        coverage, {"trials": (trials, 2), "seed": (seed, 0), "workers": (workers, 1)}
+        coverage,
+        {
+            "trials": (trials, 2),
+            "digits": (digits, 1),
+            "max_trials": (max_trials, 2),
+            "samples": (samples, 2),
+            "seed": (seed, 0),
+            "workers": (workers, 1),
+        },
     )
     chosen, warnings = choose_sources(sensors, only)
     problem = calibration_problem(sensors, procedure, reference=reference, only=chosen)
@@ -149,6 +158,11 @@ def analyze(
         for text in _costs(problem, samples, workers, two_digits=two_digits):
             talk(text)
     law = propagate(problem)
+    warnings += cautions.options_without_effect(
+        method, trials=trials, interval=interval
+    )
+    if chosen is None:
+        warnings += cautions.unknown_zeros(problem, law)
     validations: tuple[Validation | None, ...] = (None,) * len(problem.outputs)
     if method == "gum":
         estimate = Estimate(
@@ -157,7 +171,13 @@ def analyze(
             covariance=law.covariance,
             interval=law.interval(coverage),
         )
-        if validate:
+        if validate and _validation_cap(digits) < least_trials(coverage):
+            text = (
+                f"not validated: at coverage {coverage:g} that takes "
+                f"{least_trials(coverage)} trials; use the method monte-carlo"
+            )
+            warnings += (text,)
+        elif validate:
             validations = validate_law(
                 problem,
                 law,
@@ -169,7 +189,7 @@ def analyze(
                 executor=executor,
                 progress=progress,
             )
-            warnings += _doubts(problem, validations)
+            warnings += cautions.doubts(problem, validations)
     elif method == "monte-carlo":
         drawn = sample(
             problem,
@@ -183,7 +203,7 @@ def analyze(
             executor=executor,
             progress=progress,
         )
-        warnings += _unsettled(problem, drawn)
+        warnings += cautions.unsettled(problem, drawn)
         estimate = Estimate(
             trials=drawn.trials,
             mean=drawn.mean,
@@ -196,8 +216,12 @@ def analyze(
         )
         runs = SIMULATED_RUNS if trials is None else trials
         estimate = _simulate(one_run, runs, coverage, interval, progress)
+    warnings += cautions.few_trials(estimate.trials, coverage)
     indices = None
-    if samples is not None:
+    varies = problem.normals_per_trial > 0
+    if samples is not None and not varies:
+        warnings += ("no source varies: there are no Sobol' indices",)
+    elif samples is not None:
         indices = sobol(
             problem,
             samples=samples,
@@ -218,7 +242,9 @@ def analyze(
             interval=interval,
             reference=reference,
             formulas=procedure.formulas,
-            normals_per_trial=problem.normals_per_trial,
+            normals_per_trial=(
+                None if method == "simulation" else problem.normals_per_trial
+            ),
             only=tuple(sorted(chosen)) if chosen is not None else (),
             digits=digits,
             sobol_samples=None if indices is None else indices.samples,
@@ -230,6 +256,7 @@ def analyze(
         assumptions=(
             *(text for device in devices for text in device.assumptions),
             *procedure.assumptions,
+            *cautions.shared_constants(sensors, reference),
         ),
         warnings=warnings,
     )
@@ -278,38 +305,6 @@ def _validation_cap(digits: int) -> int:
     """Return the trials that validation takes at the most."""
     # A tolerance ten times smaller takes a hundred times as many trials.
     return VALIDATION_TRIALS * (100 if digits > 1 else 1)
-
-
-def _doubts(problem: Problem, validations: tuple[Validation, ...]) -> tuple[str, ...]:
-    """Warn of outputs for which Monte Carlo does not confirm the law."""
-    doubtful = [
-        output.name
-        for output, validation in zip(problem.outputs, validations, strict=True)
-        if not validation.holds
-    ]
-    if not doubtful:
-        return ()
-    text = (
-        "the law of propagation is not confirmed by Monte Carlo (JCGM 101, clause 8) "
-        f"for {', '.join(doubtful)}: use --method monte-carlo for these"
-    )
-    return (text,)
-
-
-def _unsettled(problem: Problem, drawn: Sample) -> tuple[str, ...]:
-    """Warn of outputs that the trials allowed were too few for."""
-    names = [
-        output.name
-        for output, settled in zip(problem.outputs, drawn.is_settled, strict=True)
-        if not settled
-    ]
-    if not names:
-        return ()
-    text = (
-        f"{drawn.trials} trials were the most allowed and too few to settle "
-        f"{', '.join(names)} to the digits asked for: raise --max-trials"
-    )
-    return (text,)
 
 
 def _output_budgets(

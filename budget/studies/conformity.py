@@ -10,8 +10,11 @@ from budget.results import Assessment, OutputAssessment, SensorAssessment
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.results import Budget
-    from budget.spec.records import Device, Requirement, Sensor
+    from budget.results import Budget, OutputBudget
+    from budget.spec.records import Device, Limit, Requirement, Sensor
+
+NEAR = (0.95, 1.05)  # utilisations that the law, checked to one digit, leaves open
+NEAR_ADVICE = "near the limit: --method monte-carlo --digits 2 makes it sure"
 
 
 def assess(
@@ -20,7 +23,8 @@ def assess(
     """Hold a budget against the limits on its absolute errors.
 
     The utilisation of an output is the largest absolute end of its coverage interval
-    over its limit. A sensor `meets` if none exceeds 1, `fails` if one does, and is
+    over its limit; where the law failed its check by Monte Carlo, that interval is the
+    Monte Carlo one. A sensor `meets` if none exceeds 1, `fails` if one does, and is
     `undecidable` if it would meet but lacks a line that has to be known.
 
     Parameters
@@ -55,13 +59,7 @@ def assess(
         )
     present = {row.output.name: row for row in budget.outputs}
     outputs = tuple(
-        OutputAssessment(
-            output=row.output,
-            limit=limit.limit,
-            printed_limit=limit.printed,
-            largest_error=row.largest_error,
-            utilisation=row.largest_error / limit.limit,
-        )
+        _hold(row, limit)
         for limit in requirement.limits
         if (row := present.get(limit.output)) is not None
     )
@@ -80,6 +78,23 @@ def assess(
     )
 
 
+def _hold(row: OutputBudget, limit: Limit) -> OutputAssessment:
+    """Hold one output against its limit, by an interval that passed its check."""
+    refused = row.validation is not None and not row.validation.holds
+    interval = row.interval
+    if row.validation is not None and refused:
+        interval = row.validation.interval
+    largest = max(abs(interval[0]), abs(interval[1]))
+    return OutputAssessment(
+        output=row.output,
+        limit=limit.limit,
+        printed_limit=limit.printed,
+        largest_error=largest,
+        utilisation=largest / limit.limit,
+        by_monte_carlo=refused,
+    )
+
+
 def _judge(
     sensor: Sensor, outputs: tuple[OutputAssessment, ...], budget: Budget
 ) -> SensorAssessment | None:
@@ -88,6 +103,8 @@ def _judge(
     if not own:
         return None
     worst = max(own, key=lambda row: row.utilisation)
+    # The law is checked to one digit of u: that near to a limit it cannot decide.
+    near = budget.settings.method == "gum" and NEAR[0] <= worst.utilisation <= NEAR[1]
     if not worst.is_within:
         verdict = "fails"
     elif sensor.expected_missing:
@@ -101,4 +118,5 @@ def _judge(
         worst_output=worst.output.name,
         limiting_source=budget.output(worst.output.name).ranked[0].source,
         expected_missing=sensor.expected_missing,
+        advice=NEAR_ADVICE if near else "",
     )

@@ -31,6 +31,5 @@ def seconds_per_trial(problem: Problem) -> float:
 def describe_cost(what: str, number: int, seconds: float, workers: int) -> str:
     """Return one line: what is done how often, and about how long it takes."""
     each = f" on {workers} workers" if workers > 1 else ""
-    return (
-        f"{what}: {number:,} model evaluations, about {seconds / workers:.0f} s{each}"
-    )
+    count = f"{number:,}".replace(",", " ")
+    return f"{what}: {count} model evaluations, about {seconds / workers:.0f} s{each}"

@@ -10,11 +10,12 @@ from budget.errors import CallError
 from budget.methods.intervals import KINDS as INTERVALS
 from budget.physics.sources import REFERENCES
 from budget.spec.lines import lines_of
+from budget.spec.records import Device
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.spec.records import Device, Requirement, Sensor
+    from budget.spec.records import Requirement, Sensor
 
 METHODS = ("gum", "monte-carlo", "simulation")
 DEFAULT_COVERAGE = 0.95  # [1]
@@ -68,6 +69,12 @@ def sensors_of(devices: Sequence[Device]) -> tuple[Sensor, ...]:
     CallError
         There is no sensor, or two of one kind.
     """
+    strangers = [device for device in devices if not isinstance(device, Device)]
+    if strangers:
+        raise CallError(
+            f"{strangers[0]!r} is no Device; load one with budget.load_device(FILE), "
+            "and give a procedure as procedure=budget.load_procedure(FILE)"
+        )
     found: list[Sensor] = []
     for kind in ("gyro", "accelerometer"):
         of_kind = [s for d in devices for s in d.sensors if s.kind == kind]
@@ -102,6 +109,8 @@ def choose_sources(
     """
     if not only:
         return None, ()
+    if isinstance(only, str):  # one name, not a sequence of letters
+        only = (only,)
     known = [f"{s.kind}.{line.name}" for s in sensors for line in lines_of(s.kind)]
     given = {f"{s.kind}.{line.name}" for s in sensors for line in s.lines}
     chosen: set[str] = set()
@@ -110,13 +119,11 @@ def choose_sources(
         full = [k for k in known if name in (k, k.split(".")[1])]
         if not full:
             near = get_close_matches(name, [*known, *(k.split(".")[1] for k in known)])
-            hint = f"; did you mean {near[0]!r}?" if near else ""
+            hint = f"; did you mean {near[0]!r}?" if near else "."
             unknown.append(f"{name!r} is no source of these devices{hint}")
         chosen.update(full)
     if unknown:
-        raise CallError(
-            "--only: " + "; ".join(unknown) + ". Known: " + ", ".join(known)
-        )
+        raise CallError(f"--only: {' '.join(unknown)} Known: {', '.join(known)}")
     absent = sorted(chosen - given)
     return frozenset(chosen), tuple(
         f"{name} was asked for alone, but the device does not give it: taken as 0"

@@ -1,0 +1,109 @@
+"""What a reader of a budget must be told, so that no number is taken for more."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from budget.methods.gum import Propagation
+    from budget.methods.monte_carlo import Sample
+    from budget.problem import Problem
+    from budget.results import Validation
+    from budget.spec.records import Sensor
+
+# Trials that a tail of the interval should hold at the least: JCGM 101:2008, 7.2.2 asks
+# for M much larger than 1/(1 - p).
+LEAST_OUTSIDE = 100
+
+
+def options_without_effect(
+    method: str, *, trials: int | None, interval: str
+) -> tuple[str, ...]:
+    """Name the options that were given and change nothing under this method."""
+    if method != "gum":
+        return ()
+    found = []
+    if trials is not None:
+        found.append("a number of trials changes nothing: the law makes none")
+    if interval != "symmetric":
+        found.append("by the law the shortest interval is the symmetric one, mean +- U")
+    return tuple(found)
+
+
+def few_trials(trials: int | None, coverage: float) -> tuple[str, ...]:
+    """Warn of an interval whose tails hold hardly a trial."""
+    if trials is None or trials * (1.0 - coverage) >= LEAST_OUTSIDE:
+        return ()
+    wanted = int(np.ceil(LEAST_OUTSIDE / (1.0 - coverage)))
+    text = (
+        f"{trials} trials leave {trials * (1.0 - coverage):.3g} outside an interval of "
+        f"coverage {coverage:g}: its ends are rough, {wanted} trials would do"
+    )
+    return (text,)
+
+
+def doubts(problem: Problem, validations: Sequence[Validation]) -> tuple[str, ...]:
+    """Warn of outputs for which Monte Carlo does not confirm the law."""
+    doubtful = [
+        output.name
+        for output, validation in zip(problem.outputs, validations, strict=True)
+        if not validation.holds
+    ]
+    if not doubtful:
+        return ()
+    text = (
+        "the law of propagation is not confirmed by Monte Carlo (JCGM 101, clause 8) "
+        f"for {', '.join(doubtful)}: use the method monte-carlo for these"
+    )
+    return (text,)
+
+
+def unsettled(problem: Problem, drawn: Sample) -> tuple[str, ...]:
+    """Warn of outputs that the trials allowed were too few for."""
+    names = [
+        output.name
+        for output, settled in zip(problem.outputs, drawn.is_settled, strict=True)
+        if not settled
+    ]
+    if not names:
+        return ()
+    count = f"{drawn.trials:,}".replace(",", " ")
+    text = (
+        f"{count} trials were the most allowed and too few to settle "
+        f"{', '.join(names)} to the digits asked for: raise max_trials (--max-trials)"
+    )
+    return (text,)
+
+
+def unknown_zeros(problem: Problem, law: Propagation) -> tuple[str, ...]:
+    """Warn of outputs that nothing given reaches: their 0 is ignorance, not quality."""
+    resolution = np.array([output.resolution for output in problem.outputs])
+    still = law.standard_uncertainty <= resolution
+    groups = dict.fromkeys(
+        output.name.rpartition(".")[0].replace(".", " ").replace("_", " ")
+        for output, is_still in zip(problem.outputs, still, strict=True)
+        if is_still
+    )
+    if not groups:
+        return ()
+    text = (
+        f"no line that is given reaches the {', the '.join(groups)}: 0 there says what "
+        "is not known, not how good it is"
+    )
+    return (text,)
+
+
+def shared_constants(sensors: Sequence[Sensor], reference: str) -> tuple[str, ...]:
+    """Say which given lines count nothing because the reference shares their value."""
+    if reference == "nominal":
+        return ()
+    return tuple(
+        f"{sensor.kind}.scale_factor_nonlinearity: a constant of the device, so it is "
+        f"also in the reference {reference} and counts nothing"
+        for sensor in sensors
+        if sensor.line("scale_factor_nonlinearity") is not None
+    )
