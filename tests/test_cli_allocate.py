@@ -308,3 +308,17 @@ def test_the_section_shows_each_waterfall_once():
     ids = re.findall(r'\bid="([^"]+)"', page)
     assert len(ids) == len(set(ids))
     assert page == allocation_section(allocation)
+
+
+@pytest.mark.parametrize("errors", ["", " {bias_repeatability: 0 deg/h}"])
+@pytest.mark.parametrize("strategy", ["proportional", "equal", "cost"])
+def test_a_device_without_any_error_has_nothing_to_share(tmp_path, errors, strategy):
+    """No line, or only zeros: feasible, said in a warning, and nothing matches it."""
+    path = tmp_path / "bare.yaml"
+    part = f"{{errors:{errors}}}" if errors else "{}"
+    path.write_text(f"name: Bare\ngyro: {part}\n", encoding="utf-8")
+    found = document(path, "--strategy", strategy)
+
+    assert found["feasible"] is True
+    assert any("nothing to share" in text for text in found["warnings"])
+    assert found["devices"] == []

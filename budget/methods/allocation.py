@@ -27,6 +27,7 @@ TARGET = 1.0 - 1e-9
 # An output counts as at its limit from here on [1].
 AT_LIMIT = 1.0 - 1e-6
 SMALLEST = 1e-30  # factor that stands for none where a logarithm is taken [1]
+ALIKE = 9  # decimals of a part of a limit that tell two outputs apart
 TOUCHES = 1e-6  # relative distance at which a bound counts as reached
 
 
@@ -203,6 +204,11 @@ def grow(
     return at(float(brentq(excess, bottom, top, xtol=1e-13, rtol=1e-14)))
 
 
+def first_largest(parts: Array) -> int:
+    """Return the first of the places whose value is the largest but for rounding."""
+    return int(np.argmax(np.round(parts, ALIKE)))
+
+
 def _equal_start(task: Task) -> Array:
     """Return the factors that give each free source its equal part of one limit."""
     part = task.part(task.now)
@@ -228,11 +234,11 @@ def _headroom(task: Task, s: Array, g: int) -> Headroom:
     over = task.utilisation(without)
     hopeless = (over > TARGET) & (task.part(s)[:, g] >= FELT)
     if hopeless.any():
-        place = int(np.argmax(np.where(hopeless, over, 0.0)))
+        place = first_largest(np.where(hopeless, over, 0.0))
         return Headroom(factor=0.0, stopped_by=place)
     counts = over <= TARGET
     end = grow(task, s, task.free, among=counts)
     used = np.where(counts, task.utilisation(end), 0.0)
     if used.max() < AT_LIMIT:
         return Headroom(factor=inf, stopped_by=None)
-    return Headroom(factor=float(end[g]), stopped_by=int(np.argmax(used)))
+    return Headroom(factor=float(end[g]), stopped_by=first_largest(used))

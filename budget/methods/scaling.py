@@ -137,8 +137,11 @@ def scaled_law(problem: Problem, law: Propagation | None = None) -> ScaledLaw:
     second = np.zeros((n_out, n_src, n_src))
     HU = np.concatenate(
         [
-            law.H[:, :, rows] @ group.covariance
-            for rows, group in zip(problem.slices, problem.groups, strict=True)
+            np.zeros((n_out, problem.n_inputs, 0)),  # there may be no source at all
+            *(
+                law.H[:, :, rows] @ group.covariance
+                for rows, group in zip(problem.slices, problem.groups, strict=True)
+            ),
         ],
         axis=2,
     )

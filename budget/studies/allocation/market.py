@@ -82,6 +82,7 @@ def match_catalogue(
     matches = [
         _match(device, offered, wanted, sample_rate)
         for wanted in sensors
+        if any(line.u.any() for line in wanted.lines)
         for device in catalogue
         for offered in device.sensors
         if offered.kind == wanted.kind and offered.lines

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.methods.allocation import TOUCHES, headroom
+from budget.methods.allocation import TOUCHES, first_largest, headroom
 from budget.methods.scaling import FELT
 from budget.results import INTERACTION
 from budget.studies.allocation.records import (
@@ -183,5 +183,5 @@ def _parts(task: Task, s: Array) -> Array:
 def _binding_output(task: Task, s: Array, g: int) -> str | None:
     """Return the output at its limit of which a source takes most, if it is felt."""
     part = np.where(task.binding(s), task.part(s)[:, g], 0.0)
-    k = int(np.argmax(part))
+    k = first_largest(part)
     return task.law.outputs[k] if part[k] >= FELT else None
