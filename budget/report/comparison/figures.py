@@ -14,7 +14,7 @@ from budget.report.figures import (
     WIDTH,
     _canvas,
 )
-from budget.report.tables import output_title, print_given, print_utilisation, words
+from budget.report.tables import print_given, print_utilisation, words
 from budget.studies.comparison.figures_of_merit import Amount, read_amount
 
 if TYPE_CHECKING:
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from budget.report.comparison.tables import Row, Table
 
+NAMED = 3  # devices in a title
 SHOWN = 40  # devices in a figure, the best ones; all are in the tables
 LEFT = 112.0  # room for names [pt]
 NAME = 22  # characters of a name that fit there
@@ -219,6 +220,19 @@ def pareto_scatter(table: Table, merit: str) -> Figure:
     axes.plot(*zip(*on_front, strict=True), color=BLUE, linewidth=1.0, zorder=2)
     for row, amount in points:
         _draw_point(axes, row, amount.value, is_best=merit in row.of.on_front)
+    names: dict[tuple[float, float], list[str]] = {}
+    for row, amount in points:
+        if merit in row.of.on_front:  # devices in one place share a label
+            names.setdefault((amount.value, row.of.utilisation), []).append(_name(row))
+    for (cost, part), own in names.items():
+        axes.annotate(
+            own[0] if len(own) == 1 else f"{own[0]} and {len(own) - 1} more",
+            (cost, 100.0 * max(part, LEAST)),
+            xytext=(5.0, 3.0),
+            textcoords="offset points",
+            fontsize=SMALL,
+            color=INK,
+        )
     return figure
 
 
@@ -227,8 +241,10 @@ def pareto_title(table: Table, merit: str) -> str:
     best = [
         row.device for row, _ in merit_points(table, merit) if merit in row.of.on_front
     ]
-    named = ", ".join(dict.fromkeys(best))
-    verb = "is" if len(best) == 1 else "are"
+    names = list(dict.fromkeys(best))
+    more = len(names) - NAMED
+    named = ", ".join(names[:NAMED]) + (f" and {more} more" if more > 0 else "")
+    verb = "is" if len(names) == 1 else "are"
     return f"{_capital(table)}: {named} {verb} not beaten in {merit} and error at once"
 
 
@@ -379,17 +395,3 @@ def _draw_point(axes: Axes, row: Row, cost: float, *, is_best: bool) -> None:
         linestyle="none",
         zorder=4 if is_best else 3,
     )
-    if is_best:
-        axes.annotate(
-            _name(row),
-            (cost, y),
-            xytext=(5.0, 3.0),
-            textcoords="offset points",
-            fontsize=SMALL,
-            color=INK,
-        )
-
-
-def column_title(name: str) -> str:
-    """Name an output at the head of a column: 'scale factor x'."""
-    return output_title(name.partition(".")[2])

@@ -28,6 +28,7 @@ from budget.report.markup import (
 )
 from budget.report.tables import (
     Number,
+    output_title,
     print_coverage,
     print_given,
     round_value,
@@ -182,7 +183,7 @@ def _section(table: Table, place: int) -> Section:
             figures.utilisation_map(table), f"map-{place}", figures.map_alt(table)
         ),
         heads=tuple(
-            figures.column_title(output.output.name)
+            output_title(output.output.name.partition(".")[2])
             for output in table.rows[0].of.outputs
         ),
         cells=tuple(

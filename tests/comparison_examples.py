@@ -1,0 +1,103 @@
+"""Devices, requirements and comparisons that the tests of `compare` build on."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from builders import NOWHERE, PAPER_ACCELEROMETER, PAPER_GYRO, procedure, sensor
+from scipy.special import ndtri
+
+from budget.physics.triad import OUTPUT_NAMES
+from budget.spec.records import Device, Limit, Requirement, Source
+from budget.studies.comparison.compare import compare
+from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
+
+K95 = float(ndtri(0.975))
+SMALL = {"trials": 20_000, "max_trials": 20_000}  # for what no tail depends on
+SIZES = {  # limits of one unit [SI]
+    "gyro": {"scale_factor": 1e-4, "mounting_angle": 5 * ARCSEC, "bias": DEG_PER_HOUR},
+    "accelerometer": {
+        "scale_factor": 1e-4,
+        "mounting_angle": 5 * ARCSEC,
+        "bias": 100 * MICRO_G,
+    },
+}
+CONSTANTS = {  # independent errors: no process, one constant for each output
+    "bias_repeatability": 0.3 * DEG_PER_HOUR,
+    "scale_factor_repeatability": 4e-5,
+    "mounting_repeatability": 2.0 * ARCSEC,
+}
+
+
+def device(name, *, gyro=None, accelerometer=None, missing=(), **texts):
+    """Return a device from lines of either sensor; `missing` are expected lines."""
+    built = {"gyro": None, "accelerometer": None}
+    for kind, lines in (("gyro", gyro), ("accelerometer", accelerometer)):
+        if lines is not None:
+            built[kind] = replace(
+                sensor(kind, lines),
+                device=name,
+                not_given=tuple(f"{kind}.{line}" for line in missing),
+                expected_missing=tuple(f"{kind}.{line}" for line in missing),
+            )
+    return Device(
+        name=name,
+        figures=(),
+        assumptions=(),
+        origin=Source(file=f"{name}.yaml", sha256="0" * 64),
+        **built,
+        **texts,
+    )
+
+
+def paper_device(name="paper", *, times=1.0, sensors=("gyro",), **more):
+    """Return the paper's device with every figure times a factor."""
+    lines = {"gyro": PAPER_GYRO, "accelerometer": PAPER_ACCELEROMETER}
+    chosen = {
+        kind: {line: times * u for line, u in lines[kind].items()} for kind in sensors
+    }
+    return device(name, **chosen, **more)
+
+
+def requirement(*, times=1.0, sensors=("gyro",), reference="nominal", caps=()):
+    """Return a requirement with limits on all outputs of some sensors."""
+    return Requirement(
+        name="test requirement",
+        coverage=0.95,
+        reference=reference,
+        limits=tuple(
+            Limit(
+                output=f"{kind}.{name}",
+                limit=times * SIZES[kind][name.split(".")[0]],
+                printed=f"{times:g} units",
+            )
+            for kind in sensors
+            for name in OUTPUT_NAMES
+        ),
+        caps=tuple(caps),
+        assumptions=(),
+        origin=NOWHERE,
+    )
+
+
+def compared(devices, wanted=None, **options):
+    """Compare under the test procedure, by few trials where nothing else is asked."""
+    if options.get("method") != "gum":
+        options = {**SMALL, **options}
+    procedures = options.pop("procedures", [procedure()])
+    return compare(devices, wanted or requirement(), procedures, **options)
+
+
+def by_name(comparison, name, sensor_kind="gyro"):
+    """Return the verdict on one sensor of one device."""
+    (found,) = (
+        row
+        for row in comparison.devices
+        if (row.name, row.sensor) == (name, sensor_kind)
+    )
+    return found
+
+
+def only_bias(name, u, **more):
+    """Return a gyro whose only error is its bias repeatability [deg/h]."""
+    return device(name, gyro={"bias_repeatability": u * DEG_PER_HOUR}, **more)
