@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 
 import typer
@@ -13,7 +14,7 @@ from budget.cli.compare import compare
 from budget.cli.devices import devices
 from budget.cli.paper import paper
 from budget.cli.report import report
-from budget.errors import BudgetError
+from budget.errors import BudgetError, CallError
 from budget.version import __version__
 
 EXIT_BAD_INPUT = 2
@@ -57,9 +58,20 @@ def _root(
     """Error budgets for the discrete turntable calibration of strapdown IMUs."""
 
 
+def _check_epoch() -> None:
+    """Refuse a SOURCE_DATE_EPOCH that is no number: libraries crash on it."""
+    epoch = os.environ.get("SOURCE_DATE_EPOCH")
+    if epoch is not None and not (epoch.isascii() and epoch.isdigit()):
+        raise CallError(
+            f"SOURCE_DATE_EPOCH is {epoch!r}, expected seconds since 1970 as a whole "
+            "number; unset it to use today's date"
+        )
+
+
 def main() -> None:
     """Run the command line; errors made for people become one message and a code."""
     try:
+        _check_epoch()
         app()
     except BudgetError as error:
         sys.stderr.write(f"{error}\n")

@@ -88,7 +88,7 @@ def allocate(
     requirement cannot be met.
     """
     from budget.cli.computing import computing
-    from budget.cli.output import check_destinations
+    from budget.cli.output import check_destinations, printing
     from budget.report.allocation.document import (
         allocated_device,
         allocation_csv,
@@ -100,7 +100,13 @@ def allocate(
     from budget.studies.allocation.cases import Bounds
     from budget.studies.request import sensors_of
 
-    check_destinations(json, csv)
+    others = () if write is None else (write,)
+    check_destinations(
+        json,
+        csv,
+        *others,
+        inputs=[*(devices or ()), procedure, requirement, costs],
+    )
     _check_suffix(write)
     loaded = options.load_devices(devices)
     wanted = load_requirement(requirement)
@@ -138,10 +144,11 @@ def allocate(
         if write is not None:
             typer.echo(f"{write}: written", err=True)
     render = documents.get(options.STDOUT)
-    if render is not None:
-        sys.stdout.write(render(allocation))
-    else:
-        _show(allocation)
+    with printing():
+        if render is not None:
+            sys.stdout.write(render(allocation))
+        else:
+            _show(allocation)
     if not allocation.feasible:
         if files or write is not None:
             typer.echo("the requirement cannot be met: no file was written", err=True)

@@ -39,7 +39,7 @@ def analyze(
     from budget.studies.analysis import analyze as run
     from budget.studies.request import choose_basis
 
-    check_destinations(json, csv)
+    check_destinations(json, csv, inputs=[*(devices or ()), procedure])
     basis = choose_basis(None, coverage=coverage, reference=reference)
     loaded = options.load_devices(devices)
     with computing(method, workers=workers, cluster=cluster) as shop:

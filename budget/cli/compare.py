@@ -111,7 +111,12 @@ def compare(
     from budget.studies.comparison.compare import TRIALS
     from budget.studies.comparison.compare import compare as run
 
-    check_destinations(json, csv)
+    check_destinations(
+        json,
+        csv,
+        *(output or ()),
+        inputs=[*devices, *(procedure or ()), requirement],
+    )
     _check_suffixes(output or [])
     column = None if sort is None else find_column(sort)
     wanted = load_requirement(requirement)
@@ -178,6 +183,7 @@ def _deliver(
     sort: Column | None,
 ) -> None:
     """Print the comparison, or the document asked for; write the files."""
+    from budget.cli.output import printing
     from budget.report.comparison.document import to_csv, to_json
     from budget.report.files import write_all
 
@@ -196,14 +202,15 @@ def _deliver(
     for path in pages:
         typer.echo(f"{path}: written", err=True)
     on_stdout = [render for path, render in documents if path == options.STDOUT]
-    if on_stdout:
-        sys.stdout.write(on_stdout[0](comparison))
-        return
-    from rich.console import Console
+    with printing():
+        if on_stdout:
+            sys.stdout.write(on_stdout[0](comparison))
+            return
+        from rich.console import Console
 
-    from budget.report.comparison.terminal import render_comparison
+        from budget.report.comparison.terminal import render_comparison
 
-    render_comparison(comparison, Console(), sort=sort)
+        render_comparison(comparison, Console(), sort=sort)
 
 
 def _check_suffixes(paths: list[Path]) -> None:

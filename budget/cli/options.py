@@ -46,7 +46,7 @@ def _trials(text: str) -> int | None:
 Devices = Annotated[
     list[str] | None,
     typer.Argument(
-        metavar="[DEVICE]...",
+        metavar="[DEVICE]",
         help="Device files, FILE or FILE#VARIANT; without one the built-in paper "
         "device.",
         show_default=False,

@@ -33,7 +33,7 @@ def paper(
     Table 1, the figures, the orders of magnitude in the text, the formulas and the
     conclusions: what is printed, ours, their ratio, and why they differ.
     """
-    from budget.cli.output import check_destinations
+    from budget.cli.output import check_destinations, printing
     from budget.report.files import write_all
     from budget.report.paper import paper_csv, paper_json, paper_text
     from budget.report.paper_page import paper_html
@@ -54,12 +54,13 @@ def paper(
     for path in pages:
         typer.echo(f"{path}: written", err=True)
     on_stdout = [render for path, render in files if path == options.STDOUT]
-    if on_stdout:
-        sys.stdout.write(on_stdout[0](study))
-    elif not pages:
-        from rich.console import Console
+    with printing():
+        if on_stdout:
+            sys.stdout.write(on_stdout[0](study))
+        elif not pages:
+            from rich.console import Console
 
-        sys.stdout.write(paper_text(study, width=Console().width))
+            sys.stdout.write(paper_text(study, width=Console().width))
 
 
 def _check_twice(paths: list[Path]) -> None:

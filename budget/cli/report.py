@@ -37,6 +37,7 @@ def report(
 ) -> None:
     """Write the error budget as a report: verdict first, then what it stands on."""
     from budget.cli.computing import computing, say
+    from budget.cli.output import check_destinations
     from budget.methods.monte_carlo import MAX_TRIALS
     from budget.methods.sobol import SAMPLES
     from budget.report.files import write_all
@@ -47,6 +48,10 @@ def report(
     from budget.studies.request import choose_basis
 
     _check_suffixes(output)
+    date = _date()
+    check_destinations(
+        None, None, *output, inputs=[*(devices or ()), procedure, requirement]
+    )
     loaded = options.load_devices(devices)
     how = load_procedure(procedure)
     wanted = None if requirement is None else load_requirement(requirement)
@@ -77,7 +82,7 @@ def report(
         devices=loaded,
         procedure=how,
         assessment=None if wanted is None else assess(budget, wanted, loaded),
-        date=_date(),
+        date=date,
     )
     write_all(dict.fromkeys(output, page))
     for path in output:

@@ -6,27 +6,51 @@ A cluster runs what it is sent: connect only to one that you trust.
 from __future__ import annotations
 
 import platform
+import socket
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from budget.errors import CallError, WorkerError
+from budget.methods.execution import RemoteExecutor
 from budget.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from concurrent.futures import Executor
+    from concurrent.futures import Executor, Future
 
 CONNECT_TIMEOUT = 10.0  # [s]
+
+
+class DaskExecutor(RemoteExecutor):
+    """Dask's own executor, and whether its scheduler still listens."""
+
+    def __init__(self, executor: Executor, address: str) -> None:
+        """Keep the executor of a client and the scheduler's address."""
+        self._executor = executor
+        self._host, _, port = address.rpartition("://")[2].rpartition(":")
+        self._port = int(port)
+
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:  # noqa: ANN401 - as Executor has it
+        """Give a task to the cluster."""
+        return self._executor.submit(fn, *args, **kwargs)
+
+    def is_alive(self) -> bool:
+        """Whether the scheduler's port takes a connection."""
+        try:
+            with socket.create_connection((self._host, self._port), CONNECT_TIMEOUT):
+                return True
+        except OSError:
+            return False
 
 
 @dataclass(frozen=True, kw_only=True)
 class Cluster:
     """A connection: who does the work, and how many they are."""
 
-    executor: Executor
+    executor: DaskExecutor
     workers: int
 
 
@@ -71,7 +95,7 @@ def connect(address: str) -> Iterator[Cluster]:
         _check_versions(client.run(versions))
         # Workers retry nothing: a task that killed one would kill the next.
         yield Cluster(
-            executor=client.get_executor(retries=0, pure=False),
+            executor=DaskExecutor(client.get_executor(retries=0, pure=False), address),
             workers=sum(threads.values()),
         )
     except (KilledWorker, CommClosedError) as error:

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from budget.problem import Group, Problem
 
 LEAST = 2.0**-54  # in place of a uniform number 0, where a normal quantile is infinite
+HEARTBEAT = 5.0  # [s] between looks at whether a cluster still answers
 BLOCK = 4096  # trials; inputs of a block (some 2 MB) stay in the cache
 
 Task = TypeVar("Task")
@@ -124,6 +125,14 @@ def _blas() -> ThreadpoolController:
     return ThreadpoolController()
 
 
+class RemoteExecutor(Executor):
+    """An executor whose other end may go away without a word."""
+
+    def is_alive(self) -> bool:
+        """Whether the other end still answers."""
+        raise NotImplementedError
+
+
 @contextmanager
 def local_executor(workers: int) -> Iterator[Executor | None]:
     """Provide processes of this machine, or None where this one does the work itself.
@@ -179,7 +188,7 @@ def in_order(
     try:
         under_way.extend(executor.submit(work, task) for task in islice(source, ahead))
         while under_way:
-            yield _result(under_way.popleft())
+            yield _result(under_way.popleft(), executor)
             under_way.extend(executor.submit(work, task) for task in islice(source, 1))
     except (BrokenExecutor, CancelledError):
         raise WorkerError(
@@ -193,14 +202,25 @@ def in_order(
             future.cancel()
 
 
-def _result(future: Future[Result]) -> Result:
-    """Return a result; work that cannot be sent says what to do."""
-    try:
-        return future.result()
-    except (AttributeError, TypeError) as error:
-        if "pickle" not in str(error):
+def _result(future: Future[Result], executor: Executor) -> Result:
+    """Return a result; say what to do where none will come."""
+    remote = executor if isinstance(executor, RemoteExecutor) else None
+    while True:
+        try:
+            return future.result(timeout=None if remote is None else HEARTBEAT)
+        except (BrokenExecutor, CancelledError):
             raise
-        raise WorkerError(
-            f"the model cannot be sent to other processes ({error}); define its "
-            "function at the top of a module, or use one worker"
-        ) from error
+        except Exception as error:
+            if remote is not None and not remote.is_alive():
+                raise WorkerError(
+                    "the cluster's scheduler went away before the work was done; "
+                    "nothing was computed with what it left. Start it and run again"
+                ) from None
+            if isinstance(error, TimeoutError) and not future.done():
+                continue  # alive, and still at work
+            if "pickle" in str(error):
+                raise WorkerError(
+                    f"the model cannot be sent to other processes ({error}); define "
+                    "its function at the top of a module, or use one worker"
+                ) from error
+            raise

@@ -96,7 +96,7 @@ class StabilityPart(ProcessPart):
 
     @model_validator(mode="after")
     def _check_definition(self) -> Self:
-        if self.definition == "allan_minimum" and SIGMAS.get(self.meaning, 1.0) != 1.0:
+        if self.definition == "allan_minimum" and SIGMAS.get(self.meaning) != 1.0:
             message = (
                 f"found 'allan_minimum' with meaning {self.meaning!r}; a point of the "
                 "Allan curve is 1 sigma, expected that meaning"
@@ -252,7 +252,12 @@ def _axis(figure: Part, axis: str) -> _Axis:
     if part.meaning in HALF_WIDTHS:
         shape = BY_NAME[part.distribution or "uniform"]
         u = quantity.value * HALF_WIDTHS[part.meaning] / shape.half_width
-        if part.distribution is None:
+        if isinstance(part, ProcessPart):
+            notes.append(
+                f"{part.meaning!r} taken as a half-width, sigma that over sqrt(3); the "
+                "process itself is normal"
+            )
+        elif part.distribution is None:
             notes.append(f"{part.meaning!r} taken as uniform, half-width over sqrt(3)")
     else:
         shape = BY_NAME[part.distribution or "normal"]
