@@ -38,8 +38,14 @@ if TYPE_CHECKING:
     from budget.methods.monte_carlo import sample
     from budget.problem import Group, Output, Problem
     from budget.results import Budget
-    from budget.spec import load_device, load_procedure, load_requirement
+    from budget.spec import (
+        load_catalogue,
+        load_device,
+        load_procedure,
+        load_requirement,
+    )
     from budget.studies.analysis import analyze
+    from budget.studies.comparison.compare import compare
 
 _HOME = {
     "Budget": "budget.results",
@@ -49,6 +55,8 @@ _HOME = {
     "Problem": "budget.problem",
     "SpecError": "budget.errors",
     "analyze": "budget.studies.analysis",
+    "compare": "budget.studies.comparison.compare",
+    "load_catalogue": "budget.spec",
     "load_device": "budget.spec",
     "load_procedure": "budget.spec",
     "load_requirement": "budget.spec",
@@ -65,6 +73,8 @@ __all__ = [
     "SpecError",
     "__version__",
     "analyze",
+    "compare",
+    "load_catalogue",
     "load_device",
     "load_procedure",
     "load_requirement",

@@ -50,13 +50,19 @@ def device(name, *, gyro=None, accelerometer=None, missing=(), **texts):
     )
 
 
-def paper_device(name="paper", *, times=1.0, sensors=("gyro",), **more):
-    """Return the paper's device with every figure times a factor."""
+def paper_device(name="paper", *, times=1.0, sensors=("gyro",), missing=(), **more):
+    """Return the paper's device with every figure times a factor, some left out."""
     lines = {"gyro": PAPER_GYRO, "accelerometer": PAPER_ACCELEROMETER}
+    noise = ("angle_random_walk", "sample_noise") if "noise" in missing else ()
     chosen = {
-        kind: {line: times * u for line, u in lines[kind].items()} for kind in sensors
+        kind: {
+            line: times * u
+            for line, u in lines[kind].items()
+            if line not in (*missing, *noise)
+        }
+        for kind in sensors
     }
-    return device(name, **chosen, **more)
+    return device(name, **chosen, missing=missing, **more)
 
 
 def requirement(*, times=1.0, sensors=("gyro",), reference="nominal", caps=()):

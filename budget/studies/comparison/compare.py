@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from budget.errors import CallError
 from budget.methods.execution import local_executor
 from budget.results import InputFile, Settings
+from budget.spec import load_procedure
 from budget.studies.comparison.candidates import (
     Candidate,
     bound_missing,
@@ -38,7 +39,7 @@ NEAR = (0.95, 1.05)  # utilisations for which the law alone is a poor judge
 def compare(
     devices: Sequence[Device],
     requirement: Requirement,
-    procedures: Sequence[Procedure],
+    procedures: Sequence[Procedure] = (),
     *,
     catalogue: Sequence[Device] = (),
     method: str = "monte-carlo",
@@ -60,7 +61,7 @@ def compare(
     requirement : Requirement
         Limits, coverage and reference.
     procedures : sequence of Procedure
-        One or more.
+        The paper's, if none is given.
     catalogue : sequence of Device
         Where the worst value of a line that is not given is taken from.
     method : str
@@ -88,6 +89,7 @@ def compare(
         Options that do not fit together, or no device has a sensor that the
         requirement limits.
     """
+    procedures = procedures or (load_procedure(None),)
     most = max(trials, MAX_TRIALS) if max_trials is None else max_trials
     _check(method, trials=trials, max_trials=most, validate=validate)
     _check_names(procedures)
