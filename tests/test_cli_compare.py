@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
+from pathlib import Path
 
 import pytest
 from command_line import call
@@ -246,3 +248,17 @@ class TestTable:
     def test_nothing_on_stderr_where_all_is_well(self):
         """Talk goes to stderr, and there is none."""
         assert compare("good.yaml", *LAW).err == ""
+
+
+def test_the_example_of_the_library_runs_as_printed(capsys):
+    """The example of docs/comparing.md ranks the catalogue, the best gyro first."""
+    docs = Path(__file__).parent.parent / "docs" / "comparing.md"
+    (code,) = re.findall(
+        r"```python\n(.*?)```", docs.read_text(encoding="utf-8"), re.DOTALL
+    )
+    exec(compile(code, "comparing.md", "exec"), {})  # noqa: S102 - our own text
+
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 3
+    assert lines[0].startswith("gyro ")
+    assert "meets" in lines[0]
