@@ -96,7 +96,7 @@ class StabilityPart(ProcessPart):
 
     @model_validator(mode="after")
     def _check_definition(self) -> Self:
-        if self.definition == "allan_minimum" and SIGMAS.get(self.meaning) != 1.0:
+        if self.definition == "allan_minimum" and SIGMAS.get(self.meaning, 1.0) != 1.0:
             message = (
                 f"found 'allan_minimum' with meaning {self.meaning!r}; a point of the "
                 "Allan curve is 1 sigma, expected that meaning"
