@@ -138,6 +138,14 @@ def test_terminal_of_complete_devices_has_no_such_column():
     assert "interval:" not in text
 
 
+def test_a_dash_is_explained():
+    """Where no source alone can mend anything, the dashes are explained."""
+    text = rendered(compared([paper_device(times=1e4)], method="gum"), 160)
+
+    assert re.search(r"(?m)repeatability +-$", text)
+    assert "it alone cannot" in text
+
+
 def test_sorting_keeps_the_rank(comparison):
     """Sorted by device, each keeps the rank it had."""
     by_rank = {r.device: r.rank for r in tables(comparison)[0].rows}

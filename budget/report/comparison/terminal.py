@@ -133,7 +133,7 @@ def _legend(found: Sequence[Table]) -> str:
     said = []
     for key, text in LEGEND.items():
         if key:
-            is_there = any(getattr(row, key) for row in rows)
+            is_there = key not in MAY_BE_EMPTY or any(getattr(row, key) for row in rows)
         else:
             is_there = any("=" in row.rank for row in rows)
         if is_there:
