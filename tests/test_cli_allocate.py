@@ -322,3 +322,19 @@ def test_a_device_without_any_error_has_nothing_to_share(tmp_path, errors, strat
     assert found["feasible"] is True
     assert any("nothing to share" in text for text in found["warnings"])
     assert found["devices"] == []
+
+
+def test_report_has_a_section_on_the_allocation(tmp_path):
+    """`budget report --allocate` adds what each line may be; alone it is exit 2."""
+    page = tmp_path / "report.html"
+    run = call(
+        *("report", "--requirement", "navigation-grade", "--allocate"),
+        *("--no-validate", "-o", str(page)),
+    )
+    assert run.code == 0
+    assert "What each line may be" in page.read_text(encoding="utf-8")
+
+    without = call("report", "--allocate", "-o", str(tmp_path / "other.html"))
+    assert without.code == 2
+    assert "--requirement" in without.err
+    assert not (tmp_path / "other.html").exists()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -34,12 +35,24 @@ def report(
     no_validate: options.NoValidate = False,
     sobol: options.Sobol = False,
     samples: options.Samples = None,
+    only: options.Only = None,
+    allocate: Annotated[
+        bool,
+        typer.Option(
+            "--allocate",
+            help="Add what each line may be to meet the requirement (proportional).",
+        ),
+    ] = False,
+    json: options.JsonFile = None,
+    csv: options.CsvFile = None,
 ) -> None:
     """Write the error budget as a report: verdict first, then what it stands on."""
     from budget.cli.computing import computing, say
-    from budget.cli.output import check_destinations
+    from budget.cli.output import check_destinations, printing
+    from budget.errors import CallError
     from budget.methods.monte_carlo import MAX_TRIALS
     from budget.methods.sobol import SAMPLES
+    from budget.report.document import to_csv, to_json
     from budget.report.files import write_all
     from budget.report.html import render_html
     from budget.spec import load_procedure, load_requirement
@@ -50,8 +63,10 @@ def report(
     _check_suffixes(output)
     date = _date()
     check_destinations(
-        None, None, *output, inputs=[*(devices or ()), procedure, requirement]
+        json, csv, *output, inputs=[*(devices or ()), procedure, requirement]
     )
+    if allocate and requirement is None:
+        raise CallError("--allocate shares out limits: give them with --requirement")
     loaded = options.load_devices(devices)
     how = load_procedure(procedure)
     wanted = None if requirement is None else load_requirement(requirement)
@@ -73,20 +88,42 @@ def report(
             interval=interval,
             reference=basis.reference,
             samples=(samples or SAMPLES) if sobol or samples else None,
+            only=only or (),
             command="report",
             progress=shop.progress,
             talk=say,
         )
+    sections = []
+    if allocate and wanted is not None:
+        from budget.report.allocation.page import allocation_section
+        from budget.studies.allocation.allocate import allocate as share_out
+
+        with computing("allocate", workers=1, cluster=None) as shop:
+            allocation = share_out(
+                *loaded,
+                requirement=wanted,
+                procedure=how,
+                seed=seed,
+                progress=shop.progress,
+            )
+        sections.append(allocation_section(allocation))
     page = render_html(
         budget,
         devices=loaded,
         procedure=how,
         assessment=None if wanted is None else assess(budget, wanted, loaded),
         date=date,
+        sections=tuple(sections),
     )
-    write_all(dict.fromkeys(output, page))
+    documents = {json: to_json, csv: to_csv}
+    files = {path: make(budget) for path, make in documents.items() if path is not None}
+    on_stdout = files.pop(options.STDOUT, None)
+    write_all({**dict.fromkeys(output, page), **files})
     for path in output:
         typer.echo(f"{path}: written", err=True)
+    if on_stdout is not None:
+        with printing():
+            sys.stdout.write(on_stdout)
 
 
 def _check_suffixes(paths: list[Path]) -> None:

@@ -137,6 +137,7 @@ def render_html(
     procedure: Procedure,
     assessment: Assessment | None,
     date: str,
+    sections: tuple[str, ...] = (),
 ) -> str:
     """Write the whole report as one page that needs nothing else.
 
@@ -152,6 +153,8 @@ def render_html(
         The budget against a requirement, where there is one.
     date : str
         As it shall stand on the page.
+    sections : tuple of str
+        Further sections as HTML, made by the renderers of their studies.
 
     Returns
     -------
@@ -201,6 +204,7 @@ def render_html(
         indices=index_tables(budget),
         causes=_causes(groups, devices, assessment),
         not_given=not_given_lines(budget.not_given, budget.settings.reference),
+        sections=[markup(section) for section in sections],
         pictures=[(picture, markup(picture.svg)) for picture in pictures],
         inputs=[_inputs(sensor) for device in devices for sensor in device.sensors],
         date=date,
