@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     )
     from budget.studies.analysis import analyze
     from budget.studies.comparison.compare import compare
+    from budget.studies.conformity import assess
 
 _HOME = {
     "Budget": "budget.results",
@@ -55,6 +56,7 @@ _HOME = {
     "Problem": "budget.problem",
     "SpecError": "budget.errors",
     "analyze": "budget.studies.analysis",
+    "assess": "budget.studies.conformity",
     "compare": "budget.studies.comparison.compare",
     "load_catalogue": "budget.spec",
     "load_device": "budget.spec",
@@ -73,6 +75,7 @@ __all__ = [
     "SpecError",
     "__version__",
     "analyze",
+    "assess",
     "compare",
     "load_catalogue",
     "load_device",

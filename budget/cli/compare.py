@@ -194,10 +194,10 @@ def _deliver(
         if path is not None and path != options.STDOUT
     }
     if pages:
-        from budget.cli.report import _date
+        from budget.cli.dates import document_date
         from budget.report.comparison.html import render_html
 
-        files |= dict.fromkeys(pages, render_html(comparison, date=_date()))
+        files |= dict.fromkeys(pages, render_html(comparison, date=document_date()))
     write_all(files)
     for path in pages:
         typer.echo(f"{path}: written", err=True)

@@ -48,6 +48,7 @@ def report(
 ) -> None:
     """Write the error budget as a report: verdict first, then what it stands on."""
     from budget.cli.computing import computing, say
+    from budget.cli.dates import document_date
     from budget.cli.output import check_destinations, printing
     from budget.errors import CallError
     from budget.methods.monte_carlo import MAX_TRIALS
@@ -61,7 +62,7 @@ def report(
     from budget.studies.request import choose_basis
 
     _check_suffixes(output)
-    date = _date()
+    date = document_date()
     check_destinations(
         json, csv, *output, inputs=[*(devices or ()), procedure, requirement]
     )
@@ -136,22 +137,3 @@ def _check_suffixes(paths: list[Path]) -> None:
             f"-o {', '.join(wrong)}: the suffix decides the kind of report, "
             f"allowed: {', '.join(SUFFIXES)}"
         )
-
-
-def _date() -> str:
-    """Return today's date, or that of SOURCE_DATE_EPOCH where it is set."""
-    import os
-    from datetime import UTC, datetime
-
-    from budget.errors import CallError
-
-    epoch = os.environ.get("SOURCE_DATE_EPOCH")
-    if epoch is None:
-        return datetime.now().astimezone().date().isoformat()
-    try:
-        return datetime.fromtimestamp(int(epoch), tz=UTC).date().isoformat()
-    except (ValueError, OverflowError, OSError):
-        raise CallError(
-            f"SOURCE_DATE_EPOCH is {epoch!r}, expected seconds since 1970 as a whole "
-            "number; unset it to use today's date"
-        ) from None

@@ -6,7 +6,7 @@ import json
 from typing import TYPE_CHECKING, Any
 
 from budget.report.tables import print_given, words
-from budget.report.terminal import GAP, _Page
+from budget.report.terminal import GAP, Page
 from budget.results import SCHEMA
 from budget.spec.records import ANGLES, AXES
 from budget.studies.comparison.grades import completeness, grade, kind_of_device
@@ -28,7 +28,7 @@ SHORTEST = 10  # characters that the last column keeps at least
 
 def render_list(devices: Sequence[Device], console: Console) -> None:
     """Print one line for each device: what it is and how much its data sheet tells."""
-    page = _Page(console)
+    page = Page(console)
     head, *lines = _left((HEADS, *(_listed(device) for device in devices)))
     # The technology stands last, in the makers' words, which may be many.
     room = max(page.width, head.index(HEADS[-1]) + SHORTEST)
@@ -46,7 +46,7 @@ def render_list(devices: Sequence[Device], console: Console) -> None:
 
 def render_device(device: Device, console: Console) -> None:
     """Print every figure of a device with what it means and where it is from."""
-    page = _Page(console)
+    page = Page(console)
     page.line(f"{device.name} ({kind_of_device(device)})", style="bold")
     page.paragraph(device.origin.file, first=f"{'file':<{LABEL}}")
     for name in TEXTS:
@@ -109,7 +109,7 @@ def _listed(device: Device) -> tuple[str, ...]:
     )
 
 
-def _print_sensor(sensor: Sensor, page: _Page) -> None:
+def _print_sensor(sensor: Sensor, page: Page) -> None:
     """Print the lines of one triad, then what it does not give."""
     page.line(
         f"{sensor.kind.capitalize()}: {completeness(sensor)} expected lines, "
@@ -166,7 +166,7 @@ def _remarks(line: ErrorLine) -> str:
     )
 
 
-def _print_figures(device: Device, page: _Page) -> None:
+def _print_figures(device: Device, page: Page) -> None:
     """Print what the maker prints and no model uses."""
     if not device.figures:
         page.line("Printed, not budgeted: none", style="bold")

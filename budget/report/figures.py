@@ -86,7 +86,7 @@ def share_bars(group: GroupTable) -> Figure:
     legend = [name for name in STYLES if name in seen and name not in named]
     below = 32.0 + LEGEND_LINE * ((len(legend) + 1) // 2)
     height = top + PITCH * len(bars) + below
-    figure, axes = _canvas(height, left=left, right=right, top=top, below=below)
+    figure, axes = canvas(height, left=left, right=right, top=top, below=below)
     figure.set_label(share_title(group))
     axes.set_xlim(0.0, 100.0)
     axes.set_ylim(len(bars) - 0.5, -0.5)
@@ -142,7 +142,7 @@ def utilisation_dots(assessment: Assessment) -> Figure:
     groups = _by_group(assessment)
     left, right, top, below = 24.0, 46.0, 18.0, 32.0
     rows = len(assessment.outputs) + len(groups)
-    figure, axes = _canvas(
+    figure, axes = canvas(
         top + ROW * rows + below, left=left, right=right, top=top, below=below
     )
     figure.set_label(utilisation_title(assessment))
@@ -243,7 +243,7 @@ def to_svg(figure: Figure, *, name: str) -> str:
     return re.sub(r'(url\(|href=")#', rf"\1#{name}-", text)
 
 
-def _canvas(
+def canvas(
     height: float, *, left: float, right: float, top: float, below: float
 ) -> tuple[Figure, Axes]:
     """Make a bare figure of a height and margins in points."""

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
-from html import escape
 from math import degrees
 from typing import TYPE_CHECKING
 
 from budget.report import figures
 from budget.report.document import to_json
 from budget.report.indices import index_tables
+from budget.report.inline import inline_svg
 from budget.report.markup import (
     bind,
     css_string,
@@ -42,8 +41,6 @@ from budget.version import __version__
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from matplotlib.figure import Figure
-
     from budget.arrays import Array
     from budget.report.tables import GroupTable
     from budget.results import Assessment, Budget, OutputAssessment
@@ -52,16 +49,6 @@ if TYPE_CHECKING:
 CAUSES = 5  # as many as a reader keeps in mind
 NOMINAL_BIAS = {"gyro": ("deg/h", DEG_PER_HOUR), "accelerometer": ("ug", MICRO_G)}
 SEVERITY = ("fails", "undecidable", "undecided", "meets")  # the first one is the page's
-
-# The figures take their inks from the page, so that they turn with light and dark.
-INKS = {
-    figures.INK: "currentColor",
-    figures.MUTED: "var(--muted)",
-    figures.GRID: "var(--grid)",
-    figures.PAPER: "var(--paper)",
-    figures.BLACK: "var(--black)",
-}
-
 
 Effect = tuple[str, str, str]  # '79 %', 'gyro bias', '0.050 deg/h'
 
@@ -323,30 +310,13 @@ def _pictures(
         figure = figures.utilisation_dots(assessment)
         alt = figures.utilisation_alt(assessment)
         title = figures.utilisation_title(assessment)
-        svg = _inline(figure, "utilisation", alt)
+        svg = inline_svg(figure, "utilisation", alt)
         pictures.append(Picture(title=title, svg=svg, group=None))
     for group in groups:
         name = f"{group.sensor}-{group.parameter}"
-        svg = _inline(figures.share_bars(group), name, figures.share_alt(group))
+        svg = inline_svg(figures.share_bars(group), name, figures.share_alt(group))
         pictures.append(Picture(title=figures.share_title(group), svg=svg, group=group))
     return pictures
-
-
-def _inline(figure: Figure, name: str, alt: str) -> str:
-    """Turn a figure to SVG inside HTML: no prolog, no size, the inks of the page."""
-    svg = figures.to_svg(figure, name=name)
-    svg = svg[svg.index("<svg") :]
-    svg = re.sub(
-        r"<title>.*?</title>|<metadata>.*?</metadata>", "", svg, flags=re.DOTALL
-    )
-    svg = re.sub(
-        r"<style.*?</style>", "", svg, flags=re.DOTALL
-    )  # holds for all the page
-    head, end, rest = svg.partition(">")
-    head = re.sub(r' (xmlns(:\w+)?|width|height|version)="[^"]*"', "", head)
-    for ink, of_page in INKS.items():
-        rest = rest.replace(ink, of_page)
-    return f'{head} role="img" aria-label="{escape(alt)}"{end}{rest}'
 
 
 def _inputs(sensor: Sensor) -> SensorInputs:

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from html import escape
 from typing import TYPE_CHECKING
 
-from budget.report import figures
 from budget.report.curves import sweep_alt, sweep_curves, sweep_title
-from budget.report.html import INKS
+from budget.report.inline import inline_svg
 from budget.report.markup import bind, css_string, number_markup, script_safe
 from budget.report.paper import (
     paper_json,
@@ -99,9 +97,7 @@ def paper_html(study: PaperStudy) -> str:
         verdicts=VERDICTS,
         unexplained=[(row.where, _row(row)) for row in unexplained(study)],
         sections=[(name, _section(study, name)) for name in SECTIONS],
-        pictures=[
-            (sweep_title(sweep), markup(_inline(sweep))) for sweep in study.sweeps
-        ],
+        pictures=[(sweep_title(sweep), markup(_draw(sweep))) for sweep in study.sweeps],
         assumptions=ASSUMPTIONS,
         inputs=study.inputs,
         version=__version__,
@@ -141,14 +137,7 @@ def _row(row: Finding) -> PageRow:
     )
 
 
-def _inline(sweep: Sweep) -> str:
-    """Turn a figure to SVG inside HTML: no prolog, no size, the inks of the page."""
-    svg = figures.to_svg(sweep_curves(sweep), name=sweep.figure.replace(" ", "-"))
-    svg = svg[svg.index("<svg") :]
-    for element in ("title", "metadata", "style"):
-        svg = re.sub(rf"<{element}.*?</{element}>", "", svg, flags=re.DOTALL)
-    head, end, rest = svg.partition(">")
-    head = re.sub(r' (xmlns(:\w+)?|width|height|version)="[^"]*"', "", head)
-    for ink, of_page in INKS.items():
-        rest = rest.replace(ink, of_page)
-    return f'{head} role="img" aria-label="{escape(sweep_alt(sweep))}"{end}{rest}'
+def _draw(sweep: Sweep) -> str:
+    """Draw one of the paper's figures for the page."""
+    name = sweep.figure.replace(" ", "-")
+    return inline_svg(sweep_curves(sweep), name, sweep_alt(sweep))

@@ -45,7 +45,7 @@ def render_budget(budget: Budget, console: Console) -> None:
     console : rich.console.Console
         Its width and encoding decide the layout; numbers are never cut or wrapped.
     """
-    page = _Page(console)
+    page = Page(console)
     page.line(budget.title, style="bold")
     groups = group_tables(budget)
     checks = {group.validation for group in groups}
@@ -72,7 +72,7 @@ def render_budget(budget: Budget, console: Console) -> None:
         page.paragraph(*checks, first=f"{'checked':<{SETTING}}")
 
 
-class _Page:
+class Page:
     """A console that is written line by line, in characters that it can show."""
 
     def __init__(self, console: Console) -> None:
@@ -112,7 +112,7 @@ class _Page:
         return EIGHTHS[8] * (eighths // 8) + EIGHTHS[eighths % 8].rstrip()
 
 
-def _print_group(group: GroupTable, page: _Page) -> None:
+def _print_group(group: GroupTable, page: Page) -> None:
     """Print the outputs of one group, then its sources with their bars."""
     title = group.title.capitalize()
     page.line(f"{title} [{group.unit}]", style="bold underline")
@@ -130,7 +130,7 @@ def _print_group(group: GroupTable, page: _Page) -> None:
     _print_sources(group, page)
 
 
-def _print_indices(budget: Budget, page: _Page) -> None:
+def _print_indices(budget: Budget, page: Page) -> None:
     """Print Sobol' indices with their intervals, for the widest output of a group."""
     for table in index_tables(budget):
         if not table.is_widest:
@@ -162,7 +162,7 @@ def _index_lines(table: IndexTable) -> tuple[str, tuple[str, ...]]:
     names = ("rank", "first", "first_interval", "total", "total_interval")
     heads = ["rank", "first", "interval", "total", "interval"]
     columns = [tuple(getattr(row, name) for row in table.rows) for name in names]
-    return _set_columns(heads, columns, flush_left=False)
+    return set_columns(heads, columns, flush_left=False)
 
 
 def _output_cells(group: GroupTable, row: OutputRow) -> tuple[tuple[str, str], ...]:
@@ -188,10 +188,10 @@ def _output_lines(group: GroupTable) -> tuple[str, tuple[str, ...]]:
         align_decimals([row[place][1] for row in cells])
         for place in range(len(cells[0]))
     ]
-    return _set_columns(heads, columns)
+    return set_columns(heads, columns)
 
 
-def _print_sources(group: GroupTable, page: _Page) -> None:
+def _print_sources(group: GroupTable, page: Page) -> None:
     """Print one line for each source, the largest first, with a bar of its share."""
     acting = [row for row in group.sources if not row.is_idle]
     idle = [row.title for row in group.sources if row.is_idle]
@@ -202,7 +202,7 @@ def _print_sources(group: GroupTable, page: _Page) -> None:
         page.paragraph(", ".join(idle), first="no effect: ")
 
 
-def _print_bars(sources: Sequence[SourceRow], page: _Page) -> None:
+def _print_bars(sources: Sequence[SourceRow], page: Page) -> None:
     """Print the sources that have an effect: share and u as columns, then the bar."""
     largest = [max((cell.u for cell in row.cells), key=_exact) for row in sources]
     ranges = _axis_ranges(sources)
@@ -211,9 +211,9 @@ def _print_bars(sources: Sequence[SourceRow], page: _Page) -> None:
         tuple(row.share.text for row in sources),
         align_decimals([u.text for u in largest]),
     ]
-    head, lines = _set_columns(heads, columns, flush_left=False)
+    head, lines = set_columns(heads, columns, flush_left=False)
     if ranges:
-        wide_head, wide = _set_columns(
+        wide_head, wide = set_columns(
             [*heads, "share by axis"], [*columns, ranges], flush_left=False
         )
         if len(wide_head) + NARROWEST_NAME + 2 * GAP + BAR_WIDTHS[0] <= page.width:
@@ -248,7 +248,7 @@ def _axis_ranges(sources: Sequence[SourceRow]) -> tuple[str, ...]:
     return tuple(ranges) if differ else ()
 
 
-def _set_columns(
+def set_columns(
     heads: Sequence[str], columns: Sequence[Iterable[str]], *, flush_left: bool = True
 ) -> tuple[str, tuple[str, ...]]:
     """Set texts flush right under their heads; the first column may be flush left."""

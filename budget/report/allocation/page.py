@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from html import escape
 from typing import TYPE_CHECKING
 
-from budget.report import figures
 from budget.report.allocation.figures import (
     headroom_alt,
     headroom_bars,
@@ -29,7 +27,7 @@ from budget.report.allocation.words import (
     remarks,
     tightest,
 )
-from budget.report.html import INKS
+from budget.report.inline import inline_svg
 from budget.report.markup import bind, longest_tail, number_markup
 from budget.report.tables import (
     output_title,
@@ -172,14 +170,6 @@ def _shelf(allocation: Allocation, sensor: str) -> Shelf:
 
 
 def _inline(figure: Figure, alt: str) -> str:
-    """Turn a figure to SVG inside HTML, in the inks of the page."""
+    """Draw a figure for the page, named by what it shows."""
     name = re.sub(r"[^a-z0-9]+", "-", f"allocation {figure.get_label()}".lower())
-    svg = figures.to_svg(figure, name=name)
-    svg = svg[svg.index("<svg") :]
-    for element in ("title", "metadata", "style"):
-        svg = re.sub(rf"<{element}.*?</{element}>", "", svg, flags=re.DOTALL)
-    head, end, rest = svg.partition(">")
-    head = re.sub(r' (xmlns(:\w+)?|width|height|version)="[^"]*"', "", head)
-    for ink, of_page in INKS.items():
-        rest = rest.replace(ink, of_page)
-    return f'{head} role="img" aria-label="{escape(alt)}"{end}{rest}'
+    return inline_svg(figure, name, alt)

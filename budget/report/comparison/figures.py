@@ -12,7 +12,7 @@ from budget.report.figures import (
     PAPER,
     SMALL,
     WIDTH,
-    _canvas,
+    canvas,
 )
 from budget.report.tables import print_given, print_utilisation, words
 from budget.studies.comparison.figures_of_merit import Amount, read_amount
@@ -48,7 +48,7 @@ def utilisation_map(table: Table) -> Figure:
     outputs = rows[0].of.outputs
     top, below = 30.0, 34.0
     height = top + CELL * len(rows) + below
-    figure, axes = _canvas(height, left=LEFT, right=4.0, top=top, below=below)
+    figure, axes = canvas(height, left=LEFT, right=4.0, top=top, below=below)
     figure.set_label(map_title(table))
     axes.set_xlim(0.0, len(outputs))
     axes.set_ylim(len(rows), 0.0)
@@ -126,7 +126,7 @@ def margin_bars(table: Table) -> Figure:
     """Draw how far each device is from its limit: bars that start at the limit."""
     rows = table.rows[:SHOWN]
     top, below = 18.0, 32.0
-    figure, axes = _canvas(
+    figure, axes = canvas(
         top + BAR_ROW * len(rows) + below, left=LEFT, right=84.0, top=top, below=below
     )
     figure.set_label(margin_title(table))
@@ -190,7 +190,7 @@ def pareto_scatter(table: Table, merit: str) -> Figure:
 
     points = merit_points(table, merit)
     left, right, top, below = 40.0, 12.0, 12.0, 34.0
-    figure, axes = _canvas(220.0, left=left, right=right, top=top, below=below)
+    figure, axes = canvas(220.0, left=left, right=right, top=top, below=below)
     figure.set_label(pareto_title(table, merit))
     axes.set_xscale("log")
     axes.set_yscale("log")

@@ -18,7 +18,7 @@ from budget.report.comparison.tables import (
     tables,
     verdict_lines,
 )
-from budget.report.html import _inline
+from budget.report.inline import inline_svg
 from budget.report.markup import (
     bind,
     css_string,
@@ -155,7 +155,7 @@ def _section(table: Table, place: int) -> Section:
         points = figures.merit_points(table, merit)
         if len(points) < figures.LEAST_POINTS:
             continue
-        svg = _inline(
+        svg = inline_svg(
             figures.pareto_scatter(table, merit),
             f"pareto-{merit}-{place}",
             figures.pareto_alt(table, merit),
@@ -179,7 +179,7 @@ def _section(table: Table, place: int) -> Section:
     return Section(
         table=table,
         map_title=figures.map_title(table),
-        map_svg=_inline(
+        map_svg=inline_svg(
             figures.utilisation_map(table), f"map-{place}", figures.map_alt(table)
         ),
         heads=tuple(
@@ -191,7 +191,7 @@ def _section(table: Table, place: int) -> Section:
             for row in table.rows
         ),
         margin_title=figures.margin_title(table),
-        margin_svg=_inline(
+        margin_svg=inline_svg(
             figures.margin_bars(table), f"margin-{place}", figures.margin_alt(table)
         ),
         scatters=tuple(scatters),

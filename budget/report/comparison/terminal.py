@@ -17,7 +17,7 @@ from budget.report.comparison.tables import (
     verdict_lines,
 )
 from budget.report.tables import align_decimals, settings_lines
-from budget.report.terminal import GAP, SETTING, _Page, _set_columns
+from budget.report.terminal import GAP, SETTING, Page, set_columns
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -69,7 +69,7 @@ def render_comparison(
     sort : Column, optional
         What the tables are sorted by, in place of the rank.
     """
-    page = _Page(console)
+    page = Page(console)
     page.line(f"Against {comparison.requirement}", style="bold")
     found = tables(comparison, sort=sort)
     several = len(comparison.procedures) > 1
@@ -107,7 +107,7 @@ def render_comparison(
         page.paragraph(text, first=f"{label:<{SETTING}}")
 
 
-def _print_table(table: Table, page: _Page, *, several: bool) -> None:
+def _print_table(table: Table, page: Page, *, several: bool) -> None:
     """Print the devices with one sensor under one procedure."""
     title = f"{table.sensor.capitalize()}: {table.counts}"
     if several:
@@ -161,7 +161,7 @@ def _set(rows: Sequence[Row], keys: Sequence[str]) -> tuple[str, tuple[str, ...]
         column.head.ljust(len(texts[0])) if column.key in FLUSH_LEFT else column.head
         for column, texts in zip(chosen, columns, strict=True)
     ]
-    return _set_columns(heads, columns, flush_left=False)
+    return set_columns(heads, columns, flush_left=False)
 
 
 def _flush(column: Column, texts: Sequence[str]) -> list[str]:
@@ -177,14 +177,14 @@ def cut(text: str) -> str:
     return text if len(text) <= LONGEST_DEVICE else f"{text[: LONGEST_DEVICE - 3]}..."
 
 
-def _print_lines(page: _Page, head: str, lines: Iterable[str]) -> None:
+def _print_lines(page: Page, head: str, lines: Iterable[str]) -> None:
     """Print a table."""
     page.line(head, style="bold")
     for line in lines:
         page.line(line)
 
 
-def _print_side_by_side(found: Sequence[Table], sensor: str, page: _Page) -> None:
+def _print_side_by_side(found: Sequence[Table], sensor: str, page: Page) -> None:
     """Print one table with a column for each procedure."""
     rows = side_by_side(found, sensor)
     procedures = [table.procedure for table in found if table.sensor == sensor]
@@ -204,9 +204,9 @@ def _print_side_by_side(found: Sequence[Table], sensor: str, page: _Page) -> Non
             ]
         )
     heads = ["device", *(cut(name) for name in procedures)]
-    width = len(_set_columns(heads, columns)[0])
+    width = len(set_columns(heads, columns)[0])
     if width <= page.width:
-        _print_lines(page, *_set_columns(heads, columns))
+        _print_lines(page, *set_columns(heads, columns))
         return
     for row in rows:
         page.line(cut(row.device))
@@ -214,7 +214,7 @@ def _print_side_by_side(found: Sequence[Table], sensor: str, page: _Page) -> Non
             page.paragraph(f"{name}: {cell}", first=" " * GAP)
 
 
-def _print_pairs(comparison: Comparison, page: _Page) -> None:
+def _print_pairs(comparison: Comparison, page: Page) -> None:
     """Print the best pairs of gyro and accelerometer; the rest is counted."""
     if not comparison.pairs:
         return
@@ -246,7 +246,7 @@ def _print_pairs(comparison: Comparison, page: _Page) -> None:
     if several:
         heads.append("procedure")
         columns.append([cut(pair.procedure) for pair in shown])
-    _print_lines(page, *_set_columns(heads, columns))
+    _print_lines(page, *set_columns(heads, columns))
     rest = len(comparison.pairs) - len(shown)
     if rest:
         page.line(f"and {rest} more, all in --json")
