@@ -10,7 +10,7 @@ import typer
 
 from budget.cli import options
 
-SUFFIXES = (".html",)
+SUFFIXES = (".html", ".pdf")
 
 
 def paper(
@@ -21,7 +21,7 @@ def paper(
             "-o",
             "--output",
             metavar="FILE",
-            help="Page to write, .html.",
+            help="Page to write, .html or .pdf; may be given twice.",
             show_default=False,
         ),
     ] = None,
@@ -33,10 +33,12 @@ def paper(
     Table 1, the figures, the orders of magnitude in the text, the formulas and the
     conclusions: what is printed, ours, their ratio, and why they differ.
     """
+    from budget.cli.dates import document_date
     from budget.cli.output import check_destinations, printing
     from budget.report.files import write_all
     from budget.report.paper import paper_csv, paper_json, paper_text
     from budget.report.paper_page import paper_html
+    from budget.report.paper_pdf import paper_pdf
     from budget.studies.paper.study import reproduce
 
     check_destinations(json, csv)
@@ -44,16 +46,20 @@ def paper(
     _check_suffixes(pages)
     _check_twice([*(path for path in (json, csv) if path is not None), *pages])
     study = reproduce()
-    documents = [
-        (json, paper_json),
-        (csv, paper_csv),
-        *((path, paper_html) for path in pages),
-    ]
-    files = [(path, render) for path, render in documents if path is not None]
-    write_all({path: render(study) for path, render in files if path != options.STDOUT})
+    documents = [(json, paper_json), (csv, paper_csv)]
+    on_stdout = [render for path, render in documents if path == options.STDOUT]
+    files: dict[Path, str | bytes] = {
+        path: render(study)
+        for path, render in documents
+        if path not in {None, options.STDOUT}
+    }
+    date = document_date()
+    for path in pages:
+        is_pdf = path.suffix.lower() == ".pdf"
+        files[path] = paper_pdf(study, date=date) if is_pdf else paper_html(study)
+    write_all(files)
     for path in pages:
         typer.echo(f"{path}: written", err=True)
-    on_stdout = [render for path, render in files if path == options.STDOUT]
     with printing():
         if on_stdout:
             sys.stdout.write(on_stdout[0](study))

@@ -11,10 +11,9 @@ from budget.report.document import to_json
 from budget.report.indices import index_tables
 from budget.report.inline import inline_svg
 from budget.report.markup import (
-    bind,
     css_string,
-    longest_tail,
-    number_markup,
+    markup,
+    page_environment,
     script_safe,
 )
 from budget.report.not_given import not_given_lines
@@ -32,7 +31,6 @@ from budget.report.tables import (
     source_title,
     words,
 )
-from budget.resources import shipped
 from budget.results import INTERACTION
 from budget.spec.records import ANGLES, AXES
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
@@ -148,23 +146,8 @@ def render_html(
     str
         The same bytes for the same arguments.
     """
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-    from markupsafe import Markup
-
-    def markup(html: str) -> Markup:
-        return Markup(html)  # noqa: S704 - each maker below escapes what it is given
-
-    environment = Environment(
-        loader=FileSystemLoader(shipped("templates")),
-        autoescape=True,
-        undefined=StrictUndefined,
-        finalize=lambda value: bind(value) if type(value) is str else value,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    environment = page_environment()
     environment.filters |= {
-        "number": lambda text, tail=0: markup(number_markup(text, tail=tail)),
-        "longest_tail": longest_tail,
         "words": words,
         "first_up": lambda text: text[:1].upper() + text[1:],
         "given": print_given,

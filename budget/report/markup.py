@@ -6,10 +6,45 @@ import re
 from html import escape
 from typing import TYPE_CHECKING
 
+from budget.resources import shipped
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from jinja2 import Environment
+    from markupsafe import Markup
+
 DIGIT, POINT = "\N{FIGURE SPACE}", "\N{PUNCTUATION SPACE}"  # as wide as those
+
+
+def page_environment() -> Environment:
+    """Return the jinja2 environment of every page: escaping, numbers kept with units.
+
+    Missing values are errors, plain text is escaped and its numbers bound to their
+    units; the filters `number` and `longest_tail` set columns.
+    """
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    environment = Environment(
+        loader=FileSystemLoader(shipped("templates")),
+        autoescape=True,
+        undefined=StrictUndefined,
+        finalize=lambda value: bind(value) if type(value) is str else value,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {
+        "number": lambda text, tail=0: markup(number_markup(text, tail=tail)),
+        "longest_tail": longest_tail,
+    }
+    return environment
+
+
+def markup(html: str) -> Markup:
+    """Mark HTML as made here: its makers escape what they are given."""
+    from markupsafe import Markup
+
+    return Markup(html)  # noqa: S704 - see above
 
 
 def number_markup(text: str, *, tail: int = 0) -> str:

@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING
 
 from budget.report.curves import sweep_alt, sweep_curves, sweep_title
 from budget.report.inline import inline_svg
-from budget.report.markup import bind, css_string, number_markup, script_safe
+from budget.report.markup import (
+    css_string,
+    markup,
+    number_markup,
+    page_environment,
+    script_safe,
+)
 from budget.report.paper import (
     paper_json,
     print_ours,
@@ -17,7 +23,6 @@ from budget.report.paper import (
     shorten,
     unexplained,
 )
-from budget.resources import shipped
 from budget.studies.paper.findings import UNEXPLAINED, VERDICTS
 from budget.studies.paper.study import ASSUMPTIONS, SECTIONS, TITLE
 from budget.version import __version__
@@ -71,20 +76,7 @@ def paper_html(study: PaperStudy) -> str:
     str
         The same bytes for the same study.
     """
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-    from markupsafe import Markup
-
-    def markup(html: str) -> Markup:
-        return Markup(html)  # noqa: S704 - each maker below escapes what it is given
-
-    environment = Environment(
-        loader=FileSystemLoader(shipped("templates")),
-        autoescape=True,
-        undefined=StrictUndefined,
-        finalize=lambda value: bind(value) if type(value) is str else value,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    environment = page_environment()
     environment.filters["number"] = lambda text: (
         markup(f"{number[1]}{number_markup(number[2])}{number[3]}")
         if (number := NUMBER.fullmatch(text))
@@ -95,8 +87,8 @@ def paper_html(study: PaperStudy) -> str:
         total=sum(number for _, number in study.counts),
         counts=study.counts,
         verdicts=VERDICTS,
-        unexplained=[(row.where, _row(row)) for row in unexplained(study)],
-        sections=[(name, _section(study, name)) for name in SECTIONS],
+        unexplained=[(row.where, page_row(row)) for row in unexplained(study)],
+        sections=[(name, page_section(study, name)) for name in SECTIONS],
         pictures=[(sweep_title(sweep), markup(_draw(sweep))) for sweep in study.sweeps],
         assumptions=ASSUMPTIONS,
         inputs=study.inputs,
@@ -106,12 +98,12 @@ def paper_html(study: PaperStudy) -> str:
     )
 
 
-def _section(study: PaperStudy, name: str) -> PageSection:
+def page_section(study: PaperStudy, name: str) -> PageSection:
     """Write the rows of one section."""
     rows = study.of_section(name)
     return PageSection(
         title=SECTIONS[name],
-        rows=tuple(_row(row) for row in rows),
+        rows=tuple(page_row(row) for row in rows),
         has_ratios=any(row.ratio is not None for row in rows),
         has_probabilities=any(
             row.p_single is not None or row.p_mean is not None for row in rows
@@ -119,7 +111,7 @@ def _section(study: PaperStudy, name: str) -> PageSection:
     )
 
 
-def _row(row: Finding) -> PageRow:
+def page_row(row: Finding) -> PageRow:
     """Write one finding."""
     return PageRow(
         where=shorten(row),

@@ -28,7 +28,10 @@ from budget.report.allocation.words import (
     tightest,
 )
 from budget.report.inline import inline_svg
-from budget.report.markup import bind, longest_tail, number_markup
+from budget.report.markup import (
+    markup,
+    page_environment,
+)
 from budget.report.tables import (
     output_title,
     print_count,
@@ -36,7 +39,6 @@ from budget.report.tables import (
     print_given,
     source_title,
 )
-from budget.resources import shipped
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -83,21 +85,8 @@ def allocation_section(allocation: Allocation) -> str:
     str
         One `section` element; the same bytes for the same argument.
     """
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-    from markupsafe import Markup
-
-    environment = Environment(
-        loader=FileSystemLoader(shipped("templates")),
-        autoescape=True,
-        undefined=StrictUndefined,
-        finalize=lambda value: bind(value) if type(value) is str else value,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    environment = page_environment()
     environment.filters |= {
-        # number_markup escapes what it is given.
-        "number": lambda text, tail=0: Markup(number_markup(text, tail=tail)),  # noqa: S704
-        "longest_tail": longest_tail,
         "given": lambda value: print_given(value, digits=3),
         "output": output_title,
         "source": source_title,
@@ -115,13 +104,13 @@ def allocation_section(allocation: Allocation) -> str:
         triads=triads,
         shelves=[_shelf(allocation, sensor) for sensor in solved],
         waterfalls=[
-            (waterfall_title(row), Markup(_inline(waterfall(row), waterfall_alt(row))))  # noqa: S704
+            (waterfall_title(row), markup(_inline(waterfall(row), waterfall_alt(row))))
             for row in figured(allocation)
         ],
         headrooms=[
             (
                 headroom_title(triad.rows),
-                Markup(_inline(headroom_bars(triad.rows), headroom_alt(triad.rows))),  # noqa: S704
+                markup(_inline(headroom_bars(triad.rows), headroom_alt(triad.rows))),
             )
             for triad in triads
             if any(row.headroom is not None for row in triad.rows)

@@ -20,10 +20,9 @@ from budget.report.comparison.tables import (
 )
 from budget.report.inline import inline_svg
 from budget.report.markup import (
-    bind,
     css_string,
-    longest_tail,
-    number_markup,
+    markup,
+    page_environment,
     script_safe,
 )
 from budget.report.tables import (
@@ -35,7 +34,6 @@ from budget.report.tables import (
     settings_lines,
     words,
 )
-from budget.resources import shipped
 from budget.studies.comparison.figures_of_merit import MERITS
 from budget.version import __version__
 
@@ -102,23 +100,8 @@ def render_html(comparison: Comparison, *, date: str) -> str:
     str
         The same bytes for the same arguments.
     """
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-    from markupsafe import Markup
-
-    def markup(html: str) -> Markup:
-        return Markup(html)  # noqa: S704 - each maker below escapes what it is given
-
-    environment = Environment(
-        loader=FileSystemLoader(shipped("templates")),
-        autoescape=True,
-        undefined=StrictUndefined,
-        finalize=lambda value: bind(value) if type(value) is str else value,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    environment = page_environment()
     environment.filters |= {
-        "number": lambda text, tail=0: markup(number_markup(text, tail=tail)),
-        "longest_tail": longest_tail,
         "svg": markup,
         "words": words,
         "first_up": lambda text: text[:1].upper() + text[1:],
