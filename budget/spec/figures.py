@@ -240,7 +240,7 @@ def _axis(figure: Part, axis: str) -> _Axis:
     part = own if isinstance(own, Part) else figure
     # Whole lets no figure pass that leaves an axis without a value.
     quantity = cast("Quantity", own if isinstance(own, Quantity) else part.value)
-    notes: list[str] = []
+    notes = _density_notes(quantity.unit)
     if isinstance(own, Part):
         stated = {"meaning", "distribution", "definition", "correlation_time"}
         lost = sorted((figure.model_fields_set - own.model_fields_set) & stated)
@@ -287,3 +287,13 @@ def _axis(figure: Part, axis: str) -> _Axis:
         correlation_time=correlation_time,
         notes=tuple(notes),
     )
+
+
+def _density_notes(unit: str) -> list[str]:
+    """Say how a density in the root of hertz is read; the contract takes factor 60."""
+    if "Hz" not in unit:
+        return []
+    return [
+        "density taken as the random walk itself; if the maker means a one-sided "
+        "spectral density, that is 1.41 times too large"
+    ]
