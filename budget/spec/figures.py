@@ -293,7 +293,8 @@ def _density_notes(unit: str) -> list[str]:
     """Say how a density in the root of hertz is read; the contract takes factor 60."""
     if "Hz" not in unit:
         return []
-    return [
+    note = (
         "density taken as the random walk itself; if the maker means a one-sided "
         "spectral density, that is 1.41 times too large"
-    ]
+    )
+    return [note]
