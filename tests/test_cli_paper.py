@@ -111,7 +111,7 @@ def test_same_bytes_every_time(tmp_path):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (("-o", "paper.pdf"), "allowed: .html"),
+        (("-o", "paper.txt"), "allowed: .html, .pdf"),
         (("--json", "-", "--csv", "-"), "both write to stdout"),
         (("--json", "x", "--csv", "x"), "different names"),
         (("-o", "x.html", "--json", "x.html"), "different names"),

@@ -1,0 +1,88 @@
+"""Pages as PDF: a typst template and its data in, the bytes of the file out.
+
+The data reach the template as JSON and are never pasted into its source, so nothing
+in them can be markup. Fonts are those that typst and matplotlib carry, none of the
+system: the same pages on any machine.
+"""
+
+from __future__ import annotations
+
+import json
+import warnings
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+from budget.errors import OutputError
+from budget.resources import shipped
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from typst import PDFStandard
+
+# To keep, and to be read aloud: tagged, with alternative texts and a language.
+STANDARDS: list[PDFStandard] = ["a-2a", "ua-1"]
+
+
+def render_pdf(
+    template: str, data: Mapping[str, Any], images: Mapping[str, bytes], *, date: str
+) -> bytes:
+    """Set a document with typst.
+
+    Parameters
+    ----------
+    template : str
+        Name of a file in the folder `templates`. It finds its data in `data.json` and
+        its images in `images/`.
+    data : mapping
+        What JSON can hold.
+    images : mapping of str to bytes
+        Files by name, SVG or PNG; `data` says where they go and has words for them.
+    date : str
+        Of the document, year-month-day; nothing else in the file tells the time.
+
+    Returns
+    -------
+    bytes
+        PDF/A-2a and PDF/UA-1; the same bytes for the same arguments.
+
+    Raises
+    ------
+    OutputError
+        typst refuses the template, the data or an image.
+    """
+    from datetime import UTC, datetime
+
+    import matplotlib as mpl
+    import typst
+
+    with TemporaryDirectory(prefix="budget-") as folder:
+        root = Path(folder)
+        main = root / "main.typ"
+        main.write_bytes((shipped("templates") / template).read_bytes())
+        (root / "data.json").write_text(
+            json.dumps(data, allow_nan=False), encoding="utf-8"
+        )
+        (root / "images").mkdir()
+        for name, content in images.items():
+            (root / "images" / name).write_bytes(content)
+        try:
+            pdf, doubts = typst.compile_with_warnings(
+                main,
+                root=root,
+                font_paths=[Path(mpl.get_data_path()) / "fonts" / "ttf"],
+                ignore_system_fonts=True,
+                format="pdf",
+                pdf_standards=STANDARDS,
+                timestamp=datetime.fromisoformat(date).replace(tzinfo=UTC),
+            )
+        except typst.TypstError as error:
+            hints = "".join(f" ({hint})" for hint in error.hints)
+            raise OutputError(
+                f"{template}: typst says: {error.message}{hints}; expected a template "
+                "and data that make a PDF; write .html instead, and report this"
+            ) from error
+    for doubt in doubts:
+        warnings.warn(f"{template}: typst says: {doubt.message}", stacklevel=2)
+    return pdf
