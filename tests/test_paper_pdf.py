@@ -83,10 +83,11 @@ def test_pages_are_numbered(pdf, tmp_path):
 
 
 def test_file_claims_its_standards_and_has_the_figures(pdf):
-    """It is a PDF that says it is PDF/A-2a and PDF/UA-1."""
+    """It says that it is PDF/A-2a and PDF/UA-1; four figures have words for them."""
     assert pdf.startswith(b"%PDF-")
     assert re.search(rb"pdfaid:part>2<.*pdfaid:conformance>A<", pdf, re.DOTALL)
     assert b"pdfuaid:part>1<" in pdf
+    assert len(set(re.findall(rb"/Alt *\(Figure ([1-4]):", pdf))) == 4
 
 
 def test_same_bytes_every_time_and_the_date_is_the_given_one(tmp_path):
