@@ -387,3 +387,12 @@ def test_number_stays_with_its_unit():
     assert bind("after 300 s at 5 deg/h or so") == (
         "after 300\N{NO-BREAK SPACE}s at 5\N{NO-BREAK SPACE}deg/h or so"
     )
+
+
+def test_the_check_of_the_law_stands_with_every_output():
+    """Both differences, the tolerance and the word stand in each group's table."""
+    page = render()
+    groups = 6
+    assert page.count(">lower ends differ by<") == groups
+    assert page.count(">upper ends differ by<") == groups
+    assert page.count('<td class="n">holds</td>') == 24

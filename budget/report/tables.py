@@ -33,6 +33,16 @@ class Number:
 
 
 @dataclass(frozen=True, kw_only=True)
+class CheckCell:
+    """The law against Monte Carlo for one output, in the unit of the group."""
+
+    low: Number  # difference of the lower interval ends
+    high: Number  # of the upper ones
+    tolerance: Number
+    word: str  # 'holds' or 'fails'
+
+
+@dataclass(frozen=True, kw_only=True)
 class OutputRow:
     """One output of a parameter group, in the unit of the group."""
 
@@ -42,6 +52,7 @@ class OutputRow:
     expanded: Number  # U, half the width of the coverage interval
     low: Number
     high: Number
+    check: CheckCell | None
 
     @property
     def is_centred(self) -> bool:
@@ -294,7 +305,22 @@ def _output_row(row: OutputBudget) -> OutputRow:
         expanded=value((row.interval[1] - row.interval[0]) / 2.0),
         low=value(row.interval[0]),
         high=value(row.interval[1]),
+        check=_check_cell(row),
     )
+
+
+def _check_cell(row: OutputBudget) -> CheckCell | None:
+    """Round the check of one output; None where it was not made."""
+    check = row.validation
+    if check is None:
+        return None
+    sizes = (check.difference_low, check.difference_high, check.tolerance)
+    low, high, tolerance = (
+        Number(text=round_uncertainty(x), exact=x)
+        for x in (size / row.output.si_per_unit for size in sizes)
+    )
+    word = "holds" if check.holds else "fails"
+    return CheckCell(low=low, high=high, tolerance=tolerance, word=word)
 
 
 def _source_cell(row: OutputBudget, source: str) -> SourceCell:
