@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.spec.records import AXES
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.arrays import Array
     from budget.spec.records import AccelerometerProcedure, GyroProcedure
 
-AXES = ("x", "y", "z")
 FACE_ORDER = ("z", "x", "y")  # Zhao 2019, section 1.2.3: z up, z down, x up, ...
 
 

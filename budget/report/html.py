@@ -80,7 +80,6 @@ class Verdict:
     sensor: str
     verdict: str
     worst: LimitRow
-    limiting: str
     because: str  # shares of the variance of the worst output
     missing: tuple[str, ...]
     advice: str  # what would make it surer
@@ -217,7 +216,6 @@ def _verdicts(budget: Budget, assessment: Assessment | None) -> list[Verdict]:
             sensor=sensor.sensor,
             verdict=sensor.verdict,
             worst=_limit_row(budget, rows[sensor.worst_output]),
-            limiting=source_title(sensor.limiting_source),
             because=print_causes(
                 [
                     (source_title(part.source), part.share)
