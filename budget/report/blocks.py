@@ -1,0 +1,319 @@
+"""A document before it is HTML or PDF: sections of blocks, the same for both.
+
+Builders (`budget.report.analysis`, and those of comparison and allocation) make these
+records of results; renderers (`budget.report.html`, `budget.report.typeset`) turn them
+into pages. Numbers are text already: `budget.report.tables` rounds them, once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from budget.report.formulas import Math
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run:
+    """A stretch of text; bold, or with the exact value of the number that it is."""
+
+    text: str
+    strong: bool = False
+    exact: float | None = None
+
+
+Words = tuple["str | Run | Math", ...]  # a line of text, with formulas in it
+
+
+@dataclass(frozen=True, kw_only=True)
+class Paragraph:
+    """Words that run on; small ones comment on what is beside them."""
+
+    words: Words
+    small: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Listing:
+    """Points, numbered or not; `empty` says what it means that there are none."""
+
+    items: tuple[Words, ...]
+    empty: str
+    numbered: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pairs:
+    """Terms and what they are."""
+
+    rows: tuple[tuple[str, Words], ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Column:
+    """A column of a table: its head, with the unit of all its numbers in it.
+
+    Attributes
+    ----------
+    head : str
+    kind : str
+        'text', 'number' (decimal points in line, sorted by the exact value), 'unit'
+        (beside a number) or 'code' (a hash, in fixed width).
+    weight : float
+        Share of the width that a text column asks for beside other text columns.
+    """
+
+    head: str
+    kind: str = "text"
+    weight: float = 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cell:
+    """One cell: its text, rounded, and what it is exactly.
+
+    Attributes
+    ----------
+    text : str
+        As it is printed.
+    exact : float or None
+        In full precision, where it is a number: tooltips and sorting.
+    share : float or None
+        Part of the cell that a bar behind the text fills [1].
+    strong : bool
+        Bold: what the reader must not miss.
+    note : str
+        A second line, small.
+    """
+
+    text: str
+    exact: float | None = None
+    share: float | None = None
+    strong: bool = False
+    note: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RowGroup:
+    """Rows that belong together; decimal points are in line within the group.
+
+    Its title, where it has one, is a line across the table.
+    """
+
+    rows: tuple[tuple[Cell, ...], ...]  # the first cell is the head of the row
+    title: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Table:
+    """A table with a head that repeats on every printed page.
+
+    Attributes
+    ----------
+    name : str
+        One word for a link, unique in the document: 'inputs-gyro'.
+    caption : str
+        What it shows, for those who hear the page; printed in the PDF's tags only.
+    columns : tuple of Column
+    groups : tuple of RowGroup
+        Every row has as many cells as there are columns.
+    is_wide : bool
+        Whether it needs the width of the page.
+    searchable : bool
+        Whether it is long enough to be searched and sorted.
+
+    Raises
+    ------
+    ValueError
+        A row has more or fewer cells than there are columns.
+    """
+
+    name: str
+    caption: str
+    columns: tuple[Column, ...]
+    groups: tuple[RowGroup, ...]
+    is_wide: bool = False
+    searchable: bool = False
+
+    def __post_init__(self) -> None:
+        """Hold every row to the number of columns."""
+        for group in self.groups:
+            for row in group.rows:
+                if len(row) != len(self.columns):
+                    raise ValueError(
+                        f"table {self.name!r}: a row has {len(row)} cells, "
+                        f"expected {len(self.columns)}"
+                    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Picture:
+    """A figure: title with the finding, the same in words with numbers, its data.
+
+    Attributes
+    ----------
+    name : str
+        One word, unique in the document: 'shares-gyro-bias'.
+    title : str
+        The finding: 'Bias repeatability makes 97 % of the gyro bias variance'.
+    alt : str
+        The finding with the numbers, for those who cannot see it.
+    svg : str
+        From `budget.report.figures.to_svg`, with texts as text.
+    tips : mapping of str to str
+        Tooltips by the gid of the element that they belong to.
+    caption : str
+        How to read it; '' where the axes say it all.
+    data : Table or None
+        The numbers behind it; None where a table beside it has them.
+    is_wide : bool
+        Whether it needs the width of the page.
+    """
+
+    name: str
+    title: str
+    alt: str
+    svg: str = field(repr=False)
+    tips: Mapping[str, str] = field(default_factory=dict, repr=False)
+    caption: str = ""
+    data: Table | None = None
+    is_wide: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Equation:
+    """A formula on a line of its own, with the number it has in its source."""
+
+    math: Math
+    number: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Equations:
+    """Formulas side by side, as many as fit."""
+
+    equations: tuple[Equation, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sliders:
+    """What one source more or less would do: a table; in HTML, sliders above it.
+
+    Attributes
+    ----------
+    model : mapping
+        What the page computes from, as JSON: `budget.studies.what_if`.
+    table : Table
+        The same for a few fixed changes, for paper.
+    """
+
+    model: Mapping[str, object] = field(repr=False)
+    table: Table
+
+
+@dataclass(frozen=True, kw_only=True)
+class Panel:
+    """A part of a section under a heading of its own, kept together if it can be."""
+
+    title: str
+    blocks: tuple[Block, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Abreast:
+    """Panels or pictures beside each other, where there is room for them.
+
+    `columns` is the most that stand side by side on a wide page.
+    """
+
+    blocks: tuple[Panel | Picture, ...]
+    columns: int = 2
+
+
+Block = (
+    Paragraph
+    | Listing
+    | Pairs
+    | Table
+    | Picture
+    | Equations
+    | Sliders
+    | Panel
+    | Abreast
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Section:
+    """A part of a document that its contents name.
+
+    Attributes
+    ----------
+    name : str
+        One word for a link, unique in the document: 'inputs'.
+    title : str
+    blocks : tuple of Block
+    on_first_page : bool
+        Whether it belongs to the answer on page one; those sections come first.
+    """
+
+    name: str
+    title: str
+    blocks: tuple[Block, ...]
+    on_first_page: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Card:
+    """The answer for one sensor, or for one group of parameters."""
+
+    title: str
+    lines: tuple[Words, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Document:
+    """A whole report.
+
+    Attributes
+    ----------
+    kind : str
+        'report', 'comparison' or 'allocation': names the embedded JSON.
+    title : str
+        What it is of: the devices.
+    facts : tuple of str
+        Procedure, place; the date and the version stand beside them.
+    headline : str
+        The answer in one line: 'FAILS navigation grade'.
+    summary : Words
+        The answer in a sentence or two.
+    cards : tuple of Card
+        The answer in parts.
+    sections : tuple of Section
+        Those of page one first.
+    json : str
+        All numbers in full precision.
+    date : str
+        Year-month-day.
+    version : str
+        Of the tool.
+    """
+
+    kind: str
+    title: str
+    facts: tuple[str, ...]
+    headline: str
+    summary: Words
+    cards: tuple[Card, ...]
+    sections: tuple[Section, ...]
+    json: str = field(repr=False)
+    date: str
+    version: str
+
+    @property
+    def running_head(self) -> str:
+        """The verdict on every printed page."""
+        return f"{self.title}: {self.headline}"
