@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.report.figures import GRID, INK, MUTED, SMALL, STYLE, WIDTH
+from budget.report.figures import GRID, INK, MUTED, SMALL, canvas
 from budget.report.tables import print_given
 from budget.units import PPM
 
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from budget.studies.paper.sweeps import Sweep
 
 HEIGHT = 190.0  # [pt]
-INCH = 72.0  # [pt]
 LEFT, RIGHT, TOP, BELOW = 58.0, 66.0, 12.0, 34.0  # [pt]
 DASHES = ("-", "--", ":", "-.")
 ALIKE = 0.01  # curves whose ends differ by less of the largest share a label [1]
@@ -25,23 +24,9 @@ ALIKE = 0.01  # curves whose ends differ by less of the largest share a label [1
 
 def sweep_curves(sweep: Sweep) -> Figure:
     """Draw relative errors against the step; curves that coincide share one label."""
-    from matplotlib import rc_context
-    from matplotlib.figure import Figure
-
-    with rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH / INCH, HEIGHT / INCH))
-        axes = figure.add_axes(
-            (
-                LEFT / WIDTH,
-                BELOW / HEIGHT,
-                (WIDTH - LEFT - RIGHT) / WIDTH,
-                (HEIGHT - TOP - BELOW) / HEIGHT,
-            )
-        )
+    figure, axes = canvas(HEIGHT, left=LEFT, right=RIGHT, top=TOP, below=BELOW)
     figure.set_label(sweep_title(sweep))
-    axes.set_axisbelow(True)
-    axes.spines[:].set_visible(False)
-    axes.tick_params(length=0.0, labelsize=SMALL, labelcolor=MUTED)
+    axes.tick_params(axis="y", labelsize=SMALL, labelcolor=MUTED)
     axes.grid(color=GRID, linewidth=0.6)
     largest = sweep.largest
     exponent = int(np.floor(np.log10(largest))) if largest else 0

@@ -5,18 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from budget.report.allocation.words import part_title, print_part, print_used
-from budget.report.figures import (
-    GRID,
-    INCH,
-    INK,
-    MUTED,
-    PAPER,
-    SMALL,
-    STYLE,
-    STYLES,
-    TEXT,
-    WIDTH,
-)
+from budget.report.figures import GRID, INK, MUTED, PAPER, SMALL, STYLES, canvas
 from budget.report.tables import output_title, print_given, source_title
 from budget.studies.allocation.records import FREE
 
@@ -226,24 +215,8 @@ def _canvas(
     rows: int, *, right: float, top: float, below: float
 ) -> tuple[Figure, Axes]:
     """Make a bare figure for a number of rows, names on the left."""
-    from matplotlib import rc_context
-    from matplotlib.figure import Figure
-
     height = top + PITCH * rows + below
-    with rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH / INCH, height / INCH))
-        axes = figure.add_axes(
-            (
-                LEFT / WIDTH,
-                below / height,
-                (WIDTH - LEFT - right) / WIDTH,
-                (height - top - below) / height,
-            )
-        )
-    axes.set_axisbelow(True)
-    axes.spines[:].set_visible(False)
-    axes.tick_params(length=0.0, labelsize=SMALL, labelcolor=MUTED)
-    axes.tick_params(axis="y", labelsize=TEXT, labelcolor=INK)
+    figure, axes = canvas(height, left=LEFT, right=right, top=top, below=below)
     axes.set_ylim(rows - 0.5, -0.5)
     axes.grid(axis="x", color=GRID, linewidth=0.6)
     return figure, axes

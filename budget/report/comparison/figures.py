@@ -12,6 +12,7 @@ from budget.report.figures import (
     PAPER,
     SMALL,
     WIDTH,
+    add_panel,
     canvas,
 )
 from budget.report.tables import print_given, print_utilisation, words
@@ -312,7 +313,7 @@ def _draw_output_heads(axes: Axes, names: list[str]) -> None:
 def _draw_scale(figure: Figure, height: float) -> None:
     """Draw the scale of the hue at the foot, the limit marked on it."""
     width = WIDTH - LEFT - 4.0
-    scale = figure.add_axes((LEFT / WIDTH, 20.0 / height, width / WIDTH, 7.0 / height))
+    scale = add_panel(figure, left=LEFT, top=height - 27.0, width=width, height=7.0)
     scale.set_xlim(0.0, DARKEST_AT)
     scale.set_ylim(0.0, 1.0)
     scale.axis("off")

@@ -1,0 +1,34 @@
+"""Figures as SVG text, the same bytes for the same figure."""
+
+from __future__ import annotations
+
+import io
+import re
+from typing import TYPE_CHECKING
+
+from budget.report.figures.style import STYLE
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def to_svg(figure: Figure, *, name: str) -> str:
+    """Write a figure as SVG text; ids begin with `name`, so that several fit a page."""
+    from matplotlib import rc_context
+
+    file = io.StringIO()
+    with rc_context(STYLE):
+        figure.savefig(
+            file,
+            format="svg",
+            transparent=True,
+            metadata={
+                "Date": None,
+                "Creator": None,
+                "Format": None,
+                "Type": None,
+                "Title": figure.get_label(),
+            },
+        )
+    text = re.sub(r'\bid="', f'id="{name}-', file.getvalue())
+    return re.sub(r'(url\(|href=")#', rf"\1#{name}-", text)

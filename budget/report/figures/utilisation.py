@@ -1,0 +1,148 @@
+"""Utilisation dots, which answer how near each output is to its limit."""
+
+from __future__ import annotations
+
+from itertools import groupby
+from typing import TYPE_CHECKING
+
+from budget.report.figures.style import GRID, INK, MUTED, PAPER, SMALL, TEXT, canvas
+from budget.report.tables import output_title, print_utilisation
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from budget.results import Assessment, OutputAssessment
+
+ROW = 13.0  # [pt] from dot to dot
+LINEAR_BELOW = 4.0  # utilisations beyond need a logarithmic axis [1]
+
+
+def utilisation_dots(assessment: Assessment) -> Figure:
+    """Draw each required output's largest error against its limit, worst first."""
+    groups = _by_group(assessment)
+    left, right, top, below = 24.0, 46.0, 18.0, 32.0
+    rows = len(assessment.outputs) + len(groups)
+    figure, axes = canvas(
+        top + ROW * rows + below, left=left, right=right, top=top, below=below
+    )
+    figure.set_label(utilisation_title(assessment))
+    largest = max(output.utilisation for output in assessment.outputs)
+    start = 0.0
+    if largest > LINEAR_BELOW:
+        axes.set_xscale("log")
+        start = 1.0  # [%]; what is less sits at the edge, its label is exact
+        axes.xaxis.set_major_formatter("{x:g}")
+        axes.minorticks_off()
+    axes.set_xlim(start, 100.0 * max(1.05 * largest, 1.2))
+    axes.set_ylim(rows - 0.5, -0.5)
+    axes.set_xlabel(
+        "largest error [% of the limit]; filled: beyond it", fontsize=SMALL, color=MUTED
+    )
+    axes.grid(axis="x", color=GRID, linewidth=0.6)
+    ticks: list[tuple[int, str]] = []
+    place = 0
+    for title, outputs in groups:
+        axes.annotate(
+            title,
+            (0.0, place),
+            xycoords=("axes fraction", "data"),
+            xytext=(4.0 - left, 0.0),
+            textcoords="offset points",
+            fontsize=TEXT,
+            fontweight="bold",
+            color=INK,
+            va="center",
+            bbox={"facecolor": PAPER, "edgecolor": "none", "pad": 1.0},
+        )
+        for output in outputs:
+            place += 1
+            ticks.append((place, output.output.name.rpartition(".")[2]))
+            _draw_dot(axes, place, output, start)
+        place += 1
+    axes.set_yticks([place for place, _ in ticks], [axis for _, axis in ticks])
+    axes.axvline(100.0, color=INK, linewidth=1.0, zorder=2)
+    axes.annotate(
+        "limit",
+        (100.0, 1.0),
+        xycoords=("data", "axes fraction"),
+        xytext=(0.0, 4.0),
+        textcoords="offset points",
+        ha="center",
+        fontsize=SMALL,
+        color=INK,
+    )
+    return figure
+
+
+def utilisation_title(assessment: Assessment) -> str:
+    """State the finding: how many outputs exceed their limits, and the worst."""
+    worst = max(assessment.outputs, key=_utilisation)
+    beyond = sum(not output.is_within for output in assessment.outputs)
+    name = output_title(worst.output.name)
+    part = f"{name} at {print_utilisation(worst.utilisation)} of the limit"
+    total = len(assessment.outputs)
+    if beyond:
+        return f"{beyond} of {total} outputs exceed their limits, most of all {part}"
+    return f"All {total} outputs stay within their limits, the nearest is {part}"
+
+
+def utilisation_alt(assessment: Assessment) -> str:
+    """Say in words with numbers what the dots show."""
+    groups = []
+    for title, outputs in _by_group(assessment):
+        dots = ", ".join(
+            f"{o.output.name.rpartition('.')[2]} {print_utilisation(o.utilisation)}"
+            for o in outputs
+        )
+        groups.append(f"{title}: {dots}")
+    return (
+        f"{utilisation_title(assessment)}. Largest errors in per cent of the limit. "
+        f"{'; '.join(groups)}."
+    )
+
+
+def _by_group(
+    assessment: Assessment,
+) -> list[tuple[str, list[OutputAssessment]]]:
+    """Return the outputs by parameter group, the worst group and output first."""
+    groups = [
+        (output_title(name), sorted(outputs, key=_utilisation, reverse=True))
+        for name, outputs in groupby(
+            assessment.outputs, key=lambda output: output.output.name.rpartition(".")[0]
+        )
+    ]
+    return sorted(groups, key=lambda pair: -pair[1][0].utilisation)
+
+
+def _utilisation(output: OutputAssessment) -> float:
+    """Return what outputs are sorted by; those that print alike keep their order."""
+    return round(output.utilisation, 3)
+
+
+def _draw_dot(axes: Axes, place: int, output: OutputAssessment, start: float) -> None:
+    """Draw one output: a thin line to its dot, filled where it is beyond the limit."""
+    x = max(100.0 * output.utilisation, start)
+    axes.plot([start, x], [place, place], color=MUTED, linewidth=0.7, zorder=1)
+    axes.plot(
+        [x],
+        [place],
+        marker="o",
+        markersize=5.0,
+        color=PAPER if output.is_within else INK,
+        markeredgecolor=MUTED if output.is_within else INK,
+        zorder=3,
+        clip_on=False,
+    )
+    axes.annotate(
+        print_utilisation(output.utilisation),
+        (1.0, place),
+        xycoords=("axes fraction", "data"),
+        xytext=(42.0, 0.0),
+        textcoords="offset points",
+        fontsize=SMALL,
+        color=INK,
+        fontweight="normal" if output.is_within else "bold",
+        ha="right",
+        va="center_baseline",
+    )
