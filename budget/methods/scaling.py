@@ -108,6 +108,17 @@ class ScaledLaw:
             second=self.second[rows],
         )
 
+    def select_sources(self, sources: Sequence[str]) -> ScaledLaw:
+        """Return the law of some sources in the order of names; the others are 0."""
+        columns = [self.sources.index(name) for name in sources]
+        return replace(
+            self,
+            sources=tuple(sources),
+            shift=self.shift[:, columns],
+            first=self.first[:, columns],
+            second=self.second[:, columns][:, :, columns],
+        )
+
     def centred(self) -> ScaledLaw:
         """Return the law of the deviations from the mean: what is asked of u alone."""
         return replace(

@@ -1,0 +1,358 @@
+"""What one source more or less would do: the law of a budget for any sizes of it.
+
+With f_g the factor on the standard uncertainty of source g, k the coverage factor and
+the sums over sources (budget.methods.scaling), of every output
+
+    mean = value + sum_g f_g^2 m_g ,
+    u^2  = sum_g (f_g^2 A_g + f_g^4 Q_g) + sum_{g<h} f_g^2 f_h^2 P_gh ,
+    interval = mean +- k u ,    utilisation = largest |end| / limit ,
+    share of g = (f_g^2 A_g + f_g^4 Q_g) / u^2 .
+
+It is the law, not near it: the calibration is expanded about values that no factor
+moves. Multiplying a figure of the device file by f_g and analysing again by gum gives
+the same numbers. What Monte Carlo found where the law failed its check is not in it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from budget.errors import CallError
+from budget.methods.gum import propagate
+from budget.methods.scaling import scaled_law
+from budget.physics.calibration import calibration_problem
+from budget.spec import load_procedure
+from budget.studies.request import (
+    check_numbers,
+    check_words,
+    choose_basis,
+    choose_sources,
+    sensors_of,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from budget.arrays import Array
+    from budget.methods.scaling import ScaledLaw
+    from budget.problem import Output
+    from budget.spec.records import Device, Procedure, Requirement, Sensor
+
+
+@dataclass(frozen=True, kw_only=True)
+class WhatIfSource:
+    """A source whose size can be changed; one factor for all its axes."""
+
+    name: str  # 'gyro.bias_repeatability'
+    u: float  # present standard uncertainty, of the largest axis [SI]
+    unit: str  # as the device file gives it
+    si_per_unit: float
+    printed: str  # the figure as the file gives it
+
+
+@dataclass(frozen=True, kw_only=True)
+class WhatIfSensor:
+    """A triad that is there, and what a verdict on it cannot do without."""
+
+    name: str  # 'gyro' or 'accelerometer'
+    missing: tuple[str, ...]  # expected lines that are not given, 'gyro.noise'
+
+
+@dataclass(frozen=True, kw_only=True)
+class SensorOutlook:
+    """The verdict on one sensor at changed sources."""
+
+    sensor: str
+    verdict: str  # 'meets', 'fails' or 'undecidable'
+    utilisation: float  # the largest over its required outputs [1]
+    worst_output: str  # dotted name
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Outlook:
+    """What the law says at changed sources.
+
+    Attributes
+    ----------
+    mean, u : ndarray, shape (n_out,)
+        Expected errors and standard uncertainties [SI].
+    interval : ndarray, shape (n_out, 2)
+        mean +- k u [SI].
+    share : ndarray, shape (n_out, n_src)
+        Of each source alone in the variance; 0 where the variance is 0 [1].
+    utilisation : tuple of float or None
+        Of each output; None where nothing is required [1].
+    sensors : tuple of SensorOutlook
+        Of the sensors of which something is required.
+    """
+
+    mean: Array
+    u: Array
+    interval: Array
+    share: Array
+    utilisation: tuple[float | None, ...]
+    sensors: tuple[SensorOutlook, ...]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class WhatIf:
+    """A budget as a function of the sizes of its sources.
+
+    Attributes
+    ----------
+    coverage : float
+        Probability of the intervals [1].
+    reference : str
+        What errors are counted from.
+    sensors : tuple of WhatIfSensor
+    sources : tuple of WhatIfSource
+        Those that are not 0 in this run; a factor on 0 changes nothing.
+    outputs : tuple of Output
+    factor : ndarray, shape (n_out,)
+        Coverage factors k [1].
+    limit : tuple of float or None
+        On the absolute error of each output; None where there is none [SI].
+    law : ScaledLaw
+        In the order of `sources` and `outputs` [SI].
+    """
+
+    coverage: float
+    reference: str
+    sensors: tuple[WhatIfSensor, ...]
+    sources: tuple[WhatIfSource, ...]
+    outputs: tuple[Output, ...]
+    factor: Array = field(repr=False)
+    limit: tuple[float | None, ...]
+    law: ScaledLaw = field(repr=False)
+
+    def evaluate(self, factors: Mapping[str, float]) -> Outlook:
+        """Return the budget with sources multiplied.
+
+        Parameters
+        ----------
+        factors : mapping of str to float
+            On the standard uncertainties, by the full names of the sources [1];
+            sources that are not named stay as they are.
+
+        Returns
+        -------
+        Outlook
+
+        Raises
+        ------
+        CallError
+            A name is no source here, or a factor is negative or not finite.
+        """
+        s = self._factors(factors)
+        mean, variance = self.law.mean(s), self.law.variance(s)
+        u = np.sqrt(variance)
+        interval = np.stack([mean - self.factor * u, mean + self.factor * u], axis=1)
+        share = (
+            self.law.variance_alone(s)
+            / np.where(variance > 0.0, variance, 1.0)[:, None]
+        )
+        end = np.abs(interval).max(axis=1)
+        utilisation = tuple(
+            None if limit is None else float(end[k]) / limit
+            for k, limit in enumerate(self.limit)
+        )
+        return Outlook(
+            mean=mean,
+            u=u,
+            interval=interval,
+            share=share,
+            utilisation=utilisation,
+            sensors=self._judge(utilisation),
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what a page computes from, as JSON, in printed units.
+
+        `mean`, `first` and `second` are m, A and Q by source, then by output; `pairs`
+        has P of two sources, where one output at least feels it.
+        """
+        unit = np.array([output.si_per_unit for output in self.outputs])
+        law, n = self.law, len(self.sources)
+        products = 2.0 * law.second / unit[:, None, None] ** 2  # P_gh and P_hg are one
+        names = [source.name for source in self.sources]
+        return {
+            "coverage": self.coverage,
+            "sensors": [
+                {
+                    "name": sensor.name,
+                    "missing": [
+                        _words(name.partition(".")[2]) for name in sensor.missing
+                    ],
+                }
+                for sensor in self.sensors
+            ],
+            "sources": [
+                {
+                    "name": source.name,
+                    "title": _words(source.name),
+                    "u": source.u / source.si_per_unit,
+                    "unit": source.unit,
+                    "printed": source.printed,
+                }
+                for source in self.sources
+            ],
+            "outputs": [
+                {
+                    "name": output.name,
+                    "title": _words(output.name),
+                    "group": _words(output.name.rpartition(".")[0]),
+                    "axis": output.name.rpartition(".")[2],
+                    "unit": output.unit,
+                    "value": float(law.value[k] / unit[k]),
+                    "factor": float(self.factor[k]),
+                    "limit": _in_unit(self.limit[k], output),
+                    "resolution": output.resolution / output.si_per_unit,
+                }
+                for k, output in enumerate(self.outputs)
+            ],
+            "mean": (law.shift / unit[:, None]).T.tolist(),
+            "first": (law.first / unit[:, None] ** 2).T.tolist(),
+            "second": (np.einsum("kgg->gk", law.second) / unit**2).tolist(),
+            "pairs": [
+                {
+                    "sources": [names[g], names[h]],
+                    "variance": products[:, g, h].tolist(),
+                }
+                for g in range(n)
+                for h in range(g + 1, n)
+                if products[:, g, h].any()
+            ],
+        }
+
+    def _factors(self, factors: Mapping[str, float]) -> Array:
+        """Return one factor a source, 1 where none is named."""
+        names = [source.name for source in self.sources]
+        unknown = sorted(set(factors) - set(names))
+        if unknown:
+            raise CallError(
+                f"{', '.join(unknown)}: no source of this budget, or one that is 0; "
+                f"known: {', '.join(names)}"
+            )
+        s = np.array([factors.get(name, 1.0) for name in names], dtype=float)
+        sound = np.isfinite(s) & (s >= 0.0)
+        if not sound.all():
+            raise CallError(
+                f"the factor on {names[int(np.argmin(sound))]} is "
+                f"{s[~sound][0]}, expected 0 or more; 1 leaves the source as it is"
+            )
+        return s
+
+    def _judge(self, utilisation: Sequence[float | None]) -> tuple[SensorOutlook, ...]:
+        """Return the verdicts, by the rules of budget.studies.conformity."""
+        outlooks = []
+        for sensor in self.sensors:
+            own = [
+                (used, output.name)
+                for used, output in zip(utilisation, self.outputs, strict=True)
+                if used is not None and output.name.startswith(f"{sensor.name}.")
+            ]
+            if not own:
+                continue
+            used, worst = max(own, key=lambda row: row[0])
+            passing = "undecidable" if sensor.missing else "meets"
+            outlooks.append(
+                SensorOutlook(
+                    sensor=sensor.name,
+                    verdict="fails" if used > 1.0 else passing,
+                    utilisation=used,
+                    worst_output=worst,
+                )
+            )
+        return tuple(outlooks)
+
+
+def what_if(
+    *devices: Device,
+    procedure: Procedure | None = None,
+    requirement: Requirement | None = None,
+    coverage: float | None = None,
+    reference: str | None = None,
+    only: Sequence[str] = (),
+) -> WhatIf:
+    """Set up the budget of devices as a function of their sources.
+
+    Parameters
+    ----------
+    *devices : Device
+        Together at most one gyro and one accelerometer.
+    procedure : Procedure, optional
+        The paper's, if none is given.
+    requirement : Requirement, optional
+        Its limits; its coverage and reference rule.
+    coverage : float, optional
+        Probability of the intervals [1].
+    reference : str, optional
+        What errors are counted from: 'nominal', 'as_tested', 'next_turn_on'.
+    only : sequence of str
+        Sources that count, as for `analyze`.
+
+    Returns
+    -------
+    WhatIf
+        With all factors 1 it is the budget by gum.
+
+    Raises
+    ------
+    CallError
+        Options or devices that do not fit together.
+    """
+    procedure = load_procedure(None) if procedure is None else procedure
+    sensors = sensors_of(devices)
+    basis = choose_basis(requirement, coverage=coverage, reference=reference)
+    check_words(method="gum", interval="symmetric", reference=basis.reference)
+    check_numbers(basis.coverage, {})
+    chosen, _ = choose_sources(sensors, only)
+    problem = calibration_problem(
+        sensors, procedure, reference=basis.reference, only=chosen
+    )
+    law = propagate(problem)
+    varying = [group.name for group in problem.groups if not group.is_constant]
+    known = {source.name: source for sensor in sensors for source in _sources(sensor)}
+    limits = (
+        {} if requirement is None else {r.output: r.limit for r in requirement.limits}
+    )
+    return WhatIf(
+        coverage=basis.coverage,
+        reference=basis.reference,
+        sensors=tuple(
+            WhatIfSensor(name=sensor.kind, missing=sensor.expected_missing)
+            for sensor in sensors
+        ),
+        sources=tuple(known[name] for name in varying),
+        outputs=problem.outputs,
+        factor=law.coverage_factor(basis.coverage),
+        limit=tuple(limits.get(output.name) for output in problem.outputs),
+        law=scaled_law(problem, law).select_sources(varying),
+    )
+
+
+def _sources(sensor: Sensor) -> tuple[WhatIfSource, ...]:
+    """Return the lines of a sensor as sources."""
+    return tuple(
+        WhatIfSource(
+            name=f"{sensor.kind}.{line.name}",
+            u=float(line.u.max()),
+            unit=line.unit,
+            si_per_unit=line.si_per_unit,
+            printed=line.printed,
+        )
+        for line in sensor.lines
+    )
+
+
+def _in_unit(value: float | None, output: Output) -> float | None:
+    """Return a number in the unit of an output [that unit]."""
+    return None if value is None else value / output.si_per_unit
+
+
+def _words(name: str) -> str:
+    """Write a dotted name as words: 'gyro bias x'."""
+    return name.replace(".", " ").replace("_", " ")

@@ -1,0 +1,299 @@
+"""What-if: the law for changed sources against the analysis of a changed device."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import builders
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from report_examples import make_device
+
+from budget import analyze, load_device
+from budget.distributions import ARCSINE, TRIANGULAR, UNIFORM
+from budget.errors import CallError
+from budget.spec.records import Limit, Requirement, Source
+from budget.studies.conformity import assess
+from budget.studies.what_if import what_if
+from budget.units import ARCSEC, DEG_PER_HOUR, PPM
+
+# The second-order law is even in every source and exact in the factors; what is left
+# is the rounding of two sums of some thousand products.
+RTOL = 1e-9
+
+
+def line(name, u, **more):
+    """Return a line with the printed unit of its kind."""
+    unit, scale = {
+        "bias": ("deg/h", DEG_PER_HOUR),
+        "scal": ("ppm", PPM),
+        "moun": ("arcsec", ARCSEC),
+    }.get(name[:4], ("deg/h", DEG_PER_HOUR))
+    return replace(
+        builders.line(name, u, **more), unit=unit, si_per_unit=scale, printed=f"{name}"
+    )
+
+
+def hard_device():
+    """Return a device with asymmetry, unequal axes and shapes that are not normal."""
+    gyro = builders.sensor(
+        "gyro",
+        [
+            line(
+                "bias_repeatability",
+                np.array([0.05, 0.2, 0.1]) * DEG_PER_HOUR,
+                distribution=UNIFORM,
+            ),
+            line("bias_stability", np.array([0.04, 0.09, 0.01]) * DEG_PER_HOUR),
+            line("angle_random_walk", 2e-6),
+            line("rate_random_walk", 1e-10),
+            line("scale_factor_repeatability", 5e-3, distribution=TRIANGULAR),
+            line("scale_factor_nonlinearity", 2e-3, distribution=ARCSINE),
+            line("scale_factor_asymmetry", [1e-3, 2e-3, 3e-3], distribution=UNIFORM),
+            line(
+                "mounting_repeatability",
+                np.array([2.0, 3.0, 900.0, 5.0, 6.0, 7.0]) * ARCSEC,
+                distribution=ARCSINE,
+            ),
+        ],
+        bias=np.array([2.5, -1.0, 0.0]) * DEG_PER_HOUR,
+        angle=2.0 * ARCSEC,
+    )
+    accelerometer = builders.paper_accelerometer(scale_factor_nonlinearity=1e-4)
+    return replace(make_device(), gyro=gyro, accelerometer=accelerometer)
+
+
+def scaled(device, factors):
+    """Return the device with figures multiplied, by full names."""
+
+    def resized(sensor):
+        lines = tuple(
+            replace(one, u=one.u * factors.get(f"{sensor.kind}.{one.name}", 1.0))
+            for one in sensor.lines
+        )
+        return replace(sensor, lines=lines)
+
+    return replace(
+        device,
+        gyro=resized(device.gyro),
+        accelerometer=resized(device.accelerometer),
+    )
+
+
+def analyzed(device, **options):
+    """Return the budget by gum, unchecked by Monte Carlo."""
+    return analyze(device, validate=False, **options)
+
+
+def agrees(outlook, budget):
+    """Compare mean, u, interval and shares of all outputs."""
+    resolution = np.array([row.output.resolution for row in budget.outputs])
+    u = np.array([row.standard_uncertainty for row in budget.outputs])
+    mean = np.array([row.mean for row in budget.outputs])
+    interval = np.array([row.interval for row in budget.outputs])
+    # Where a mean or a spread is below what doubles resolve, the rounding differs.
+    assert_allclose(outlook.u, np.where(u > resolution, u, outlook.u), rtol=RTOL)
+    assert (outlook.u[u <= resolution] <= resolution[u <= resolution]).all()
+    assert (np.abs(outlook.mean - mean) <= RTOL * np.abs(mean) + resolution).all()
+    gap = np.abs(outlook.interval - interval)
+    assert (gap <= RTOL * np.abs(interval) + resolution[:, None]).all()
+
+
+CHANGES = (
+    {"gyro.bias_repeatability": 7.0},
+    {"gyro.scale_factor_asymmetry": 7.0, "gyro.bias_repeatability": 0.5},
+    {"gyro.mounting_repeatability": 2.0, "accelerometer.bias_stability": 7.0},
+    {"gyro.scale_factor_repeatability": 7.0, "gyro.scale_factor_nonlinearity": 2.0},
+    {"accelerometer.sample_noise": 0.0, "gyro.angle_random_walk": 0.5},
+)
+
+
+@pytest.mark.parametrize("changes", CHANGES)
+@pytest.mark.parametrize("formulas", ["corrected", "paper"])
+@pytest.mark.parametrize("reference", ["nominal", "as_tested", "next_turn_on"])
+def test_factors_give_the_budget_of_the_changed_device(reference, formulas, changes):
+    """All 24 outputs agree with an analysis of the device with those figures."""
+    procedure = builders.procedure(formulas=formulas)
+    options = {"procedure": procedure, "reference": reference, "coverage": 0.9}
+    model = what_if(hard_device(), **options)
+    budget = analyzed(scaled(hard_device(), changes), **options)
+
+    assert len(model.outputs) == 24
+    agrees(model.evaluate(changes), budget)
+
+
+def test_the_comparison_can_fail():
+    """Control: a device with one figure 1 % off does not agree."""
+    changes = {"gyro.bias_repeatability": 7.0}
+    other = analyzed(scaled(hard_device(), {"gyro.bias_repeatability": 7.07}))
+
+    with pytest.raises(AssertionError):
+        agrees(what_if(hard_device()).evaluate(changes), other)
+
+
+def test_only_some_sources_can_be_changed_where_only_some_count():
+    """With `only` the model has those sources alone, and their budget."""
+    only = ("bias_stability", "gyro.scale_factor_asymmetry")
+    model = what_if(hard_device(), only=only)
+    changes = {"gyro.bias_stability": 2.0}
+
+    assert [source.name for source in model.sources] == [
+        "gyro.bias_stability",
+        "gyro.scale_factor_asymmetry",
+        "accelerometer.bias_stability",
+    ]
+    agrees(model.evaluate(changes), analyzed(scaled(hard_device(), changes), only=only))
+
+
+def test_shares_are_those_of_the_budget():
+    """Each source's share of every output is the one that analyze gives."""
+    changes = {"gyro.scale_factor_asymmetry": 7.0}
+    model = what_if(hard_device())
+    budget = analyzed(scaled(hard_device(), changes))
+    share = model.evaluate(changes).share
+    for k, row in enumerate(budget.outputs):
+        if not row.is_resolved:
+            continue
+        expected = {part.source: part.share for part in row.contributions}
+        for g, source in enumerate(model.sources):
+            # Shares below 1e-15 are rounding of the variance they are parts of.
+            assert_allclose(
+                share[k, g], expected.get(source.name, 0.0), rtol=RTOL, atol=1e-15
+            )
+
+
+def requirement(**limits):
+    """Return a requirement of the outputs named, '__' for the dots [SI]."""
+    return Requirement(
+        name="some",
+        coverage=0.9,
+        reference="as_tested",
+        limits=tuple(
+            Limit(output=name.replace("__", "."), limit=limit, printed="")
+            for name, limit in limits.items()
+        ),
+        caps=(),
+        assumptions=(),
+        origin=Source(file="some.yaml", sha256=""),
+    )
+
+
+@pytest.mark.parametrize("factor", [1.0, 40.0])
+@pytest.mark.parametrize("missing", [(), ("gyro.noise",)])
+def test_verdicts_are_those_of_the_assessment(factor, missing):
+    """Utilisation, worst output and verdict agree with assess, meeting or not."""
+    wanted = requirement(gyro__bias__x=1.0 * DEG_PER_HOUR, gyro__bias__y=1e-6)
+    device = hard_device()
+    device = replace(device, gyro=replace(device.gyro, expected_missing=missing))
+    changes = {"gyro.bias_stability": factor}
+    outlook = what_if(device, requirement=wanted).evaluate(changes)
+    changed = scaled(device, changes)
+    budget = analyzed(changed, coverage=0.9, reference="as_tested")
+    assessed = assess(budget, wanted, [changed])
+
+    (ours,), (theirs,) = outlook.sensors, assessed.sensors
+    assert (ours.sensor, ours.verdict) == (theirs.sensor, theirs.verdict)
+    assert ours.worst_output == theirs.worst_output
+    assert_allclose(ours.utilisation, theirs.utilisation, rtol=RTOL)
+    assert ours.verdict == (
+        "fails" if factor > 1.0 else "undecidable" if missing else "meets"
+    )
+    required = [used for used in outlook.utilisation if used is not None]
+    assert_allclose(required, [row.utilisation for row in assessed.outputs], rtol=RTOL)
+
+
+def from_json(model, factors):
+    """Compute the budget from the JSON alone, as the page does, in printed units."""
+    f = [factors.get(source["name"], 1.0) for source in model["sources"]]
+    names = [source["name"] for source in model["sources"]]
+    rows = []
+    for k, output in enumerate(model["outputs"]):
+        mean = output["value"] + sum(
+            q**2 * row[k] for q, row in zip(f, model["mean"], strict=True)
+        )
+        variance = sum(
+            q**2 * a[k] + q**4 * b[k]
+            for q, a, b in zip(f, model["first"], model["second"], strict=True)
+        )
+        for pair in model["pairs"]:
+            g, h = (f[names.index(name)] for name in pair["sources"])
+            variance += g**2 * h**2 * pair["variance"][k]
+        rows.append((mean, output["factor"] * variance**0.5))
+    return np.array(rows)
+
+
+def test_the_json_alone_gives_the_same_numbers():
+    """A page that knows nothing but the JSON finds means and U of every output."""
+    model = what_if(hard_device(), reference="next_turn_on")
+    changes = {"gyro.scale_factor_asymmetry": 3.0, "gyro.bias_repeatability": 0.2}
+    document = json.loads(json.dumps(model.to_dict(), allow_nan=False))
+    found = from_json(document, changes)
+    outlook = model.evaluate(changes)
+    unit = np.array([output.si_per_unit for output in model.outputs])
+
+    assert document["pairs"]
+    assert_allclose(found[:, 0], outlook.mean / unit, rtol=1e-12, atol=1e-20)
+    assert_allclose(found[:, 1], model.factor * outlook.u / unit, rtol=1e-12)
+
+
+def test_the_json_names_sources_and_outputs_in_printed_units(tmp_path):
+    """Sources have the unit of the file, outputs their own, limits too."""
+    file = tmp_path / "one.yaml"
+    file.write_text(
+        "name: one\ngyro:\n  errors:\n    bias_repeatability: 0.05 deg/h\n"
+        "    mounting_repeatability: {value: 2 arcsec, meaning: max}\n",
+        encoding="utf-8",
+    )
+    wanted = requirement(gyro__bias__x=3.0 * DEG_PER_HOUR)
+    document = what_if(load_device(file), requirement=wanted).to_dict()
+
+    assert document["coverage"] == 0.9
+    (sensor,) = document["sensors"]
+    assert sensor["missing"] == [
+        "bias stability",
+        "noise",
+        "scale factor repeatability",
+    ]
+    bias, mounting = document["sources"]
+    assert (bias["title"], bias["printed"]) == ("gyro bias repeatability", "0.05 deg/h")
+    assert (bias["unit"], mounting["unit"]) == ("deg/h", "arcsec")
+    assert_allclose([bias["u"], mounting["u"]], [0.05, 2.0 / 3.0**0.5], rtol=1e-12)
+    x = next(o for o in document["outputs"] if o["name"] == "gyro.bias.x")
+    assert (x["title"], x["group"], x["axis"]) == ("gyro bias x", "gyro bias", "x")
+    assert_allclose([x["limit"], x["factor"]], [3.0, 1.6448536], rtol=1e-7)
+    assert document["outputs"][0]["limit"] is None
+
+
+def test_a_figure_doubled_in_the_file_is_the_factor_two(tmp_path):
+    """The text '0.1 deg/h' in place of '0.05 deg/h' gives what the factor 2 gives."""
+    text = (
+        "name: one\ngyro:\n  nominal: {bias: 2.5 deg/h}\n  errors:\n"
+        "    bias_repeatability: {value: FIGURE, meaning: max}\n"
+        "    scale_factor_asymmetry: 1250 ppm\n"
+    )
+    devices = []
+    for figure in ("0.05 deg/h", "0.1 deg/h"):
+        file = tmp_path / "one.yaml"
+        file.write_text(text.replace("FIGURE", figure), encoding="utf-8")
+        devices.append(load_device(file))
+
+    agrees(
+        what_if(devices[0]).evaluate({"gyro.bias_repeatability": 2.0}),
+        analyzed(devices[1]),
+    )
+
+
+@pytest.mark.parametrize(
+    ("factors", "message"),
+    [
+        ({"gyro.nothing": 2.0}, "gyro.nothing: no source"),
+        ({"gyro.bias_stability": -1.0}, "the factor on gyro.bias_stability is -1"),
+        ({"gyro.bias_stability": float("inf")}, "is inf, expected 0 or more"),
+    ],
+)
+def test_factors_that_mean_nothing_are_refused(factors, message):
+    """An unknown source, a negative and an infinite factor are named."""
+    with pytest.raises(CallError, match=message):
+        what_if(hard_device()).evaluate(factors)
