@@ -91,6 +91,7 @@ def coupling(
     *,
     method: str = "gum",
     reference: str = "nominal",
+    only: frozenset[str] | None = None,
     seed: int = 0,
 ) -> CouplingTable:
     """Find which source reaches which parameters, one source at a time.
@@ -109,6 +110,8 @@ def coupling(
         'gum', 'monte-carlo' (4096 trials a source) or 'simulation' (4 runs a source).
     reference : str
         What errors are counted from.
+    only : frozenset of str, optional
+        Full names of the sources that count, all others 0; all without it.
     seed : int
         Of the two methods that draw.
 
@@ -116,7 +119,7 @@ def coupling(
     -------
     CouplingTable
     """
-    problem = calibration_problem(sensors, procedure, reference=reference)
+    problem = calibration_problem(sensors, procedure, reference=reference, only=only)
     sources = tuple(group.name for group in problem.groups)
     if method == "gum":
         u = np.sqrt(propagate(problem).source_variance)
@@ -131,6 +134,8 @@ def coupling(
                     reference=reference,
                     seed=seed,
                 )
+                if only is None or source in only
+                else np.zeros(len(problem.outputs))
                 for source in sources
             ]
         )

@@ -1,0 +1,108 @@
+"""The largest causes of a budget, in words with numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from budget.report.tables import SMALL_SHARE, output_title, source_title
+from budget.results import INTERACTION
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from budget.report.tables import GroupTable, Number
+    from budget.results import Assessment
+    from budget.spec.records import Device, ErrorLine
+
+CAUSES = 5  # as many as a reader keeps in mind
+
+
+@dataclass(frozen=True, kw_only=True)
+class Effect:
+    """What a source makes of the variance of one group of parameters."""
+
+    share: Number
+    group: str
+    u: Number  # of the source alone, on the axis where it is largest
+    unit: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cause:
+    """One source, and what it makes of every group where it counts."""
+
+    title: str
+    printed: str  # the line of the data sheet; '' where it has none
+    effects: tuple[Effect, ...]
+
+
+def rank_causes(
+    groups: Sequence[GroupTable],
+    devices: Sequence[Device],
+    assessment: Assessment | None,
+) -> tuple[Cause, ...]:
+    """Return the largest causes, each with what it makes of every group.
+
+    Ranked by the largest share of a group's variance; with a requirement by that share
+    of the group's utilisation, those of groups beyond their limits before all others.
+    """
+    weight = _weights(groups, assessment)
+    printed = {
+        f"{sensor.kind}.{line.name}": _as_meant(line)
+        for device in devices
+        for sensor in device.sensors
+        for line in sensor.lines
+    }
+    effects: dict[tuple[str, str], list[tuple[tuple[bool, float], Effect]]] = {}
+    for group in groups:
+        used = weight[group.title]
+        for row in group.sources:
+            if row.share.exact < SMALL_SHARE:
+                continue
+            effect = Effect(
+                share=row.share,
+                group=group.title,
+                u=max((cell.u for cell in row.cells), key=lambda u: u.exact),
+                unit=group.unit,
+            )
+            order = (used > 1.0, used * row.share.exact)
+            effects.setdefault((group.sensor, row.source), []).append((order, effect))
+    ranked = sorted(
+        effects.items(),
+        key=lambda item: max(order for order, _ in item[1]),
+        reverse=True,
+    )
+    return tuple(
+        Cause(
+            title=f"{sensor} {source_title(source)}",
+            printed="" if source == INTERACTION else printed.get(source, ""),
+            effects=tuple(
+                effect
+                for _, effect in sorted(found, key=lambda pair: pair[0], reverse=True)
+            ),
+        )
+        for (sensor, source), found in ranked[:CAUSES]
+    )
+
+
+def _weights(
+    groups: Sequence[GroupTable], assessment: Assessment | None
+) -> dict[str, float]:
+    """Return the utilisation of each group, or 1 where nothing is required of any."""
+    idle = 1.0 if assessment is None else 0.0
+    weight = dict.fromkeys((group.title for group in groups), idle)
+    for required in assessment.outputs if assessment else ():
+        title = output_title(required.output.name.rpartition(".")[0])
+        weight[title] = max(weight[title], required.utilisation)
+    return weight
+
+
+def _as_meant(line: ErrorLine) -> str:
+    """'0.06 deg/h, 3 sigma': a figure with its meaning, where not 1 sigma."""
+    words = [line.printed]
+    if line.meaning != "1 sigma":
+        words.append(line.meaning)
+    if line.definition not in {"", "sigma"}:
+        words.append(line.definition.replace("_", " "))
+    return ", ".join(words)

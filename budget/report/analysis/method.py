@@ -1,0 +1,119 @@
+"""How the numbers were made: settings, formulas, the documents they are from."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from budget.report.analysis.calibration_formulas import (
+    PAPER,
+    accelerometer_panel,
+    gyro_bias_panel,
+    notation,
+    turns_panel,
+)
+from budget.report.analysis.propagation_formulas import (
+    coverage_panel,
+    indices_panel,
+    law_panel,
+    noise_panel,
+)
+from budget.report.analysis.wording import (
+    BY_LAW,
+    INTERVALS,
+    METHODS,
+    REFERENCES,
+    points,
+)
+from budget.report.blocks import Listing, Pairs, Panel, Paragraph, Section
+from budget.report.tables import print_count, print_coverage, words
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from budget.report.blocks import Block, Words
+    from budget.results import Settings
+    from budget.spec.records import Device, Procedure
+
+REFERENCE_LIST: tuple[str, ...] = (
+    f"Zhao 2019: {PAPER}",
+    "JCGM 100:2008, Guide to the expression of uncertainty in measurement (GUM)",
+    (
+        "JCGM 101:2008, Supplement 1 to the GUM: propagation of distributions by a "
+        "Monte Carlo method"
+    ),
+    "JCGM 102:2011, Supplement 2 to the GUM: any number of output quantities",
+    "IEEE Std 528-2019, Standard for Inertial Sensor Terminology",
+    "NIMA TR8350.2, Department of Defense World Geodetic System 1984, third edition",
+)
+SOBOL_REFERENCE = "SALib: estimators of Sobol' indices after Saltelli et al. 2010"
+
+
+def method_section(
+    settings: Settings,
+    procedure: Procedure,
+    devices: Collection[Device],
+    sensors: Collection[str],
+) -> Section:
+    """Return settings, formulas and references; of the sensors that are there."""
+    panels: list[Block] = [Pairs(rows=_settings_rows(settings))]
+    calibration: list[Block] = [Paragraph(words=notation())]
+    panels += calibration
+    if "gyro" in sensors:
+        panels += [turns_panel(), gyro_bias_panel(procedure.formulas)]
+    if "accelerometer" in sensors:
+        panels.append(accelerometer_panel())
+    lines = {
+        line.name
+        for device in devices
+        for sensor in device.sensors
+        for line in sensor.lines
+    }
+    panels += [law_panel(), coverage_panel(settings)]
+    noise = noise_panel(lines)
+    if noise is not None:
+        panels.append(noise)
+    references = REFERENCE_LIST
+    if settings.sobol_samples is not None:
+        panels.append(indices_panel())
+        references += (SOBOL_REFERENCE,)
+    panels.append(
+        Panel(
+            title="References",
+            blocks=(Listing(items=points(references), empty="None."),),
+        )
+    )
+    return Section(name="method", title="Method", blocks=tuple(panels))
+
+
+def _settings_rows(settings: Settings) -> tuple[tuple[str, Words], ...]:
+    """Return what the result depends on besides the files."""
+    trials = "none"
+    if settings.trials is not None:
+        each = settings.normals_per_trial
+        trials = print_count(settings.trials)
+        if each is not None:
+            trials += f" of {each} random numbers each"
+    kind = BY_LAW if settings.method == "gum" else INTERVALS[settings.interval]
+    rows: list[tuple[str, str]] = [
+        ("method", f"{settings.method}: {METHODS[settings.method]}"),
+        ("trials", trials),
+        ("seed", str(settings.seed)),
+        ("coverage", f"{print_coverage(settings.coverage)} %"),
+        ("interval", f"{settings.interval}: {kind}"),
+        (
+            "reference",
+            f"{words(settings.reference)}: {REFERENCES[settings.reference]}",
+        ),
+    ]
+    if settings.sobol_samples is not None:
+        points_text = print_count(settings.sobol_samples)
+        rows.append(
+            (
+                "Sobol' indices",
+                f"{settings.sobol_scrambles} scrambles of {points_text} points",
+            )
+        )
+    if settings.only:
+        only = ", ".join(settings.only)
+        rows.append(("only", f"{only}; all other lines are set to zero in this run"))
+    return tuple((term, (text,)) for term, text in rows)

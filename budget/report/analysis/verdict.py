@@ -1,0 +1,219 @@
+"""The answer: which sensor meets, by what margin, because of what; the limits."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from budget.report.analysis.wording import (
+    MISSING,
+    REFERENCES,
+    SEVERITY,
+    VERDICTS,
+    first_up,
+    value,
+)
+from budget.report.blocks import Card, Cell, Column, Paragraph, RowGroup, Section, Table
+from budget.report.tables import (
+    Number,
+    output_title,
+    print_causes,
+    print_coverage,
+    print_utilisation,
+    round_value,
+    source_title,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from budget.report.blocks import Words
+    from budget.report.tables import GroupTable
+    from budget.results import (
+        Assessment,
+        Budget,
+        OutputAssessment,
+        SensorAssessment,
+        Settings,
+    )
+
+SPARE = 0.01  # of the limit [1]; a margin below it is no margin to speak of
+
+
+def headline(budget: Budget, assessment: Assessment | None) -> str:
+    """Return the answer in one line: 'FAILS navigation grade'."""
+    if assessment is None:
+        return (
+            f"Error budget, U at {print_coverage(budget.settings.coverage)} % coverage"
+        )
+    given = {sensor.verdict for sensor in assessment.sensors}
+    overall = next(word for word in SEVERITY if word in given)
+    return f"{VERDICTS[overall]} {assessment.requirement}"
+
+
+def summary(budget: Budget, assessment: Assessment | None) -> Words:
+    """Return the answer in a sentence or two: margin, and what errors are."""
+    basis = _basis(budget.settings)
+    if assessment is None:
+        counted = first_up(REFERENCES[budget.settings.reference])
+        left = "No requirement was given: this is what the calibration leaves."
+        return (f"{left} {counted}.",)
+    total = len(assessment.outputs)
+    beyond = sum(not row.is_within for row in assessment.outputs)
+    worst = max(row.utilisation for row in assessment.outputs)
+    if beyond:
+        by = print_utilisation(worst - 1.0)
+        found = f"{beyond} of {total} required outputs exceed their limits, by up to "
+        return (f"{found}{by} of the limit. ", basis)
+    found = f"All {total} required outputs stay within their limits"
+    if 1.0 - worst >= SPARE:
+        found += f", with {print_utilisation(1.0 - worst)} of the nearest one to spare"
+    return (f"{found}. ", basis)
+
+
+def verdict_cards(budget: Budget, assessment: Assessment) -> tuple[Card, ...]:
+    """Return the verdict on each sensor."""
+    rows = {row.output.name: row for row in assessment.outputs}
+    return tuple(
+        _verdict_card(budget, sensor, rows[sensor.worst_output])
+        for sensor in assessment.sensors
+    )
+
+
+def group_cards(groups: Sequence[GroupTable]) -> tuple[Card, ...]:
+    """Return U of each group of parameters, where nothing is required."""
+    return tuple(_group_card(group) for group in groups)
+
+
+def limits_section(budget: Budget, assessment: Assessment) -> Section:
+    """Return every required output against its limit, as a table."""
+    coverage = print_coverage(budget.settings.coverage)
+    rows = []
+    for row in assessment.outputs:
+        error = largest_error(budget, row)
+        used = _used(row)
+        strong = not row.is_within
+        word = "within" if row.is_within else "beyond"
+        if row.by_monte_carlo:
+            word += ", by Monte Carlo"
+        rows.append(
+            (
+                Cell(text=output_title(row.output.name), strong=strong),
+                Cell(text=error.text, exact=error.exact, strong=strong),
+                Cell(text=row.output.unit, strong=strong),
+                Cell(text=row.printed_limit, strong=strong),
+                Cell(
+                    text=used.text.removesuffix(" %"),
+                    exact=used.exact,
+                    strong=strong,
+                    share=min(row.utilisation, 1.0),
+                ),
+                Cell(text=word, strong=strong),
+            )
+        )
+    table = Table(
+        name="limits-table",
+        caption=f"Largest errors against the limits of {assessment.requirement}",
+        columns=(
+            Column(head="output", weight=2.0),
+            Column(head="largest error", kind="number"),
+            Column(head="", kind="unit"),
+            Column(head="limit", kind="text"),
+            Column(head="of the limit [%]", kind="number"),
+            Column(head="verdict"),
+        ),
+        groups=(RowGroup(rows=tuple(rows)),),
+        searchable=True,
+    )
+    text = (
+        f"{first_up(assessment.requirement)}. A limit is on the absolute error: the "
+        f"largest absolute end of the {coverage} % interval is held against it."
+    )
+    return Section(
+        name="limits", title="Limits", blocks=(Paragraph(words=(text,)), table)
+    )
+
+
+def largest_error(budget: Budget, row: OutputAssessment) -> Number:
+    """Round a largest error like its uncertainty, in the unit of the output."""
+    output = budget.output(row.output.name)
+    scale = row.output.si_per_unit
+    error = row.largest_error / scale
+    text = round_value(
+        error,
+        output.standard_uncertainty / scale,
+        resolution=row.output.resolution / scale,
+    )
+    return Number(text=text, exact=error)
+
+
+def _verdict_card(
+    budget: Budget, sensor: SensorAssessment, worst: OutputAssessment
+) -> Card:
+    """Say of a sensor whether it meets, by which output, and because of what."""
+    missing = ", ".join(
+        MISSING.get(line, line) for line in map(source_title, sensor.expected_missing)
+    )
+    lines: list[Words] = []
+    if sensor.verdict == "undecidable":
+        lines.append(
+            (f"It would meet, but the data sheet does not give {missing}.",),
+        )
+    elif sensor.verdict == "undecided":
+        text = (
+            "The trials do not tell on which side of the limit it is; "
+            "more of them will."
+        )
+        lines.append((text,))
+    lines.append(
+        (
+            f"Worst output: {output_title(worst.output.name)}, largest error ",
+            value(largest_error(budget, worst), worst.output.unit),
+            f", limit {worst.printed_limit}: ",
+            value(_used(worst)),
+            " of the limit.",
+        )
+    )
+    if worst.by_monte_carlo:
+        lines.append(("By Monte Carlo: the law failed its check there.",))
+    if sensor.advice:
+        lines.append((f"{first_up(sensor.advice)}.",))
+    because = print_causes(
+        [
+            (source_title(part.source), part.share)
+            for part in budget.output(sensor.worst_output).contributions
+        ]
+    )
+    text = f"Because: {because} of the variance of that output."
+    if missing and sensor.verdict != "undecidable":
+        text += f" Not given: {missing}."
+    lines.append((text,))
+    return Card(
+        title=f"{first_up(sensor.sensor)}: {VERDICTS[sensor.verdict]}",
+        lines=tuple(lines),
+    )
+
+
+def _group_card(group: GroupTable) -> Card:
+    """Say how large U of a group is, on which axis, and what causes it."""
+    coverage = print_coverage(group.coverage)
+    widest = group.widest
+    same = len({row.expanded.text for row in group.rows}) == 1
+    where = "every axis" if same else f"axis {widest.axis}"
+    first: Words = (f"U{coverage} ", value(widest.expanded, group.unit))
+    if float(widest.mean.text) != 0.0:
+        first += (", mean ", value(widest.mean, group.unit))
+    causes = group.causes
+    if causes != "no spread":
+        causes += " of the variance"
+    return Card(title=first_up(group.title), lines=((*first, f" ({where})"), (causes,)))
+
+
+def _used(row: OutputAssessment) -> Number:
+    """Return the part of its limit that an output uses."""
+    return Number(text=print_utilisation(row.utilisation), exact=row.utilisation)
+
+
+def _basis(settings: Settings) -> str:
+    """Say at which coverage errors are given, and from what they are counted."""
+    coverage = print_coverage(settings.coverage)
+    return f"Errors at {coverage} % coverage; {REFERENCES[settings.reference]}."

@@ -1,0 +1,123 @@
+"""What a better or worse line would change: a table, and a model for sliders."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from budget.report.analysis.wording import VERDICTS
+from budget.report.blocks import (
+    Cell,
+    Column,
+    Paragraph,
+    RowGroup,
+    Section,
+    Sliders,
+    Table,
+)
+from budget.report.tables import (
+    Number,
+    output_title,
+    print_coverage,
+    print_share,
+    print_utilisation,
+    round_value,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from budget.studies.one_at_a_time import SourceSteps, Step
+    from budget.studies.what_if import WhatIf
+
+HEADS = {0.0: "without it", 0.5: "at half", 1.0: "now", 2.0: "at twice"}
+
+
+def what_if_section(model: WhatIf, rows: Sequence[SourceSteps]) -> Section:
+    """Return the section on what one source more or less would do."""
+    coverage = print_coverage(model.coverage)
+    required = any(limit is not None for limit in model.limit)
+    text = (
+        "One source at a time, the others as they are, by the law with its "
+        f"second-order terms. U{coverage} is of the output where the source makes the "
+        "largest share of the variance."
+    )
+    if required:
+        text += " The part of the limit is the largest of the sensor's outputs."
+    heads = [HEADS[step.factor] for step in rows[0].steps] if rows else []
+    columns = (
+        Column(head="source", weight=2.0),
+        Column(head="printed"),
+        Column(head="output", weight=1.6),
+        Column(head="its share [%]", kind="number"),
+        *(Column(head=f"U{coverage} {head}", kind="number") for head in heads),
+        Column(head="", kind="unit"),
+        *(
+            Column(head=f"of the limit {head} [%]", kind="number")
+            for head in (heads if required else ())
+        ),
+        *((Column(head="verdict then"),) if required else ()),
+    )
+    table = Table(
+        name="one-at-a-time",
+        caption="What one source more or less would do",
+        columns=columns,
+        groups=(RowGroup(rows=tuple(_row(row, required=required) for row in rows)),),
+        is_wide=True,
+        searchable=True,
+    )
+    return Section(
+        name="what-if",
+        title="What a better line would change",
+        blocks=(
+            Paragraph(words=(text,)),
+            Sliders(model=model.to_dict(), table=table),
+        ),
+    )
+
+
+def _row(row: SourceSteps, *, required: bool) -> tuple[Cell, ...]:
+    """Return one source in several sizes."""
+    share = Number(text=print_share(row.share), exact=row.share)
+    cells = [
+        Cell(text=row.source.name.replace(".", " ").replace("_", " ")),
+        Cell(text=row.source.printed),
+        Cell(text=output_title(row.output.name.partition(".")[2])),
+        Cell(text=share.text.removesuffix(" %"), exact=share.exact, share=share.exact),
+        *(_expanded(row, step) for step in row.steps),
+        Cell(text=row.output.unit),
+    ]
+    if required:
+        cells += [_used(step) for step in row.steps]
+        cells.append(_verdicts(row.steps))
+    return tuple(cells)
+
+
+def _expanded(row: SourceSteps, step: Step) -> Cell:
+    """Round U like its standard uncertainty."""
+    scale = row.output.si_per_unit
+    text = round_value(
+        step.expanded / scale, step.u / scale, resolution=row.output.resolution / scale
+    )
+    return Cell(text=text, exact=step.expanded / scale)
+
+
+def _used(step: Step) -> Cell:
+    """Return the part of the limit that the sensor uses."""
+    if step.utilisation is None:
+        return Cell(text="")
+    return Cell(
+        text=print_utilisation(step.utilisation).removesuffix(" %"),
+        exact=step.utilisation,
+        strong=step.utilisation > 1.0,
+    )
+
+
+def _verdicts(steps: Sequence[Step]) -> Cell:
+    """Say what the verdict would become, where it is another one than now."""
+    now = next(step.verdict for step in steps if step.factor == 1.0)
+    changed = [
+        f"{VERDICTS[step.verdict]} {HEADS[step.factor]}"
+        for step in steps
+        if step.verdict != now
+    ]
+    return Cell(text="; ".join(changed) or "unchanged" if now else "")

@@ -1,0 +1,70 @@
+"""Words that stand in several sections, and small ways to make blocks of them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from budget.report.blocks import Cell, Run
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from budget.report.blocks import Words
+    from budget.report.tables import Number
+
+METHODS = {
+    "gum": "the law of propagation of uncertainty with second-order terms (JCGM 100)",
+    "monte-carlo": "propagation of distributions by Monte Carlo (JCGM 101)",
+    "simulation": "simulation of the calibration, sample by sample",
+}
+INTERVALS = {
+    "symmetric": "as much probability left out below as above",
+    "shortest": "the shortest that holds the coverage",
+}
+BY_LAW = "mean \N{PLUS-MINUS SIGN} U, by the normal law"
+REFERENCES = {
+    "nominal": (
+        "errors are counted from the nominal values: a repeatability counts in full"
+    ),
+    "as_tested": (
+        "errors are counted from the values during this test: what the procedure "
+        "alone adds; a repeatability cancels"
+    ),
+    "next_turn_on": (
+        "errors are counted from the values at a later, independent turn-on, which "
+        "the navigation system will meet: a repeatability counts twice in variance"
+    ),
+}
+VERDICTS = {
+    "meets": "MEETS",
+    "fails": "FAILS",
+    "undecided": "UNDECIDED",
+    "undecidable": "UNDECIDABLE",
+}
+SEVERITY = ("fails", "undecidable", "undecided", "meets")  # the first is the page's
+MISSING = {"noise": "a noise line"}
+
+
+def first_up(text: str) -> str:
+    """Begin a text with a capital; the rest stays as it is."""
+    return text[:1].upper() + text[1:]
+
+
+def value(number: Number, unit: str = "") -> Run:
+    """Return a rounded number in a text, with its unit and its exact value."""
+    return Run(text=f"{number.text} {unit}".rstrip(), exact=number.exact)
+
+
+def cell(number: Number, *, strong: bool = False) -> Cell:
+    """Return a rounded number in a table."""
+    return Cell(text=number.text, exact=number.exact, strong=strong)
+
+
+def texts(*words: str) -> tuple[Cell, ...]:
+    """Return cells of plain text."""
+    return tuple(Cell(text=word) for word in words)
+
+
+def points(lines: Iterable[str]) -> tuple[Words, ...]:
+    """Return lines of plain text as points of a listing."""
+    return tuple((line,) for line in lines)
