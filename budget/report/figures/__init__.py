@@ -9,6 +9,8 @@ from __future__ import annotations
 from budget.report.figures.shares import (
     share_alt,
     share_bars,
+    share_picture,
+    share_tips,
     share_title,
 )
 from budget.report.figures.style import (
@@ -46,6 +48,7 @@ from budget.report.figures.svg import (
 from budget.report.figures.utilisation import (
     utilisation_alt,
     utilisation_dots,
+    utilisation_picture,
     utilisation_title,
 )
 
@@ -78,10 +81,13 @@ __all__ = [
     "fits",
     "share_alt",
     "share_bars",
+    "share_picture",
+    "share_tips",
     "share_title",
     "text_width",
     "to_svg",
     "utilisation_alt",
     "utilisation_dots",
+    "utilisation_picture",
     "utilisation_title",
 ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import fsum
 from typing import TYPE_CHECKING
 
+from budget.report.figures.picture import as_picture, capital
 from budget.report.figures.style import (
     GRID,
     INK,
@@ -25,12 +26,29 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from budget.report.blocks import Picture
     from budget.report.tables import GroupTable
 
 BAR, PITCH = 15.0, 21.0  # height of a bar, and from bar to bar [pt]
 LEGEND_LINE = 13.0  # [pt]
 VISIBLE = 0.002  # share below which a segment is thinner than a line [1]
 MAJORITY = 0.5  # share of the variance [1]
+
+
+def share_picture(group: GroupTable) -> Picture | None:
+    """Return the bars as a block, None without spread; the budget table has the data.
+
+    Each segment has its tooltip.
+    """
+    if not any(row.share.exact for row in group.sources):
+        return None
+    return as_picture(
+        share_bars(group),
+        name=f"shares-{group.sensor}-{group.parameter}",
+        title=share_title(group),
+        alt=share_alt(group),
+        tips=share_tips(group),
+    )
 
 
 def share_bars(group: GroupTable) -> Figure:
@@ -56,7 +74,7 @@ def share_bars(group: GroupTable) -> Figure:
     axes.set_xlabel("share of the variance [%]", fontsize=SMALL, color=MUTED)
     axes.grid(axis="x", color=GRID, linewidth=0.6)
     for place, bar in enumerate(bars):
-        _draw_bar(axes, place, bar, span)
+        _draw_bar(axes, place, bar, span, name=group.rows[place].axis)
     start = 0.0
     for source, share in bars[0]:
         if source in named:
@@ -80,10 +98,10 @@ def share_title(group: GroupTable) -> str:
         return f"The {group.title} has no spread"
     whole = f"of the {group.title} variance"
     if first.share.exact >= MAJORITY or not others:
-        return f"{first.title.capitalize()} makes {first.share.text} {whole}"
+        return f"{capital(first.title)} makes {first.share.text} {whole}"
     second = others[0]
     both = print_share(first.share.exact + second.share.exact)
-    return f"{first.title.capitalize()} and {second.title} make {both} {whole}"
+    return f"{capital(first.title)} and {second.title} make {both} {whole}"
 
 
 def share_alt(group: GroupTable) -> str:
@@ -96,6 +114,34 @@ def share_alt(group: GroupTable) -> str:
         ]
         bars.append(f"{row.axis}: {', '.join(parts) or 'no spread'}")
     return f"{share_title(group)}. Shares of the variance by axis. {'; '.join(bars)}."
+
+
+def share_tips(group: GroupTable) -> dict[str, str]:
+    """Return a tooltip for each segment, by its gid: 'tip-z-bias_stability'."""
+    alone = {
+        row.source.rpartition(".")[2]: [cell.u.text for cell in row.cells]
+        for row in group.sources
+    }
+    tips = {}
+    for place, row in enumerate(group.rows):
+        for source, share in _segments(group, place):
+            name = "all others together" if source == OTHER else source_title(source)
+            text = f"{group.title} {row.axis}: {name} {print_share(share)}"
+            text += " of the variance"
+            if source in alone:
+                text += f", alone u {alone[source][place]} {group.unit}"
+            tips[_gid(row.axis, source)] = text
+    return tips
+
+
+def _gid(axis: str, source: str) -> str:
+    """Name a segment."""
+    return f"tip-{axis}-{source}"
+
+
+def _name(source: str) -> str:
+    """Name a segment for people."""
+    return "other, each below 1 %" if source == OTHER else source_title(source)
 
 
 def _segments(group: GroupTable, place: int) -> list[tuple[str, float]]:
@@ -115,7 +161,12 @@ def _segments(group: GroupTable, place: int) -> list[tuple[str, float]]:
 
 
 def _draw_bar(
-    axes: Axes, place: int, bar: Sequence[tuple[str, float]], span: float
+    axes: Axes,
+    place: int,
+    bar: Sequence[tuple[str, float]],
+    span: float,
+    *,
+    name: str,
 ) -> None:
     """Draw one stacked bar; the share is written where it fits."""
     if not bar:
@@ -123,7 +174,7 @@ def _draw_bar(
     start = 0.0
     for source, share in bar:
         colour, hatch, text_colour = STYLES[source]
-        axes.barh(
+        (segment,) = axes.barh(
             place,
             100.0 * share,
             left=100.0 * start,
@@ -133,6 +184,7 @@ def _draw_bar(
             linewidth=0.6,
             hatch=hatch or None,
         )
+        segment.set_gid(_gid(name, source))
         label = print_share(share)
         if text_colour and fits(label, share * span):
             axes.text(
@@ -158,10 +210,7 @@ def _draw_legend(figure: Figure, sources: Sequence[str], left: float) -> None:
             Patch(facecolor=STYLES[name][0], hatch=STYLES[name][1], edgecolor=PAPER)
             for name in sources
         ],
-        labels=[
-            "other, each below 1 %" if name == OTHER else source_title(name)
-            for name in sources
-        ],
+        labels=[_name(name) for name in sources],
         loc="lower left",
         bbox_to_anchor=(left / WIDTH, 0.0),
         ncols=2,

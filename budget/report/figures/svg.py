@@ -13,7 +13,11 @@ if TYPE_CHECKING:
 
 
 def to_svg(figure: Figure, *, name: str) -> str:
-    """Write a figure as SVG text; ids begin with `name`, so that several fit a page."""
+    """Write a figure as SVG text; ids begin with `name`, so that several fit a page.
+
+    An artist with the gid 'tip-z' becomes the element with the id '{name}-tip-z': the
+    tips of a picture find it by that.
+    """
     from matplotlib import rc_context
 
     file = io.StringIO()

@@ -5,17 +5,64 @@ from __future__ import annotations
 from itertools import groupby
 from typing import TYPE_CHECKING
 
+from budget.report.blocks import Cell, Column, RowGroup, Table
+from budget.report.figures.picture import as_picture
 from budget.report.figures.style import GRID, INK, MUTED, PAPER, SMALL, TEXT, canvas
-from budget.report.tables import output_title, print_utilisation
+from budget.report.tables import output_title, print_given, print_utilisation
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from budget.report.blocks import Picture
     from budget.results import Assessment, OutputAssessment
 
 ROW = 13.0  # [pt] from dot to dot
 LINEAR_BELOW = 4.0  # utilisations beyond need a logarithmic axis [1]
+
+
+def utilisation_picture(assessment: Assessment) -> Picture:
+    """Return the dots as a block, with a tooltip for each and the data behind them."""
+    rows = [
+        RowGroup(
+            title=title,
+            rows=tuple(
+                (
+                    Cell(text=_axis(row)),
+                    Cell(
+                        text=print_utilisation(row.utilisation).removesuffix(" %"),
+                        exact=100.0 * row.utilisation,
+                        strong=not row.is_within,
+                    ),
+                    Cell(text=row.printed_limit),
+                )
+                for row in outputs
+            ),
+        )
+        for title, outputs in _by_group(assessment)
+    ]
+    return as_picture(
+        utilisation_dots(assessment),
+        name="utilisation",
+        title=utilisation_title(assessment),
+        alt=utilisation_alt(assessment),
+        tips={
+            _gid(row): f"{output_title(row.output.name)}: largest error "
+            f"{_exact(row)}, {print_utilisation(row.utilisation)} of the limit "
+            f"{row.printed_limit}"
+            for row in assessment.outputs
+        },
+        data=Table(
+            name="utilisation-data",
+            caption="Largest error of each output in per cent of its limit",
+            columns=(
+                Column(head="output"),
+                Column(head="largest error [% of the limit]", kind="number"),
+                Column(head="limit"),
+            ),
+            groups=tuple(rows),
+        ),
+    )
 
 
 def utilisation_dots(assessment: Assessment) -> Figure:
@@ -57,7 +104,7 @@ def utilisation_dots(assessment: Assessment) -> Figure:
         )
         for output in outputs:
             place += 1
-            ticks.append((place, output.output.name.rpartition(".")[2]))
+            ticks.append((place, _axis(output)))
             _draw_dot(axes, place, output, start)
         place += 1
     axes.set_yticks([place for place, _ in ticks], [axis for _, axis in ticks])
@@ -92,14 +139,29 @@ def utilisation_alt(assessment: Assessment) -> str:
     groups = []
     for title, outputs in _by_group(assessment):
         dots = ", ".join(
-            f"{o.output.name.rpartition('.')[2]} {print_utilisation(o.utilisation)}"
-            for o in outputs
+            f"{_axis(o)} {print_utilisation(o.utilisation)}" for o in outputs
         )
         groups.append(f"{title}: {dots}")
     return (
         f"{utilisation_title(assessment)}. Largest errors in per cent of the limit. "
         f"{'; '.join(groups)}."
     )
+
+
+def _axis(row: OutputAssessment) -> str:
+    """Return the last part of the name of an output."""
+    return row.output.name.rpartition(".")[2]
+
+
+def _gid(row: OutputAssessment) -> str:
+    """Name a dot."""
+    return f"tip-{row.output.name}"
+
+
+def _exact(row: OutputAssessment) -> str:
+    """Write a largest error to six digits, for a tooltip."""
+    error = print_given(row.largest_error / row.output.si_per_unit, digits=6)
+    return f"{error} {row.output.unit}"
 
 
 def _by_group(
@@ -133,6 +195,7 @@ def _draw_dot(axes: Axes, place: int, output: OutputAssessment, start: float) ->
         markeredgecolor=MUTED if output.is_within else INK,
         zorder=3,
         clip_on=False,
+        gid=_gid(output),
     )
     axes.annotate(
         print_utilisation(output.utilisation),
