@@ -89,8 +89,9 @@ def compose(text: str, file: str) -> tuple[Node, list[Issue]]:
     except MarkedYAMLError as error:
         what = ", ".join(filter(None, (error.context, error.problem)))
         mark = _mark(error.problem_mark or error.context_mark)
-    except (YAMLError, ValueError) as error:  # ValueError: an escape like \UFFFFFFFF
-        what, mark = str(error), START
+    # An escape like \UFFFFFFFF: the parser lets slip what chr() says, without a place.
+    except (YAMLError, ValueError, OverflowError) as error:
+        what, mark = str(error), composer.latest
     hint = "look at indentation, colons, brackets and quotes, here and above"
     composer.report(mark, "", f"is no YAML: {what}; {hint}")
     raise all_of(composer.issues)
@@ -109,6 +110,7 @@ class _Composer:
         self.file = file
         self.issues: list[Issue] = []
         self.nodes = 0
+        self.latest = START  # where the node that was entered last stands
 
     def document(self) -> Node:
         """Return the root of the only document."""
@@ -180,7 +182,7 @@ class _Composer:
 
     def enter(self, event: Event, path: str, level: int) -> Mark:
         """Count a node, hold the limits and report what hides what a file says."""
-        at = _mark(event.start_mark)
+        at = self.latest = _mark(event.start_mark)
         self.nodes += 1
         if self.nodes > MOST_NODES:
             raise self.stop(at, f"more than {MOST_NODES} keys and values in a file")

@@ -1,0 +1,241 @@
+"""Files of every kind out of the schemas, written in many styles, with their places."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from random import Random
+
+from hypothesis import strategies as st
+
+from budget.spec import json_schema
+
+NUMBERS = ("0.5", "1", "20", "1e-3", ".5", "5.", "+3E1", "1.25e+1")
+# Where a number of any size would break a rule that the schema does not know.
+FIXED = {"gravity_unit": "9.80708 m/s^2", "sample_rate": "100 Hz", "coverage": "90 %"}
+TEXTS = ("x", "a: b", "5", "no", "\N{DEGREE SIGN}/\N{SQUARE ROOT}h", "'", "# c", "{")
+HALF_WIDTHS = ("max", "peak to peak")
+
+
+@dataclass(frozen=True)
+class Raw:
+    """A scalar that is written as it stands: a number, true, or damage."""
+
+    text: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Place:
+    """Where a key and its value stand; the same for an item of a list."""
+
+    key: tuple[int, int]  # line and column, from 1
+    value: tuple[int, int]
+
+
+@dataclass
+class Page:
+    """A text that grows, and the places of what is in it, by path."""
+
+    text: str = ""
+    places: dict[tuple[str | int, ...], Place] = field(default_factory=dict)
+
+    @property
+    def at(self):
+        """Line and column of what is written next, from 1."""
+        line, _, tail = self.text.rpartition("\n")
+        return (line.count("\n") + 2 if "\n" in self.text else 1, len(tail) + 1)
+
+
+def trees(kind):
+    """Return a strategy of trees that the schema of a kind of file allows."""
+    schema = json_schema(kind)
+    return st.builds(
+        lambda seed, share: _value(schema, schema, random_of(seed), "", share),
+        st.integers(0, 2**32 - 1),
+        st.sampled_from([0.1, 0.3, 0.7]),  # of the optional keys
+    ).map(_keep_rules)
+
+
+def random_of(seed):
+    """Return a generator: one draw of hypothesis, where thousands would be slow."""
+    return Random(seed)  # noqa: S311 - no secret hangs on it
+
+
+def _value(schema, root, random, key, share):
+    """Return one value of a schema."""
+    while "$ref" in schema:
+        schema = root["$defs"][schema["$ref"].rpartition("/")[2]]
+    if "anyOf" in schema:
+        return _value(random.choice(schema["anyOf"]), root, random, key, share)
+    if schema.get("type") == "object":
+        return _mapping(schema, root, random, share)
+    if schema.get("type") == "array":
+        items = [schema["items"]] * random.randint(1, 3)
+        return [_value(item, root, random, key, share) for item in items]
+    return _leaf(schema, random, key)
+
+
+def _leaf(schema, random, key):
+    """Return one scalar of a schema."""
+    if schema.get("type") in {"integer", "number", "boolean"}:
+        return Raw("true" if schema["type"] == "boolean" else str(random.randint(1, 9)))
+    if "examples" in schema:
+        unit = random.choice(schema["examples"]).removeprefix("1 ")
+        return FIXED.get(key, f"{random.choice(NUMBERS)} {unit}")
+    return random.choice(
+        schema.get("enum") or [schema.get("const", random.choice(TEXTS))]
+    )
+
+
+def _mapping(schema, root, random, share):
+    """Return a mapping with some of the keys of a schema, in any order."""
+    known = schema.get("properties", {})
+    if not known:
+        names = random.sample(["A", "B 2", "-c"], k=random.randint(1, 2))
+        inner = schema["additionalProperties"]
+        return {name: _value(inner, root, random, name, share) for name in names}
+    needed = {*schema.get("required", ()), *_SIGNS.intersection(known)}
+    keys = [key for key in known if key in needed or random.random() < share]
+    random.shuffle(keys)
+    return {key: _value(known[key], root, random, key, share) for key in keys}
+
+
+# Keys without which a file has no kind, or a limit no number.
+_SIGNS = {"gyro", "limits", "costs", "a", "value", "scale_factor", "latitude"}
+
+
+def _keep_rules(tree):
+    """Mend what no schema says: which keys fit together, which numbers fit a key."""
+    if not isinstance(tree, dict):
+        return tree
+    tree = {key: _keep_rules(value) for key, value in tree.items()}
+    if tree.get("meaning") in HALF_WIDTHS and tree.get("distribution") == "normal":
+        del tree["distribution"]
+    if tree.get("definition") == "allan_minimum":
+        tree.pop("meaning", None)
+    if "order" in tree:
+        tree["order"] = ["y", "z", "x"]
+    if "variants" in tree and "abstract" in tree:
+        del tree["abstract"]
+    if "abstract" in tree:
+        tree["abstract"] = Raw("false")
+    if tree.get("costs") == {}:
+        tree["costs"] = {"gyro.bias_stability": {"a": Raw("2")}}
+    if "latitude" in tree:
+        tree["latitude"] = "-12.5 deg"
+    return tree
+
+
+def leaves(tree, path=()):
+    """Yield the paths of all scalars in a tree, with their values."""
+    if isinstance(tree, dict | list):
+        pairs = tree.items() if isinstance(tree, dict) else enumerate(tree)
+        for step, value in pairs:
+            yield from leaves(value, (*path, step))
+    else:
+        yield path, tree
+
+
+def mappings(tree, path=()):
+    """Yield the paths of all mappings in a tree."""
+    if isinstance(tree, dict):
+        yield path
+    if isinstance(tree, dict | list):
+        pairs = tree.items() if isinstance(tree, dict) else enumerate(tree)
+        for step, value in pairs:
+            yield from mappings(value, (*path, step))
+
+
+def replaced(tree, path, value):
+    """Return a tree with another value at that path; a new key where there is none."""
+    if not path:
+        return value
+    step, *rest = path
+    if isinstance(tree, list):
+        return [
+            replaced(one, rest, value) if i == step else one
+            for i, one in enumerate(tree)
+        ]
+    return {**tree, step: replaced(tree.get(step), rest, value)}
+
+
+def write(tree, seed, twice=None):
+    """Write a tree as YAML, in styles drawn from the seed; `twice`: a key to repeat.
+
+    The places of the repeated key are those of its second time.
+    """
+    writer = _Writer(Page(), random_of(seed), twice)
+    writer.block(tree, (), 0)
+    return writer.page
+
+
+@dataclass(frozen=True)
+class _Writer:
+    """Writes onto a page, in styles drawn as it goes."""
+
+    page: Page
+    random: Random
+    twice: tuple[str | int, ...] | None
+
+    def block(self, tree, path, indent):
+        """Write a mapping with one key on a line, deeper ones in either style."""
+        page, random = self.page, self.random
+        for number, key in enumerate(self.keys(tree, path)):
+            if number and random.random() < 0.1:
+                page.text += f"{' ' * random.randint(0, 9)}# {key}: comment\n"
+            page.text += " " * indent
+            start = page.at
+            page.text += f"{self.word(key)}:"
+            value, inner = tree[key], (*path, key)
+            if isinstance(value, dict) and value and random.random() < 0.6:
+                page.text += random.choice(["\n", "  # why\n", "\n\n"])
+                deeper = indent + random.randint(1, 4)
+                page.places[inner] = Place(key=start, value=(page.at[0], deeper + 1))
+                self.block(value, inner, deeper)
+            else:
+                page.text += " " * random.randint(1, 3)
+                page.places[inner] = Place(key=start, value=page.at)
+                self.flow(value, inner)
+                page.text += random.choice(["\n", " # x\n", "\n\n"])
+
+    def flow(self, value, path):
+        """Write any value on one line."""
+        page = self.page
+        if isinstance(value, dict):
+            page.text += "{"
+            for number, key in enumerate(self.keys(value, path)):
+                page.text += ", " if number else ""
+                start = page.at
+                page.text += f"{self.word(key)}: "
+                page.places[*path, key] = Place(key=start, value=page.at)
+                self.flow(value[key], (*path, key))
+            page.text += "}"
+        elif isinstance(value, list):
+            page.text += "["
+            for number, item in enumerate(value):
+                page.text += ", " if number else ""
+                page.places[*path, number] = Place(key=page.at, value=page.at)
+                self.flow(item, (*path, number))
+            page.text += "]"
+        else:
+            page.text += self.scalar(value)
+
+    def keys(self, tree, path):
+        """Return the keys of a mapping, one of them perhaps twice."""
+        return [key for key in tree for _ in range(1 + (self.twice == (*path, key)))]
+
+    def word(self, key):
+        """Write a key, in quotes now and then and where it must be."""
+        bare = key[0].isalpha()
+        return key if bare and self.random.random() < 0.9 else f'"{key}"'
+
+    def scalar(self, value):
+        """Write a scalar; without quotes only where YAML reads it as that text."""
+        if isinstance(value, Raw):
+            return value.text
+        plain = value[0].isdigit() and " " in value and ":" not in value
+        style = self.random.choice(
+            ["plain", "single", "double"] if plain else ["single"]
+        )
+        if style == "single":
+            return "'" + value.replace("'", "''") + "'"
+        return f'"{value}"' if style == "double" else value
