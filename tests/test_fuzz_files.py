@@ -1,0 +1,211 @@
+"""Any text as a file: a sound record, or what is wrong with it at its place."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import pytest
+from fuzz.grammar import Raw, leaves, mappings, replaced, trees, write
+from fuzz.oracle import LOADERS, judge_file
+from fuzz.profile import examples
+from hypothesis import given
+from hypothesis import strategies as st
+
+from budget.errors import SpecError
+from budget.spec import validate
+
+SEEDS = st.integers(0, 2**32 - 1)
+
+# What hostile and careless people write; joined at random and put into sound files.
+PIECES = (
+    *("name: x\n", "gyro: ", "accelerometer: ", "limits: ", "costs: ", "errors: "),
+    *("variants: ", "abstract: true\n", "format: budget-device/99999999999\n"),
+    *("  ", "\n", "\r\n", "\r", "\t", " ", "\0", "\ufeff", "\u2028", "\x85", "\x1b"),
+    *(": ", "- ", "? ", "[", "]", "{", "}", ", ", "#", "'", '"', "|\n", ">-\n", "|9\n"),
+    *("&a ", "*a", "!!python/object:os.system ", "!<!> ", "!", "<<: *a\n", "%YAML 1.1"),
+    *("---\n", "...\n", "--- ", '"\\x00"', '"\\ud800"', '"\\UFFFFFFFF"', '"\\'),
+    *("1e400", "-0", "nan", ".inf", "1_000", "0x1F", "0o17", "010", "1:30", "~", "no"),
+    *("9" * 400, "1e-400 deg/h", "-5 deg/h", "5 deg", "1 deg/h", "x" * 300, "\u202e"),
+    *("\N{DEGREE SIGN}/\N{SQUARE ROOT}h", "\N{MICRO SIGN}g", "[" * 30, "{a: " * 30),
+    *("\U0001f680", "\ud800", "\u200b", "\u0301", "\uff15", "yes", "true", "null"),
+)
+CODINGS = ("utf-8", "utf-8-sig", "utf-16", "utf-16-be", "utf-32", "latin-1", "utf-7")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def path():
+    """Return one file for all examples; a fixture of a function has one for each."""
+    with tempfile.TemporaryDirectory() as folder:
+        yield Path(folder) / "file.yaml"
+
+
+def encoded(text, coding):
+    """Return the bytes of a text, whatever is in it and whatever the coding holds."""
+    if coding == "utf-8":
+        return text.encode(coding, errors="surrogatepass")
+    return text.encode(coding, errors="replace")
+
+
+@examples(500)
+@given(data=st.binary(max_size=400))
+def test_any_bytes_are_read_or_refused(path, data):
+    """Bytes of any kind give a sound record or issues at places in the file."""
+    judge_file(path, data)
+
+
+@examples(400)
+@given(
+    text=st.lists(st.sampled_from(PIECES) | st.text(max_size=5), max_size=30),
+    coding=st.sampled_from(CODINGS),
+)
+def test_any_text_in_any_coding_is_read_or_refused(path, text, coding):
+    """Pieces of YAML and of no YAML, in any order and coding, do the same."""
+    judge_file(path, encoded("".join(text), coding))
+
+
+@pytest.mark.parametrize("kind", LOADERS)
+def test_damaged_files_are_read_or_refused(path, kind):
+    """A file as the grammar of its kind allows, then damaged anywhere, does so too."""
+
+    @examples(150)
+    @given(
+        tree=trees(kind),
+        seed=SEEDS,
+        damage=st.lists(
+            st.tuples(
+                st.floats(0.0, 1.0), st.integers(0, 12), st.sampled_from(("", *PIECES))
+            ),
+            min_size=1,
+            max_size=3,
+        ),
+        coding=st.sampled_from(("utf-8", "utf-8", *CODINGS)),
+    )
+    def judge(tree, seed, damage, coding):
+        text = write(tree, seed).text
+        for where, gone, piece in damage:
+            start = int(where * len(text))
+            text = text[:start] + piece + text[start + gone :]
+        judge_file(path, encoded(text, coding))
+
+    judge()
+
+
+@pytest.mark.parametrize("kind", LOADERS)
+def test_files_of_the_grammar_are_read(path, kind):
+    """The files that get damaged here are sound before, so that damage says something.
+
+    Two in three are enough: the grammar knows no rule of more than one key.
+    """
+    read = []
+
+    @examples(100)
+    @given(tree=trees(kind), seed=SEEDS)
+    def judge(tree, seed):
+        read.append(judge_file(path, write(tree, seed).text.encode()) == kind)
+
+    judge()
+    assert sum(read) > 2 * len(read) // 3, (sum(read), len(read))
+
+
+# What is wrong in place of any scalar, and what in place of a number with a unit.
+WRONG = (
+    *("&a 1", "*a", "!!str 1", "!<x> 1", "~", "''", '"\\x07"', "[[]]", "[a, b]"),
+    *('"\\u202E"', '"  "', "{? [a] : b}"),
+)
+NO_QUANTITY = (
+    *("nan deg/h", ".inf deg/h", "1e400 deg/h", "-1e400 s", "1_000 deg/h", "010 deg/h"),
+    *("0x1F deg/h", "0o17 s", "1:30 h", "1,5 ug", "1e-400 ug", "5 furlong", "5", "-0"),
+    *("1e400", "true", "no", "5 deg/h/h/h", "5 ug ug", f"5 {'k' * 300}", "5 deg/0"),
+    *(f"{'9' * 400} deg/h", "\uff15 deg/h", "5\N{NO-BREAK SPACE}furlong"),
+)
+
+
+@pytest.mark.parametrize("kind", LOADERS)
+def test_what_is_wrong_is_reported_where_it_stands(path, kind):
+    """One wrong value in a file of the grammar has an issue at its line and column."""
+
+    @examples(200)
+    @given(tree=trees(kind), seed=SEEDS, pick=SEEDS, data=st.data())
+    def judge(tree, seed, pick, data):
+        found = list(leaves(tree))
+        steps, value = found[pick % len(found)]
+        measured = isinstance(value, str) and value[:1] in set("0123456789.+-")
+        measured &= " " in value if isinstance(value, str) else False
+        wrong = data.draw(st.sampled_from(WRONG + (NO_QUANTITY if measured else ())))
+        page = write(replaced(tree, steps, Raw(wrong)), seed)
+        path.write_text(page.text, encoding="utf-8", newline="")
+        with pytest.raises(SpecError) as caught:
+            validate(path)
+        line, column = page.places[steps].value
+        places = [(issue.line, issue.column) for issue in caught.value.issues]
+        inside = wrong.startswith(("{", "["))  # then the issue may be one level down
+        assert (line, column) in places or (
+            inside and any(at[0] == line and at[1] >= column for at in places)
+        ), (page.text, wrong, steps, [str(one) for one in caught.value.issues])
+
+    judge()
+
+
+@pytest.mark.parametrize("kind", LOADERS)
+def test_a_key_too_many_is_reported_where_it_stands(path, kind):
+    """An unknown key, an empty one and a duplicate have an issue at the key."""
+
+    @examples(120)
+    @given(
+        tree=trees(kind),
+        seed=SEEDS,
+        pick=SEEDS,
+        how=st.sampled_from(["unknown", "empty", "twice", "long", "no value"]),
+    )
+    def judge(tree, seed, pick, how):
+        within = [p for p in mappings(tree) if p[-1:] != ("variants",)]
+        steps = within[pick % len(within)]
+        if how == "twice":
+            known = [path for path, _ in leaves(tree) if isinstance(path[-1], str)]
+            place = known[pick % len(known)]
+            page = write(tree, seed, twice=place)
+        else:
+            new = {"empty": " ", "long": "k" * 900}.get(how, "unknwon")
+            place = (*steps, new)
+            value = Raw("" if how == "no value" else "5 deg/h")
+            page = write(replaced(tree, place, value), seed)
+        path.write_text(page.text, encoding="utf-8", newline="")
+        with pytest.raises(SpecError) as caught:
+            validate(path)
+        places = [(issue.line, issue.column) for issue in caught.value.issues]
+        assert page.places[place].key in places, (page.text, place, places)
+
+    judge()
+
+
+@pytest.mark.parametrize("kind", LOADERS)
+def test_breaks_and_marks_of_other_systems_change_nothing(path, kind):
+    """A sound file says the same with CR LF, with a byte order mark and padded."""
+
+    @examples(60)
+    @given(tree=trees(kind), seed=SEEDS)
+    def judge(tree, seed):
+        text = write(tree, seed).text
+        told = {
+            _told(path, data)
+            for data in (
+                text.encode(),
+                text.replace("\n", "\r\n").encode(),
+                text.replace("\n", "\r").encode(),
+                text.encode("utf-8-sig"),
+                f"{text}\n# the end".encode(),
+            )
+        }
+        assert len(told) == 1, told
+
+    judge()
+
+
+def _told(path, data):
+    """Return what a file says, or what is said of it."""
+    path.write_bytes(data)
+    try:
+        return repr(validate(path))
+    except SpecError as error:
+        return str(error)
