@@ -118,7 +118,7 @@ def allocate(
         most=_values(sensors, "--max", most or []),
         least=_values(sensors, "--min", least or []),
     )
-    with computing("allocate", workers=1, cluster=None) as shop:
+    with computing(workers=1, cluster=None) as shop:
         allocation = run(
             *loaded,
             requirement=wanted,

@@ -42,7 +42,7 @@ def analyze(
     check_destinations(json, csv, inputs=[*(devices or ()), procedure])
     basis = choose_basis(None, coverage=coverage, reference=reference)
     loaded = options.load_devices(devices)
-    with computing(method, workers=workers, cluster=cluster) as shop:
+    with computing(workers=workers, cluster=cluster) as shop:
         budget = run(
             *loaded,
             procedure=load_procedure(procedure),

@@ -128,7 +128,7 @@ def compare(
     if not loaded:
         raise CallError("none of the device files can be read; mend them and try again")
 
-    with computing(method, workers=workers, cluster=cluster) as shop:
+    with computing(workers=workers, cluster=cluster) as shop:
         found = run(
             loaded,
             wanted,

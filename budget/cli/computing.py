@@ -21,7 +21,7 @@ class Workshop:
 
     executor: Executor | None
     workers: int
-    progress: Callable[[int, int], None]
+    progress: Callable[[str, int, int], None]
 
 
 def say(text: str) -> None:
@@ -30,12 +30,12 @@ def say(text: str) -> None:
 
 
 @contextmanager
-def computing(task: str, *, workers: int, cluster: str | None) -> Iterator[Workshop]:
+def computing(*, workers: int, cluster: str | None) -> Iterator[Workshop]:
     """Provide workers, local or on a cluster, and a progress bar."""
     from budget.methods.cluster import connect
 
     place = nullcontext() if cluster is None else connect(cluster)
-    with place as found, progress(task) as show:
+    with place as found, progress() as show:
         yield Workshop(
             executor=None if found is None else found.executor,
             workers=workers if found is None else found.workers,

@@ -10,14 +10,17 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from rich.progress import TaskID
+
 PATIENCE = 1.0  # [s] before a bar appears
 
 
 @contextmanager
-def progress(task: str) -> Iterator[Callable[[int, int], None]]:
-    """Provide a callback (done, total) that shows a bar once the work takes long.
+def progress() -> Iterator[Callable[[str, int, int], None]]:
+    """Provide a callback (what, done, total) that shows a bar once work takes long.
 
-    Nothing is shown where stderr is no terminal.
+    The bar says what is being done and starts again for each task; tasks that are done
+    stay above it. Nothing is shown where stderr is no terminal.
     """
     from rich.console import Console
     from rich.progress import Progress, TimeRemainingColumn
@@ -29,14 +32,20 @@ def progress(task: str) -> Iterator[Callable[[int, int], None]]:
         transient=True,
     )
     begun = monotonic()
-    row = bar.add_task(task, total=None)
+    rows: dict[str, TaskID] = {}
 
-    def show(done: int, total: int) -> None:
-        if not bar.live.is_started:
-            if monotonic() - begun < PATIENCE or not sys.stderr.isatty():
-                return
+    def show(what: str, done: int, total: int) -> None:
+        if what not in rows:
+            for row in bar.tasks:  # adaptive work ends before all its steps are done
+                bar.update(row.id, completed=row.total)
+            rows[what] = bar.add_task(what, total=None)
+        bar.update(rows[what], completed=done, total=total)
+        if (
+            not bar.live.is_started
+            and monotonic() - begun >= PATIENCE
+            and sys.stderr.isatty()
+        ):
             bar.start()
-        bar.update(row, completed=done, total=total)
 
     try:
         yield show

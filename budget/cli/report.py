@@ -72,7 +72,7 @@ def report(
     how = load_procedure(procedure)
     wanted = None if requirement is None else load_requirement(requirement)
     basis = choose_basis(wanted, coverage=coverage, reference=reference)
-    with computing(method, workers=workers, cluster=cluster) as shop:
+    with computing(workers=workers, cluster=cluster) as shop:
         budget = analyze(
             *loaded,
             procedure=how,
@@ -99,7 +99,7 @@ def report(
         from budget.report.allocation.page import allocation_section
         from budget.studies.allocation.allocate import allocate as share_out
 
-        with computing("allocate", workers=1, cluster=None) as shop:
+        with computing(workers=1, cluster=None) as shop:
             allocation = share_out(
                 *loaded,
                 requirement=wanted,

@@ -29,6 +29,7 @@ from budget.results import (
 from budget.spec import load_procedure
 from budget.studies import cautions
 from budget.studies.cost import describe_cost, seconds_per_trial
+from budget.studies.progress import stage
 from budget.studies.request import (
     DEFAULT_COVERAGE,
     DEFAULT_REFERENCE,
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
     from budget.methods.gum import Propagation
     from budget.problem import Problem
     from budget.spec.records import Device, Procedure, Requirement
+    from budget.studies.progress import Progress
 
 # An interaction below this is the rounding of the estimators [1].
 ROUNDING = 1e-9
@@ -80,7 +82,7 @@ def analyze(
     samples: int | None = None,
     only: Sequence[str] = (),
     command: str = "analyze",
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
     talk: Callable[[str], None] | None = None,
 ) -> Budget:
     """Compute the error budget of a calibration.
@@ -124,7 +126,7 @@ def analyze(
     command : str
         Name of the job in the result.
     progress : callable, optional
-        Called with trials done and trials in all.
+        Called with what is being done, steps done and steps in all.
     talk : callable, optional
         Called with a line for people before work that may take long.
 
@@ -187,7 +189,7 @@ def analyze(
                 seed=seed,
                 workers=workers,
                 executor=executor,
-                progress=progress,
+                progress=stage(progress, "Monte Carlo check of the law"),
             )
             warnings += cautions.doubts(problem, validations)
     elif method == "monte-carlo":
@@ -201,7 +203,7 @@ def analyze(
             seed=seed,
             workers=workers,
             executor=executor,
-            progress=progress,
+            progress=stage(progress, "Monte Carlo"),
         )
         warnings += cautions.unsettled(problem, drawn)
         estimate = Estimate(
@@ -215,7 +217,8 @@ def analyze(
             simulate, sensors, procedure, seed=seed, reference=reference, only=chosen
         )
         runs = SIMULATED_RUNS if trials is None else trials
-        estimate = _simulate(one_run, runs, coverage, interval, progress)
+        show = stage(progress, "simulated calibrations")
+        estimate = _simulate(one_run, runs, coverage, interval, show)
     warnings += cautions.few_trials(estimate.trials, coverage)
     indices = None
     varies = problem.normals_per_trial > 0
@@ -228,7 +231,7 @@ def analyze(
             seed=seed,
             workers=workers,
             executor=executor,
-            progress=progress,
+            progress=stage(progress, "Sobol' indices"),
         )
     return Budget(
         command=command,

@@ -36,11 +36,12 @@ from budget.studies.allocation.rows import (
 from budget.studies.request import sensors_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from budget.spec.records import Costs, Device, Procedure, Requirement, Sensor
     from budget.studies.allocation.cases import Bounds, SensorCase
     from budget.studies.allocation.records import Lever
+    from budget.studies.progress import Progress
 
 TRIALS = 250_000  # for which 0.2 % of coverage are 4.6 standard errors at 95 %
 COVERAGE_OFF = 0.002  # [1]; a coverage further off corrects the allocation
@@ -60,7 +61,7 @@ def allocate(
     catalogue: Sequence[Device] | None = None,
     validate: bool = True,
     seed: int = 0,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> Allocation:
     """Find the standard uncertainty that each line may have.
 
@@ -88,7 +89,7 @@ def allocate(
     seed : int
         Of Monte Carlo.
     progress : callable, optional
-        Called with steps done and steps in all.
+        Called with what is being done, steps done and steps in all.
 
     Returns
     -------
@@ -137,7 +138,7 @@ def allocate(
                 )
             cases[place] = solved
         if progress is not None:
-            progress(place + 1, len(cases))
+            progress("error allocation", place + 1, len(cases))
     allotted = tuple(_resized(sensor, cases) for sensor in sensors)
     solved_kinds = {case.sensor.kind for case in cases if case.s is not None}
     return Allocation(

@@ -22,12 +22,14 @@ from budget.studies.comparison.records import (
     DeviceVerdict,
     RequiredOutput,
 )
+from budget.studies.progress import stage
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
     from concurrent.futures import Executor
 
     from budget.spec.records import Device, Procedure, Requirement
+    from budget.studies.progress import Progress
 
 LEAST_TRIALS = 2
 METHODS = ("gum", "monte-carlo")
@@ -50,7 +52,7 @@ def compare(
     seed: int = 0,
     workers: int = 1,
     executor: Executor | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> Comparison:
     """Judge every sensor of every device under every procedure, and rank them.
 
@@ -77,7 +79,7 @@ def compare(
     seed, workers, executor
         As of monte_carlo.sample; workers share out devices.
     progress : callable, optional
-        Called with the judgements done and those in all.
+        Called with what is being done, judgements done and those in all.
 
     Returns
     -------
@@ -119,7 +121,7 @@ def compare(
             how,
             executor=executor or pool,
             ahead=2 * workers,
-            progress=progress,
+            progress=stage(progress, "comparison of devices"),
         )
     verdicts = [
         _verdict(one, finding, requirement, catalogue, method)
