@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from budget.methods.execution import BLOCK, draw, one_blas_thread
+from budget.methods.execution import BLOCK
 from budget.methods.intervals import interval_of_values
+from budget.methods.trials import first_trials
 
 if TYPE_CHECKING:
     from budget.arrays import Array
@@ -55,13 +54,8 @@ def coverage_of(
     -------
     Covered
     """
-    blocks = -(-trials // BLOCK)
-    y = np.empty((len(problem.outputs), blocks * BLOCK))
-    x = np.empty((problem.n_inputs, BLOCK))
-    with one_blas_thread():
-        for block in range(blocks):
-            columns = slice(block * BLOCK, (block + 1) * BLOCK)
-            y[:, columns] = problem.evaluate(draw(problem, seed, block, x))
+    whole = -(-trials // BLOCK) * BLOCK
+    y = first_trials(problem, trials=whole, seed=seed)
     within = (y >= interval[:, :1]) & (y <= interval[:, 1:])
     y.sort(axis=1)
     return Covered(

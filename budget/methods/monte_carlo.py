@@ -27,6 +27,7 @@ from budget.methods.execution import (
 from budget.methods.gathering import EXACT_TRIALS, Gathering, MacroBlock, Moments
 from budget.methods.intervals import KINDS, Grid, interval_of_values
 from budget.methods.tolerance import numerical_tolerance
+from budget.methods.trials import check_finite
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -270,11 +271,7 @@ def _macro_block(problem: Problem, plan: _Plan, task: _Task) -> MacroBlock:
         y[:, start : start + BLOCK] = block
         moments.append(Moments.of(block))
     total = reduce(add, moments)
-    if not np.isfinite(total.deviations).all():
-        raise ProblemError(
-            "the function returned a value that is not finite; restrict its inputs, or "
-            "mend it where it overflows or divides by zero"
-        )
+    check_finite(total.deviations)
     settling = None
     if plan.adaptive:
         ends = interval_of_values(np.sort(y), plan.coverage, plan.interval)

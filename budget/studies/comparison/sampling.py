@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.methods.execution import BLOCK, draw, one_blas_thread, stream
+from budget.methods.execution import BLOCK, one_blas_thread, stream
 from budget.methods.intervals import interval_of_values
+from budget.methods.trials import first_trials
 from budget.studies.comparison.records import Probability
 
 if TYPE_CHECKING:
@@ -78,12 +79,7 @@ def judge_by_trials(
     trials, seed : int
         How many, and of which streams.
     """
-    values = np.empty((rows.size, trials))
-    x = np.empty((problem.n_inputs, BLOCK))
-    with one_blas_thread():
-        for block, start in enumerate(range(0, trials, BLOCK)):
-            y = problem.evaluate(draw(problem, seed, block, x))[rows]
-            values[:, start : start + BLOCK] = y[:, : trials - start]
+    values = first_trials(problem, trials=trials, seed=seed, outputs=rows)
     inside = np.abs(values) <= limits[:, None]
     joint = int(inside.all(axis=0).sum())
     within = inside.mean(axis=1)

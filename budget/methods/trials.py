@@ -1,0 +1,79 @@
+"""The first trials of a Monte Carlo run as they are: for what needs every value."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.errors import CallError, ProblemError
+from budget.methods.execution import BLOCK, draw, one_blas_thread
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from budget.arrays import Array
+    from budget.problem import Problem
+
+
+def first_trials(
+    problem: Problem,
+    *,
+    trials: int,
+    seed: int = 0,
+    outputs: Sequence[int] | Array | None = None,
+) -> Array:
+    """Return the values of the first trials, in their order.
+
+    They are those that `monte_carlo.sample` gathers, bit for bit: the same streams,
+    drawn in the same blocks. One process; all values are held in memory.
+
+    Parameters
+    ----------
+    problem : Problem
+        Any.
+    trials : int
+        How many, 1 or more.
+    seed : int
+        The same seed draws the same unit variates for every size of the sources.
+    outputs : sequence of int, optional
+        Places of the outputs that are wanted, in that order; all without it.
+
+    Returns
+    -------
+    ndarray, shape (n_wanted, trials)
+        [SI units of the outputs].
+
+    Raises
+    ------
+    CallError
+        There are no trials to make.
+    ProblemError
+        The function returned a value that is not finite.
+    """
+    if trials < 1:
+        raise CallError(f"trials is {trials}, allowed: 1 or more")
+    rows = np.arange(len(problem.outputs)) if outputs is None else np.asarray(outputs)
+    values = np.empty((rows.size, trials))
+    x = np.empty((problem.n_inputs, BLOCK))
+    with one_blas_thread():
+        for block, start in enumerate(range(0, trials, BLOCK)):
+            y = problem.evaluate(draw(problem, seed, block, x))[rows]
+            values[:, start : start + BLOCK] = y[:, : trials - start]
+    check_finite(values)
+    return values
+
+
+def check_finite(values: Array) -> None:
+    """Refuse outputs of a model, or what was computed of them, that are not finite.
+
+    Raises
+    ------
+    ProblemError
+        One is not.
+    """
+    if not np.isfinite(values).all():
+        raise ProblemError(
+            "the function returned a value that is not finite; restrict its inputs, or "
+            "mend it where it overflows or divides by zero"
+        )
