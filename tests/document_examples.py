@@ -363,7 +363,12 @@ def make_model():
         "mean": [[0.001], [0.0]],
         "first": [[0.0025], [0.0016]],
         "second": [[1e-6], [0.0]],
-        "pairs": [{"sources": [0, 1], "variance": [2e-6]}],
+        "pairs": [
+            {
+                "sources": ["gyro.bias_repeatability", "gyro.bias_stability"],
+                "variance": [2e-6],
+            }
+        ],
     }
 
 

@@ -15,6 +15,10 @@ if TYPE_CHECKING:
     from markupsafe import Markup
 
 DIGIT, POINT = "\N{FIGURE SPACE}", "\N{PUNCTUATION SPACE}"  # as wide as those
+MINUS_SIGN = "\N{MINUS SIGN}"
+MINUS = re.compile(r"(?<![\w.)\]])-(?=\d)")  # a sign, not a hyphen
+POWER = re.compile(r"(?<=\d)e([+-]?)0*(\d+)\b")  # of ten, as Python prints it
+PLAIN = re.compile(r"([<>]?[-+]?\d+(\.\d+)?)( [^\d]*)?")
 
 
 def page_environment() -> Environment:
@@ -58,19 +62,31 @@ def number_markup(text: str, *, tail: int = 0) -> str:
         Characters from the decimal point on to fill up to, so that the points of a
         column that is set flush right are in line.
     """
-    mantissa, e, exponent = escape(text).replace("-", "\N{MINUS SIGN}").partition("e")
-    if e:
-        return f"{mantissa}&#8239;&times;&#8239;10<sup>{exponent}</sup>"
-    missing = tail - longest_tail([text])
-    if missing > 0 and "." not in text:
-        return mantissa + POINT + DIGIT * (missing - 1)
-    return mantissa + DIGIT * missing
+    own = _tail(text)
+    if own is None:
+        return signs_markup(text)
+    missing = tail - own
+    filler = DIGIT * missing if own else (POINT + DIGIT * missing)[:missing]
+    return signs_markup(
+        PLAIN.sub(lambda parts: parts[1] + filler + (parts[3] or ""), text)
+    )
+
+
+def signs_markup(text: str) -> str:
+    """Escape a text; minus signs of numbers in it are true, powers of ten raised."""
+    told = MINUS.sub(MINUS_SIGN, escape(text))
+    return POWER.sub(
+        lambda power: (
+            "&#8239;&times;&#8239;10<sup>"
+            f"{power[1].replace('-', MINUS_SIGN).replace('+', '')}{power[2]}</sup>"
+        ),
+        told,
+    )
 
 
 def longest_tail(texts: Iterable[str]) -> int:
     """Return the most characters from a decimal point on, powers of ten left out."""
-    plain = [text for text in texts if "e" not in text]
-    return max((len(t) - len(t.partition(".")[0]) for t in plain), default=0)
+    return max((_tail(text) or 0 for text in texts), default=0)
 
 
 def bind(text: str) -> str:
@@ -88,3 +104,12 @@ def script_safe(document: str) -> str:
 def css_string(text: str) -> str:
     """Quote a text for CSS; all but plain letters and digits as code points."""
     return '"' + re.sub(r"[^A-Za-z0-9]", lambda c: f"\\{ord(c[0]):06x}", text) + '"'
+
+
+def _tail(text: str) -> int | None:
+    """Return the length from the decimal point on; None where no point is in line.
+
+    That is so for words, powers of ten and intervals; a unit may follow the number.
+    """
+    plain = PLAIN.fullmatch(text)
+    return None if plain is None else len(plain[2] or "")

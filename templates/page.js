@@ -1,0 +1,104 @@
+// Tables that can be sorted and searched. Without this script the page says the same.
+
+const collator = new Intl.Collator("en", { numeric: true });
+
+/** What a cell is sorted by: its exact number where it has one, else its text. */
+function sortKey(row, column) {
+  const cell = row.cells[column];
+  const exact = cell.dataset.exact;
+  return exact === undefined ? cell.textContent.trim() : Number(exact);
+}
+
+/** Compare two keys; numbers come before texts. */
+function compareKeys(a, b) {
+  if (typeof a === "number" && typeof b === "number") return a - b;
+  if (typeof a === "number") return -1;
+  if (typeof b === "number") return 1;
+  return collator.compare(a, b);
+}
+
+/** Order rows by one column; equal ones stay as they were. 0 is the first order. */
+function orderRows(rows, column, direction) {
+  if (direction === 0) return rows;
+  const keyed = rows.map((row) => [sortKey(row, column), row]);
+  keyed.sort(([a], [b]) => direction * compareKeys(a, b));
+  return keyed.map(([, row]) => row);
+}
+
+/** Give the heads of a table buttons that sort the rows within each group. */
+function setUpSorting(table) {
+  const groups = [...table.tBodies].map((body) =>
+    [body, [...body.rows].filter((row) => !row.classList.contains("group"))]);
+  const heads = [...table.tHead.rows[0].cells];
+  heads.forEach((head, column) => {
+    const button = make("button", { type: "button", title: "Sort" }, ...head.childNodes);
+    head.replaceChildren(button);
+    button.addEventListener("click", () => {
+      const before = head.getAttribute("aria-sort");
+      const direction = before === "ascending" ? -1 : before === "descending" ? 0 : 1;
+      heads.forEach((other) => other.removeAttribute("aria-sort"));
+      if (direction) head.setAttribute("aria-sort", direction > 0 ? "ascending" : "descending");
+      for (const [body, rows] of groups) body.append(...orderRows(rows, column, direction));
+    });
+  });
+}
+
+/** Show only the rows in which every word of the search stands; return how many. */
+function filterRows(tables, search) {
+  const words = search.toLowerCase().split(/\s+/).filter(Boolean);
+  let shown = 0;
+  let all = 0;
+  for (const table of tables) {
+    for (const body of table.tBodies) {
+      const title = body.querySelector("tr.group");
+      const rows = [...body.rows].filter((row) => row !== title);
+      const about = title ? title.textContent : "";
+      let found = 0;
+      for (const row of rows) {
+        const text = `${about} ${row.textContent}`.replace(/\s+/g, " ").toLowerCase();
+        row.hidden = !words.every((word) => text.includes(word));
+        found += row.hidden ? 0 : 1;
+      }
+      body.hidden = found === 0 && rows.length > 0;
+      shown += found;
+      all += rows.length;
+    }
+  }
+  return { shown, all };
+}
+
+/** Let one field search all tables; `/` leads to it, Escape empties it. */
+function setUpSearch(place, tables) {
+  const field = place.querySelector("input");
+  const count = place.querySelector("output");
+  const search = () => {
+    const { shown, all } = filterRows(tables, field.value);
+    count.textContent = field.value.trim() ? `${shown} of ${all} rows` : "";
+    document.body.classList.toggle("searching", Boolean(field.value.trim()));
+  };
+  field.addEventListener("input", search);
+  document.addEventListener("keydown", (event) => {
+    const typing = event.target.matches("input, textarea, select");
+    if (event.key === "/" && !typing && !event.ctrlKey && !event.metaKey && !event.altKey) {
+      event.preventDefault();
+      field.focus();
+      field.select();
+    } else if (event.key === "Escape" && event.target === field) {
+      field.value = "";
+      search();
+    }
+  });
+  place.hidden = false;
+}
+
+function setUpPage() {
+  const tables = [...document.querySelectorAll("table[data-searchable]")];
+  tables.forEach(setUpSorting);
+  const place = document.querySelector(".search");
+  if (place) setUpSearch(place, tables);
+  for (const model of document.querySelectorAll("script.what-if-model")) {
+    setUpWhatIf(model.previousElementSibling, JSON.parse(model.textContent));
+  }
+}
+
+setUpPage();

@@ -1,0 +1,280 @@
+"use strict";
+
+// What-if: the budget as a function of the sizes of its sources. The formulas, and why
+// they are exact, stand in budget/studies/what_if.py; all numbers are in printed units.
+
+const LOWEST = -41;   // place of a slider at which its source is left out
+const HIGHEST = 40;   // at which it is ten times as large; 0 is as it is
+
+/** The factor that a place of a slider stands for: a tenth to ten times, or 0. */
+function factorAt(place) {
+  return place <= LOWEST ? 0 : 10 ** (place / HIGHEST);
+}
+
+/** The place of a slider nearest to a factor. */
+function placeOf(factor) {
+  if (factor < factorAt(LOWEST + 1) / 2) return LOWEST;
+  const place = Math.round(HIGHEST * Math.log10(factor));
+  return Math.min(HIGHEST, Math.max(LOWEST + 1, place));
+}
+
+/** The budget with every source multiplied: a row for each output, a line a sensor. */
+function evaluate(model, factors) {
+  const squares = factors.map((factor) => factor * factor);
+  const place = new Map(model.sources.map((source, g) => [source.name, g]));
+  const outputs = model.outputs.map((output, k) => {
+    let mean = output.value;
+    const alone = squares.map((square, g) => {
+      mean += square * model.mean[g][k];
+      return square * model.first[g][k] + square * square * model.second[g][k];
+    });
+    let variance = alone.reduce((sum, part) => sum + part, 0);
+    for (const pair of model.pairs) {
+      const [g, h] = pair.sources.map((name) => place.get(name));
+      variance += squares[g] * squares[h] * pair.variance[k];
+    }
+    const u = Math.sqrt(Math.max(variance, 0));
+    const expanded = output.factor * u;
+    const largest = Math.max(Math.abs(mean - expanded), Math.abs(mean + expanded));
+    return {
+      mean, u, expanded, largest,
+      utilisation: output.limit === null ? null : largest / output.limit,
+      shares: alone.map((part) => (variance > 0 ? part / variance : 0)),
+    };
+  });
+  return { outputs, sensors: judge(model, outputs) };
+}
+
+/** The verdict on each sensor of which something is required. */
+function judge(model, rows) {
+  const verdicts = [];
+  for (const sensor of model.sensors) {
+    let worst = null;
+    model.outputs.forEach((output, k) => {
+      if (rows[k].utilisation === null || !output.name.startsWith(`${sensor.name}.`)) return;
+      if (worst === null || rows[k].utilisation > rows[worst].utilisation) worst = k;
+    });
+    if (worst === null) continue;
+    const utilisation = rows[worst].utilisation;
+    const passing = sensor.missing.length ? "UNDECIDABLE" : "MEETS";
+    verdicts.push({
+      sensor: sensor.name, worst, utilisation, missing: sensor.missing,
+      verdict: utilisation > 1 ? "FAILS" : passing,
+    });
+  }
+  return verdicts;
+}
+
+/** A number to four significant digits, as people write it. */
+function fourDigits(value, resolution = 0) {
+  if (Math.abs(value) <= resolution || value === 0) return "0";
+  const size = Math.abs(value);
+  if (size >= 1e-3 && size < 1e6) return signed(value.toFixed(decimalsOf(size)));
+  const [mantissa, exponent] = value.toExponential(3).split("e");
+  const digits = [...exponent.replace("+", "")].map((c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)]);
+  return `${signed(mantissa)} × 10${digits.join("")}`;
+}
+
+/** How many decimals four significant digits of a number have. */
+function decimalsOf(value) {
+  if (value === 0) return 0;
+  return Math.max(0, 3 - Math.floor(Math.log10(Number(Math.abs(value).toPrecision(4)))));
+}
+
+/** A number to the last digit that the four of its uncertainty have. */
+function likeUncertainty(value, expanded, resolution) {
+  if (expanded <= resolution || expanded < 1e-3 || expanded >= 1e6) {
+    return Math.abs(value) < expanded * 1e-4 ? "0" : fourDigits(value, resolution);
+  }
+  const text = value.toFixed(decimalsOf(expanded));
+  return Number(text) === 0 ? "0" : signed(text);
+}
+
+/** The title of a source; without its sensor beside an output of the same one. */
+function shortTitle(source, output) {
+  const sensor = `${output.name.split(".")[0]} `;
+  return source.title.startsWith(sensor) ? source.title.slice(sensor.length) : source.title;
+}
+
+function signed(text) {
+  return text.replace("-", "\u2212");
+}
+
+/** A part of a whole in per cent, with one decimal below a hundred. */
+function perCent(part) {
+  const value = 100 * part;
+  if (value > 0 && value < 0.05) return "<0.1 %";
+  return `${value >= 99.95 ? value.toFixed(0) : value.toFixed(1)} %`;
+}
+
+/** Make an element with attributes and what is in it; texts are set as text only. */
+function make(tag, attributes = {}, ...content) {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+  element.append(...content);
+  return element;
+}
+
+/** A row of a source: its name, a slider, a field with its standard uncertainty. */
+function makeControl(source, change) {
+  const slider = make("input", {
+    type: "range", min: LOWEST, max: HIGHEST, step: 1,
+    "aria-label": `${source.title}, times its present size`,
+  });
+  const field = make("input", {
+    type: "text", inputmode: "decimal", autocomplete: "off",
+    "aria-label": `${source.title}, standard uncertainty in ${source.unit}`,
+  });
+  const times = make("span", { class: "times" });
+  const printed = make("small", {}, source.printed ? `given as ${source.printed}` : "");
+  const show = (factor) => {
+    slider.value = placeOf(factor);
+    field.value = (factor * source.u).toPrecision(4).replace(/\.?0+(e|$)/, "$1");
+    field.removeAttribute("aria-invalid");
+    times.textContent = factor === 1 ? "as it is" : `× ${fourDigits(factor)}`;
+    slider.setAttribute("aria-valuetext", `${times.textContent}, ${field.value} ${source.unit}`);
+    row.classList.toggle("changed", factor !== 1);
+  };
+  slider.addEventListener("input", () => {
+    const factor = factorAt(Number(slider.value));
+    show(factor);
+    change(factor);
+  });
+  field.addEventListener("change", () => {
+    const text = field.value.trim().replace(",", ".").replace("\u2212", "-");
+    const factor = Number(text) / source.u;
+    if (text === "" || !Number.isFinite(factor) || factor < 0) {
+      field.setAttribute("aria-invalid", "true");
+      times.textContent = "expected a number from 0 on";
+      return;
+    }
+    show(factor);
+    change(factor);
+  });
+  const row = make("div", { class: "control" },
+    make("div", { class: "name" }, source.title, printed), slider,
+    make("div", { class: "size" }, field, make("span", { class: "unit" }, source.unit)),
+    times);
+  show(1);
+  return { row, show };
+}
+
+/** Bars of all shares of one output, in the colours that the figures have. */
+function drawShares(model, shares, bar) {
+  bar.replaceChildren();
+  model.sources.forEach((source, g) => {
+    if (shares[g] < 0.002) return;
+    const part = make("span", { title: `${source.title} ${perCent(shares[g])}` });
+    part.style.width = `${100 * Math.min(shares[g], 1)}%`;
+    const colour = model.colours[source.name.split(".").pop()];
+    part.style.background = colour === "#000000" ? "var(--black)" : colour || "var(--muted)";
+    bar.append(part);
+  });
+}
+
+/** Say the verdict on each sensor, and which output decides it. */
+function sayVerdict(model, result, base, place) {
+  place.replaceChildren(...result.sensors.map((now, i) => {
+    const was = base.sensors[i];
+    const missing = now.verdict === "UNDECIDABLE" ? `, as ${now.missing.join(", ")} is not given` : "";
+    const before = was.verdict === now.verdict && was.utilisation === now.utilisation
+      ? "" : `; as it is: ${was.verdict}, ${perCent(was.utilisation)}`;
+    return make("p", {},
+      make("strong", {}, `${now.sensor[0].toUpperCase()}${now.sensor.slice(1)}: ${now.verdict}`),
+      `${missing}. ${model.outputs[now.worst].title} at ${perCent(now.utilisation)} of its limit${before}.`);
+  }));
+  if (!result.sensors.length) place.append(make("p", {}, "No requirement: U of every output, as it is and changed."));
+}
+
+/** A table of all outputs, and the function that fills in what is changed. */
+function makeResults(model, base) {
+  const limited = model.outputs.some((output) => output.limit !== null);
+  const heads = ["output", "U as it is", "U changed", "mean changed",
+    ...(limited ? ["of limit as it is", "of limit changed", ""] : []), "shares of the variance", "largest"];
+  const texts = ["output", "", "shares of the variance", "largest"];
+  const table = make("table", { "aria-label": "Outputs with the sources changed" },
+    make("thead", {}, make("tr", {}, ...heads.map((head) =>
+      make("th", { scope: "col", class: texts.includes(head) ? "" : "number" }, head)))));
+  let body = null;
+  let group = null;
+  const rows = model.outputs.map((output, k) => {
+    if (output.group !== group) {
+      group = output.group;
+      body = make("tbody", {}, make("tr", { class: "group" },
+        make("th", { colspan: heads.length, scope: "rowgroup" }, `${output.group} [${output.unit}]`)));
+      table.append(body);
+    }
+    const number = (name) => make("td", { class: "number", "data-cell": name });
+    const cells = {
+      before: number("before"), expanded: number("expanded"), mean: number("mean"),
+      usedBefore: number("usedBefore"), used: number("used"), word: make("td"),
+      bar: make("div", { class: "bar" }), largest: make("td"),
+    };
+    const limits = limited ? [cells.usedBefore, cells.used, cells.word] : [];
+    const row = make("tr", { "data-output": output.name }, make("th", { scope: "row" }, output.axis),
+      cells.before, cells.expanded, cells.mean, ...limits, make("td", {}, cells.bar), cells.largest);
+    body.append(row);
+    set(cells.before, fourDigits(base.outputs[k].expanded, output.resolution), base.outputs[k].expanded);
+    setUsed(cells.usedBefore, base.outputs[k].utilisation);
+    return { row, cells };
+  });
+  const update = (result) => result.outputs.forEach((now, k) => {
+    const { row, cells } = rows[k];
+    const { resolution } = model.outputs[k];
+    set(cells.expanded, fourDigits(now.expanded, resolution), now.expanded);
+    set(cells.mean, likeUncertainty(now.mean, now.expanded, resolution), now.mean);
+    setUsed(cells.used, now.utilisation);
+    const beyond = now.utilisation !== null && now.utilisation > 1;
+    cells.word.textContent = beyond ? "beyond" : "";
+    row.classList.toggle("strong", beyond);
+    row.classList.toggle("changed", now.expanded !== base.outputs[k].expanded);
+    drawShares(model, now.shares, cells.bar);
+    const largest = now.shares.indexOf(Math.max(...now.shares));
+    cells.largest.textContent = now.shares[largest] > 0
+      ? `${shortTitle(model.sources[largest], model.outputs[k])} ${perCent(now.shares[largest])}` : "no spread";
+  });
+  return { table, update };
+}
+
+function set(cell, text, exact) {
+  cell.textContent = text;
+  cell.title = String(exact);
+  cell.dataset.exact = String(exact);
+}
+
+function setUsed(cell, utilisation) {
+  if (utilisation === null) cell.textContent = "\u2013";
+  else set(cell, perCent(utilisation), utilisation);
+}
+
+/** Set up the sliders of one model in an empty place of the page. */
+function setUpWhatIf(place, model) {
+  const factors = model.sources.map(() => 1);
+  const base = evaluate(model, factors);
+  const verdict = make("div", { class: "outlook", role: "status", "aria-live": "polite" });
+  const results = makeResults(model, base);
+  const refresh = () => {
+    const result = evaluate(model, factors);
+    sayVerdict(model, result, base, verdict);
+    results.update(result);
+  };
+  const controls = model.sources.map((source, g) => makeControl(source, (factor) => {
+    factors[g] = factor;
+    refresh();
+  }));
+  const reset = make("button", { type: "button" }, "Reset all");
+  reset.addEventListener("click", () => {
+    factors.fill(1);
+    controls.forEach((control) => control.show(1));
+    refresh();
+  });
+  place.append(
+    make("div", { class: "controls" },
+      make("p", { class: "small" },
+        "Each slider runs from 0 at the far left over a tenth to ten times the present size; " +
+        "the field takes a standard uncertainty. ", reset),
+      ...controls.map((control) => control.row)),
+    make("div", { class: "results" }, verdict, make("div", { class: "scroll" }, results.table)));
+  place.hidden = false;
+  refresh();
+}
