@@ -52,3 +52,7 @@ class WorkerError(BudgetError):
 
 class OutputError(BudgetError):
     """A result cannot be written where it should go."""
+
+
+class ReferenceFileError(BudgetError):
+    """A stored reference budget cannot be read or be computed again."""

@@ -48,8 +48,13 @@ def json_schema(kind: str) -> dict[str, Any]:
     """
     if kind not in _MODELS:
         raise CallError(f"no files of kind {kind!r}, expected {', '.join(_MODELS)}")
-    schema = _MODELS[kind].model_json_schema(schema_generator=_Generator)
-    return {"$schema": DIALECT, **schema, "title": f"budget {kind} file"}
+    return schema_of(_MODELS[kind], f"budget {kind} file")
+
+
+def schema_of(model: type[BaseModel], title: str) -> dict[str, Any]:
+    """Return the JSON Schema of a model of a file, under a title."""
+    schema = model.model_json_schema(schema_generator=_Generator)
+    return {"$schema": DIALECT, **schema, "title": title}
 
 
 class _Generator(GenerateJsonSchema):

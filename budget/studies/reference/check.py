@@ -1,0 +1,161 @@
+"""Hold a reference against its files as they are now; hold two budgets together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from budget.errors import CallError
+from budget.studies.reference.explain import (
+    Side,
+    explain,
+    input_changes,
+    version_changes,
+)
+from budget.studies.reference.jobs import check_asked, compute
+from budget.studies.reference.moves import find_moves
+from budget.studies.reference.parts import present_parts, stored_parts
+from budget.studies.reference.records import Checked, Difference, Reference
+from budget.studies.reference.store import present_versions
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from budget.studies.reference.records import Asked, StoredInput
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class NamedSide:
+    """One side of a difference, as a user named it."""
+
+    name: str
+    side: Side
+
+
+def make_reference(
+    job: str, inputs: Sequence[StoredInput], asked: Asked, *, name: str
+) -> Reference:
+    """Compute a reference from its inputs.
+
+    Raises
+    ------
+    CallError, SpecError
+        Inputs or settings that do not fit together.
+    """
+    check_asked(job, asked)
+    parts = stored_parts(inputs, reference=name, job=job)
+    return Reference(
+        job=job,
+        inputs=tuple(inputs),
+        asked=asked,
+        snapshot=compute(job, parts, asked),
+        versions=present_versions(),
+    )
+
+
+def check(reference: Reference, folder: Path, *, name: str) -> Checked:
+    """Compute a reference again from its files as they are now, and compare.
+
+    Parameters
+    ----------
+    reference : Reference
+        What is stored; its texts serve to explain, never to compute what is compared.
+    folder : Path
+        Where it stands.
+    name : str
+        How it is called in the result.
+
+    Raises
+    ------
+    ReferenceFileError, SpecError, CallError
+        A file is gone or cannot be computed with.
+    """
+    job, asked = reference.job, reference.asked
+    check_asked(job, asked)
+    now = present_parts(reference.inputs, folder, reference=name, job=job)
+    snapshot = compute(job, now, asked)
+    moves = find_moves(reference.snapshot, snapshot)
+    stored = reference.snapshot
+    versions = present_versions()
+    then = stored_parts(reference.inputs, reference=name, job=job)
+    if moves:
+        told = explain(
+            job,
+            Side(parts=then, asked=asked, snapshot=stored, versions=reference.versions),
+            Side(parts=now, asked=asked, snapshot=snapshot, versions=versions),
+            moves,
+        )
+        changes, moves = told.changes, told.moves
+    else:
+        changes = (
+            *input_changes(then, now),
+            *version_changes(reference.versions, versions),
+        )
+    return Checked(
+        name=name,
+        job=job,
+        compared=len(stored.numbers) + len(stored.words),
+        sampled=sum(number.is_sampled for number in stored.numbers),
+        moves=moves,
+        changes=changes,
+    )
+
+
+def stored_side(reference: Reference, *, name: str) -> NamedSide:
+    """Return a reference as one side of a difference."""
+    return NamedSide(
+        name=name,
+        side=Side(
+            parts=stored_parts(reference.inputs, reference=name, job=reference.job),
+            asked=reference.asked,
+            snapshot=reference.snapshot,
+            versions=reference.versions,
+        ),
+    )
+
+
+def computed_side(
+    inputs: Sequence[StoredInput], asked: Asked, *, name: str
+) -> NamedSide:
+    """Analyze a device now, as one side of a difference."""
+    parts = stored_parts(inputs, reference=name, job="analyze")
+    return NamedSide(
+        name=name,
+        side=Side(
+            parts=parts,
+            asked=asked,
+            snapshot=compute("analyze", parts, asked),
+            versions=present_versions(),
+        ),
+    )
+
+
+def compare_sides(
+    first: NamedSide, second: NamedSide, jobs: tuple[str, str]
+) -> Difference:
+    """Hold two budgets side by side, the largest change first.
+
+    Largest is by the difference over the standard uncertainty of the output, the
+    larger one of both sides; of a number that belongs to no output over itself.
+
+    Raises
+    ------
+    CallError
+        They are of different kinds.
+    """
+    if jobs[0] != jobs[1]:
+        raise CallError(
+            f"{first.name} is of kind {jobs[0]}, {second.name} of kind {jobs[1]}: they "
+            "have no numbers in common; give two of one kind"
+        )
+    a, b = first.side, second.side
+    told = explain(jobs[0], a, b, find_moves(a.snapshot, b.snapshot))
+    return Difference(
+        first=first.name,
+        second=second.name,
+        job=jobs[0],
+        compared=len(a.snapshot.numbers) + len(a.snapshot.words),
+        moves=tuple(sorted(told.moves, key=lambda move: -move.size)),
+        changes=told.changes,
+    )

@@ -1,0 +1,231 @@
+"""Compute what a reference is about: parts and settings in, numbers and words out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from budget.errors import CallError
+from budget.methods.monte_carlo import MAX_TRIALS
+from budget.physics.calibration import calibration_problem
+from budget.spec.costs import read_costs
+from budget.spec.device import read_device
+from budget.spec.lines import lines_of
+from budget.spec.procedure import read_procedure
+from budget.spec.requirement import read_requirement
+from budget.studies.allocation.allocate import allocate
+from budget.studies.allocation.cases import Bounds
+from budget.studies.analysis import analyze
+from budget.studies.comparison.compare import TRIALS, compare
+from budget.studies.conformity import assess
+from budget.studies.reference.comparisons import Compared, comparison_numbers
+from budget.studies.reference.numbers import allocation_numbers, budget_numbers
+from budget.studies.reference.records import JOBS, Asked
+from budget.studies.reference.sampling import standard_errors
+from budget.studies.request import choose_basis, choose_sources, sensors_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from budget.spec.records import Costs, Device, Procedure, Requirement
+    from budget.studies.reference.records import Part, Snapshot
+
+# Which settings mean something to which job; the others must stay as they are.
+SETTINGS = {
+    "analyze": (
+        *("method", "trials", "max_trials", "digits", "seed", "coverage", "interval"),
+        *("reference", "only", "samples"),
+    ),
+    "compare": ("method", "trials", "max_trials", "seed"),
+    "allocate": ("strategy", "fix"),
+}
+_NAMES = {"samples": "sobol and --samples", "max_trials": "max-trials"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Records:
+    """The parts as records."""
+
+    devices: tuple[Device, ...]
+    procedures: tuple[Procedure, ...]
+    requirement: Requirement | None
+    costs: Costs | None
+
+
+def check_asked(job: str, asked: Asked) -> None:
+    """Refuse settings that mean nothing to a job.
+
+    Raises
+    ------
+    CallError
+        With all of them.
+    """
+    if job not in JOBS:
+        raise CallError(f"kind is {job!r}, allowed: {', '.join(JOBS)}")
+    plain = Asked()
+    strange = [
+        f"--{_NAMES.get(name, name)}"
+        for name in Asked.__dataclass_fields__
+        if name not in SETTINGS[job] and getattr(asked, name) != getattr(plain, name)
+    ]
+    if strange:
+        raise CallError(
+            f"{', '.join(strange)}: means nothing to a reference of kind {job}; leave "
+            "it out, or take another --kind"
+        )
+
+
+def compute(job: str, parts: Sequence[Part], asked: Asked) -> Snapshot:
+    """Do a job on its parts.
+
+    Parameters
+    ----------
+    job : str
+        'analyze', 'compare' or 'allocate'.
+    parts : sequence of Part
+        Devices first, in the order they were given.
+    asked : Asked
+        Settings.
+
+    Returns
+    -------
+    Snapshot
+        In printed units.
+
+    Raises
+    ------
+    CallError, SpecError
+        The parts or settings do not fit together, or a part is no sound file.
+    """
+    records = _Records(
+        devices=tuple(read_device(p.document) for p in _of("device", parts)),
+        procedures=tuple(read_procedure(p.document) for p in _of("procedure", parts)),
+        requirement=next(
+            (read_requirement(p.document) for p in _of("requirement", parts)), None
+        ),
+        costs=next((read_costs(p.document) for p in _of("costs", parts)), None),
+    )
+    if job == "compare":
+        return _compare(records, [p.name for p in _of("device", parts)], asked)
+    if len(records.procedures) > 1:
+        raise CallError(
+            f"{len(records.procedures)} procedures were given, a reference of kind "
+            f"{job} takes one; give one, or take --kind compare"
+        )
+    return (_analyze if job == "analyze" else _allocate)(records, asked)
+
+
+def by_law(asked: Asked) -> Asked:
+    """Return the same settings with the law in the place of trials."""
+    return replace(asked, method="gum", trials=None, max_trials=None, samples=None)
+
+
+def _of(role: str, parts: Sequence[Part]) -> list[Part]:
+    """Return the parts of one role."""
+    return [part for part in parts if part.role == role]
+
+
+def _analyze(records: _Records, asked: Asked) -> Snapshot:
+    """Compute a budget; the check of the law by Monte Carlo is no part of it."""
+    (procedure,), requirement = records.procedures, records.requirement
+    basis = choose_basis(
+        requirement, coverage=asked.coverage, reference=asked.reference
+    )
+    budget = analyze(
+        *records.devices,
+        procedure=procedure,
+        requirement=requirement,
+        method=asked.method,
+        trials=asked.trials,
+        digits=asked.digits,
+        max_trials=asked.max_trials or MAX_TRIALS,
+        validate=False,
+        seed=asked.seed,
+        coverage=basis.coverage,
+        interval=asked.interval,
+        reference=basis.reference,
+        samples=asked.samples,
+        only=asked.only,
+    )
+    errors = None
+    if budget.settings.trials is not None:
+        sensors = sensors_of(records.devices)
+        problem = calibration_problem(
+            sensors,
+            procedure,
+            reference=basis.reference,
+            only=choose_sources(sensors, asked.only)[0],
+        )
+        errors = standard_errors(
+            problem,
+            trials=budget.settings.trials,
+            coverage=basis.coverage,
+            interval=asked.interval,
+        )
+    verdict = None
+    if requirement is not None:
+        verdict = assess(budget, requirement, records.devices)
+    return budget_numbers(budget, errors, verdict)
+
+
+def _compare(records: _Records, names: list[str], asked: Asked) -> Snapshot:
+    """Compare devices; names that stand twice are counted."""
+    if records.requirement is None:
+        raise CallError("a comparison needs a requirement; give --requirement FILE")
+    comparison = compare(
+        records.devices,
+        records.requirement,
+        records.procedures,
+        method=asked.method,
+        trials=asked.trials or TRIALS,
+        max_trials=asked.max_trials,
+        seed=asked.seed,
+    )
+    unique = [
+        name if names.count(name) == 1 else f"{name} ({names[: k + 1].count(name)})"
+        for k, name in enumerate(names)
+    ]
+    compared = Compared(
+        devices=records.devices,
+        names=unique,
+        requirement=records.requirement,
+        procedures=records.procedures,
+    )
+    return comparison_numbers(comparison, compared)
+
+
+def _allocate(records: _Records, asked: Asked) -> Snapshot:
+    """Share limits out by the law, without the catalogue."""
+    if records.requirement is None:
+        raise CallError("an allocation needs a requirement; give --requirement FILE")
+    (procedure,) = records.procedures
+    allocation = allocate(
+        *records.devices,
+        requirement=records.requirement,
+        procedure=procedure,
+        strategy=asked.strategy,
+        costs=records.costs,
+        bounds=Bounds(held=_held(records.devices, asked.fix), most={}, least={}),
+        catalogue=(),
+        validate=False,
+    )
+    return allocation_numbers(allocation)
+
+
+def _held(devices: Sequence[Device], names: Sequence[str]) -> frozenset[str]:
+    """Return the full names of the lines that are held."""
+    known = [
+        f"{sensor.kind}.{line.name}"
+        for sensor in sensors_of(devices)
+        for line in lines_of(sensor.kind)
+    ]
+    held = {k for k in known for name in names if name in {k, k.partition(".")[2]}}
+    unknown = [
+        n for n in names if not any(n in {k, k.partition(".")[2]} for k in known)
+    ]
+    if unknown:
+        raise CallError(
+            f"--fix: {', '.join(map(repr, unknown))} is no source of these devices. "
+            f"Known: {', '.join(known)}"
+        )
+    return frozenset(held)

@@ -1,0 +1,200 @@
+"""Which numbers are not what they were: by rounding, or by what two seeds may give."""
+
+from __future__ import annotations
+
+from math import inf, sqrt
+from typing import TYPE_CHECKING
+
+from budget.studies.reference.records import EXACT, Key, Move, Number, Snapshot, Word
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+# Probability that the numbers of one reference differ between two seeds by so much
+# that one of them counts as moved, at the most.
+FALSE_ALARM = 1e-4
+
+SPREAD = "standard_uncertainty"
+
+
+def find_moves(
+    before: Snapshot, after: Snapshot, *, false_alarm: float = FALSE_ALARM
+) -> tuple[Move, ...]:
+    """Compare two results number by number and word by word.
+
+    A number that no trial touches has moved beyond a relative difference of 1e-9 and
+    its floor. A sampled one has moved where a difference that large has a probability
+    below `false_alarm` over the number of sampled numbers (Bonferroni): by Student's t
+    on the standard errors of both, or, for a proportion, exactly on the counts.
+
+    Parameters
+    ----------
+    before, after : Snapshot
+        Results of the same job.
+    false_alarm : float
+        Probability of any move where nothing but the seed has changed [1].
+
+    Returns
+    -------
+    tuple of Move
+        In the order of the results; what is gone or new counts as moved.
+    """
+    old, new = before.by_key(), after.by_key()
+    number = sum(
+        old[key].is_sampled or new[key].is_sampled for key in old.keys() & new.keys()
+    )
+    level = false_alarm / max(number, 1)
+    # A later version may compute more: that is no change of what is stored.
+    known = {key.quantity for key in old}
+    moves = [
+        move
+        for key in dict.fromkeys((*old, *new))
+        if key in old or key.quantity in known
+        if (move := _number_move(old.get(key), new.get(key), level, old, new))
+    ]
+    moved = {move.key for move in moves}
+    old_words = {word.key: word for word in before.words}
+    new_words = {word.key: word for word in after.words}
+    known = {key.quantity for key in old_words}
+    for key in dict.fromkeys((*old_words, *new_words)):
+        if key in old_words or key.quantity in known:
+            one, other = old_words.get(key), new_words.get(key)
+            if _is_word_moved(one, other, moved):
+                moves.append(
+                    Move(
+                        key=key,
+                        unit="",
+                        before=None if one is None else one.text,
+                        after=None if other is None else other.text,
+                    )
+                )
+    return tuple(moves)
+
+
+def probability_of(before: Number, after: Number) -> float:
+    """Return how probable a difference as large is between two seeds, two-sided [1].
+
+    1 for numbers that trials do not touch.
+    """
+    if not (before.is_sampled or after.is_sampled):
+        return 1.0
+    if before.trials is not None and after.trials is not None:
+        return _of_counts(before, after)
+    spread = _spread(before, after)
+    difference = abs(after.value - before.value)
+    if spread == 0.0:
+        return 1.0 if difference == 0.0 else 0.0
+    return _two_sided(difference / spread, _freedom(before, after))
+
+
+def _number_move(
+    before: Number | None,
+    after: Number | None,
+    level: float,
+    old: Mapping[Key, Number],
+    new: Mapping[Key, Number],
+) -> Move | None:
+    """Return the move of one number, None where it stays."""
+    one = before or after
+    if one is None:
+        return None
+    scale = _scale(one, old, new)
+    if before is None or after is None:
+        return Move(
+            key=one.key,
+            unit=one.unit,
+            before=None if before is None else before.value,
+            after=None if after is None else after.value,
+            scale=scale,
+        )
+    difference = abs(after.value - before.value)
+    tolerance = max(
+        EXACT * max(abs(before.value), abs(after.value)), before.floor, after.floor
+    )
+    sampled = before.is_sampled or after.is_sampled
+    same_unit = before.unit == after.unit
+    if same_unit and difference <= tolerance:
+        return None
+    if same_unit and sampled and probability_of(before, after) >= level:
+        return None
+    spread = _spread(before, after) if sampled else tolerance
+    return Move(
+        key=one.key,
+        unit=after.unit,
+        before=before.value,
+        after=after.value,
+        is_sampled=sampled,
+        times=difference / spread if spread > 0.0 else None,
+        scale=scale,
+    )
+
+
+def _is_word_moved(before: Word | None, after: Word | None, moved: set[Key]) -> bool:
+    """Whether a word has moved, or only fallen the other way with another seed."""
+    if before is None or after is None:
+        return True
+    if before.text == after.text:
+        return False
+    if not before.rests_on:
+        return True
+    return Key(subject=before.key.subject, quantity=before.rests_on) in moved
+
+
+def _scale(
+    one: Number, old: Mapping[Key, Number], new: Mapping[Key, Number]
+) -> float | None:
+    """Return what the size of a difference is measured by [unit of the number]."""
+    spread = Key(subject=one.key.subject, quantity=SPREAD)
+    own = [numbers[spread] for numbers in (old, new) if spread in numbers]
+    if own and all(number.unit == one.unit for number in own):
+        return max(number.value for number in own)
+    values = [
+        abs(numbers[one.key].value) for numbers in (old, new) if one.key in numbers
+    ]
+    return max(values)
+
+
+def _spread(before: Number, after: Number) -> float:
+    """Return the standard error of a difference [unit of the number]."""
+    counted = [one for one in (before, after) if one.trials is not None]
+    trials = sum(one.trials or 0 for one in counted)
+    p = sum(one.value * (one.trials or 0) for one in counted) / max(trials, 1)
+    variance = 0.0
+    for one in (before, after):
+        if one.trials is not None:
+            variance += max(p * (1.0 - p), 0.0) / one.trials
+        elif one.standard_error is not None:
+            variance += one.standard_error**2
+    return sqrt(variance)
+
+
+def _freedom(before: Number, after: Number) -> float:
+    """Return the degrees of freedom of a difference (Welch and Satterthwaite)."""
+    total = parts = 0.0
+    for number in (before, after):
+        variance = (number.standard_error or 0.0) ** 2
+        total += variance
+        parts += variance**2 / (number.degrees_of_freedom or inf)
+    return total**2 / parts if parts > 0.0 else inf
+
+
+def _two_sided(t: float, freedom: float) -> float:
+    """Return the probability beyond +-t of Student's law, of the normal at infinity."""
+    from scipy.special import ndtr, stdtr
+
+    tail = ndtr(-t) if freedom == inf else stdtr(freedom, -t)
+    return min(2.0 * float(tail), 1.0)
+
+
+def _of_counts(before: Number, after: Number) -> float:
+    """Return how probable two counts as different are, given their sum (Fisher)."""
+    from scipy.stats import hypergeom
+
+    n, m = before.trials or 0, after.trials or 0
+    first, second = round(before.value * n), round(after.value * m)
+    # Counted from the rarer side: the law is the same, the numbers are small.
+    if first + second > (n + m) / 2:
+        first, second = n - first, m - second
+    law = hypergeom(n + m, first + second, n)
+    tail = min(float(law.cdf(first)), float(law.sf(first - 1)))
+    return min(2.0 * tail, 1.0)

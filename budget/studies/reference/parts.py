@@ -1,0 +1,177 @@
+"""Input files as parts to compute with: as they are now, or as a reference has them."""
+
+from __future__ import annotations
+
+import os
+from hashlib import sha256
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from budget.errors import ReferenceFileError
+from budget.resources import shipped
+from budget.spec.composer import compose
+from budget.spec.device import read_device, variant_names
+from budget.spec.files import FOLDERS, NamedFile, find, open_file
+from budget.spec.tree import Document, all_of
+from budget.studies.reference.exchange import effective
+from budget.studies.reference.records import Part, StoredInput
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+SUFFIXES = (".yaml", ".yml")
+
+
+def take_in(role: str, typed: str | Path, folder: Path) -> StoredInput:
+    """Return a file that a user named, as a reference in that folder stores it.
+
+    Parameters
+    ----------
+    role : str
+        'device', 'procedure', 'requirement' or 'costs'.
+    typed : str or Path
+        FILE, FILE#VARIANT of a device, or the bare name of a file that ships.
+    folder : Path
+        Where the reference will be.
+
+    Raises
+    ------
+    SpecError
+        Everything that is wrong with the file, each at its place.
+    ReferenceFileError
+        No path leads from the reference to the file that holds on another machine.
+    """
+    file = find(typed, role)
+    document = open_file(file, role)
+    text = file.path.read_bytes().decode()  # it has just been read: it is UTF-8
+    is_shipped = file.path.parent == shipped("specs") / FOLDERS[role]
+    typed_bare = file.shown == file.path.stem
+    return StoredInput(
+        role=role,
+        file=file.shown if is_shipped and typed_bare else _path_from(folder, file.path),
+        variant=file.variant,
+        sha256=document.sha256,
+        text=text,
+    )
+
+
+def present_parts(
+    inputs: Sequence[StoredInput], folder: Path, *, reference: str, job: str
+) -> tuple[Part, ...]:
+    """Return the parts as their files are now.
+
+    Parameters
+    ----------
+    inputs : sequence of StoredInput
+        Where the files are.
+    folder : Path
+        That of the reference; paths count from it.
+    reference : str
+        How messages name it.
+    job : str
+        Of a comparison a device file is its base and every variant.
+
+    Raises
+    ------
+    ReferenceFileError
+        A file is gone.
+    SpecError
+        A file cannot be read on.
+    """
+    parts: list[Part] = []
+    for one in inputs:
+        path = _locate(one, folder)
+        if not path.is_file():
+            where = "among the files that ship" if _is_bare(one.file) else "there"
+            raise ReferenceFileError(
+                f"{reference}: its {one.role} {one.file} is not {where}; a reference "
+                "is computed again from its files: put the file back, or save the "
+                "reference again from where it is now"
+            )
+        shown = one.file if _is_bare(one.file) else os.path.relpath(path)
+        document = open_file(
+            NamedFile(path=path, shown=shown, variant=one.variant), one.role
+        )
+        parts.extend(_parts(document, one, job))
+    return tuple(parts)
+
+
+def stored_parts(
+    inputs: Sequence[StoredInput], *, reference: str, job: str
+) -> tuple[Part, ...]:
+    """Return the parts as the reference has them. Raises SpecError if it is unsound."""
+    parts: list[Part] = []
+    for one in inputs:
+        shown = f"{reference}, stored {one.file}"
+        root, issues = compose(one.text.removeprefix("\N{BYTE ORDER MARK}"), shown)
+        if issues:
+            raise all_of(issues)
+        document = Document(
+            file=shown,
+            base_name=_locate(one, Path()).name,
+            sha256=one.sha256,
+            root=root,
+            issues=(),
+            kind=one.role,
+        )
+        parts.extend(_parts(document, one, job))
+    return tuple(parts)
+
+
+def digest(text: str) -> str:
+    """Return the SHA-256 of a text."""
+    return sha256(text.encode()).hexdigest()
+
+
+def _parts(document: Document, one: StoredInput, job: str) -> list[Part]:
+    """Return one part, or one for every variant in a comparison."""
+    if one.role != "device":
+        return [
+            Part(
+                role=one.role,
+                name=document.base_name,
+                document=document,
+                sha256=document.sha256,
+            )
+        ]
+    names: tuple[str, ...] = (one.variant,)
+    if job == "compare" and not one.variant:
+        names = variant_names(document)
+    parts = []
+    for name in names:
+        read_device(document, name)  # says what is wrong, at its place in the file
+        part = effective(document, name)
+        parts.append(
+            Part(
+                role=one.role,
+                name=part.base_name,
+                document=part,
+                sha256=document.sha256,
+            )
+        )
+    return parts
+
+
+def _is_bare(file: str) -> bool:
+    """Whether a stored file is the bare name of one that ships."""
+    return "/" not in file and not file.endswith(SUFFIXES)
+
+
+def _locate(one: StoredInput, folder: Path) -> Path:
+    """Return where a stored input is now."""
+    if _is_bare(one.file):
+        return shipped("specs") / FOLDERS[one.role] / f"{one.file}.yaml"
+    return folder / one.file
+
+
+def _path_from(folder: Path, path: Path) -> str:
+    """Return the path of a file from a folder, with '/'."""
+    here, there = (Path(os.path.abspath(p)) for p in (folder, path))  # noqa: PTH100 - resolve() would follow links
+    if here.parts[:2] != there.parts[:2] and here != there.parent:
+        raise ReferenceFileError(
+            f"{path}: has no folder in common with the reference in {folder}, so no "
+            "path from one to the other would hold on another machine; keep both in "
+            "one tree"
+        )
+    relative = Path(os.path.relpath(there, here)).as_posix()
+    return f"./{relative}" if _is_bare(relative) else relative

@@ -1,0 +1,271 @@
+"""What a reference budget holds: inputs, settings, numbers, words, versions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from budget.spec.tree import Document
+
+JOBS = ("analyze", "compare", "allocate")
+ROLES = ("device", "procedure", "requirement", "costs")
+
+# Relative difference at which a number that no trial touches has moved [1].
+EXACT = 1e-9
+
+
+@dataclass(frozen=True, kw_only=True)
+class StoredInput:
+    """One input file as it was.
+
+    Attributes
+    ----------
+    role : str
+        One of ROLES.
+    file : str
+        Path from the folder of the reference, with '/'; or the bare name of a file
+        that ships.
+    variant : str
+        '' for the base; of a comparison '' means the base and every variant.
+    sha256 : str
+        Of the file's bytes.
+    text : str
+        Its content.
+    """
+
+    role: str
+    file: str
+    variant: str
+    sha256: str
+    text: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Asked:
+    """What was asked for besides the files; None leaves it to the job's default.
+
+    Coverage and reference are None too where a requirement rules them, so that a
+    change of the requirement is one of the result.
+    """
+
+    method: str = "gum"
+    trials: int | None = None
+    max_trials: int | None = None
+    digits: int = 1
+    seed: int = 0
+    coverage: float | None = None
+    interval: str = "symmetric"
+    reference: str | None = None
+    only: tuple[str, ...] = ()
+    samples: int | None = None
+    strategy: str | None = None
+    fix: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Key:
+    """What a number or a word is of."""
+
+    subject: str  # 'gyro.bias.x', 'gyro.bias_stability', 'hg4930.yaml#C gyro'
+    quantity: str  # 'standard_uncertainty'
+    partner: str = ""  # a source, or the other output of a correlation
+
+    def __str__(self) -> str:
+        """Name it in one line."""
+        return " ".join(
+            text for text in (self.subject, self.quantity, self.partner) if text
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Number:
+    """One number of a result, in its printed unit, and how sure it is.
+
+    Attributes
+    ----------
+    floor : float
+        A difference at or below this is rounding of the computation [unit].
+    standard_error : float or None
+        Sampling uncertainty [unit]; None where no trial touches the number.
+    degrees_of_freedom : float or None
+        Of the standard error; None for so many that they do not count.
+    trials : int or None
+        Of a proportion: the value times this is a count.
+    """
+
+    key: Key
+    unit: str
+    value: float
+    floor: float = 0.0
+    standard_error: float | None = None
+    degrees_of_freedom: float | None = None
+    trials: int | None = None
+
+    @property
+    def is_sampled(self) -> bool:
+        """Whether another seed gives another value."""
+        return self.standard_error is not None or self.trials is not None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Word:
+    """One word of a result: a verdict, a status, what is not given.
+
+    Attributes
+    ----------
+    rests_on : str
+        Quantity of the same subject that decides it. Where that number is no surer
+        than its trials, the word is not either: it has moved only if the number has.
+    """
+
+    key: Key
+    text: str
+    rests_on: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Snapshot:
+    """All that a result says, as a flat list."""
+
+    numbers: tuple[Number, ...]
+    words: tuple[Word, ...]
+
+    def by_key(self) -> Mapping[Key, Number]:
+        """Return the numbers by what they are of."""
+        return {number.key: number for number in self.numbers}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reference:
+    """A stored budget."""
+
+    job: str  # one of JOBS
+    inputs: tuple[StoredInput, ...]
+    asked: Asked
+    snapshot: Snapshot
+    versions: tuple[tuple[str, str], ...]  # ('budget', '0.1.0'), ...
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Part:
+    """One device, procedure, requirement or costs, ready to be computed with.
+
+    Attributes
+    ----------
+    name : str
+        Base name of the file, with #VARIANT where one was chosen.
+    document : Document
+        Its nodes; of a device with the variant laid over the base.
+    sha256 : str
+        Of the file's bytes.
+    """
+
+    role: str
+    name: str
+    document: Document
+    sha256: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Change:
+    """One thing that is not what it was: a key of a file, a file, a version."""
+
+    where: str  # 'device imu.yaml', or 'tool'
+    key: str  # 'gyro.errors.bias_stability', or 'numpy'
+    before: str  # as the file spells it; '' where it was not there
+    after: str
+    acts: bool | None = None  # on any number, alone; None: it cannot be tried alone
+
+    def __str__(self) -> str:
+        """Say it in one line."""
+        return (
+            f"{self.where}: {self.key}: {self.before or '(not there)'} -> "
+            f"{self.after or '(not there)'}"
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cause:
+    """How much of a move one change explains."""
+
+    change: int  # place among the changes
+    amount: float  # [unit of the number], by the law
+
+
+@dataclass(frozen=True, kw_only=True)
+class Move:
+    """One number or word that is not what it was.
+
+    Attributes
+    ----------
+    before, after : float, str or None
+        None where there is none.
+    times : float or None
+        Its difference over its tolerance or, of a sampled number, over the standard
+        error of a difference; None for a word and what is gone or new.
+    scale : float or None
+        What the size of a difference is measured by: the standard uncertainty of the
+        output, or the number itself [unit].
+    """
+
+    key: Key
+    unit: str
+    before: float | str | None
+    after: float | str | None
+    is_sampled: bool = False
+    times: float | None = None
+    scale: float | None = None
+    causes: tuple[Cause, ...] = ()
+
+    @property
+    def difference(self) -> float | None:
+        """After minus before [unit]; None where one of them is no number."""
+        if isinstance(self.before, float) and isinstance(self.after, float):
+            return self.after - self.before
+        return None
+
+    @property
+    def relative(self) -> float | None:
+        """Difference over the value before [1]; None where that is 0 or no number."""
+        if self.difference is None or not self.before or isinstance(self.before, str):
+            return None
+        return self.difference / abs(self.before)
+
+    @property
+    def size(self) -> float:
+        """Absolute difference over `scale`, infinite for what is no number [1]."""
+        if self.difference is None or not self.scale:
+            return float("inf")
+        return abs(self.difference) / self.scale
+
+
+@dataclass(frozen=True, kw_only=True)
+class Checked:
+    """A reference held against its inputs as they are now."""
+
+    name: str
+    job: str
+    compared: int  # numbers and words
+    sampled: int  # of those, numbers that trials made
+    moves: tuple[Move, ...]
+    changes: tuple[Change, ...] = field(default=())
+
+    @property
+    def holds(self) -> bool:
+        """Whether nothing moved."""
+        return not self.moves
+
+
+@dataclass(frozen=True, kw_only=True)
+class Difference:
+    """Two budgets side by side, the largest change first."""
+
+    first: str
+    second: str
+    job: str
+    compared: int
+    moves: tuple[Move, ...]
+    changes: tuple[Change, ...]

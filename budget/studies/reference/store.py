@@ -1,0 +1,377 @@
+"""The file of a reference budget: its format, its reader, its text.
+
+Format 1 is JSON, one number a line, with a checksum over its content. A later format
+gets a model of its own and a step that turns the older one into it; the first file ever
+written stays in the tests.
+"""
+
+from __future__ import annotations
+
+import json
+import platform
+import re
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import Field, ValidationError
+
+from budget.errors import ReferenceFileError
+from budget.spec.fields import Strict
+from budget.spec.schema import schema_of
+from budget.studies.reference.parts import digest
+from budget.studies.reference.records import (
+    Asked,
+    Key,
+    Number,
+    Reference,
+    Snapshot,
+    StoredInput,
+    Word,
+)
+from budget.version import __version__
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+FORMAT = "budget-reference/1"
+NEWEST = 1
+MOST_BYTES = 8 * 1024 * 1024  # forty times the largest that ships
+SHOWN = 3  # faults that one message says
+
+Line = Annotated[str, Field(max_length=400, pattern=r"^[^\x00-\x1f\x7f-\x9f]*$")]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(allow_inf_nan=False, ge=0.0)]
+Count = Annotated[int, Field(ge=0, lt=2**63)]
+
+
+class InputEntry(Strict):
+    """One input file as it was."""
+
+    role: Literal["device", "procedure", "requirement", "costs"]
+    file: Annotated[Line, Field(min_length=1)] = Field(
+        description="path from the folder of this file, or bare name of a shipped one"
+    )
+    variant: Line = ""
+    sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+    text: tuple[str, ...] = Field(description="its content, line by line")
+
+
+class SettingsEntry(Strict):
+    """What was asked for besides the files."""
+
+    method: Literal["gum", "monte-carlo", "simulation"] = "gum"
+    trials: Annotated[Count, Field(ge=2)] | None = None
+    max_trials: Annotated[Count, Field(ge=2)] | None = None
+    digits: Annotated[int, Field(ge=1, le=2)] = 1
+    seed: Annotated[int, Field(ge=0)] = 0
+    coverage: Annotated[float, Field(gt=0.0, lt=1.0)] | None = None
+    interval: Literal["symmetric", "shortest"] = "symmetric"
+    reference: Literal["nominal", "as_tested", "next_turn_on"] | None = None
+    only: tuple[Line, ...] = ()
+    samples: Annotated[Count, Field(ge=2)] | None = None
+    strategy: Literal["equal", "proportional", "cost"] | None = None
+    fix: tuple[Line, ...] = ()
+
+
+class NumberEntry(Strict):
+    """One number of the result."""
+
+    subject: Line
+    quantity: Line
+    partner: Line = ""
+    unit: Line
+    value: Finite
+    floor: NotNegative = Field(
+        default=0.0, description="a difference at or below it is rounding"
+    )
+    standard_error: NotNegative | None = Field(
+        default=None, description="of the sampling; unset: no trial touches it"
+    )
+    degrees_of_freedom: Annotated[NotNegative, Field(gt=0.0)] | None = None
+    trials: Annotated[Count, Field(ge=1)] | None = Field(
+        default=None, description="of a proportion"
+    )
+
+
+class WordEntry(Strict):
+    """One word of the result."""
+
+    subject: Line
+    quantity: Line
+    text: Annotated[str, Field(max_length=4000, pattern=r"^[^\x00-\x1f\x7f-\x9f]*$")]
+    rests_on: Line = Field(default="", description="the quantity that decides it")
+
+
+class ReferenceFile(Strict):
+    """A reference budget."""
+
+    format: Literal["budget-reference/1"]
+    checksum: Annotated[str, Field(pattern="^[0-9a-f]{64}$")] = Field(
+        description="SHA-256 of all the rest, as JSON with sorted keys and no spaces"
+    )
+    job: Literal["analyze", "compare", "allocate"]
+    inputs: Annotated[tuple[InputEntry, ...], Field(min_length=1, max_length=1000)]
+    settings: SettingsEntry
+    numbers: tuple[NumberEntry, ...]
+    words: tuple[WordEntry, ...] = ()
+    versions: dict[Line, Line] = Field(description="of the tool and what it stands on")
+
+
+def reference_schema() -> dict[str, Any]:
+    """Return the JSON Schema (draft 2020-12) of a reference budget."""
+    return schema_of(ReferenceFile, "budget reference file")
+
+
+def present_versions() -> tuple[tuple[str, str], ...]:
+    """Return what computes here: the tool, Python, numpy, scipy."""
+    import numpy as np
+    import scipy
+
+    return (
+        ("budget", __version__),
+        ("numpy", np.__version__),
+        ("python", platform.python_version()),
+        ("scipy", scipy.__version__),
+    )
+
+
+def reference_text(reference: Reference) -> str:
+    """Write a reference: the same reference gives the same text.
+
+    Raises
+    ------
+    ValueError
+        A number is not finite.
+    """
+    content: dict[str, Any] = {
+        "format": FORMAT,
+        "job": reference.job,
+        "inputs": [
+            {**_set(asdict(one)), "text": one.text.split("\n")}
+            for one in reference.inputs
+        ],
+        "settings": _set(asdict(reference.asked)),
+        "numbers": [
+            {**asdict(one.key), **_set({**asdict(one), "key": None})}
+            for one in reference.snapshot.numbers
+        ],
+        "words": [
+            {
+                "subject": word.key.subject,
+                "quantity": word.key.quantity,
+                "text": word.text,
+                "rests_on": word.rests_on,
+            }
+            for word in reference.snapshot.words
+        ],
+        "versions": dict(reference.versions),
+    }
+    content = json.loads(json.dumps(content, allow_nan=False))  # lists for tuples
+    content["checksum"] = _checksum(content)
+    lines = []
+    for key in sorted(content):
+        value = content[key]
+        if isinstance(value, list):
+            rows = ",\n".join(f"  {_line(row)}" for row in value)
+            shown = f"[\n{rows}\n ]" if value else "[]"
+        else:
+            shown = _line(value)
+        lines.append(f" {_line(key)}: {shown}")
+    return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def read_reference(path: Path, shown: str) -> Reference:
+    """Read a reference of this format or an older one.
+
+    Parameters
+    ----------
+    path : Path
+        Where it is.
+    shown : str
+        How messages name it.
+
+    Raises
+    ------
+    ReferenceFileError
+        It cannot be read, is none, is cut short, was edited, or is of a newer format.
+    """
+    content = _parse(_read(path, shown), shown)
+    _check_format(content, shown)
+    if content.get("checksum") != _checksum(content):
+        raise ReferenceFileError(
+            f"{shown}: its content is not what was written (the checksum differs); a "
+            "reference is written by `budget check --save`, not by hand: restore it "
+            "from version control, or save it again"
+        )
+    try:
+        model = ReferenceFile.model_validate(_tuples(content))
+    except ValidationError as error:
+        raise ReferenceFileError(_faults(error, shown)) from None
+    return _record(model, shown)
+
+
+def _record(model: ReferenceFile, shown: str) -> Reference:
+    """Turn the checked file into a record."""
+    inputs = tuple(
+        StoredInput(
+            role=one.role,
+            file=one.file,
+            variant=one.variant,
+            sha256=one.sha256,
+            text="\n".join(one.text),
+        )
+        for one in model.inputs
+    )
+    for one in inputs:
+        if digest(one.text) != one.sha256:
+            raise ReferenceFileError(
+                f"{shown}: the stored {one.file} has not the SHA-256 that stands "
+                "beside it; save the reference again"
+            )
+    return Reference(
+        job=model.job,
+        inputs=inputs,
+        asked=Asked(**dict(model.settings)),
+        snapshot=Snapshot(
+            numbers=tuple(
+                Number(
+                    key=Key(
+                        subject=one.subject, quantity=one.quantity, partner=one.partner
+                    ),
+                    unit=one.unit,
+                    value=float(one.value),
+                    floor=one.floor,
+                    standard_error=one.standard_error,
+                    degrees_of_freedom=one.degrees_of_freedom,
+                    trials=one.trials,
+                )
+                for one in model.numbers
+            ),
+            words=tuple(
+                Word(
+                    key=Key(subject=one.subject, quantity=one.quantity),
+                    text=one.text,
+                    rests_on=one.rests_on,
+                )
+                for one in model.words
+            ),
+        ),
+        versions=tuple(sorted(model.versions.items())),
+    )
+
+
+def _read(path: Path, shown: str) -> str:
+    """Return the text of a file, never more than it may hold."""
+    try:
+        with path.open("rb") as stream:
+            data = stream.read(MOST_BYTES + 1)
+    except IsADirectoryError:
+        raise ReferenceFileError(f"{shown}: is a folder, expected a file") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise ReferenceFileError(
+            f"{shown}: cannot be read ({reason}); expected a reference budget, as "
+            "`budget check --save` writes it"
+        ) from None
+    if len(data) > MOST_BYTES:
+        raise ReferenceFileError(
+            f"{shown}: is larger than {MOST_BYTES} bytes, the most a reference budget "
+            "may have; save one for fewer devices"
+        )
+    try:
+        return data.decode()
+    except UnicodeDecodeError as error:
+        raise ReferenceFileError(
+            f"{shown}: byte {error.start} is not UTF-8, expected a reference budget; "
+            "restore it from version control, or save it again"
+        ) from None
+
+
+def _parse(text: str, shown: str) -> dict[str, Any]:
+    """Parse JSON without nan and infinity."""
+    try:
+        content = json.loads(text, parse_constant=_refuse_constant)
+        json.dumps(content)  # what is nested too deeply for this fails here
+    except json.JSONDecodeError as error:
+        end = error.pos >= len(text.rstrip())
+        what = (
+            "ends too early, it was cut short"
+            if end or not text.strip()
+            else (f"is no JSON here: {error.msg.lower()}")
+        )
+        raise ReferenceFileError(
+            f"{shown}:{error.lineno}:{error.colno}: {what}; expected a reference "
+            "budget: restore it from version control, or save it again"
+        ) from None
+    except (ValueError, RecursionError) as error:
+        reason = "nested too deeply" if isinstance(error, RecursionError) else error
+        raise ReferenceFileError(
+            f"{shown}: is no JSON of a reference budget ({reason}); restore it from "
+            "version control, or save it again"
+        ) from None
+    if not isinstance(content, dict) or "format" not in content:
+        raise ReferenceFileError(
+            f"{shown}: has no `format` key, expected a reference budget ({FORMAT}), as "
+            "`budget check --save` writes it"
+        )
+    return content
+
+
+def _check_format(content: dict[str, Any], shown: str) -> None:
+    """Refuse another format, and a newer one."""
+    found = content["format"]
+    name = found if isinstance(found, str) else "no text"
+    version = re.fullmatch("budget-reference/([1-9][0-9]{0,8})", name)
+    if version is None:
+        raise ReferenceFileError(
+            f"{shown}: format is {name[:80]!a}, expected {FORMAT!r}; give a file "
+            "that `budget check --save` wrote"
+        )
+    if int(version[1]) > NEWEST:
+        # Format n comes with version n of this program.
+        raise ReferenceFileError(
+            f"{shown}: format is {found!r}, which needs budget >= {version[1]}; this "
+            f"is budget {__version__}: update it, or save the reference again with it"
+        )
+
+
+def _checksum(content: dict[str, Any]) -> str:
+    """Return the SHA-256 of all but the checksum, in one spelling."""
+    rest = {key: value for key, value in content.items() if key != "checksum"}
+    return digest(json.dumps(rest, sort_keys=True, separators=(",", ":")))
+
+
+def _faults(error: ValidationError, shown: str) -> str:
+    """Say what is wrong with the first values, and what to do."""
+    found = error.errors(include_url=False)
+    lines = [
+        f"{shown}: {'.'.join(str(step)[:40] for step in one['loc'])}: "
+        f"{one['msg'].lower()}"
+        for one in found[:SHOWN]
+    ]
+    if len(found) > SHOWN:
+        lines.append(f"{shown}: and {len(found) - SHOWN} more")
+    lines[-1] += "; save the reference again"
+    return "\n".join(lines)
+
+
+def _tuples(value: object) -> Any:  # noqa: ANN401
+    """Return JSON values with tuples for lists, as strict models want them."""
+    if isinstance(value, dict):
+        return {key: _tuples(one) for key, one in value.items()}
+    return tuple(_tuples(one) for one in value) if isinstance(value, list) else value
+
+
+def _set(values: dict[str, Any]) -> dict[str, Any]:
+    """Leave out what is None or empty."""
+    return {k: v for k, v in values.items() if v is not None and v not in ("", ())}
+
+
+def _line(value: object) -> str:
+    """Write JSON on one line."""
+    return json.dumps(value, sort_keys=True, ensure_ascii=False, allow_nan=False)
+
+
+def _refuse_constant(name: str) -> float:
+    """Refuse NaN and Infinity, which are no JSON."""
+    raise ValueError(f"found {name}")
