@@ -1,8 +1,8 @@
 """Pages as PDF: a typst template and its data in, the bytes of the file out.
 
 The data reach the template as JSON and are never pasted into its source, so nothing
-in them can be markup. Fonts are those that typst and matplotlib carry, none of the
-system: the same pages on any machine.
+in them can be markup. Fonts are those that typst and matplotlib carry, and of the
+system only those that are named (`budget.report.fonts`): the same pages on any machine.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from budget.errors import OutputError
+from budget.report.fonts import place_fonts
 from budget.resources import shipped
 
 if TYPE_CHECKING:
@@ -21,12 +22,19 @@ if TYPE_CHECKING:
 
     from typst import PDFStandard
 
+    from budget.report.fonts import Face
+
 # To keep, and to be read aloud: tagged, with alternative texts and a language.
 STANDARDS: list[PDFStandard] = ["a-2a", "ua-1"]
 
 
 def render_pdf(
-    template: str, data: Mapping[str, Any], images: Mapping[str, bytes], *, date: str
+    template: str,
+    data: Mapping[str, Any],
+    images: Mapping[str, bytes],
+    *,
+    date: str,
+    faces: tuple[Face, ...] = (),
 ) -> bytes:
     """Set a document with typst.
 
@@ -41,6 +49,8 @@ def render_pdf(
         Files by name, SVG or PNG; `data` says where they go and has words for them.
     date : str
         Of the document, year-month-day; nothing else in the file tells the time.
+    faces : tuple of Face
+        Fonts besides the bundled ones.
 
     Returns
     -------
@@ -50,20 +60,21 @@ def render_pdf(
     Raises
     ------
     OutputError
-        typst refuses the template, the data or an image.
+        The template is not there, or typst refuses it, the data or an image.
     """
     from datetime import UTC, datetime
 
-    import matplotlib as mpl
     import typst
 
     with TemporaryDirectory(prefix="budget-") as folder:
         root = Path(folder)
         main = root / "main.typ"
-        main.write_bytes((shipped("templates") / template).read_bytes())
+        main.write_bytes(_read_template(template))
         (root / "data.json").write_text(
             json.dumps(data, allow_nan=False), encoding="utf-8"
         )
+        (root / "fonts").mkdir()
+        place_fonts(faces, root / "fonts")
         (root / "images").mkdir()
         for name, content in images.items():
             (root / "images" / name).write_bytes(content)
@@ -71,7 +82,7 @@ def render_pdf(
             pdf, doubts = typst.compile_with_warnings(
                 main,
                 root=root,
-                font_paths=[Path(mpl.get_data_path()) / "fonts" / "ttf"],
+                font_paths=[root / "fonts"],
                 ignore_system_fonts=True,
                 format="pdf",
                 pdf_standards=STANDARDS,
@@ -86,3 +97,15 @@ def render_pdf(
     for doubt in doubts:
         warnings.warn(f"{template}: typst says: {doubt.message}", stacklevel=2)
     return pdf
+
+
+def _read_template(name: str) -> bytes:
+    """Read a template; an installation may have lost one."""
+    path = shipped("templates") / name
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise OutputError(
+            f"{path}: cannot read this template ({error.strerror}); it comes with the "
+            "program: install that again, or write .html instead"
+        ) from error

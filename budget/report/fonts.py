@@ -1,0 +1,268 @@
+"""Which font shows which character of a PDF, and what becomes of those that none has.
+
+Text is set in DejaVu Sans, which matplotlib carries: the figures use it too, its digits
+are of one width, and it is there on every machine. Only for characters that it lacks
+are the fonts of the machine looked at, and only those that are needed reach typst. A
+character that no font has would be a box, or stop typst, so its code point is written
+in its place: 'U+8D75'.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+from unicodedata import category
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from fontTools.ttLib import TTFont
+
+TEXT_FAMILY, CODE_FAMILY = "DejaVu Sans", "DejaVu Sans Mono"
+BUNDLED = ("DejaVuSans.ttf", "DejaVuSans-Bold.ttf")  # what text is set in
+CODE_FILES = ("DejaVuSansMono.ttf", "DejaVuSansMono-Bold.ttf")
+REGULAR, BOLD = 400, 700  # weights, as OpenType counts them
+
+MARKS = {"Mn", "Mc", "Me"}  # categories of what is drawn on the character before
+# Surrogates and private use stand for nothing that a reader could know; controls have
+# no glyph. PDF/A and PDF/UA forbid them all.
+UNPRINTABLE = {"Cc", "Cs", "Co"}
+BLANKS = "\t\n\r\N{LINE SEPARATOR}\N{PARAGRAPH SEPARATOR}"
+# Forbidden by PDF/UA; and marks that turn the direction of what comes after them,
+# in which a name could hide or reverse the words beside it.
+COMMANDS = "\ufeff\ufffe\uffff\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
+INVISIBLE = re.compile(  # shown by no glyph, so no font needs one
+    "[\u00ad\u034f\u061c\u115f\u1160\u17b4\u17b5\u180b-\u180f\u200b-\u200f\u2060-\u2065"
+    "\u206a-\u206f\u3164\ufe00-\ufe0f\uffa0\U000e0000-\U000e0fff]"
+)
+# Han characters are drawn a little differently in each country: the script beside
+# them says which; without one they are taken for simplified Chinese.
+HANGUL = re.compile("[\u1100-\u11ff\uac00-\ud7af]")
+KANA = re.compile("[\u3040-\u30ff]")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Face:
+    """One font of a file: a collection (.ttc) holds several."""
+
+    family: str
+    path: Path
+    index: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lettering:
+    """The fonts of a document, and how to write what they do not have.
+
+    Attributes
+    ----------
+    families : tuple of str
+        Names of the text fonts, in the order in which typst tries them.
+    faces : tuple of Face
+        Fonts of this machine that it takes besides the bundled ones.
+    coverage : tuple of frozenset of int
+        Code points of each family.
+    """
+
+    families: tuple[str, ...]
+    faces: tuple[Face, ...]
+    coverage: tuple[frozenset[int], ...]
+
+    def printable(self, text: str) -> str:
+        """Write what cannot be shown as code points: 'U+8D75'."""
+        return "".join(
+            piece if shown else "".join(name_character(c) for c in piece)
+            for piece, shown in self._pieces(text)
+        )
+
+    def missing(self, text: str) -> frozenset[str]:
+        """Return the characters of a text that cannot be shown."""
+        return frozenset(
+            c for piece, shown in self._pieces(text) if not shown for c in piece
+        )
+
+    def _pieces(self, text: str) -> Iterable[tuple[str, bool]]:
+        """Cut a text into what can be shown and what cannot."""
+        for cluster in clusters(text):
+            if _is_blank(cluster) or self._has(cluster):
+                yield cluster, True
+            elif len(cluster) == 1:
+                yield cluster, False
+            else:
+                # No one font has the letter and its marks: each by itself.
+                yield cluster[0], self._has(cluster[0])
+                yield cluster[1:], False
+
+    def _has(self, cluster: str) -> bool:
+        """Whether one font has all of a character and its marks."""
+        if not all(map(_may_print, cluster)):
+            return False
+        needed = {ord(c) for c in INVISIBLE.sub("", cluster)}
+        return any(needed <= covered for covered in self.coverage)
+
+
+def choose_fonts(
+    texts: Iterable[str], *, folders: Sequence[Path] | None = None
+) -> Lettering:
+    """Find fonts for all characters of a document.
+
+    Of the fonts that could serve, sans serif ones come first, then the order is that
+    of their names, so that the same machine takes the same fonts every time.
+
+    Parameters
+    ----------
+    texts : iterable of str
+        All that will be printed.
+    folders : sequence of Path or None
+        Where to look for fonts besides the bundled ones; None for where the system
+        keeps its own.
+    """
+    bundled = Lettering(
+        families=(TEXT_FAMILY,),
+        faces=(),
+        coverage=(frozenset.intersection(*map(_bundled_coverage, BUNDLED)),),
+    )
+    missing = frozenset().union(*(bundled.missing(text) for text in texts))
+    wanted = {ord(c) for c in missing if _may_print(c)}
+    if not wanted:
+        return bundled
+    available = _system_faces(folders)
+    regular = {
+        face.family: face for face, weight in reversed(available) if weight == REGULAR
+    }
+    chosen: dict[str, frozenset[int]] = {}
+    for family in sorted(regular, key=lambda name: _preference(name, missing)):
+        covered = coverage(regular[family])
+        if wanted & covered:
+            chosen[family] = covered
+            wanted -= covered
+        if not wanted:
+            break
+    faces = [regular[family] for family in chosen]
+    for family, covered in chosen.items():
+        bold = [f for f, w in available if w == BOLD and f.family == family]
+        # A bold font with fewer characters would lack some of a heading.
+        faces += [face for face in bold[:1] if coverage(face) >= covered]
+    return Lettering(
+        families=(TEXT_FAMILY, *chosen),
+        faces=tuple(faces),
+        coverage=(*bundled.coverage, *chosen.values()),
+    )
+
+
+def name_character(character: str) -> str:
+    """Return the code point of a character: 'U+8D75'."""
+    return f"U+{ord(character):04X}"
+
+
+def clusters(text: str) -> list[str]:
+    """Cut a text into characters, each with the marks that are drawn on it."""
+    found: list[str] = []
+    for character in text:
+        joins = category(character) in MARKS or INVISIBLE.match(character)
+        if found and joins and not _is_blank(found[-1]):
+            found[-1] += character
+        else:
+            found.append(character)
+    return found
+
+
+def coverage(face: Face) -> frozenset[int]:
+    """Return the code points that a font has a glyph for; none if it is no font."""
+    from fontTools.ttLib import TTLibError
+
+    try:
+        with _open(face) as font:
+            return frozenset(font.getBestCmap() or ())
+    except (TTLibError, OSError, AssertionError, KeyError):
+        return frozenset()  # a broken font of the system is not the user's concern
+
+
+def place_fonts(faces: Iterable[Face], folder: Path) -> None:
+    """Put the bundled fonts and these into a folder, one font a file.
+
+    A collection is taken apart: typst would also see the fonts beside the chosen one.
+    """
+    from shutil import copyfile
+
+    for name in (*BUNDLED, *CODE_FILES):
+        copyfile(_bundled(name), folder / name)
+    for place, face in enumerate(faces):
+        target = folder / f"{place}{face.path.suffix}"
+        if face.path.suffix.lower() in {".ttc", ".otc"}:
+            with _open(face) as font:
+                font.save(target.with_suffix(".otf"), reorderTables=False)
+        else:
+            copyfile(face.path, target)
+
+
+def _is_blank(text: str) -> bool:
+    """Whether a text is one blank, or a break of a line, which is set as one."""
+    return text in BLANKS or text == " "
+
+
+def _may_print(character: str) -> bool:
+    """Whether a character stands for something to see."""
+    return category(character) not in UNPRINTABLE and character not in COMMANDS
+
+
+def _bundled(name: str) -> Path:
+    """Return a font file that matplotlib carries."""
+    import matplotlib as mpl
+
+    return Path(mpl.get_data_path()) / "fonts" / "ttf" / name
+
+
+def _bundled_coverage(name: str) -> frozenset[int]:
+    """Return the code points of a bundled font."""
+    return coverage(Face(family=TEXT_FAMILY, path=_bundled(name), index=0))
+
+
+def _open(face: Face) -> TTFont:
+    """Open a font file; its tables are read when they are asked for."""
+    from fontTools.ttLib import TTFont
+
+    return TTFont(
+        face.path,
+        fontNumber=face.index,
+        lazy=True,
+        recalcBBoxes=False,
+        recalcTimestamp=False,
+    )
+
+
+def _system_faces(folders: Sequence[Path] | None) -> list[tuple[Face, int]]:
+    """Return upright fonts of ordinary width with their weights, sorted."""
+    import typst
+
+    found = typst.Fonts(
+        include_system_fonts=folders is None,
+        include_embedded_fonts=False,
+        font_paths=list(folders or ()),
+    ).fonts()
+    faces = [
+        (
+            Face(family=font.family, path=Path(font.path), index=font.index),
+            font.weight,
+        )
+        for font in found
+        if font.path
+        and font.style == "normal"
+        and font.stretch == 1.0
+        and font.family not in {TEXT_FAMILY, CODE_FAMILY}
+        and not font.family.startswith("Last Resort")  # draws boxes for everything
+    ]
+    return sorted(
+        faces, key=lambda pair: (pair[0].family, str(pair[0].path), pair[0].index)
+    )
+
+
+def _preference(family: str, missing: Iterable[str]) -> tuple[bool, bool, bool, str]:
+    """Return what families are sorted by: the country, then sans serif, then names."""
+    text = "".join(missing)
+    country = "KR" if HANGUL.search(text) else "JP" if KANA.search(text) else "SC"
+    words = family.split()
+    elsewhere = "CJK" in words and country not in words
+    return (elsewhere, "Mono" in words, "Sans" not in words, family)
