@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from difflib import SequenceMatcher
 from functools import cache, lru_cache
-from math import isfinite, pi
+from math import pi
 from typing import TYPE_CHECKING
 
 from budget.errors import UnitError
@@ -38,6 +38,9 @@ _PRODUCT = rf"{_FACTOR}(?:[/*]{_FACTOR})*"
 _TERM = rf"(?:{_FACTOR}|\({_PRODUCT}\))"
 _UNIT = re.compile(rf"{_TERM}(?:[/*]{_TERM})*")
 _QUANTITY = re.compile(rf"((?>{NUMBER}))\s*([^\s\d.,:_+-]\S*(?: \S+)*)")
+# Sizes a quantity may have, beside 0 [SI]. The law of propagation takes fourth powers
+# of figures and products of them, which must neither overflow nor vanish.
+_SMALLEST, _LARGEST = 1e-30, 1e30
 _LONGEST = 100  # characters; the longest figure on a data sheet has about 20
 _NEAR = 0.5  # likeness from which one unit may be a slip for another
 
@@ -172,8 +175,11 @@ def parse_quantity(
     printed = Decimal(repr(float(number)))
     value = float(printed * Decimal(repr(size.si_per_unit)))
     vanished = value == 0.0 and re.match(r"[^eE]*[1-9]", number)
-    if not isfinite(value) or vanished:
-        raise UnitError(f"found {text!r}, expected {kind.name} that a number can hold")
+    if vanished or (value != 0.0 and not _SMALLEST <= abs(value) <= _LARGEST):
+        raise UnitError(
+            f"found {text!r}, expected {kind.name} of a size that can be, 0 or "
+            f"{_SMALLEST:g} to {_LARGEST:g} in SI units; see to its exponent"
+        )
     return Quantity(
         value=value, unit=unit, si_per_unit=size.si_per_unit, printed=text.strip()
     )
@@ -240,9 +246,8 @@ def _explain_text(text: str, kind: Kind) -> str:
     found = f"found {shown!r}"
     allowed = f"expected {kind.name} ({', '.join(kind.units)})"
     if re.fullmatch(NUMBER, text.strip()):
-        return (
-            f"{found} without a unit, {allowed}, for example '{text} {kind.units[0]}'"
-        )
+        example = f"{text.strip()} {kind.units[0]}"
+        return f"{found} without a unit, {allowed}, for example {example!r}"
     if re.match(r"\s*[<>\u2264\u2265\u00b1~]", text):
         return f"{found}, {allowed}; write a bound as 'value' with 'meaning: max'"
     number = re.split(r"[A-Za-z%\u00b0]", text.strip())[0]

@@ -92,7 +92,8 @@ BAD = {
     "negative": (GYRO + "    sample_noise: -5 deg/h\n", "4:19", "not negative"),
     "not finite": (GYRO + "    sample_noise: .inf deg/h\n", "4:19", "no number"),
     "not a number": (GYRO + "    sample_noise: nan deg/h\n", "4:19", "no number"),
-    "too large": (GYRO + "    sample_noise: 1e999 deg/h\n", "4:19", "can hold"),
+    "too large": (GYRO + "    sample_noise: 1e999 deg/h\n", "4:19", "that can be"),
+    "too small": (GYRO + "    sample_noise: 1e-99 deg/h\n", "4:19", "that can be"),
     "list for a figure": (
         GYRO + "    sample_noise: [1 deg/h]\n",
         "4:19",
