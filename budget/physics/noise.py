@@ -101,18 +101,19 @@ class GaussMarkov:
     def reduce(self, schedule: Schedule, weights: Array) -> Array:
         """Return the covariance of weighted window averages; see Process.
 
-        A process much slower than the test is nearly a constant, which cancels in
-        every difference of windows. The constant part is therefore taken out before
-        the matrices are multiplied: its weight is the sum of a row, exactly 0 for a
-        difference.
+        A process much slower than its windows is nearly a constant, which cancels in
+        every difference of them. For rows whose windows are all shorter than tau the
+        constant part is therefore taken out before the matrices are multiplied: its
+        weight is the sum of a row, exactly 0 for a difference.
         """
         tau = self.correlation_time
-        if tau > schedule.lengths.max():
-            constant = weights.sum(axis=1)
-            rest = weights @ _shape(schedule, tau, less=1.0) @ weights.T
-            C = np.outer(constant, constant) + rest
-        else:
-            C = weights @ _shape(schedule, tau, less=0.0) @ weights.T
+        constant = weights.sum(axis=1)
+        rest = weights @ _shape(schedule, tau, less=1.0) @ weights.T
+        whole = weights @ _shape(schedule, tau, less=0.0) @ weights.T
+        slow = tau > np.where(weights != 0.0, schedule.lengths, 0.0).max(axis=1)
+        C = np.where(
+            slow[:, None] & slow[None, :], np.outer(constant, constant) + rest, whole
+        )
         return np.asarray(self.sigma**2 * C)
 
 
