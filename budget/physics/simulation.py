@@ -18,6 +18,7 @@ import numpy as np
 
 from budget.arrays import Array
 from budget.earth import ROTATION_RATE
+from budget.errors import CallError
 from budget.physics.formulas import (
     CalibratedTriad,
     calibrate_accelerometer,
@@ -28,6 +29,8 @@ from budget.physics.schedule import Window, schedule_accelerometer, schedule_gyr
 if TYPE_CHECKING:
     from budget.spec.records import ErrorLine, Procedure, Sensor
 
+# Of one window, three axes and a few arrays of that length: some 0.2 GB.
+MOST_SAMPLES = 2_000_000
 LEAST = 2.0**-54  # of a uniform number whose quantile is taken
 NEW_AT_TURN_ON = (
     "bias_repeatability",
@@ -93,7 +96,13 @@ def simulate(
     ndarray, shape (12 times the number of sensors,)
         Errors of scale factors (relative), mounting angles and biases, triad by triad
         [1, rad, rad/s or m/s^2].
+
+    Raises
+    ------
+    CallError
+        A window holds too many samples to be made one by one.
     """
+    _check_samples(sensors, procedure)
     return np.concatenate(
         [
             _simulate_triad(
@@ -102,6 +111,23 @@ def simulate(
             for sensor in sensors
         ]
     )
+
+
+def _check_samples(sensors: tuple[Sensor, ...], procedure: Procedure) -> None:
+    """Refuse windows that would fill the memory."""
+    schedules = {
+        "gyro": schedule_gyro(procedure.gyro),
+        "accelerometer": schedule_accelerometer(procedure.accelerometer),
+    }
+    for sensor in sensors:
+        samples = schedules[sensor.kind].lengths.max() * procedure.sample_rate
+        if samples > MOST_SAMPLES:
+            raise CallError(
+                f"a window of the {sensor.kind} procedure holds {samples:.3g} samples "
+                f"at {procedure.sample_rate:g} Hz; the simulation makes them one by "
+                f"one, {MOST_SAMPLES:.0e} at the most. Lower the sample rate or "
+                "shorten the window, or use another method, for which length is free"
+            )
 
 
 def _simulate_triad(
