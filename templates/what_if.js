@@ -269,12 +269,13 @@ function setUpWhatIf(place, model) {
     refresh();
   });
   place.append(
+    verdict,
     make("div", { class: "controls" },
       make("p", { class: "small" },
         "Each slider runs from 0 at the far left over a tenth to ten times the present size; " +
         "the field takes a standard uncertainty. ", reset),
       ...controls.map((control) => control.row)),
-    make("div", { class: "results" }, verdict, make("div", { class: "scroll" }, results.table)));
+    make("div", { class: "results" }, make("div", { class: "scroll" }, results.table)));
   place.hidden = false;
   refresh();
 }

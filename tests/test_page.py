@@ -1,0 +1,371 @@
+"""A document as a page: all of it stands there, and none of it is obeyed."""
+
+from __future__ import annotations
+
+import json
+import re
+from base64 import b64encode
+from dataclasses import fields, is_dataclass, replace
+from functools import cache
+from hashlib import sha256
+from html.parser import HTMLParser
+from itertools import pairwise
+
+import pytest
+from document_examples import make_document, make_picture, make_table
+
+from budget.report.blocks import Card, Cell, Column, Picture, RowGroup, Section, Table
+from budget.report.markup import css_string
+from budget.report.page import render_page
+
+VOID = {"meta", "br", "img", "link", "input", "hr", "col"}
+HOSTILE = (
+    "<script>alert(1)</script>",
+    "</script><script>alert(1)</script>",
+    '"><img src=x onerror=alert(1)>',
+    "' onmouseover='alert(1)",
+    "{{7*7}}{% raw %}{# #}",
+    "${alert(1)}`",
+    "]]><!--",
+    "</style></title></textarea>",
+    "a\u2028b\u2029c",
+    "&lt;script&gt;",
+)
+TIMES = "\N{MULTIPLICATION SIGN}"
+KEPT = {"kind", "svg", "json"}  # not text for readers: words of ours, drawn, encoded
+
+
+class Page(HTMLParser):
+    """Reads a page: its elements in order, its text, whether its tags are balanced."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.elements = []
+        self.open = []
+        self.text = ""
+        self.inside = {}
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        """Note an element and that it is open."""
+        self.elements.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        """Note an element that closes itself."""
+        self.elements.append((tag, dict(attrs)))
+
+    def handle_endtag(self, tag):
+        """Close the element that was opened last."""
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        """Gather text, of the page and of each kind of element."""
+        here = self.open[-1] if self.open else ""
+        self.inside.setdefault(here, []).append(data)
+        if here not in {"script", "style"}:
+            self.text += data
+
+    def attributes(self, name):
+        """Return all values of one attribute."""
+        return [attrs[name] for _, attrs in self.elements if name in attrs]
+
+    @property
+    def skeleton(self):
+        """What a page is made of, texts apart: tags with the names of attributes."""
+        return [(tag, *attrs) for tag, attrs in self.elements]
+
+    @property
+    def words(self):
+        """Text and spoken text with ordinary minus signs and single spaces."""
+        spoken = self.attributes("aria-label")
+        return words(" ".join([self.text, *spoken]))
+
+
+def words(text):
+    """Return a text without the spaces and signs that a page sets in its own way."""
+    text = text.replace("\N{MINUS SIGN}", "-")
+    return re.sub(r"[\s\N{NARROW NO-BREAK SPACE}]", "", text)
+
+
+def fill(value, text):
+    """Return the same records with every text for readers replaced."""
+    if isinstance(value, str):
+        return text
+    if isinstance(value, tuple | list):
+        return type(value)(fill(item, text) for item in value)
+    if isinstance(value, dict):
+        return {key: fill(item, text) for key, item in value.items()}
+    if is_dataclass(value):
+        changes = {
+            field.name: fill(getattr(value, field.name), text)
+            for field in fields(value)
+            if field.name not in KEPT
+            and not (isinstance(value, Picture) and field.name in {"name", "tips"})
+        }
+        return replace(value, **changes)
+    return value
+
+
+def texts(value, skipped):
+    """Return every text of the records, fields that no one reads apart."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, tuple):
+        for item in value:
+            yield from texts(item, skipped)
+    elif is_dataclass(value):
+        for field in fields(value):
+            if field.name not in skipped:
+                yield from texts(getattr(value, field.name), skipped)
+
+
+@cache
+def drawn():
+    """Return the example; its figures are drawn once."""
+    return make_document()
+
+
+def example(**changes):
+    """Return the example with some of its parts replaced."""
+    return replace(drawn(), **changes)
+
+
+def page_of(*blocks, **changes):
+    """Return the page of a document with one section."""
+    section = Section(name="s", title="S", blocks=blocks)
+    return Page(render_page(example(sections=(section,), **changes)))
+
+
+def test_same_document_gives_the_same_bytes():
+    """Nothing of the time or the process is in the page."""
+    assert render_page(example()) == render_page(example())
+
+
+def test_tags_are_balanced():
+    """Every element that is opened is closed, in order."""
+    assert Page(render_page(example())).open == []
+
+
+def test_every_text_of_the_document_is_on_the_page():
+    """Texts, heads, cells, notes, captions, alternatives: none is left out."""
+    document = example()
+    page = Page(render_page(document))
+
+    skipped = KEPT | {"name", "empty", "model", "upright", "number"}
+    for text in texts(document, skipped):
+        shown = re.sub(r"(?<=\d)e([+-]?)0*(?=\d)", f"{TIMES}10\\1", text)
+        assert words(shown) in page.words or words(text) in page.words, text
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_foreign_text_adds_no_element(text):
+    """With mark-up in every text the page has the same elements and attributes."""
+    document = example()
+    harmless = Page(render_page(fill(document, "plain")))
+    page = Page(render_page(fill(document, text)))
+
+    assert page.skeleton == harmless.skeleton
+    assert words(text) in page.words
+
+
+def test_the_check_of_elements_can_fail():
+    """Control: mark-up that is not escaped changes the elements that are found."""
+    document = fill(example(), "marker")
+    page = render_page(document)
+
+    assert Page(page.replace(">marker<", "><b></b><", 1)).skeleton != (
+        Page(page).skeleton
+    )
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_embedded_documents_survive_foreign_text(text):
+    """The result and the model of the sliders are read back as they were."""
+    result = json.dumps({"title": text})
+    document = replace(fill(example(), text), json=result)
+    page = Page(render_page(document))
+
+    embedded = [json.loads(s) for s in page.inside["script"] if s.strip()[:1] == "{"]
+    assert [text] == [e["title"] for e in embedded if "title" in e]
+    assert [text] == [e["sources"][0]["title"] for e in embedded if "sources" in e][:1]
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_running_head_cannot_be_left(text):
+    """The verdict in the style sheet is code points where it is not letters."""
+    document = example(title=text)
+    (style,) = Page(render_page(document)).inside["style"]
+
+    assert css_string(document.running_head) in style
+    assert text not in style
+
+
+@pytest.mark.parametrize("attribute", ["src", "href", "xlink:href", "action", "data"])
+def test_page_loads_nothing(attribute):
+    """No address on the page leads anywhere but into the page."""
+    page = Page(render_page(example()))
+
+    assert all(target.startswith("#") for target in page.attributes(attribute))
+
+
+def test_style_loads_nothing():
+    """The style sheet and the figures fetch neither fonts nor pictures."""
+    page = render_page(example())
+
+    assert "@import" not in page
+    assert "http:" not in page
+    assert "https:" not in page
+    assert all(target.startswith("#") for target in re.findall(r"url\(([^)]*)", page))
+
+
+def test_policy_lets_only_the_script_of_the_page_run():
+    """The hash in the policy is that of the one script, nothing else may load."""
+    page = Page(render_page(example()))
+    (policy,) = [
+        attrs["content"]
+        for tag, attrs in page.elements
+        if tag == "meta" and attrs.get("http-equiv") == "Content-Security-Policy"
+    ]
+    script = page.inside["script"][-1]
+    code = b64encode(sha256(script.encode()).digest()).decode()
+
+    assert "default-src 'none'" in policy
+    assert f"script-src 'sha256-{code}';" in policy
+    assert not [
+        name for _, *names in page.skeleton for name in names if name[:2] == "on"
+    ]
+
+
+def test_links_of_the_contents_lead_to_sections():
+    """Each section has one entry, whose target is there."""
+    document = example()
+    page = Page(render_page(document))
+    ids = page.attributes("id")
+
+    targets = [target for target in page.attributes("href") if target[1:] in ids]
+    for section in document.sections:
+        assert f"#{section.name}" in targets
+
+
+def test_ids_are_unique():
+    """No two elements share an id, those inside figures included."""
+    ids = Page(render_page(example())).attributes("id")
+
+    assert len(ids) == len(set(ids))
+
+
+def test_answer_stands_before_the_contents():
+    """Headline, cards and the sections of page one come first."""
+    page = render_page(example())
+
+    places = [
+        page.index(mark)
+        for mark in (
+            '<p class="word">FAILS tactical grade</p>',
+            "Accelerometer: MEETS",
+            "The five largest causes",
+            "<nav",
+            '<section id="budget"',
+        )
+    ]
+    assert places == sorted(places)
+
+
+def test_headings_leave_out_no_level():
+    """Those who hear the page can follow its headings."""
+    page = Page(render_page(example()))
+    levels = [int(tag[1]) for tag, _ in page.elements if re.fullmatch(r"h[1-6]", tag)]
+
+    assert levels[0] == 1
+    assert all(b - a <= 1 for a, b in pairwise(levels))
+
+
+def test_cell_shows_its_exact_value_and_its_share():
+    """The tooltip has the full number, the bar the part of the cell."""
+    page = page_of(make_table())
+    cells = [attrs for tag, attrs in page.elements if tag == "td"]
+
+    (bar,) = [a for a in cells if a.get("style") == "--part: 79.0%"]
+    assert bar["title"] == "0.79"
+    assert bar["data-exact"] == "0.79"
+
+
+def test_decimal_points_of_a_group_are_in_line():
+    """Shorter tails are filled up to the longest of their group, not of the table."""
+    table = Table(
+        name="t",
+        caption="c",
+        columns=(Column(head="row"), Column(head="n", kind="number")),
+        groups=tuple(
+            RowGroup(rows=tuple((Cell(text="r"), Cell(text=t)) for t in texts))
+            for texts in (("1.25", "3.5"), ("7", "8"))
+        ),
+    )
+    page = page_of(table, cards=())
+
+    assert page.inside["td"] == ["1.25", "3.5\N{FIGURE SPACE}", "7", "8"]
+
+
+def test_row_heads_and_group_titles_are_heads():
+    """The first cell of a row heads it; a title heads its group across the table."""
+    page = page_of(make_table())
+    scopes = [attrs.get("scope") for tag, attrs in page.elements if tag == "th"]
+
+    assert scopes.count("row") == 5
+    assert scopes.count("rowgroup") == 2
+    assert scopes.count("col") == 6
+
+
+def test_table_has_bodies_by_group():
+    """Rows that belong together stand in one body."""
+    page = page_of(make_table())
+
+    assert [tag for tag, _ in page.elements].count("tbody") == 2
+
+
+def test_figure_is_spoken_and_has_its_data():
+    """A figure says in words what it shows, and its numbers stand behind it."""
+    picture = make_picture(data=make_table("numbers"))
+    page = page_of(picture)
+
+    assert picture.alt in page.attributes("aria-label")
+    assert "numbers" in page.attributes("id")
+    assert "details" in {tag for tag, _ in page.elements}
+
+
+def test_page_without_long_tables_has_no_search():
+    """A search field stands only where there is something to search."""
+    short = page_of(make_table())
+    long = page_of(make_table(searchable=True))
+
+    assert "search" not in short.attributes("type")
+    assert "search" in long.attributes("type")
+
+
+def test_page_of_an_answer_alone_has_no_contents():
+    """Without further sections there is nothing to list."""
+    page = Page(render_page(example(sections=(), cards=())))
+
+    assert "nav" not in {tag for tag, _ in page.elements}
+
+
+def test_empty_list_says_what_that_means():
+    """A list without points is a sentence."""
+    page = Page(render_page(example()))
+
+    assert page.inside["p"].count("None.") == 1
+
+
+def test_cards_stand_in_their_order():
+    """As many cards as the answer has parts."""
+    cards = tuple(Card(title=f"part {k}", lines=()) for k in range(3))
+    page = page_of(cards=cards)
+
+    assert [t for t in page.inside["h2"] if t.startswith("part")] == [
+        "part 0",
+        "part 1",
+        "part 2",
+    ]
