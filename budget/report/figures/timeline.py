@@ -79,8 +79,8 @@ def schedule_picture(procedure: Procedure, sensors: Sequence[str]) -> Picture | 
             for place, window in enumerate(track.windows)
         },
         caption=(
-            "To scale; the time of each triad counts from its first window. Full colour: "
-            "turns, faint: dwells. Below them the averages as the formulas name them."
+            "To scale; the time of each triad counts from its first window. Turns in "
+            "full colour, dwells faint. Below them the averages as formulas name them."
         ),
         data=_data(tracks),
         is_wide=True,

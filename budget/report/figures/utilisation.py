@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from budget.report.blocks import Cell, Column, RowGroup, Table
 from budget.report.figures.picture import as_picture
-from budget.report.figures.style import GRID, INK, MUTED, PAPER, SMALL, TEXT, canvas
+from budget.report.figures.rows import write_beside, write_heading
+from budget.report.figures.style import GRID, INK, MUTED, PAPER, SMALL, canvas
 from budget.report.tables import output_title, print_given, print_utilisation
 
 if TYPE_CHECKING:
@@ -90,18 +91,7 @@ def utilisation_dots(assessment: Assessment) -> Figure:
     ticks: list[tuple[int, str]] = []
     place = 0
     for title, outputs in groups:
-        axes.annotate(
-            title,
-            (0.0, place),
-            xycoords=("axes fraction", "data"),
-            xytext=(4.0 - left, 0.0),
-            textcoords="offset points",
-            fontsize=TEXT,
-            fontweight="bold",
-            color=INK,
-            va="center",
-            bbox={"facecolor": PAPER, "edgecolor": "none", "pad": 1.0},
-        )
+        write_heading(axes, place, title, indent=left)
         for output in outputs:
             place += 1
             ticks.append((place, _axis(output)))
@@ -197,15 +187,10 @@ def _draw_dot(axes: Axes, place: int, output: OutputAssessment, start: float) ->
         clip_on=False,
         gid=_gid(output),
     )
-    axes.annotate(
+    write_beside(
+        axes,
+        place,
         print_utilisation(output.utilisation),
-        (1.0, place),
-        xycoords=("axes fraction", "data"),
-        xytext=(42.0, 0.0),
-        textcoords="offset points",
-        fontsize=SMALL,
-        color=INK,
-        fontweight="normal" if output.is_within else "bold",
-        ha="right",
-        va="center_baseline",
+        reach=42.0,
+        strong=not output.is_within,
     )

@@ -1,0 +1,275 @@
+"""Densities of the critical outputs, which answer how likely trouble is."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.report.blocks import Cell, Column, RowGroup, Table
+from budget.report.figures.picture import as_picture, capital
+from budget.report.figures.style import (
+    BLUE,
+    INK,
+    MUTED,
+    SMALL,
+    WIDTH,
+    canvas,
+    text_width,
+)
+from budget.report.tables import (
+    output_title,
+    print_count,
+    print_coverage,
+    print_given,
+    print_share,
+    round_value,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from budget.report.blocks import Picture
+    from budget.studies.densities import Density
+
+LEFT, RIGHT, TOP, BELOW = 12.0, 12.0, 16.0, 34.0  # [pt]
+HEIGHT = 156.0  # [pt]
+STRIP = 0.3  # height of the intervals below the density, over its peak [1]
+FAR = 2.2  # a limit beyond so many times the reach of the trials is not drawn [1]
+REACH = 3.6  # of the picture, in standard uncertainties at least [1]
+AIR = 6.0  # between words [pt]
+POINTS = 161  # of the normal law
+INSIDE, BEYOND = 0.28, 0.75  # opacities of the one hue, within the limits and not
+
+
+def density_picture(density: Density, *, coverage: float) -> Picture:
+    """Return the density of one output as a block, with its numbers as a table."""
+    return as_picture(
+        density_step(density, coverage=coverage),
+        name=f"density-{density.output.name}",
+        title=density_title(density, coverage=coverage),
+        alt=density_alt(density, coverage=coverage),
+        caption=_caption(density),
+        data=_data(density, coverage=coverage),
+    )
+
+
+def density_step(density: Density, *, coverage: float) -> Figure:
+    """Draw the density of trials, the normal law over it, intervals and limits."""
+    figure, axes = canvas(HEIGHT, left=LEFT, right=RIGHT, top=TOP, below=BELOW)
+    figure.set_label(density_title(density, coverage=coverage))
+    unit, scale = density.output.unit, density.output.si_per_unit
+    low, high = _view(density)
+    limits = _limits(density)
+    axes.set_xlim(low / scale, high / scale)
+    x = np.linspace(low, high, POINTS)
+    law = np.exp(-0.5 * ((x - density.mean) / density.u) ** 2)
+    law /= density.u * np.sqrt(2.0 * np.pi)
+    peak = max(float(density.density.max()), float(law.max()))
+    axes.set_ylim(-STRIP, 1.04)
+    axes.set_yticks([])
+    far = np.inf if density.limit is None else density.limit
+    for ends, opacity in (
+        ((-far, far), INSIDE),
+        ((-np.inf, -far), BEYOND),
+        ((far, np.inf), BEYOND),
+    ):
+        edges = np.clip(density.edges, *ends)  # bins that are not there have no width
+        if edges[0] < edges[-1]:
+            axes.stairs(
+                density.density / peak,
+                edges / scale,
+                fill=True,
+                facecolor=BLUE,
+                alpha=opacity,
+                linewidth=0.0,
+            )
+    axes.plot(x / scale, law / peak, color=INK, linewidth=1.1)
+    axes.plot([low / scale, high / scale], [0.0, 0.0], color=MUTED, linewidth=0.6)
+    share = f"{print_coverage(coverage)} %"
+    for y, ends, colour, text in (
+        (-0.09, density.interval, INK, "law"),
+        (-0.21, density.interval_mc, BLUE, "Monte Carlo"),
+    ):
+        at = (ends[0] / scale, ends[1] / scale)
+        _draw_interval(axes, y, at, colour, (share, text))
+    room = (text_width("limit") + AIR) * (high - low)
+    are_near = len(limits) > 1 and 2.0 * far * (WIDTH - LEFT - RIGHT) < room
+    for limit in limits:
+        side = "center"
+        if are_near:
+            side = "right" if limit < 0.0 else "left"
+        _draw_limit(axes, limit / scale, side=side)
+    axes.locator_params(axis="x", nbins=7, steps=[1, 2, 5, 10])
+    axes.set_xlabel(
+        f"error of the {output_title(density.output.name)} [{unit}]",
+        fontsize=SMALL,
+        color=MUTED,
+    )
+    return figure
+
+
+def density_title(density: Density, *, coverage: float) -> str:
+    """State the finding: how often the limit is passed, or where the errors lie."""
+    name = capital(output_title(density.output.name))
+    if density.limit is None:
+        low, high = (_round(density, end) for end in density.interval_mc)
+        return (
+            f"{name}: {print_coverage(coverage)} % of the errors lie between {low} and "
+            f"{high} {density.output.unit}"
+        )
+    beyond = part_beyond(density)
+    if beyond == 0.0:
+        return (
+            f"{name} passes its limit in none of {print_count(density.trials)} trials"
+        )
+    return f"{name} passes its limit in {print_share(beyond)} of the trials"
+
+
+def density_alt(density: Density, *, coverage: float) -> str:
+    """Say in words with numbers what the density shows."""
+    unit = density.output.unit
+    share = print_coverage(coverage)
+    law, trials = (
+        f"{_round(density, ends[0])} to {_round(density, ends[1])} {unit}"
+        for ends in (density.interval, density.interval_mc)
+    )
+    text = (
+        f"{density_title(density, coverage=coverage)}. Density of "
+        f"{print_count(density.trials)} trials with the normal law over it; {share} % "
+        f"interval by the law {law}, by Monte Carlo {trials}"
+    )
+    if density.limit is not None:
+        text += f"; limits at plus and minus {_limit(density)} {unit}"
+    return f"{text}."
+
+
+def part_beyond(density: Density) -> float:
+    """Return the part of trials beyond the limit; a bin that it cuts counts in part."""
+    if density.limit is None:
+        return 0.0
+    ends = np.clip(density.edges, -density.limit, density.limit)
+    # Bins within the limits keep their width, those beyond have none left.
+    lost = np.diff(density.edges) - np.diff(ends)
+    return float((density.density * lost).sum())
+
+
+def _draw_interval(
+    axes: Axes, y: float, ends: tuple[float, float], colour: str, names: tuple[str, str]
+) -> None:
+    """Draw one coverage interval, its coverage on the left, its method on the right."""
+    axes.plot(ends, [y, y], color=colour, linewidth=3.0, solid_capstyle="butt")
+    for end, name, shift, side in zip(
+        ends, names, (-4.0, 4.0), ("right", "left"), strict=True
+    ):
+        axes.annotate(
+            name,
+            (end, y),
+            xytext=(shift, 0.0),
+            textcoords="offset points",
+            fontsize=SMALL,
+            color=INK,
+            ha=side,
+            va="center_baseline",
+        )
+
+
+def _draw_limit(axes: Axes, x: float, *, side: str) -> None:
+    """Draw one limit as a line with its name above."""
+    axes.plot(
+        [x, x], [0.0, 1.04], color=INK, linewidth=1.0, linestyle=(0.0, (5.0, 2.0))
+    )
+    axes.annotate(
+        "limit",
+        (x, 1.04),
+        xytext=(0.0, 3.0),
+        textcoords="offset points",
+        fontsize=SMALL,
+        color=INK,
+        ha=side,
+    )
+
+
+def _reach(density: Density) -> tuple[float, float]:
+    """Return the range where trials and law can be seen [SI]."""
+    low, high = density.interval_mc
+    margin = 0.4 * (high - low)
+    return (
+        min(low - margin, density.mean - REACH * density.u),
+        max(high + margin, density.mean + REACH * density.u),
+    )
+
+
+def _limits(density: Density) -> tuple[float, ...]:
+    """Return the limits near enough to be drawn [SI]."""
+    if density.limit is None:
+        return ()
+    low, high = _reach(density)
+    middle, half = (low + high) / 2.0, (high - low) / 2.0
+    both = (-density.limit, density.limit)
+    return tuple(limit for limit in both if abs(limit - middle) <= FAR * half)
+
+
+def _view(density: Density) -> tuple[float, float]:
+    """Return the range that is drawn, with the limits that are near [SI]."""
+    ends = (*_reach(density), *_limits(density))
+    air = 0.02 * (max(ends) - min(ends))
+    return min(ends) - air, max(ends) + air
+
+
+def _caption(density: Density) -> str:
+    """Say what is what, and where the limits are if they are not drawn."""
+    trials = f"Area: {print_count(density.trials)} trials"
+    law = "Line: the normal law."
+    if density.limit is None or part_beyond(density) == 0.0:
+        text = f"{trials}. {law}"
+    else:
+        text = f"{trials}, those beyond the limits in full colour. {law}"
+    if density.limit is not None and not _limits(density):
+        both = f"\N{PLUS-MINUS SIGN}{_limit(density)} {density.output.unit}"
+        text += f" The limits, {both}, are beyond the figure."
+    return text
+
+
+def _round(density: Density, value: float) -> str:
+    """Round a value of the output to its uncertainty, in its unit."""
+    scale = density.output.si_per_unit
+    resolution = density.output.resolution / scale
+    return round_value(value / scale, density.u / scale, resolution=resolution)
+
+
+def _limit(density: Density) -> str:
+    """Write the limit as it was given, in the unit of the output."""
+    limit = 0.0 if density.limit is None else density.limit
+    return print_given(limit / density.output.si_per_unit)
+
+
+def _data(density: Density, *, coverage: float) -> Table:
+    """Return what the figure shows in numbers."""
+    scale = density.output.si_per_unit
+    share = print_coverage(coverage)
+    named = [
+        ("mean, by the law", density.mean),
+        ("u, by the law", density.u),
+        (f"{share} % interval by the law, from", density.interval[0]),
+        ("to", density.interval[1]),
+        (f"{share} % interval by Monte Carlo, from", density.interval_mc[0]),
+        ("to", density.interval_mc[1]),
+    ]
+    rows = [
+        (Cell(text=name), Cell(text=_round(density, x), exact=x / scale))
+        for name, x in named
+    ]
+    if density.limit is not None:
+        limit = Cell(text=_limit(density), exact=density.limit / scale)
+        rows.append((Cell(text="limit on the absolute error"), limit))
+    return Table(
+        name=f"density-{density.output.name}-data".replace("_", "-").replace(".", "-"),
+        caption=f"Distribution of the {output_title(density.output.name)}",
+        columns=(
+            Column(head=""),
+            Column(head=f"error [{density.output.unit}]", kind="number"),
+        ),
+        groups=(RowGroup(rows=tuple(rows)),),
+    )
