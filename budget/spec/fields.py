@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     from pydantic.json_schema import JsonSchemaValue
 
 
+_BREAK = re.compile(r"[\t\n\r]")
+
+
 class Strict(BaseModel):
     """A mapping with known keys; nothing is converted in silence."""
 
@@ -183,7 +186,7 @@ def _check_text(text: str) -> str:
 
 def _check_line(text: str) -> str:
     """Refuse a text that is more than one line."""
-    if re.search(r"[\t\n\r]", text):
+    if _BREAK.search(text):
         raise fault("has a tab or a line break, expected one line")
     return _check_text(text)
 

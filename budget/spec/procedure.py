@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import pi
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from budget.earth import normal_gravity
 from budget.spec.checking import check
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
     from budget.spec.tree import Document
 
+MOST_AZIMUTHS = 360  # one for every degree; all windows are correlated with all
 _ROUNDING = 1e-12  # relative; a latitude of 90 deg is no more than that in radians
 
 
@@ -61,6 +62,14 @@ def _paper(value: object, description: str) -> Any:  # noqa: ANN401
     return Field(default=value, validate_default=True, description=description)
 
 
+def _count_azimuths(value: object) -> object:
+    """Refuse too many before each is read."""
+    if isinstance(value, tuple) and len(value) > MOST_AZIMUTHS:
+        message = f"names {len(value)} azimuths, expected {MOST_AZIMUTHS} at most"
+        raise fault(message)
+    return value
+
+
 class GyroTest(Strict):
     """Rate turns, then a static test at several azimuths."""
 
@@ -74,9 +83,11 @@ class GyroTest(Strict):
         ("z", "x", "y"), "axes in the order they are turned about"
     )
     pause: Time = _paper("0 s", "between all windows")
-    azimuths: tuple[Azimuth, ...] = _paper(
-        ("0 deg", "180 deg", "270 deg", "450 deg"), "of the static test"
-    )
+    azimuths: Annotated[
+        tuple[Azimuth, ...],
+        Field(max_length=MOST_AZIMUTHS),
+        BeforeValidator(_count_azimuths),
+    ] = _paper(("0 deg", "180 deg", "270 deg", "450 deg"), "of the static test")
     dwell: Span = _paper("300 s", "at each azimuth")
 
     @model_validator(mode="after")
