@@ -9,10 +9,12 @@ import typer
 
 from budget.cli.allocate import allocate
 from budget.cli.analyze import analyze
+from budget.cli.check import check
 from budget.cli.check_files import schema, validate
 from budget.cli.compare import compare
 from budget.cli.dates import document_date
 from budget.cli.devices import devices
+from budget.cli.diff import diff
 from budget.cli.paper import paper
 from budget.cli.report import report
 from budget.errors import BudgetError
@@ -32,6 +34,8 @@ app.command()(analyze)
 app.command()(allocate)
 app.command()(report)
 app.command()(compare)
+app.command()(check)
+app.command()(diff)
 app.command()(devices)
 app.command()(paper)
 app.command()(validate)

@@ -32,13 +32,17 @@ def validate(
 
 def schema(
     kind: Annotated[
-        Literal["device", "procedure", "requirement", "costs"],
-        typer.Argument(metavar="KIND", help="device, procedure, requirement, costs"),
+        Literal["device", "procedure", "requirement", "costs", "reference"],
+        typer.Argument(
+            metavar="KIND", help="device, procedure, requirement, costs, reference"
+        ),
     ],
 ) -> None:
     """Print the JSON Schema of a kind of file, for editors that complete and check."""
     from json import dumps
 
     from budget.spec import json_schema
+    from budget.studies.reference.store import reference_schema
 
-    typer.echo(dumps(json_schema(kind), indent=2, ensure_ascii=False))
+    found = reference_schema() if kind == "reference" else json_schema(kind)
+    typer.echo(dumps(found, indent=2, ensure_ascii=False))

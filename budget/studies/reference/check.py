@@ -34,7 +34,12 @@ class NamedSide:
 
 
 def make_reference(
-    job: str, inputs: Sequence[StoredInput], asked: Asked, *, name: str
+    job: str,
+    inputs: Sequence[StoredInput],
+    asked: Asked,
+    *,
+    name: str,
+    workers: int = 1,
 ) -> Reference:
     """Compute a reference from its inputs.
 
@@ -49,12 +54,14 @@ def make_reference(
         job=job,
         inputs=tuple(inputs),
         asked=asked,
-        snapshot=compute(job, parts, asked),
+        snapshot=compute(job, parts, asked, workers=workers),
         versions=present_versions(),
     )
 
 
-def check(reference: Reference, folder: Path, *, name: str) -> Checked:
+def check(
+    reference: Reference, folder: Path, *, name: str, workers: int = 1
+) -> Checked:
     """Compute a reference again from its files as they are now, and compare.
 
     Parameters
@@ -65,6 +72,8 @@ def check(reference: Reference, folder: Path, *, name: str) -> Checked:
         Where it stands.
     name : str
         How it is called in the result.
+    workers : int
+        Number of processes; changes no number.
 
     Raises
     ------
@@ -74,7 +83,7 @@ def check(reference: Reference, folder: Path, *, name: str) -> Checked:
     job, asked = reference.job, reference.asked
     check_asked(job, asked)
     now = present_parts(reference.inputs, folder, reference=name, job=job)
-    snapshot = compute(job, now, asked)
+    snapshot = compute(job, now, asked, workers=workers)
     moves = find_moves(reference.snapshot, snapshot)
     stored = reference.snapshot
     versions = present_versions()

@@ -101,7 +101,7 @@ def _differences(
             for key in dict.fromkeys((*a, *b)):
                 yield from _differences(a.get(key), b.get(key), (*steps, key))
             return
-        if _are_records(a) and _are_records(b) and len(a) == len(b):
+        if isinstance(a, tuple) and isinstance(b, tuple) and _are_records(a, b):
             for place, (one, other) in enumerate(zip(a, b, strict=True)):
                 yield from _differences(one, other, (*steps, place))
             return
@@ -110,11 +110,9 @@ def _differences(
     yield KeyChange(steps=steps, before=before, after=after)
 
 
-def _are_records(value: object) -> bool:
-    """Whether a list holds mappings; a list of words is exchanged as one value."""
-    return isinstance(value, tuple) and all(
-        isinstance(item.value, dict) for item in value
-    )
+def _are_records(a: tuple[Node, ...], b: tuple[Node, ...]) -> bool:
+    """Whether two lists hold as many mappings; a list of words is one value."""
+    return len(a) == len(b) and all(isinstance(item.value, dict) for item in (*a, *b))
 
 
 def _put(node: Node, steps: Steps, new: Node | None) -> Node:

@@ -44,6 +44,7 @@ class _Key:
     """A key of one part that differs."""
 
     part: int  # place among the parts before
+    where: str
     change: KeyChange
 
 
@@ -54,7 +55,7 @@ def input_changes(before: Sequence[Part], after: Sequence[Part]) -> tuple[Change
         replace(change, acts=False)
         for change in (
             *_lone_parts(before, after, pairs),
-            *(_as_change(before, key) for key in _keys(before, after, pairs)),
+            *(_as_change(key) for key in _keys(before, after, pairs)),
         )
     )
 
@@ -91,14 +92,14 @@ def explain(job: str, before: Side, after: Side, moves: Sequence[Move]) -> Expla
     Returns
     -------
     Explanation
-        Changes of files first, then of settings, then of versions.
+        Changes that act on a number first; among them of files, settings, versions.
     """
     pairs = _pairs(before.parts, after.parts)
     lone = _lone_parts(before.parts, after.parts, pairs)
     keys = _keys(before.parts, after.parts, pairs)
     settings = _setting_changes(before.asked, after.asked)
     versions = version_changes(before.versions, after.versions)
-    changes = [*lone, *(_as_change(before.parts, key) for key in keys)]
+    changes = [*lone, *(_as_change(key) for key in keys)]
     causes: dict[Key, list[Cause]] = {move.key: [] for move in moves}
 
     law = _try(job, before.parts, by_law(before.asked))
@@ -132,9 +133,21 @@ def explain(job: str, before: Side, after: Side, moves: Sequence[Move]) -> Expla
             # Versions cannot be exchanged: what they moved, they moved together.
             changes[place] = replace(changes[place], acts=None if acts else False)
         _note(causes, first, tool)
+    # What acts comes first, so that a reader meets the numbers that moves refer to.
+    order = sorted(range(len(changes)), key=lambda k: changes[k].acts is False)
+    place_of = {old: new for new, old in enumerate(order)}
     return Explanation(
-        changes=tuple(changes),
-        moves=tuple(replace(move, causes=tuple(causes[move.key])) for move in moves),
+        changes=tuple(changes[k] for k in order),
+        moves=tuple(
+            replace(
+                move,
+                causes=tuple(
+                    replace(cause, change=place_of[cause.change])
+                    for cause in causes[move.key]
+                ),
+            )
+            for move in moves
+        ),
     )
 
 
@@ -212,17 +225,22 @@ def _keys(
 ) -> list[_Key]:
     """Return every key that differs between parts that are the same."""
     return [
-        _Key(part=old, change=change)
+        _Key(
+            part=old,
+            where=f"{before[old].role} {before[old].name}"
+            if before[old].name == after[new].name
+            else before[old].role,
+            change=change,
+        )
         for old, new in pairs
         for change in differences(before[old].document, after[new].document)
     ]
 
 
-def _as_change(before: Sequence[Part], key: _Key) -> Change:
+def _as_change(key: _Key) -> Change:
     """Say a change of a key."""
-    part = before[key.part]
     return Change(
-        where=f"{part.role} {part.name}",
+        where=key.where,
         key=key.change.path,
         before=show(key.change.before),
         after=show(key.change.after),

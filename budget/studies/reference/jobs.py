@@ -75,7 +75,9 @@ def check_asked(job: str, asked: Asked) -> None:
         )
 
 
-def compute(job: str, parts: Sequence[Part], asked: Asked) -> Snapshot:
+def compute(
+    job: str, parts: Sequence[Part], asked: Asked, *, workers: int = 1
+) -> Snapshot:
     """Do a job on its parts.
 
     Parameters
@@ -86,6 +88,8 @@ def compute(job: str, parts: Sequence[Part], asked: Asked) -> Snapshot:
         Devices first, in the order they were given.
     asked : Asked
         Settings.
+    workers : int
+        Number of processes; changes no number.
 
     Returns
     -------
@@ -106,13 +110,16 @@ def compute(job: str, parts: Sequence[Part], asked: Asked) -> Snapshot:
         costs=next((read_costs(p.document) for p in _of("costs", parts)), None),
     )
     if job == "compare":
-        return _compare(records, [p.name for p in _of("device", parts)], asked)
+        names = [part.name for part in _of("device", parts)]
+        return _compare(records, names, asked, workers)
     if len(records.procedures) > 1:
         raise CallError(
             f"{len(records.procedures)} procedures were given, a reference of kind "
             f"{job} takes one; give one, or take --kind compare"
         )
-    return (_analyze if job == "analyze" else _allocate)(records, asked)
+    if job == "analyze":
+        return _analyze(records, asked, workers)
+    return _allocate(records, asked)
 
 
 def by_law(asked: Asked) -> Asked:
@@ -125,7 +132,7 @@ def _of(role: str, parts: Sequence[Part]) -> list[Part]:
     return [part for part in parts if part.role == role]
 
 
-def _analyze(records: _Records, asked: Asked) -> Snapshot:
+def _analyze(records: _Records, asked: Asked, workers: int) -> Snapshot:
     """Compute a budget; the check of the law by Monte Carlo is no part of it."""
     (procedure,), requirement = records.procedures, records.requirement
     basis = choose_basis(
@@ -141,6 +148,7 @@ def _analyze(records: _Records, asked: Asked) -> Snapshot:
         max_trials=asked.max_trials or MAX_TRIALS,
         validate=False,
         seed=asked.seed,
+        workers=workers,
         coverage=basis.coverage,
         interval=asked.interval,
         reference=basis.reference,
@@ -168,7 +176,9 @@ def _analyze(records: _Records, asked: Asked) -> Snapshot:
     return budget_numbers(budget, errors, verdict)
 
 
-def _compare(records: _Records, names: list[str], asked: Asked) -> Snapshot:
+def _compare(
+    records: _Records, names: list[str], asked: Asked, workers: int
+) -> Snapshot:
     """Compare devices; names that stand twice are counted."""
     if records.requirement is None:
         raise CallError("a comparison needs a requirement; give --requirement FILE")
@@ -180,6 +190,7 @@ def _compare(records: _Records, names: list[str], asked: Asked) -> Snapshot:
         trials=asked.trials or TRIALS,
         max_trials=asked.max_trials,
         seed=asked.seed,
+        workers=workers,
     )
     unique = [
         name if names.count(name) == 1 else f"{name} ({names[: k + 1].count(name)})"

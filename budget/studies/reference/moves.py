@@ -145,13 +145,11 @@ def _scale(
 ) -> float | None:
     """Return what the size of a difference is measured by [unit of the number]."""
     spread = Key(subject=one.key.subject, quantity=SPREAD)
-    own = [numbers[spread] for numbers in (old, new) if spread in numbers]
-    if own and all(number.unit == one.unit for number in own):
-        return max(number.value for number in own)
-    values = [
-        abs(numbers[one.key].value) for numbers in (old, new) if one.key in numbers
-    ]
-    return max(values)
+    for key in (spread, one.key):
+        own = [numbers[key] for numbers in (old, new) if key in numbers]
+        if own and own[0].unit == one.unit and own[0].value != 0.0:
+            return abs(own[0].value)
+    return None
 
 
 def _spread(before: Number, after: Number) -> float:

@@ -88,7 +88,8 @@ def allocation_numbers(allocation: Allocation) -> Snapshot:
     files that are no input, the other is a search.
     """
     line = LEAST_COST_LINE if allocation.strategy == "cost" else 0.0
-    numbers, words = [], []
+    numbers: list[Number] = []
+    words: list[Word] = []
     yes = {True: "yes", False: "no"}
     words.append(
         Word(

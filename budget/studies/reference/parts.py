@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -41,17 +42,24 @@ def take_in(role: str, typed: str | Path, folder: Path) -> StoredInput:
     ReferenceFileError
         No path leads from the reference to the file that holds on another machine.
     """
+    one = take_text(role, typed)
+    path = find(typed, role).path
+    is_shipped = path.parent == shipped("specs") / FOLDERS[role]
+    if is_shipped and one.file == path.stem:
+        return one
+    return replace(one, file=_path_from(folder, path))
+
+
+def take_text(role: str, typed: str | Path) -> StoredInput:
+    """Return a file under the name that a user gave it. Raises SpecError."""
     file = find(typed, role)
     document = open_file(file, role)
-    text = file.path.read_bytes().decode()  # it has just been read: it is UTF-8
-    is_shipped = file.path.parent == shipped("specs") / FOLDERS[role]
-    typed_bare = file.shown == file.path.stem
     return StoredInput(
         role=role,
-        file=file.shown if is_shipped and typed_bare else _path_from(folder, file.path),
+        file=file.shown,
         variant=file.variant,
         sha256=document.sha256,
-        text=text,
+        text=file.path.read_bytes().decode(),  # just read, so it is there, and UTF-8
     )
 
 

@@ -207,8 +207,8 @@ class Move:
         Its difference over its tolerance or, of a sampled number, over the standard
         error of a difference; None for a word and what is gone or new.
     scale : float or None
-        What the size of a difference is measured by: the standard uncertainty of the
-        output, or the number itself [unit].
+        What the size of a difference is measured by, as it was before: the standard
+        uncertainty of the output, of what has none the number itself [unit].
     """
 
     key: Key
@@ -236,7 +236,7 @@ class Move:
 
     @property
     def size(self) -> float:
-        """Absolute difference over `scale`, infinite for what is no number [1]."""
+        """Absolute difference over `scale`; infinite for a word, gone or new [1]."""
         if self.difference is None or not self.scale:
             return float("inf")
         return abs(self.difference) / self.scale

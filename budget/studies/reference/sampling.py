@@ -170,4 +170,4 @@ def _correlation_spread(z: Array) -> Array:
         - r * (cubes + cubes.T)
         + r**2 / 4.0 * (fourth[:, None] + fourth[None, :] + 2.0 * mixed)
     )
-    return np.sqrt(np.maximum(variance, 0.0))
+    return np.asarray(np.sqrt(np.maximum(variance, 0.0)))

@@ -1,0 +1,297 @@
+"""`budget check`: are stored budgets still what they were, and if not, why."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from budget.cli import options
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from budget.studies.reference.catalogue import FoundReference
+    from budget.studies.reference.records import Asked, Checked, StoredInput
+
+EXIT_MOVED = 1
+EXIT_BAD_INPUT = 2
+SUFFIX = ".json"
+
+
+def check(
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[REFERENCE]",
+            help="References: files, folders of them, or bare names of shipped ones; "
+            "without one all that ship. With --save: device files.",
+            show_default=False,
+        ),
+    ] = None,
+    *,
+    save: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.json",
+            help="Store a new reference of the devices named; the options below are "
+            "its settings.",
+            show_default=False,
+        ),
+    ] = None,
+    kind: Annotated[
+        Literal["analyze", "compare", "allocate"] | None,
+        typer.Option(help="What to store (analyze).", show_default=False),
+    ] = None,
+    requirement: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FILE",
+            help="Requirement file; its coverage and reference rule.",
+            show_default=False,
+        ),
+    ] = None,
+    procedure: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="FILE",
+            help="Procedure file (the paper's); to compare it may be given again.",
+            show_default=False,
+        ),
+    ] = None,
+    method: Annotated[
+        Literal["gum", "monte-carlo", "simulation"] | None,
+        typer.Option(help="How uncertainty is propagated (gum).", show_default=False),
+    ] = None,
+    trials: options.Trials = None,
+    max_trials: options.MaxTrials = None,
+    digits: Annotated[
+        int | None,
+        typer.Option(
+            min=1, max=2, help="What adaptive trials make sure (1).", show_default=False
+        ),
+    ] = None,
+    seed: Annotated[
+        int | None,
+        typer.Option(min=0, metavar="S", help="Of trials (0).", show_default=False),
+    ] = None,
+    coverage: options.Coverage = None,
+    interval: Annotated[
+        Literal["symmetric", "shortest"] | None,
+        typer.Option(help="Of Monte Carlo (symmetric).", show_default=False),
+    ] = None,
+    reference: options.Reference = None,
+    only: options.Only = None,
+    sobol: options.Sobol = False,
+    samples: options.Samples = None,
+    strategy: Annotated[
+        Literal["equal", "proportional", "cost"] | None,
+        typer.Option(
+            help="How an allocation shares limits out (proportional; cost with "
+            "--costs).",
+            show_default=False,
+        ),
+    ] = None,
+    costs: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FILE", help="Costs file of an allocation.", show_default=False
+        ),
+    ] = None,
+    fix: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="SOURCE",
+            help="Line that an allocation holds; may be given again.",
+            show_default=False,
+        ),
+    ] = None,
+    workers: options.Workers = 1,
+    json: options.JsonFile = None,
+    csv: options.CsvFile = None,
+) -> None:
+    """Hold stored budgets against their files as they are now.
+
+    Each is computed again from its input files. Results by the law may differ by 1e-9,
+    those of trials by what two seeds may give. Exit code 1 where a number moved, with
+    what moved and which input or version did it; 2 where a reference cannot be checked.
+
+    With --save a budget is stored: `budget check --save ref.json DEVICE...`. The law is
+    stored without its check by Monte Carlo, an allocation without its correction.
+    """
+    from budget.studies.reference.records import Asked
+
+    plain = Asked()
+    asked = Asked(
+        method=method or plain.method,
+        trials=trials,
+        max_trials=max_trials,
+        digits=digits or plain.digits,
+        seed=seed or plain.seed,
+        coverage=coverage,
+        interval=interval or plain.interval,
+        reference=reference,
+        only=tuple(only or ()),
+        samples=_samples(samples, wanted=sobol),
+        strategy=strategy,
+        fix=tuple(fix or ()),
+    )
+    files = {
+        "device": names or [],
+        "procedure": procedure or [],
+        "requirement": [requirement] if requirement else [],
+        "costs": [costs] if costs else [],
+    }
+    if save is not None:
+        _save(
+            save,
+            kind or "analyze",
+            files,
+            asked,
+            documents=(json, csv),
+            workers=workers,
+        )
+        return
+    given = [option for role, option in files.items() if role != "device" and option]
+    # Zero is a value too: what was not given is None.
+    if (
+        given
+        or asked != plain
+        or not (kind is None and seed is None and digits is None)
+    ):
+        from budget.errors import CallError
+
+        raise CallError(
+            "settings are those of the stored references and cannot be given to a "
+            "check; leave them out, or store a new reference with --save FILE"
+        )
+    _check(names or [], json=json, csv=csv, workers=workers)
+
+
+def _samples(samples: int | None, *, wanted: bool) -> int | None:
+    """Return the points of Sobol' indices, None where none are wanted."""
+    from budget.methods.sobol import SAMPLES
+
+    return samples or (SAMPLES if wanted else None)
+
+
+def _save(
+    path: Path,
+    kind: str,
+    files: dict[str, list[str]],
+    asked: Asked,
+    *,
+    documents: tuple[Path | None, Path | None],
+    workers: int,
+) -> None:
+    """Compute a reference and store it."""
+    from budget.cli.output import check_destinations
+    from budget.errors import CallError
+    from budget.report.files import write_all
+    from budget.studies.reference.check import make_reference
+    from budget.studies.reference.store import reference_text
+
+    if documents != (None, None):
+        raise CallError(
+            "--json and --csv are for checks, a reference is a document itself; leave "
+            "them out"
+        )
+    if path.suffix.lower() != SUFFIX:
+        raise CallError(
+            f"--save {path}: a reference ends in {SUFFIX}; give it that name"
+        )
+    inputs = [name for names in files.values() for name in names]
+    check_destinations(None, None, path, inputs=inputs)
+    reference = make_reference(
+        kind, _take_in(files, path.parent), asked, name=path.name, workers=workers
+    )
+    write_all({path: reference_text(reference)})
+    numbers = len(reference.snapshot.numbers)
+    typer.echo(f"{path}: written, {kind}, {numbers} numbers", err=True)
+
+
+def _take_in(files: dict[str, list[str]], folder: Path) -> tuple[StoredInput, ...]:
+    """Read all inputs, or say everything that is wrong in them."""
+    from budget.errors import Issue, SpecError
+    from budget.spec.load import PAPER
+    from budget.studies.reference.parts import take_in
+
+    defaults = {"device": [options.BUILT_IN_DEVICE], "procedure": [PAPER]}
+    if not files["device"]:
+        typer.echo(
+            f"No device given: using the built-in {options.BUILT_IN_DEVICE} "
+            "(Zhao 2019).",
+            err=True,
+        )
+    inputs: list[StoredInput] = []
+    issues: list[Issue] = []
+    for role, names in files.items():
+        for name in names or defaults.get(role, []):
+            try:
+                inputs.append(take_in(role, name, folder))
+            except SpecError as error:
+                issues.extend(error.issues)
+    if issues:
+        raise SpecError(tuple(issues))
+    return tuple(inputs)
+
+
+def _check(
+    names: list[str], *, json: Path | None, csv: Path | None, workers: int
+) -> None:
+    """Check references one by one; one that is bad does not stop the others."""
+    from budget.cli.output import check_destinations, printing
+    from budget.cli.progress import progress
+    from budget.errors import BudgetError
+    from budget.report.files import write_all
+    from budget.report.reference.document import checks_csv, checks_json
+    from budget.report.reference.terminal import render_checks
+    from budget.studies.reference.catalogue import find_references
+    from budget.studies.reference.check import check as run
+    from budget.studies.reference.store import read_reference
+
+    checks: list[Checked] = []
+    errors: list[str] = []
+    found: list[FoundReference] = []
+    for wanted in [[name] for name in names] or [[]]:
+        try:
+            found.extend(find_references(wanted))
+        except BudgetError as error:
+            errors.append(str(error))
+    check_destinations(json, csv, inputs=[one.path for one in found])
+    with progress() as show:
+        for done, one in enumerate(found, start=1):
+            try:
+                stored = read_reference(one.path, one.shown)
+                folder = one.path.parent
+                checks.append(run(stored, folder, name=one.shown, workers=workers))
+            except BudgetError as error:
+                errors.append(str(error))
+            show("check", done, len(found))
+    for text in errors:
+        typer.echo(text, err=True)
+    documents: dict[Path | None, Callable[[], str]] = {
+        json: lambda: checks_json(checks, errors),
+        csv: lambda: checks_csv(checks),
+    }
+    write_all(
+        {
+            path: text()
+            for path, text in documents.items()
+            if path is not None and path != options.STDOUT
+        }
+    )
+    document = documents.get(options.STDOUT)
+    with printing():
+        if document is not None:
+            sys.stdout.write(document())
+        else:
+            from rich.console import Console
+
+            render_checks(checks, len(errors), Console())
+    if errors:
+        raise typer.Exit(EXIT_BAD_INPUT)
+    if not all(one.holds for one in checks):
+        raise typer.Exit(EXIT_MOVED)

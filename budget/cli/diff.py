@@ -1,0 +1,141 @@
+"""`budget diff`: two budgets side by side, and which input makes the difference."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from budget.cli import options
+
+if TYPE_CHECKING:
+    from budget.studies.reference.check import NamedSide
+    from budget.studies.reference.records import Asked, Reference, StoredInput
+
+SUFFIX = ".json"
+
+
+def diff(
+    first: Annotated[
+        str,
+        typer.Argument(
+            metavar="A",
+            help="A device file, FILE or FILE#VARIANT, or a stored reference.",
+        ),
+    ],
+    second: Annotated[
+        str, typer.Argument(metavar="B", help="What it is held against; as A.")
+    ],
+    *,
+    procedure: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FILE",
+            help="Procedure file of the devices (the paper's).",
+            show_default=False,
+        ),
+    ] = None,
+    coverage: options.Coverage = None,
+    reference: options.Reference = None,
+    only: options.Only = None,
+    json: options.JsonFile = None,
+    csv: options.CsvFile = None,
+) -> None:
+    """Set two budgets side by side, the largest change first.
+
+    Largest is by the difference over A's standard uncertainty of the output; of a
+    number that belongs to no output, over itself. Each difference is attributed to the
+    inputs that differ: A's keys are exchanged one at a time for those of B, and the
+    budget is computed by the law.
+
+    A device is analyzed by the law; beside a reference, with the procedure, the
+    requirement and the settings of that. The numbers of a reference are the stored
+    ones. Exit code 0 whatever differs.
+    """
+    from budget.cli.output import check_destinations, printing
+    from budget.errors import CallError
+    from budget.report.files import write_all
+    from budget.report.reference.document import difference_csv, difference_json
+    from budget.report.reference.terminal import render_difference
+    from budget.studies.reference.check import compare_sides
+    from budget.studies.reference.records import Asked
+
+    check_destinations(json, csv, inputs=[first, second, procedure])
+    stored = [_reference(name) for name in (first, second)]
+    asked = Asked(coverage=coverage, reference=reference, only=tuple(only or ()))
+    if any(stored) and (procedure or asked != Asked()):
+        raise CallError(
+            "a reference has its own procedure and settings, and a device beside it "
+            "takes them; leave --procedure, --coverage, --reference and --only out"
+        )
+    model = next((one for one in stored if one is not None), None)
+    sides = [
+        _side(name, own, model, procedure, asked)
+        for name, own in zip((first, second), stored, strict=True)
+    ]
+    jobs = [own.job if own else "analyze" for own in stored]
+    difference = compare_sides(sides[0], sides[1], (jobs[0], jobs[1]))
+    renders = ((json, difference_json), (csv, difference_csv))
+    write_all(
+        {
+            path: render(difference)
+            for path, render in renders
+            if path is not None and path != options.STDOUT
+        }
+    )
+    on_stdout = [render for path, render in renders if path == options.STDOUT]
+    with printing():
+        if on_stdout:
+            sys.stdout.write(on_stdout[0](difference))
+            return
+        from rich.console import Console
+
+        render_difference(difference, Console())
+
+
+def _reference(name: str) -> Reference | None:
+    """Read a stored reference; None where the name is of a device."""
+    from budget.spec.files import find
+    from budget.studies.reference.catalogue import find_references, shipped_references
+    from budget.studies.reference.store import read_reference
+
+    ships = {one.shown for one in shipped_references()}
+    is_bare = name in ships and not find(name, "device").path.is_file()
+    if not (name.endswith(SUFFIX) or is_bare):
+        return None
+    (found,) = find_references([name])
+    return read_reference(found.path, found.shown)
+
+
+def _side(
+    name: str,
+    own: Reference | None,
+    model: Reference | None,
+    procedure: str | None,
+    asked: Asked,
+) -> NamedSide:
+    """Return one side: what is stored, or a device computed now."""
+    from budget.errors import CallError
+    from budget.studies.reference.check import computed_side, stored_side
+
+    if own is not None:
+        return stored_side(own, name=name)
+    if model is None:
+        return computed_side(_inputs(name, procedure), asked, name=name)
+    if model.job != "analyze":
+        raise CallError(
+            f"{name} is a device, and the reference beside it is of kind {model.job}; "
+            "give two references of that kind, or one of kind analyze"
+        )
+    (device, *_) = _inputs(name, None)
+    others = [one for one in model.inputs if one.role != "device"]
+    return computed_side((device, *others), model.asked, name=name)
+
+
+def _inputs(name: str, procedure: str | None) -> tuple[StoredInput, ...]:
+    """Take in a device and a procedure; nothing is stored, so paths do not matter."""
+    from budget.spec.load import PAPER
+    from budget.studies.reference.parts import take_text
+
+    return (take_text("device", name), take_text("procedure", procedure or PAPER))

@@ -1,0 +1,128 @@
+"""Checks and differences for other programs: JSON of schema `budget/1`, and CSV."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from budget.report.reference.tables import cause_texts
+from budget.results import SCHEMA
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from budget.studies.reference.records import Change, Checked, Difference, Move
+
+COLUMNS = (
+    *("reference", "subject", "quantity", "partner", "unit", "before", "after"),
+    *("difference", "relative", "sampled", "times", "because"),
+)
+
+
+def checks_json(checks: Sequence[Checked], errors: Sequence[str]) -> str:
+    """Write the JSON document of `check`; `errors` are those of bad references."""
+    return _json(
+        {
+            "schema": SCHEMA,
+            "command": "check",
+            "holds": not errors and all(one.holds for one in checks),
+            "references": [
+                {
+                    "name": one.name,
+                    "kind": one.job,
+                    "holds": one.holds,
+                    "compared": one.compared,
+                    "sampled": one.sampled,
+                    "changes": [asdict(change) for change in one.changes],
+                }
+                for one in checks
+            ],
+            "moved": [
+                {"reference": one.name, **_move(move, one.changes)}
+                for one in checks
+                for move in one.moves
+            ],
+            "errors": list(errors),
+        }
+    )
+
+
+def checks_csv(checks: Sequence[Checked]) -> str:
+    """Write one row for each number or word that moved."""
+    return _csv(
+        {"reference": one.name, **_move(move, one.changes)}
+        for one in checks
+        for move in one.moves
+    )
+
+
+def difference_json(difference: Difference) -> str:
+    """Write the JSON document of `diff`, the largest change first."""
+    return _json(
+        {
+            "schema": SCHEMA,
+            "command": "diff",
+            "first": difference.first,
+            "second": difference.second,
+            "kind": difference.job,
+            "compared": difference.compared,
+            "changes": [asdict(change) for change in difference.changes],
+            "moved": [_move(move, difference.changes) for move in difference.moves],
+        }
+    )
+
+
+def difference_csv(difference: Difference) -> str:
+    """Write one row for each number or word that differs, the largest change first."""
+    return _csv(
+        {"reference": difference.first, **_move(move, difference.changes)}
+        for move in difference.moves
+    )
+
+
+def _move(move: Move, changes: Sequence[Change]) -> dict[str, Any]:
+    """Return one entry of `moved`."""
+    return {
+        **asdict(move.key),
+        "unit": move.unit,
+        "before": move.before,
+        "after": move.after,
+        "difference": move.difference,
+        "relative": move.relative,
+        "sampled": move.is_sampled,
+        "times": move.times,
+        "causes": [
+            {"change": str(changes[cause.change]), "amount": cause.amount}
+            for cause in move.causes
+        ],
+        "because": "; ".join(
+            f"{changes[k - 1].key} {part}" for k, part in cause_texts(move)
+        ),
+    }
+
+
+def _json(document: dict[str, Any]) -> str:
+    """Write a document at full precision; JSON has no infinite number."""
+    return json.dumps(document, allow_nan=False, ensure_ascii=False, indent=1) + "\n"
+
+
+def _csv(rows: Any) -> str:  # noqa: ANN401 - an iterable of flat records
+    """Write rows under COLUMNS."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n", extrasaction="ignore")
+    writer.writeheader()
+    for row in rows:
+        writer.writerow({name: _cell(row[name]) for name in COLUMNS})
+    return text.getvalue()
+
+
+def _cell(value: str | float | None) -> str:
+    """Write a number with all its digits, nothing for None."""
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return value if isinstance(value, str) else repr(float(value))

@@ -1,0 +1,255 @@
+"""Moves as rows of tables: grouped, the largest first, with the digits that differ."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import floor, isinf, log10
+from typing import TYPE_CHECKING
+
+from budget.report.tables import output_title, source_title, words
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from budget.studies.reference.records import Change, Move
+
+# What a reader looks at first; the other numbers follow from what moves these.
+PRINCIPAL = (
+    "standard_uncertainty",
+    "mean",
+    "utilisation",
+    "conformance",
+    "allowed",
+    "cost",
+)
+TITLES = {
+    "standard_uncertainty": "u",
+    "interval_low": "interval from",
+    "interval_high": "interval to",
+    "sobol_first": "first-order index of",
+    "sobol_total": "total index of",
+    "contribution": "contribution of",
+    "correlation": "correlation with",
+}
+MOST_ROWS = 24  # on a terminal
+MOST_IDLE = 12  # changes without effect that a terminal names
+FACTOR = 3.0  # a number that grew by more is said to be so many times as large
+MOST_DIGITS = 10  # of a number that moved by very little
+PLAIN = (-4, 7)  # decimal exponents that are written without one
+AXES = {3, 6}  # how many axes a parameter has
+AXIS = 3  # letters that no name of an axis has
+ALL = "100 %"
+NAMED = 2  # causes of one row on a terminal
+LITTLE = 0.005  # of a difference: not worth a word [1]
+NONE = "-"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """One or more numbers that moved alike."""
+
+    labels: tuple[str, ...]
+    before: str
+    after: str
+    change: str  # of the uncertainty of the output, or of the number itself
+    times: str  # how many tolerances or standard errors
+    because: str  # numbers of the changes
+
+    @property
+    def label(self) -> str:
+        """Name of the row; nothing where it stands for all axes."""
+        if len(self.labels) in AXES and all(len(label) < AXIS for label in self.labels):
+            return "all"
+        return ", ".join(self.labels)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Group:
+    """Rows of one quantity of one parameter."""
+
+    title: str
+    rows: tuple[Row, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class MoveTable:
+    """What is shown of all moves, and how many are not."""
+
+    groups: tuple[Group, ...]
+    words: tuple[str, ...]  # 'Gyro: verdict: meets -> fails'
+    rest: int
+    has_standard_errors: bool
+    has_tolerances: bool
+
+
+def move_table(moves: Sequence[Move]) -> MoveTable:
+    """Choose and group the moves to be shown, the largest first.
+
+    Groups stand by their largest change, rows within a group too. Where principal
+    numbers moved (u, mean, a verdict), those that follow from them are only counted.
+    """
+    spoken = [m for m in moves if isinstance(m.before or m.after, str)]
+    counted = [m for m in moves if not isinstance(m.before or m.after, str)]
+    first = [move for move in counted if move.key.quantity in PRINCIPAL]
+    chosen = sorted(first or counted, key=lambda move: -move.size)[:MOST_ROWS]
+    groups: dict[str, list[Move]] = {}
+    for move in chosen:
+        groups.setdefault(_title(move), []).append(move)
+    numbers = [move for move in chosen if move.times is not None]
+    return MoveTable(
+        groups=tuple(
+            Group(title=title, rows=_rows(own)) for title, own in groups.items()
+        ),
+        words=tuple(
+            f"{_title(m)}: {_word(m.before)} -> {_word(m.after)}" for m in spoken
+        ),
+        rest=len(counted) - len(chosen),
+        has_standard_errors=any(move.is_sampled for move in numbers),
+        has_tolerances=any(not move.is_sampled for move in numbers),
+    )
+
+
+def change_lines(changes: Sequence[Change]) -> tuple[str, ...]:
+    """Say each change; of those that move nothing only the first, and how many."""
+    lines = []
+    idle = 0
+    for change in changes:
+        note = ""
+        if change.acts is False:
+            idle += 1
+            note = " (moves no number)"
+        elif change.acts is None and change.where != "tool":
+            note = " (cannot be tried alone)"
+        if idle <= MOST_IDLE:
+            lines.append(f"{change}{note}")
+    if idle > MOST_IDLE:
+        lines.append(f"and {idle - MOST_IDLE} more that move no number, in --json")
+    return tuple(lines)
+
+
+def cause_texts(move: Move) -> tuple[tuple[int, str], ...]:
+    """Return (number of the change, part of the move), the largest part first."""
+    difference = move.difference
+    if not difference:
+        return ()
+    parts = sorted(
+        ((cause.change + 1, cause.amount / difference) for cause in move.causes),
+        key=lambda pair: -abs(pair[1]),
+    )
+    return tuple((k, _percent(part)) for k, part in parts if abs(part) >= LITTLE)
+
+
+def print_pair(before: float, after: float) -> tuple[str, str]:
+    """Print two numbers to the second digit of both and of their difference."""
+    largest = max(abs(before), abs(after))
+    if largest == 0.0:
+        return "0", "0"
+    top = floor(log10(largest))
+    difference = abs(after - before)
+    place = top - 2
+    for number in (difference, abs(before), abs(after)):
+        if number > 0.0:
+            place = min(place, floor(log10(number)) - 1)
+    place = max(place, top - MOST_DIGITS + 1)
+    return _print(before, top, place), _print(after, top, place)
+
+
+def _print(value: float, top: int, place: int) -> str:
+    """Print a number down to a decimal place, `top` being that of the first digit."""
+    if PLAIN[0] <= top < PLAIN[1]:
+        text = f"{value:.{max(-place, 0)}f}"
+    else:
+        text = f"{value:.{top - place}e}".replace("e+", "e")
+    return text.removeprefix("-") if float(text) == 0.0 else text
+
+
+def _rows(moves: Sequence[Move]) -> tuple[Row, ...]:
+    """Make rows; axes whose rows say the same are one row."""
+    rows: dict[tuple[str, ...], list[str]] = {}
+    for move in moves:
+        rows.setdefault(_cells(move), []).append(_split(move.key.subject)[1])
+    return tuple(
+        Row(
+            labels=tuple(labels),
+            before=cells[0],
+            after=cells[1],
+            change=cells[2],
+            times=cells[3],
+            because=cells[4],
+        )
+        for cells, labels in rows.items()
+    )
+
+
+def _cells(move: Move) -> tuple[str, ...]:
+    """Return before, after, change, times and because of one move."""
+    if isinstance(move.before, float) and isinstance(move.after, float):
+        before, after = print_pair(move.before, move.after)
+    else:
+        before, after = (_word(value) for value in (move.before, move.after))
+    change = NONE
+    ratio = 1.0 if move.relative is None else 1.0 + move.relative
+    if ratio > FACTOR and isinstance(move.before, float) and move.before > 0.0:
+        change = f"x {_two_digits(ratio)}"
+    elif move.difference is not None and not isinf(move.size):
+        sign = "-" if move.difference < 0.0 else "+"
+        change = f"{sign}{_two_digits(100.0 * move.size)} %"
+    times = NONE
+    if move.times is not None:
+        times = f"{_two_digits(move.times)} {'s.e.' if move.is_sampled else 'tol'}"
+    return before, after, change, times, _because(move)
+
+
+def _because(move: Move) -> str:
+    """Name the changes by their numbers, with their parts where there are several."""
+    parts = cause_texts(move)
+    if not parts:
+        return NONE
+    if len(parts) == 1 and parts[0][1] == ALL:
+        return str(parts[0][0])
+    text = ", ".join(f"{k}: {part}" for k, part in parts[:NAMED])
+    return f"{text}, ..." if len(parts) > NAMED else text
+
+
+def _title(move: Move) -> str:
+    """Name the group of a move: 'Gyro bias, u [deg/h]'."""
+    group, _ = _split(move.key.subject)
+    quantity = TITLES.get(move.key.quantity, words(move.key.quantity))
+    if move.key.partner:
+        is_output = move.key.quantity == "correlation"
+        name = output_title if is_output else source_title
+        quantity = f"{quantity} {name(move.key.partner)}"
+    unit = f" [{move.unit}]" if move.unit not in {"", "1"} else ""
+    return f"{group[:1].upper()}{group[1:]}, {quantity}{unit}"
+
+
+def _split(subject: str) -> tuple[str, str]:
+    """Return the group and the row that a subject belongs to."""
+    device, _, name = subject.rpartition(" ")
+    parts = name.split(".")
+    if len(parts) == 1:
+        return name, device
+    group = output_title(".".join(parts[:-1]))
+    return f"{device} {group}".strip(), words(parts[-1])
+
+
+def _word(value: float | str | None) -> str:
+    """Show a word; a dash for what is not there."""
+    if value is None or value == "":
+        return NONE
+    return value if isinstance(value, str) else f"{value:.4g}"
+
+
+def _percent(part: float) -> str:
+    """Print a part of a difference."""
+    return f"{round(100.0 * part)} %"
+
+
+def _two_digits(value: float) -> str:
+    """Print two digits, plainly where that is short."""
+    if value == 0.0:
+        return "0"
+    top = floor(log10(value))
+    if PLAIN[0] <= top < PLAIN[1] - 3:
+        return f"{value:.{max(1 - top, 0)}f}"
+    return f"{value:.1e}".replace("e+0", "e").replace("e-0", "e-").replace("e+", "e")

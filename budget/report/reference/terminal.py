@@ -1,0 +1,168 @@
+"""References on a terminal: what holds in a line, what moved in full; differences."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from budget.report.reference.tables import (
+    MoveTable,
+    change_lines,
+    move_table,
+)
+from budget.report.tables import align_decimals
+from budget.report.terminal import GAP, Page, set_columns
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from rich.console import Console
+
+    from budget.report.reference.tables import Group
+    from budget.studies.reference.records import Change, Checked, Difference
+
+HEADS = {"check": ("stored", "now"), "diff": ("A", "B")}
+INDENT = " " * GAP
+
+
+def render_checks(checks: Sequence[Checked], bad: int, console: Console) -> None:
+    """Print one line for each reference that holds, and all about those that moved.
+
+    Parameters
+    ----------
+    checks : sequence of Checked
+        References that could be computed.
+    bad : int
+        How many could not.
+    console : rich.console.Console
+        Its width and encoding decide the layout.
+    """
+    page = Page(console)
+    width = max((len(one.name) for one in checks), default=0)
+    for one in checks:
+        page.line(f"{one.name:<{width}}  {_verdict(one)}", style=_style(one))
+        if one.holds:
+            for text in change_lines(one.changes):
+                page.paragraph(text, first=f"{INDENT}changed  ")
+    moved = {one.name: move_table(one.moves) for one in checks if not one.holds}
+    for one in checks:
+        if not one.holds:
+            page.line()
+            page.line(f"{one.name}: what moved, the largest first", style="bold")
+            _print_moves("check", one.changes, moved[one.name], page)
+    _print_legend(tuple(moved.values()), page, command="check")
+    held = sum(one.holds for one in checks)
+    page.line()
+    counts = [f"{held} hold", f"{len(checks) - held} moved"]
+    if bad:
+        counts.append(f"{bad} cannot be checked")
+    page.line(f"{len(checks) + bad} references: {', '.join(counts)}", style="bold")
+
+
+def render_difference(difference: Difference, console: Console) -> None:
+    """Print two budgets side by side, the largest change first."""
+    page = Page(console)
+    page.line(f"A  {difference.first}", style="bold")
+    page.line(f"B  {difference.second}", style="bold")
+    page.line()
+    moved = len(difference.moves)
+    page.line(f"{moved} of {difference.compared} numbers and words differ")
+    table = move_table(difference.moves)
+    _print_moves("diff", difference.changes, table, page)
+    _print_legend((table,), page, command="diff")
+
+
+def _verdict(one: Checked) -> str:
+    """Say how one reference fared."""
+    sampled = f", {one.sampled} of them sampled" if one.sampled else ""
+    if one.holds:
+        return f"holds  {one.compared} numbers and words{sampled}"
+    return f"MOVED  {len(one.moves)} of {one.compared} numbers and words"
+
+
+def _style(one: Checked) -> str:
+    """Return how a line is set."""
+    return "" if one.holds else "bold red"
+
+
+def _print_moves(
+    command: str, changes: Sequence[Change], table: MoveTable, page: Page
+) -> None:
+    """Print what changed, numbered, and the moves that name these numbers."""
+    if changes:
+        page.line()
+        page.line("What changed", style="bold")
+    width = len(str(len(changes)))
+    for k, text in enumerate(change_lines(changes), start=1):
+        number = "" if text.startswith("and ") else str(k)
+        page.paragraph(text, first=f"{INDENT}{number:>{width}}  ")
+    if table.words:
+        page.line()
+    for text in table.words:
+        page.paragraph(text, first=INDENT)
+    if table.groups:
+        page.line()
+        _print_groups(command, table.groups, page)
+    if table.rest:
+        page.line(f"and {table.rest} more numbers, all in --json")
+
+
+def _print_groups(command: str, groups: Sequence[Group], page: Page) -> None:
+    """Print all groups under one head; in a narrow place without the column `by`."""
+    lines = _columns(command, groups, with_times=command == "check")
+    if max(map(len, lines)) > page.width:
+        lines = _columns(command, groups, with_times=False)
+    page.line(lines[0], style="bold")
+    place = 1
+    for group in groups:
+        page.line(group.title, style="underline")
+        for line in lines[place : place + len(group.rows)]:
+            page.line(line)
+        place += len(group.rows)
+
+
+def _columns(
+    command: str, groups: Sequence[Group], *, with_times: bool
+) -> tuple[str, ...]:
+    """Set the rows of all groups under one head."""
+    rows = [row for group in groups for row in group.rows]
+    before: list[str] = []
+    after: list[str] = []
+    for group in groups:  # decimal points in line within a group
+        texts = align_decimals(
+            [text for row in group.rows for text in (row.before, row.after)]
+        )
+        before.extend(texts[0::2])
+        after.extend(texts[1::2])
+    heads = ["", *HEADS[command], "change"]
+    columns: list[Sequence[str]] = [
+        [f"{INDENT}{row.label}" for row in rows],
+        before,
+        after,
+        [row.change for row in rows],
+    ]
+    if with_times:
+        heads.append("by")
+        columns.append([row.times for row in rows])
+    because = [row.because for row in rows]
+    width = max(len("because"), *(len(text) for text in because))
+    heads.append("because".ljust(width))
+    columns.append([text.ljust(width) for text in because])
+    head, lines = set_columns(heads, columns)
+    return (head, *lines)
+
+
+def _print_legend(tables: Sequence[MoveTable], page: Page, *, command: str) -> None:
+    """Explain the columns that are there, once for all."""
+    if not any(table.groups for table in tables):
+        return
+    text = (
+        "change: of the standard uncertainty of the output, or of the number itself "
+        "where it belongs to none. because: numbers of the changes above, with the "
+        "part of the difference that each explains alone, by the law."
+    )
+    if command == "check" and any(table.has_tolerances for table in tables):
+        text += " tol: times the tolerance, 1e-9 relative or rounding."
+    if command == "check" and any(table.has_standard_errors for table in tables):
+        text += " s.e.: standard errors of a difference between two seeds."
+    page.line()
+    page.paragraph(text)
