@@ -10,7 +10,7 @@ from budget.report.blocks import Cell, Column, RowGroup, Table
 from budget.report.figures.picture import as_picture, capital
 from budget.report.figures.rows import write_beside, write_heading
 from budget.report.figures.style import GRID, INK, MUTED, PAPER, SMALL, canvas
-from budget.report.tables import output_title, print_count, print_given
+from budget.report.tables import output_title, print_count, words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 ROW = 13.0  # [pt] from output to output
 LEFT, RIGHT, TOP, BELOW = 24.0, 46.0, 4.0, 32.0  # [pt]
+TEN = 10.0  # tolerances that are printed without decimals [1]
 LEAST, LINEAR_BELOW = 1.5, 6.0  # reach of the axis, in tolerances [1]
 
 
@@ -57,13 +58,7 @@ def validity_picture(budget: Budget, sensor: str) -> Picture | None:
         name=f"validity-{sensor}",
         title=validity_title(budget, sensor),
         alt=validity_alt(budget, sensor),
-        tips={
-            _gid(
-                check
-            ): f"{output_title(check.row.output.name)}: the law {check.word}, "
-            f"lower end {_signed(check.low)}, upper end {_signed(check.high)} tolerances"
-            for check in checks
-        },
+        tips={_gid(check): _tip(check) for check in checks},
         caption=(
             "Ends of the coverage interval by the law less those of "
             f"{trials} Monte Carlo trials, over the tolerance (JCGM 101:2008, 8.1). "
@@ -90,8 +85,6 @@ def validity_marks(budget: Budget, sensor: str) -> Figure:
         reach *= 1.2
     axes.set_xlim(-reach, reach)
     axes.set_ylim(rows - 0.5, -0.5)
-    axes.axvspan(-1.0, 1.0, color=GRID, alpha=0.6, linewidth=0.0, zorder=0)
-    axes.axvline(0.0, color=MUTED, linewidth=0.7, zorder=1)
     axes.set_xlabel(
         "law less Monte Carlo [tolerances]; band: the law holds",
         fontsize=SMALL,
@@ -101,6 +94,9 @@ def validity_marks(budget: Budget, sensor: str) -> Figure:
     place = 0
     for title, checks in groups:
         write_heading(axes, place, title, indent=LEFT)
+        ends = (place + 0.5, place + len(checks) + 0.5)
+        axes.fill_betweenx(ends, -1.0, 1.0, color=GRID, alpha=0.6, linewidth=0.0)
+        axes.plot([0.0, 0.0], ends, color=MUTED, linewidth=0.7, zorder=1)
         for check in checks:
             place += 1
             ticks.append((place, check.row.axis))
@@ -115,7 +111,7 @@ def validity_title(budget: Budget, sensor: str) -> str:
     checks = _checks(budget, sensor)
     worst = max(checks, key=lambda check: check.worst)
     name = output_title(worst.row.output.name)
-    size = print_given(worst.worst, digits=2)
+    size = _signed(worst.worst)[1:]
     missed = sum(not check.validation.holds for check in checks)
     part = f"{name} with a difference of {size} tolerances"
     if missed:
@@ -162,10 +158,8 @@ def _checks(budget: Budget, sensor: str) -> list[Check]:
 def _by_group(checks: list[Check]) -> list[tuple[str, list[Check]]]:
     """Return the checks under the title of their group of parameters."""
     return [
-        (output_title(name), list(own))
-        for name, own in groupby(
-            checks, key=lambda check: check.row.output.name.rpartition(".")[0]
-        )
+        (words(name), list(own))
+        for name, own in groupby(checks, key=lambda check: check.row.parameter)
     ]
 
 
@@ -190,13 +184,19 @@ def _draw_check(axes: Axes, place: int, check: Check) -> None:
             markeredgecolor=MUTED if holds else INK,
             zorder=3,
         )
-    text = print_given(check.worst, digits=2) if holds else check.word
+    text = _signed(check.worst)[1:] if holds else check.word
     write_beside(axes, place, text, reach=42.0, strong=not holds)
 
 
+def _tip(check: Check) -> str:
+    """Say both differences of one output."""
+    ends = f"lower end {_signed(check.low)}, upper end {_signed(check.high)} tolerances"
+    return f"{output_title(check.row.output.name)}: the law {check.word}, {ends}"
+
+
 def _signed(value: float) -> str:
-    """Print a number of tolerances with its sign."""
-    return f"{'+' if value > 0.0 else ''}{print_given(value, digits=2)}"
+    """Print a number of tolerances with its sign; hundredths of one are enough."""
+    return f"{value:+.2f}" if abs(value) < TEN else f"{value:+.0f}"
 
 
 def _data(checks: list[Check], sensor: str) -> Table:
