@@ -1,0 +1,55 @@
+"""A real Chromium for the tests of pages, with a record of what a page asks for."""
+
+from __future__ import annotations
+
+import shutil
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+import pytest
+
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+
+
+@dataclass
+class Record:
+    """What happened while a page was open."""
+
+    requests: list[str] = field(default_factory=list)
+    complaints: list[str] = field(default_factory=list)
+
+
+@contextmanager
+def chromium():
+    """Start the machine's browser, or skip and say why."""
+    playwright = pytest.importorskip(
+        "playwright.sync_api", reason="playwright is not installed (extra `test`)"
+    )
+    executable = next(filter(None, map(shutil.which, NAMES)), None)
+    if executable is None:
+        pytest.skip(f"no Chromium on this machine (looked for {', '.join(NAMES)})")
+    with playwright.sync_playwright() as driver:
+        # Pages are our own files; root has no sandbox to start in.
+        browser = driver.chromium.launch(
+            executable_path=executable, args=["--no-sandbox"]
+        )
+        yield browser
+        browser.close()
+
+
+@contextmanager
+def opened(browser, path, **options):
+    """Open a file; give the page and the record of its requests and complaints."""
+    record = Record()
+    context = browser.new_context(
+        **({"viewport": {"width": 1280, "height": 900}} | options)
+    )
+    page = context.new_page()
+    page.set_default_timeout(10_000.0)
+    page.on("request", lambda request: record.requests.append(request.url))
+    page.on("console", lambda message: record.complaints.append(message.text))
+    page.on("pageerror", lambda error: record.complaints.append(str(error)))
+    page.on("dialog", lambda dialog: record.complaints.append(dialog.message))
+    page.goto(path.as_uri())
+    yield page, record
+    context.close()
