@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.problem import Problem
 
-SHAPE_TRIALS = 16 * BLOCK
+SHAPE_TRIALS = 8 * BLOCK
 SHAPE_SEED = 20_190_306  # any fixed one: shapes are properties of the model
 BATCHES = 16  # of a shortest interval, whose ends have no simple formula
 

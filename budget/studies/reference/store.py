@@ -152,7 +152,7 @@ def reference_text(reference: Reference) -> str:
         ],
         "settings": _set(asdict(reference.asked)),
         "numbers": [
-            {**asdict(one.key), **_set({**asdict(one), "key": None})}
+            _set({**asdict(one), "key": None, **asdict(one.key)})
             for one in reference.snapshot.numbers
         ],
         "words": [
@@ -160,7 +160,7 @@ def reference_text(reference: Reference) -> str:
                 "subject": word.key.subject,
                 "quantity": word.key.quantity,
                 "text": word.text,
-                "rests_on": word.rests_on,
+                **_set({"rests_on": word.rests_on}),
             }
             for word in reference.snapshot.words
         ],
