@@ -1,24 +1,33 @@
-"""`budget report`: the budget as a page to look at and to pass on."""
+"""`budget report`: the budget as pages to look at, to sign and to file."""
 
 from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from budget.cli import options
 
-SUFFIXES = (".html",)
+if TYPE_CHECKING:
+    from budget.cli.computing import Workshop
+    from budget.report.analysis.build import Extra
+    from budget.spec.records import Device, Procedure, Requirement
 
 
 def report(
+    context: typer.Context,
     devices: options.Devices = None,
     *,
     output: Annotated[
         list[Path],
-        typer.Option("-o", "--output", metavar="FILE", help="Report file, .html."),
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="FILE",
+            help="Report to write, .html or .pdf; may be given again.",
+        ),
     ],
     procedure: options.ProcedureFile = None,
     requirement: options.RequirementFile = None,
@@ -36,6 +45,15 @@ def report(
     sobol: options.Sobol = False,
     samples: options.Samples = None,
     only: options.Only = None,
+    compare: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="DEVICE",
+            help="Add a comparison with this device file, its base and every variant; "
+            "may be given again.",
+            show_default=False,
+        ),
+    ] = None,
     allocate: Annotated[
         bool,
         typer.Option(
@@ -46,31 +64,41 @@ def report(
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
 ) -> None:
-    """Write the error budget as a report: verdict first, then what it stands on."""
+    """Write the error budget as a report: verdict first, then what it stands on.
+
+    Inputs, procedure, budget, coupling, distributions, the law against Monte Carlo,
+    method and provenance, the same in HTML and PDF; the HTML page has sliders that
+    change the sources.
+    """
+    from budget.cli.command_line import command_line
     from budget.cli.computing import computing, say
     from budget.cli.dates import document_date
     from budget.cli.output import check_destinations, printing
-    from budget.errors import CallError
+    from budget.cli.pages import check_suffixes, render_pages
     from budget.methods.monte_carlo import MAX_TRIALS
     from budget.methods.sobol import SAMPLES
-    from budget.report.document import to_csv, to_json
+    from budget.report.analysis.build import report_document
+    from budget.report.document import to_csv
     from budget.report.files import write_all
-    from budget.report.html import render_html
     from budget.spec import load_procedure, load_requirement
     from budget.studies.analysis import analyze
     from budget.studies.conformity import assess
+    from budget.studies.evidence import gather_evidence
     from budget.studies.request import choose_basis
 
-    _check_suffixes(output)
+    check_suffixes(output)
     date = document_date()
     check_destinations(
-        json, csv, *output, inputs=[*(devices or ()), procedure, requirement]
+        json,
+        csv,
+        *output,
+        inputs=[*(devices or ()), *(compare or ()), procedure, requirement],
     )
-    if allocate and requirement is None:
-        raise CallError("--allocate shares out limits: give them with --requirement")
+    _check_requirement(requirement, allocate=allocate, compare=bool(compare))
     loaded = options.load_devices(devices)
     how = load_procedure(procedure)
     wanted = None if requirement is None else load_requirement(requirement)
+    others = _load_others(compare or [])
     basis = choose_basis(wanted, coverage=coverage, reference=reference)
     with computing(workers=workers, cluster=cluster) as shop:
         budget = analyze(
@@ -94,32 +122,41 @@ def report(
             progress=shop.progress,
             talk=say,
         )
-    sections = []
-    if allocate and wanted is not None:
-        from budget.report.allocation.page import allocation_section
-        from budget.studies.allocation.allocate import allocate as share_out
-
-        with computing(workers=1, cluster=None) as shop:
-            allocation = share_out(
-                *loaded,
-                requirement=wanted,
-                procedure=how,
-                seed=seed,
-                progress=shop.progress,
+        assessment = None if wanted is None else assess(budget, wanted, loaded)
+        evidence = gather_evidence(
+            budget,
+            loaded,
+            procedure=how,
+            requirement=wanted,
+            assessment=assessment,
+        )
+        extras: list[Extra] = []
+        if allocate and wanted is not None:
+            extras.append(_allocate(loaded, how, wanted, seed=seed, shop=shop))
+        if others and wanted is not None:
+            extras.append(
+                _compare((*loaded, *others), how, wanted, seed=seed, shop=shop)
             )
-        sections.append(allocation_section(allocation))
-    page = render_html(
-        budget,
-        devices=loaded,
-        procedure=how,
-        assessment=None if wanted is None else assess(budget, wanted, loaded),
-        date=date,
-        sections=tuple(sections),
-    )
-    documents = {json: to_json, csv: to_csv}
-    files = {path: make(budget) for path, make in documents.items() if path is not None}
-    on_stdout = files.pop(options.STDOUT, None)
-    write_all({**dict.fromkeys(output, page), **files})
+        shop.progress("figures and pages", 0, 1)
+        document = report_document(
+            budget,
+            devices=loaded,
+            procedure=how,
+            evidence=evidence,
+            assessment=assessment,
+            extras=extras,
+            command_line=command_line(context),
+            date=date,
+        )
+        files = render_pages(document, output)
+        shop.progress("figures and pages", 1, 1)
+    texts: dict[Path, str] = {}
+    if json is not None:
+        texts[json] = document.json
+    if csv is not None:
+        texts[csv] = to_csv(budget)
+    on_stdout = texts.pop(options.STDOUT, None)
+    write_all({**files, **texts})
     for path in output:
         typer.echo(f"{path}: written", err=True)
     if on_stdout is not None:
@@ -127,13 +164,110 @@ def report(
             sys.stdout.write(on_stdout)
 
 
-def _check_suffixes(paths: list[Path]) -> None:
-    """Refuse a kind of report that there is not, before anything is computed."""
+def _check_requirement(
+    requirement: Path | None, *, allocate: bool, compare: bool
+) -> None:
+    """Refuse what needs limits where there are none.
+
+    Raises
+    ------
+    CallError
+        There is no requirement to share out or to compare against.
+    """
     from budget.errors import CallError
 
-    wrong = [str(path) for path in paths if path.suffix.lower() not in SUFFIXES]
-    if wrong:
-        raise CallError(
-            f"-o {', '.join(wrong)}: the suffix decides the kind of report, "
-            f"allowed: {', '.join(SUFFIXES)}"
+    wants = [
+        text
+        for asked, text in (
+            (allocate, "--allocate shares out limits"),
+            (compare, "--compare holds devices against limits"),
         )
+        if asked
+    ]
+    if wants and requirement is None:
+        raise CallError(f"{' and '.join(wants)}: give them with --requirement")
+
+
+def _load_others(names: list[str]) -> tuple[Device, ...]:
+    """Load the devices to compare with, every variant of each file.
+
+    Raises
+    ------
+    SpecError
+        With the issues of all files.
+    """
+    from budget.errors import Issue, SpecError
+    from budget.spec import load_variants
+
+    devices: list[Device] = []
+    issues: list[Issue] = []
+    for name in names:
+        try:
+            devices.extend(load_variants(name))
+        except SpecError as error:
+            issues.extend(error.issues)
+    if issues:
+        raise SpecError(tuple(issues))
+    return tuple(devices)
+
+
+def _allocate(
+    devices: tuple[Device, ...],
+    procedure: Procedure,
+    requirement: Requirement,
+    *,
+    seed: int,
+    shop: Workshop,
+) -> Extra:
+    """Share out the limits over the lines of the data sheets."""
+    from budget.report.allocation.document import to_document
+    from budget.report.allocation.page import allocation_section
+    from budget.report.analysis.build import Extra
+    from budget.studies.allocation.allocate import allocate
+
+    found = allocate(
+        *devices,
+        requirement=requirement,
+        procedure=procedure,
+        seed=seed,
+        progress=shop.progress,
+    )
+    return Extra(
+        key="allocation",
+        content=to_document(found),
+        sections=(allocation_section(found),),
+        inputs=found.inputs,
+    )
+
+
+def _compare(
+    devices: tuple[Device, ...],
+    procedure: Procedure,
+    requirement: Requirement,
+    *,
+    seed: int,
+    shop: Workshop,
+) -> Extra:
+    """Hold the devices and others against the same limits, by Monte Carlo."""
+    from budget.report.analysis.build import Extra
+    from budget.report.comparison.document import to_dict
+    from budget.report.comparison.page import comparison_sections
+    from budget.spec import load_catalogue
+    from budget.studies.comparison.compare import compare
+
+    found = compare(
+        devices,
+        requirement,
+        [procedure],
+        catalogue=load_catalogue(),
+        seed=seed,
+        workers=shop.workers,
+        executor=shop.executor,
+        progress=shop.progress,
+    )
+    return Extra(
+        key="comparison",
+        content=to_dict(found),
+        sections=comparison_sections(found),
+        inputs=found.inputs,
+    )

@@ -5,9 +5,11 @@ from __future__ import annotations
 import csv
 import io
 import json
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from budget.results import Budget
 
 COLUMNS = (
@@ -24,15 +26,28 @@ COLUMNS = (
 )
 
 
-def to_json(budget: Budget) -> str:
+def to_json(
+    budget: Budget, extras: Mapping[str, Mapping[str, Any]] | None = None
+) -> str:
     """Write the JSON document of a budget, in printed units.
+
+    Parameters
+    ----------
+    budget : Budget
+        The result.
+    extras : mapping, optional
+        Documents of other studies that go with it, by their keys.
+
+    Returns
+    -------
+    str
 
     Raises
     ------
     ValueError
         A number is not finite: JSON has none, and a budget must have none.
     """
-    document = budget.to_dict()
+    document = {**budget.to_dict(), **(extras or {})}
     return json.dumps(document, allow_nan=False, ensure_ascii=False, indent=1) + "\n"
 
 

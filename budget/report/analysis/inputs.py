@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from budget.report.analysis.wording import first_up, texts
+from budget.report.analysis.wording import first_up, texts, without_empty
 from budget.report.blocks import (
     Cell,
     Column,
@@ -61,7 +61,7 @@ def _sensor_panel(sensor: Sensor, assumptions: Sequence[str]) -> Panel:
     )
     blocks: list[Block] = [Paragraph(words=(nominal,), small=True)]
     if sensor.lines:
-        blocks.append(_lines_table(sensor, assumptions))
+        blocks.append(without_empty(_lines_table(sensor, assumptions)))
     else:
         text = "The data sheet gives no line that the model uses."
         blocks.append(Paragraph(words=(text,)))
@@ -130,38 +130,7 @@ def _about(device: Device) -> Iterator[Panel]:
     """Yield what moves no number: figures no model uses, what the device is."""
     blocks: list[Block] = []
     if device.figures:
-        blocks.append(
-            Table(
-                name=f"not-budgeted-{device.origin.sha256[:8]}",
-                caption=f"Figures of {device.name} that no model uses",
-                columns=tuple(
-                    Column(head=head)
-                    for head in (
-                        "figure",
-                        "as printed",
-                        "meaning",
-                        "condition",
-                        "source",
-                    )
-                ),
-                groups=(
-                    RowGroup(
-                        rows=tuple(
-                            texts(
-                                words(figure.name),
-                                figure.value,
-                                figure.meaning,
-                                figure.condition,
-                                figure.source,
-                            )
-                            for figure in device.figures
-                        )
-                    ),
-                ),
-                is_wide=True,
-                searchable=True,
-            )
-        )
+        blocks.append(without_empty(_figures_table(device)))
     said = [(label, getattr(device, label)) for label in ABOUT]
     lines = "; ".join(f"{label} {text}" for label, text in said if text)
     if lines:
@@ -169,3 +138,28 @@ def _about(device: Device) -> Iterator[Panel]:
     if blocks:
         title = "printed, not budgeted" if device.figures else "the device"
         yield Panel(title=f"{device.name}: {title}", blocks=tuple(blocks))
+
+
+def _figures_table(device: Device) -> Table:
+    """Return what the maker prints and no model uses."""
+    return Table(
+        name=f"not-budgeted-{device.origin.sha256[:8]}",
+        caption=f"Figures of {device.name} that no model uses",
+        columns=tuple(Column(head=head) for head in FIGURE_HEADS),
+        groups=(
+            RowGroup(
+                rows=tuple(
+                    texts(
+                        words(figure.name),
+                        figure.value,
+                        figure.meaning,
+                        figure.condition,
+                        figure.source,
+                    )
+                    for figure in device.figures
+                )
+            ),
+        ),
+        is_wide=True,
+        searchable=True,
+    )

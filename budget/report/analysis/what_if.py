@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import groupby
 from typing import TYPE_CHECKING
 
 from budget.report.analysis.wording import VERDICTS
@@ -21,6 +22,7 @@ from budget.report.tables import (
     print_share,
     print_utilisation,
     round_value,
+    source_title,
 )
 
 if TYPE_CHECKING:
@@ -61,7 +63,15 @@ def what_if_section(model: WhatIf, rows: Sequence[SourceSteps]) -> Section:
         name="one-at-a-time",
         caption="What one source more or less would do",
         columns=columns,
-        groups=(RowGroup(rows=tuple(_row(row, required=required) for row in rows)),),
+        groups=tuple(
+            RowGroup(
+                title=sensor,
+                rows=tuple(_row(row, required=required) for row in of_sensor),
+            )
+            for sensor, of_sensor in groupby(
+                rows, key=lambda row: row.source.name.partition(".")[0]
+            )
+        ),
         is_wide=True,
         searchable=True,
     )
@@ -79,7 +89,7 @@ def _row(row: SourceSteps, *, required: bool) -> tuple[Cell, ...]:
     """Return one source in several sizes."""
     share = Number(text=print_share(row.share), exact=row.share)
     cells = [
-        Cell(text=row.source.name.replace(".", " ").replace("_", " ")),
+        Cell(text=source_title(row.source.name)),
         Cell(text=row.source.printed),
         Cell(text=output_title(row.output.name.partition(".")[2])),
         Cell(text=share.text.removesuffix(" %"), exact=share.exact, share=share.exact),

@@ -1,0 +1,310 @@
+"""The whole report as one document, the answer first, then what it stands on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import chain
+from typing import TYPE_CHECKING, Any
+
+from budget.report import figures
+from budget.report.analysis.causes import rank_causes
+from budget.report.analysis.groups import budget_section
+from budget.report.analysis.inputs import inputs_section
+from budget.report.analysis.method import method_section
+from budget.report.analysis.procedure import print_degrees, procedure_section
+from budget.report.analysis.provenance import provenance_section
+from budget.report.analysis.verdict import (
+    group_cards,
+    headline,
+    limits_section,
+    summary,
+    verdict_cards,
+)
+from budget.report.analysis.what_if import what_if_section
+from budget.report.analysis.wording import first_up, points
+from budget.report.blocks import (
+    Abreast,
+    Document,
+    Listing,
+    Panel,
+    Paragraph,
+    Run,
+    Section,
+)
+from budget.report.document import to_json
+from budget.report.not_given import not_given_lines
+from budget.report.tables import group_tables
+from budget.studies.one_at_a_time import one_at_a_time
+from budget.version import __version__
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from budget.report.analysis.causes import Cause
+    from budget.report.blocks import Picture, Words
+    from budget.report.tables import GroupTable
+    from budget.results import Assessment, Budget, InputFile
+    from budget.spec.records import Device, Procedure
+    from budget.studies.evidence import Evidence
+
+
+@dataclass(frozen=True, kw_only=True)
+class Extra:
+    """What another study adds to a report.
+
+    Attributes
+    ----------
+    key : str
+        Of its numbers in the JSON document: 'allocation'.
+    content : mapping
+        Those numbers.
+    sections : tuple of Section
+    inputs : tuple of InputFile
+        What it depends on.
+    """
+
+    key: str
+    content: Mapping[str, Any]
+    sections: tuple[Section, ...]
+    inputs: tuple[InputFile, ...]
+
+
+def report_document(
+    budget: Budget,
+    *,
+    devices: Sequence[Device],
+    procedure: Procedure,
+    evidence: Evidence,
+    assessment: Assessment | None = None,
+    extras: Sequence[Extra] = (),
+    command_line: str,
+    date: str,
+) -> Document:
+    """Put a budget and what stands behind it into one document.
+
+    Parameters
+    ----------
+    budget : Budget
+        The result.
+    devices : sequence of Device
+        Those that it is of.
+    procedure : Procedure
+        How they are calibrated.
+    evidence : Evidence
+        From `gather_evidence` for the same budget.
+    assessment : Assessment, optional
+        The budget against a requirement.
+    extras : sequence of Extra
+        Allocation and comparison, where they were asked for.
+    command_line : str
+        What makes the report again; without output names.
+    date : str
+        Year-month-day.
+
+    Returns
+    -------
+    Document
+        The same for the same arguments.
+    """
+    groups = group_tables(budget)
+    sensors = tuple(dict.fromkeys(group.sensor for group in groups))
+    cards = (
+        group_cards(groups) if assessment is None else verdict_cards(budget, assessment)
+    )
+    latitude = print_degrees(procedure.latitude)
+    found: list[Section | None] = [
+        _overview(groups, assessment),
+        _causes(rank_causes(groups, devices, assessment)),
+        _gaps(budget),
+        None if assessment is None else limits_section(budget, assessment),
+        inputs_section(devices),
+        procedure_section(
+            procedure, sensors, figures.schedule_picture(procedure, sensors)
+        ),
+        budget_section(groups),
+        what_if_section(evidence.what_if, one_at_a_time(evidence.what_if)),
+        _coupling(evidence, sensors),
+        _indices(budget, sensors),
+        _validity(budget, sensors),
+        _distributions(budget, evidence),
+        *(section for extra in extras for section in extra.sections),
+        method_section(budget.settings, procedure, devices, sensors),
+        provenance_section(
+            tuple(
+                dict.fromkeys(chain(budget.inputs, *(extra.inputs for extra in extras)))
+            ),
+            budget.settings,
+            version=__version__,
+            command_line=command_line,
+        ),
+    ]
+    return Document(
+        kind="report",
+        title=budget.title,
+        facts=(f"procedure {procedure.name}, latitude {latitude} deg",),
+        headline=headline(budget, assessment),
+        summary=summary(budget, assessment),
+        cards=cards,
+        sections=tuple(section for section in found if section is not None),
+        json=to_json(budget, {extra.key: extra.content for extra in extras}),
+        date=date,
+        version=__version__,
+    )
+
+
+def _overview(
+    groups: Sequence[GroupTable], assessment: Assessment | None
+) -> Section | None:
+    """Return the figure of page one: limits used, or U of every group."""
+    picture = (
+        figures.overview_picture(groups)
+        if assessment is None
+        else figures.utilisation_picture(assessment)
+    )
+    if picture is None:
+        return None
+    title = "What is left" if assessment is None else "Against the limits"
+    return Section(name="overview", title=title, blocks=(picture,), on_first_page=True)
+
+
+def _causes(causes: Sequence[Cause]) -> Section:
+    """Return the largest causes in words with numbers."""
+    several = len(causes) > 1
+    return Section(
+        name="causes",
+        title=f"The {len(causes)} largest causes" if several else "Causes",
+        blocks=(
+            Listing(
+                items=tuple(_cause_words(cause) for cause in causes),
+                empty="Nothing varies: no output has any spread.",
+                numbered=True,
+            ),
+        ),
+        on_first_page=True,
+    )
+
+
+def _cause_words(cause: Cause) -> Words:
+    """Say what one source makes of the variance of each group."""
+    words: list[str | Run] = [Run(text=first_up(cause.title), strong=True)]
+    words.append(f" ({cause.printed}) makes " if cause.printed else " makes ")
+    last = len(cause.effects) - 1
+    for place, effect in enumerate(cause.effects):
+        words += [
+            Run(text=effect.share.text, exact=effect.share.exact),
+            f" of the {effect.group} variance (alone u ",
+            Run(text=f"{effect.u.text} {effect.unit}", exact=effect.u.exact),
+            ")",
+            "." if place == last else " and " if place == last - 1 else ", ",
+        ]
+    return tuple(words)
+
+
+def _gaps(budget: Budget) -> Section:
+    """Return what is not given, what is assumed, and what to beware of."""
+    missing = not_given_lines(budget.not_given, budget.settings.reference)
+    lists = (
+        (
+            "Not given",
+            [f"{first_up(line)}." for line in missing],
+            "Every line that the model knows is given.",
+        ),
+        ("Assumptions", budget.assumptions, "None beyond what the files say."),
+        ("Warnings", budget.warnings, "None."),
+    )
+    return Section(
+        name="gaps",
+        title="What is missing and what is assumed",
+        blocks=(
+            Abreast(
+                blocks=tuple(
+                    Panel(
+                        title=title, blocks=(Listing(items=points(lines), empty=empty),)
+                    )
+                    for title, lines, empty in lists
+                ),
+                columns=3,
+            ),
+        ),
+        on_first_page=True,
+    )
+
+
+def _coupling(evidence: Evidence, sensors: Sequence[str]) -> Section | None:
+    """Return which source reaches which parameters."""
+    text = (
+        "Each source alone, by the law: its standard uncertainty over that of all "
+        "sources together, the largest over the axes of a group. Empty: it does not "
+        "reach the group, to the rounding of the computation."
+    )
+    return _by_sensor(
+        "coupling",
+        "Coupling",
+        text,
+        (figures.coupling_picture(evidence.coupling, sensor) for sensor in sensors),
+    )
+
+
+def _indices(budget: Budget, sensors: Sequence[str]) -> Section | None:
+    """Return Sobol' indices with their intervals."""
+    settings = budget.settings
+    text = (
+        "Part of the variance that a source makes alone (first order) and with all its "
+        f"products (total), with 95 % intervals over {settings.sobol_scrambles} "
+        f"independent scrambles of {settings.sobol_samples} points; of the output "
+        "of each group with the largest spread. Those of all outputs are in the JSON "
+        "document."
+    )
+    return _by_sensor(
+        "indices",
+        "Sobol' indices",
+        text,
+        (figures.sobol_picture(budget, sensor) for sensor in sensors),
+    )
+
+
+def _validity(budget: Budget, sensors: Sequence[str]) -> Section | None:
+    """Return the law against Monte Carlo."""
+    text = (
+        "Both ends of the coverage interval by the law, less those by Monte Carlo, in "
+        "numerical tolerances of the standard uncertainty (JCGM 101:2008, 8.1): within "
+        "the band the law may be trusted."
+    )
+    return _by_sensor(
+        "validity",
+        "The law against Monte Carlo",
+        text,
+        (figures.validity_picture(budget, sensor) for sensor in sensors),
+    )
+
+
+def _distributions(budget: Budget, evidence: Evidence) -> Section | None:
+    """Return how the errors of the critical outputs are distributed."""
+    text = (
+        "Of each group of parameters the output that uses most of its limit or, where "
+        "nothing is required, has the largest spread."
+    )
+    coverage = budget.settings.coverage
+    return _by_sensor(
+        "distributions",
+        "Distributions",
+        text,
+        (
+            figures.density_picture(density, coverage=coverage)
+            for density in evidence.densities
+        ),
+    )
+
+
+def _by_sensor(
+    name: str, title: str, text: str, pictures: Iterable[Picture | None]
+) -> Section | None:
+    """Return figures beside each other under what they show; None without any."""
+    drawn = tuple(picture for picture in pictures if picture is not None)
+    if not drawn:
+        return None
+    return Section(
+        name=name,
+        title=title,
+        blocks=(Paragraph(words=(text,)), Abreast(blocks=drawn)),
+    )

@@ -1,0 +1,78 @@
+"""The text of a document of blocks, for tests that ask what it says."""
+
+from __future__ import annotations
+
+from dataclasses import fields, is_dataclass
+
+from budget.report.blocks import Run, Table
+from budget.report.formulas import Figure, Letter, Sign
+
+
+def walk(part):
+    """Yield every record of a document, from the outside in."""
+    if is_dataclass(part):
+        yield part
+        for field in fields(part):
+            if field.name not in {"svg", "model", "json", "tips"}:
+                yield from walk(getattr(part, field.name))
+    elif isinstance(part, (tuple, list)):
+        for one in part:
+            yield from walk(one)
+    elif isinstance(part, str):
+        yield part
+
+
+def find(document, kind):
+    """Return all records of one type."""
+    return [part for part in walk(document) if isinstance(part, kind)]
+
+
+def say(words):
+    """Return a line of text with the letters of its formulas."""
+    return "".join(
+        part
+        if isinstance(part, str)
+        else part.text
+        if isinstance(part, Run)
+        else "".join(
+            p.text for p in walk(part) if isinstance(p, Letter | Figure | Sign)
+        )
+        for part in words
+    )
+
+
+def section(document, name):
+    """Return the section of that name."""
+    return next(s for s in document.sections if s.name == name)
+
+
+def names(document):
+    """Return the names of all sections."""
+    return [s.name for s in document.sections]
+
+
+def lines(part):
+    """Return every line of text that stands in a part of a document."""
+    found = []
+    for one in walk(part):
+        for attribute in ("words", "text", "title", "summary", "headline"):
+            value = getattr(one, attribute, None)
+            if isinstance(value, tuple):
+                found.append(say(value))
+            elif isinstance(value, str):
+                found.append(value)
+        for attribute in ("items", "lines"):
+            value = getattr(one, attribute, ())
+            if isinstance(value, tuple):
+                found += [say(words) for words in value]
+    return found
+
+
+def rows(part):
+    """Return the rows of all tables as tuples of text."""
+    return [
+        tuple(cell.text for cell in row)
+        for table in find(part, Table)
+        for group in table.groups
+        for row in group.rows
+    ]

@@ -1,0 +1,414 @@
+"""The report as a document: what it says of a budget, before it is a page."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from functools import cache
+
+import pytest
+from document_text import find, lines, names, rows, say, section
+from numpy.testing import assert_allclose
+from report_examples import (
+    ACCELEROMETER,
+    GYRO,
+    make_assessment,
+    make_budget,
+    make_device,
+    make_output,
+    make_outputs,
+    make_procedure,
+)
+
+from budget.report.analysis.build import Extra, report_document
+from budget.report.analysis.inputs import print_by_axis
+from budget.report.blocks import Equation, Paragraph, Picture, Section, Sliders
+from budget.report.tables import group_tables, output_title
+from budget.resources import shipped
+from budget.spec import load_requirement
+from budget.studies.evidence import gather_evidence
+
+TACTICAL = shipped("specs") / "requirements" / "tactical-grade.yaml"
+
+
+@cache
+def example_evidence(reference="nominal", *, gyro_only=False):
+    """Compute what stands behind the example device once."""
+    device = make_device()
+    if gyro_only:
+        device = replace(device, accelerometer=None)
+    outputs = {"outputs": make_outputs("gyro", GYRO)} if gyro_only else {}
+    budget = make_budget(**outputs)
+    settings = replace(budget.settings, reference=reference)
+    return gather_evidence(
+        replace(budget, settings=settings), (device,), procedure=make_procedure()
+    )
+
+
+def document(budget=None, *, assessment=None, device=None, **changes):
+    """Return the report on the example device."""
+    formulas = changes.pop("formulas", "corrected")
+    arguments = {
+        "devices": (device or make_device(),),
+        "procedure": make_procedure(formulas=formulas),
+        "evidence": example_evidence(),
+        "assessment": assessment,
+        "command_line": "budget report zhao-2019.yaml",
+        "date": "2026-11-21",
+    }
+    return report_document(budget or make_budget(), **(arguments | changes))
+
+
+@cache
+def example():
+    """Return the report without a requirement, once."""
+    return document()
+
+
+@cache
+def failing():
+    """Return the report on limits that are not held, once."""
+    budget = make_budget()
+    return document(budget, assessment=make_assessment(budget))
+
+
+def test_page_one_answers_first():
+    """The sections of page one come before all others: figure, causes, gaps."""
+    for report in (example(), failing()):
+        first = [s.on_first_page for s in report.sections]
+        assert first == sorted(first, reverse=True)
+        assert names(report)[:3] == ["overview", "causes", "gaps"]
+
+
+def test_every_section_of_a_full_report_is_there():
+    """Inputs to provenance stand in the order in which a reviewer asks for them."""
+    assert names(failing()) == [
+        *("overview", "causes", "gaps", "limits", "inputs", "procedure", "budget"),
+        *("what-if", "coupling", "validity", "distributions", "method", "provenance"),
+    ]
+
+
+def test_names_of_links_are_unique():
+    """No two sections, tables or pictures share the name that links lead to."""
+    found = [s.name for s in failing().sections]
+    found += [p.name for p in find(failing(), Picture)]
+
+    assert len(found) == len(set(found))
+
+
+def test_report_without_requirement_gives_u_of_each_group():
+    """Without a requirement the cards say U of each group and what dominates it."""
+    cards = {
+        card.title: [say(words) for words in card.lines] for card in example().cards
+    }
+
+    assert cards["Gyro bias"] == [
+        "U95 0.119 deg/h (axis z)",
+        "bias repeatability 74 %, bias stability 24 %, rest 2 % of the variance",
+    ]
+    assert example().headline == "Error budget, U at 95 % coverage"
+    assert not any("of the limit" in line for line in lines(example()))
+
+
+def test_failing_report_says_by_what_and_why():
+    """Verdict, margin, worst output, limit, utilisation and causes are said."""
+    report = failing()
+    (gyro, _) = report.cards
+    words = " ".join(say(line) for line in gyro.lines)
+
+    assert report.headline == "FAILS tactical grade"
+    assert report.running_head == "Zhao 2019 optical IMU: FAILS tactical grade"
+    assert say(report.summary).startswith(
+        "3 of 24 required outputs exceed their limits, by up to 19 % of the limit."
+    )
+    assert gyro.title == "Gyro: FAILS"
+    assert (
+        "Worst output: gyro bias z, largest error 0.119 deg/h, limit 0.1 deg/h: "
+        "119 % of the limit."
+    ) in words
+    assert "Because: bias repeatability 67 %, bias stability 31 %, rest 2 %" in words
+
+
+def test_undecidable_report_names_what_is_missing():
+    """A sensor that would meet says which line its verdict waits for."""
+    budget = make_budget(outputs=make_outputs("accelerometer", ACCELEROMETER))
+    report = document(
+        budget, assessment=make_assessment(budget, accelerometer="undecidable")
+    )
+
+    assert report.headline == "UNDECIDABLE tactical grade"
+    assert say(report.cards[0].lines[0]) == (
+        "It would meet, but the data sheet does not give a noise line."
+    )
+
+
+def test_meeting_report_says_the_margin():
+    """Where every sensor meets, so does the report, with what is left."""
+    budget = make_budget(outputs=make_outputs("accelerometer", ACCELEROMETER))
+    report = document(budget, assessment=make_assessment(budget))
+
+    assert report.headline == "MEETS tactical grade"
+    assert say(report.summary).startswith(
+        "All 12 required outputs stay within their limits, with 7 % of the nearest "
+        "one to spare."
+    )
+
+
+def test_causes_are_ranked_by_what_they_do_to_the_limits():
+    """With a requirement the causes in groups beyond their limits stand first."""
+    items = section(failing(), "causes").blocks[0].items
+
+    assert [item[0].text for item in items] == [
+        "Gyro bias repeatability",
+        "Gyro bias stability",
+        "Gyro angle random walk",
+        "Gyro scale factor repeatability",
+        "Accelerometer scale factor repeatability",
+    ]
+
+
+def test_cause_quotes_the_data_sheet():
+    """A cause carries the printed figure of its line, share and u."""
+    items = [say(item) for item in section(example(), "causes").blocks[0].items]
+
+    assert (
+        "Accelerometer bias repeatability (37 ug) makes 79 % of the accelerometer bias "
+        "variance (alone u 37 ug)."
+    ) in items
+
+
+def test_empty_states_are_said():
+    """Nothing missing, assumed or warned of is said in words."""
+    report = document(make_budget(not_given=(), assumptions=(), warnings=()))
+    panels = section(report, "gaps").blocks[0].blocks
+
+    assert [panel.blocks[0].items for panel in panels] == [(), (), ()]
+    assert [panel.blocks[0].empty for panel in panels] == [
+        "Every line that the model knows is given.",
+        "None beyond what the files say.",
+        "None.",
+    ]
+
+
+def test_budget_without_spread_says_so():
+    """A budget in which nothing varies has no causes and no empty figure."""
+    still = make_output(
+        "gyro", "bias", "x", unit="deg/h", scale=1.0, sources={"bias_stability": 0.0}
+    )
+    report = document(make_budget(outputs=(still,)))
+    causes = section(report, "causes").blocks[0]
+
+    assert causes.items == ()
+    assert causes.empty == "Nothing varies: no output has any spread."
+    assert [say(line) for line in report.cards[0].lines][1] == "no spread"
+
+
+def test_every_source_of_every_output_stands_in_the_tables():
+    """Each source that acts has a row with u and share; the others are named."""
+    budget = make_budget()
+    part = section(document(budget), "budget")
+    exact = {
+        cell.exact
+        for table in (t for p in part.blocks[1].blocks for t in p.blocks)
+        if hasattr(table, "groups")
+        for group in table.groups
+        for row in group.rows
+        for cell in row
+    }
+
+    for group in group_tables(budget):
+        for source in group.sources:
+            if source.is_idle:
+                assert any(
+                    line.startswith("Without effect") and source.title in line
+                    for line in lines(part)
+                )
+            else:
+                assert {cell.u.exact for cell in source.cells} <= exact
+                assert {cell.share.exact for cell in source.cells} <= exact
+
+
+def test_the_check_of_the_law_stands_with_every_output():
+    """Both differences, the tolerance and the word stand in each group's table."""
+    found = rows(section(example(), "budget"))
+    heads = [row[0] for row in found]
+    groups = 6
+
+    assert heads.count("lower ends differ by") == groups
+    assert heads.count("upper ends differ by") == groups
+    assert sum(row.count("holds") for row in found) == 24
+
+
+def test_inputs_show_the_data_sheet():
+    """Printed form, meaning, distribution, condition and source of a line are shown."""
+    cells = {cell for row in rows(section(example(), "inputs")) for cell in row}
+
+    assert {"2 arcsec", "max", "uniform", "1.155 arcsec"} <= cells
+    assert {"-40 to 71 degC", "table 2 <rev B>", "bandwidth", "200 Hz"} <= cells
+    assert "normal, correlation time 300 s" in cells
+
+
+def test_inputs_show_what_was_assumed_of_each_line():
+    """An assumption stands in the row of its line, that of one axis with its name."""
+    device = replace(
+        make_device(),
+        assumptions=(
+            "gyro.bias_stability: correlation time not given, 300 s assumed",
+            "gyro.angle_random_walk.y: typical is taken as 1 sigma",
+        ),
+    )
+    gyro = section(document(device=device), "inputs").blocks[0]
+    found = rows(gyro)
+    by_line = {row[0]: row[-1] for row in found}
+
+    assert by_line["bias stability"] == "correlation time not given, 300 s assumed"
+    assert by_line["angle random walk"] == "y: typical is taken as 1 sigma"
+
+
+def test_columns_in_which_nothing_stands_are_left_out():
+    """No data sheet without conditions has an empty column of conditions."""
+    device = replace(make_device(), gyro=None)
+    table = section(document(device=device), "inputs").blocks[0].blocks[1]
+
+    assert [column.head for column in table.columns] == [
+        *("line", "as printed", "meaning", "standard uncertainty", "distribution")
+    ]
+
+
+def test_figures_by_axis_are_told_apart():
+    """A line with unequal axes shows the figure of each."""
+    line = make_device().gyro.lines[0]
+
+    text = print_by_axis(line.u / line.si_per_unit * [1.0, 2.0, 3.0])
+
+    assert text == "x 0.05, y 0.1, z 0.15"
+
+
+def test_sensor_that_is_absent_has_no_part():
+    """With a gyro alone nothing is said of the accelerometer's test and formulas."""
+    report = document(
+        make_budget(outputs=make_outputs("gyro", GYRO), not_given=(), warnings=()),
+        device=replace(make_device(), accelerometer=None),
+        evidence=example_evidence(gyro_only=True),
+    )
+    words = " ".join(
+        [*lines(report), *(say(text) for _, text in report.sections[4].blocks[0].rows)]
+    )
+
+    assert "twelve positions" not in words
+    assert "eq. (5)" not in words
+    assert "eq. (3)" in words
+
+
+def test_formula_of_the_paper_is_shown_where_it_is_used():
+    """The gyro bias formula is the one of the procedure."""
+    assert "Gyro bias, corrected from eq. (4)" in lines(example())
+    assert "Gyro bias, eq. (4) as printed" in lines(document(formulas="paper"))
+
+
+def test_every_parameter_has_its_formula():
+    """24 parameters: 9 and one vector equation of the gyro, 12 of the accelerometer."""
+    panels = [
+        block
+        for block in section(example(), "method").blocks
+        if getattr(block, "title", "").partition(",")[0]
+        in {"Gyro scale factors and mounting angles", "Gyro bias", "Accelerometer"}
+    ]
+
+    assert sum(len(find(panel, Equation)) for panel in panels) == 10 + 12
+
+
+def test_noise_formulas_are_those_of_the_lines_given():
+    """Processes that no data sheet gives have no formula."""
+    notes = {e.number for e in find(section(example(), "method"), Equation)}
+
+    assert "first-order Gauss-Markov" in notes
+    assert "white per sample, rate f" in notes
+    assert "random walk from t = 0" not in notes
+
+
+def test_provenance_names_the_inputs():
+    """Version, command, base names and hashes of the inputs are there."""
+    budget = make_budget()
+    part = section(document(budget), "provenance")
+    pairs = dict(part.blocks[0].rows)
+
+    assert pairs["command"] == ("budget report zhao-2019.yaml",)
+    assert rows(part) == [(f.role, f.name, f.sha256) for f in budget.inputs]
+
+
+def test_reference_is_explained():
+    """The report says what the errors are counted from."""
+    settings = replace(make_budget().settings, reference="next_turn_on")
+    report = document(make_budget(settings=settings))
+    pairs = dict(section(report, "method").blocks[0].rows)
+
+    assert pairs["reference"][0].startswith(
+        "next turn on: errors are counted from the values at a later"
+    )
+
+
+def test_every_figure_has_a_finding_words_and_data():
+    """Title, words with numbers, and a table stand with every figure or beside it."""
+    pictures = find(failing(), Picture)
+
+    assert len(pictures) >= 12
+    for picture in pictures:
+        assert picture.title
+        assert any(c.isdigit() for c in picture.alt)
+        assert picture.data is not None or picture.name.startswith("shares")
+
+
+def test_embedded_document_is_the_budget_and_its_extras():
+    """The JSON holds the budget, and under its key what another study adds."""
+    budget = make_budget()
+    extra = Extra(
+        key="allocation",
+        content={"feasible": True},
+        sections=(
+            Section(name="allocation", title="A", blocks=(Paragraph(words=("x",)),)),
+        ),
+        inputs=(replace(budget.inputs[0], role="catalogue"), budget.inputs[1]),
+    )
+    report = document(budget, extras=(extra,))
+    found = json.loads(report.json)
+
+    assert found["outputs"] == budget.to_dict()["outputs"]
+    assert found["allocation"] == {"feasible": True}
+    assert names(report).index("allocation") == names(report).index("method") - 1
+    assert [row[0] for row in rows(section(report, "provenance"))] == [
+        *("device", "procedure", "catalogue")
+    ]
+
+
+def test_what_if_with_limits_says_what_each_step_uses():
+    """With limits there are the parts of them, and what the verdict becomes."""
+    wanted = load_requirement(TACTICAL)
+    budget = make_budget()
+    settings = replace(budget.settings, reference=wanted.reference)
+    evidence = gather_evidence(
+        replace(budget, settings=settings),
+        (make_device(),),
+        procedure=make_procedure(),
+        requirement=wanted,
+    )
+    (sliders,) = find(section(document(evidence=evidence), "what-if"), Sliders)
+    heads = [column.head for column in sliders.table.columns]
+
+    assert heads[-1] == "verdict then"
+    assert heads.count("of the limit now [%]") == 1
+    assert all(output["limit"] is not None for output in sliders.model["outputs"])
+
+
+@pytest.mark.parametrize(("factor", "place"), [(0.5, 5), (1.0, 6), (2.0, 7)])
+def test_steps_are_the_law_at_changed_sources(factor, place):
+    """The table's U at half and twice is what the model behind it evaluates to."""
+    model = example_evidence().what_if
+    (sliders,) = find(section(example(), "what-if"), Sliders)
+    row = sliders.table.groups[0].rows[0]
+    outlook = model.evaluate({model.sources[0].name: factor})
+    names_of = [output_title(o.name.partition(".")[2]) for o in model.outputs]
+    k = names_of.index(row[2].text)
+    expected = model.factor[k] * outlook.u[k] / model.outputs[k].si_per_unit
+
+    assert_allclose(row[place].exact, expected, rtol=1e-12)
