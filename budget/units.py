@@ -138,6 +138,26 @@ _SPELLINGS = str.maketrans(
     }
 )
 
+# Spellings that are not read, and what makers mean by them; two where they differ.
+MEANT = {
+    "s": ("arcsec",),  # 'sec' beside an angle
+    "min": ("arcmin",),
+    '"': ("arcsec",),
+    "'": ("arcmin",),
+    "microg": ("ug",),
+    "micro-g": ("ug",),
+    "milli-g": ("mg",),
+    "samples/s": ("Hz",),
+    "m/s/sqrt(Hz)": ("m/s/sqrt(h)", "m/s^2/sqrt(Hz)"),  # a factor of 60
+    "deg/h 1/sqrt(Hz)": ("deg/h/sqrt(Hz)", "deg/sqrt(h)"),  # a factor of 60
+}
+# What stands in units of which a data sheet has many and no model of ours has one.
+_FOREIGN = re.compile(
+    r"(?<![A-Za-z])(?:degC|C|K|FS|span|cross-axis|mA|A|mV|V|mW|W|LSB|pulse|count|bit|"
+    r"Gauss|kg|grams?|lb|cc|[cm]m|in|MTBF|FIT|EUR|USD|CNY)(?![A-Za-z])"
+)
+_FIGURES = "a figure that no model uses goes under 'figures' of its device, as text"
+
 
 def parse_quantity(
     text: str, like: str, *, gravity: float = STANDARD_GRAVITY
@@ -264,14 +284,39 @@ def _explain_unit(
 ) -> str:
     """Say what is wrong with a unit, and which right one is nearest to it."""
     allowed = f"expected {kind.name} ({', '.join(kind.units)})"
-    if unit.endswith("rms"):
-        return f"found {text!r}, {allowed}; write 'rms' as 'meaning: rms'"
+    bare = unit.removesuffix("rms").rstrip()
+    if bare != unit and _fits(bare, kind):
+        rms = f"write 'rms' as 'meaning: rms' beside 'value: {number} {bare}'"
+        return f"found {text!r}, {allowed}; {rms}"
     why = f"{unit!r} is no known unit"
+    size = size or _size(bare, STANDARD_GRAVITY)
+    others: list[str] = []
     if size is not None:
         others = [k.name for k in KINDS if _dimension(k.units[0]) == size.dimension]
         why = f"which is {others[0]}" if others else f"{unit!r} does not fit"
-    plain = _plain(unit).lower()
-    near = {u: SequenceMatcher(None, plain, u).ratio() for u in kind.units}
-    best = max(kind.units, key=near.__getitem__)  # of equals the most usual one
-    hint = f"; did you mean '{number} {best}'?" if near[best] > _NEAR else ""
-    return f"found {text!r}, {why}, {allowed}{hint}"
+    return f"found {text!r}, {why}, {allowed}{_advise(number, bare, kind, others)}"
+
+
+def _advise(number: str, unit: str, kind: Kind, others: list[str]) -> str:
+    """Say what to write in place of a unit that does not fit; '' where nobody knows.
+
+    A hint never drops part of what is measured: '1 deg/h/g' is no slip for '1 deg/h'.
+    """
+    plain = _plain(unit)
+    part = not others and plain.startswith(tuple(f"{u}/" for u in kind.units))
+    meant = [u for u in MEANT.get(plain, ()) if _fits(u, kind)]
+    if not meant and not _FOREIGN.search(plain):
+        near = {u: SequenceMatcher(None, plain.lower(), u).ratio() for u in kind.units}
+        best = max(kind.units, key=near.__getitem__)  # of equals the most usual one
+        meant = [best] if near[best] > _NEAR and not part else []
+    if meant:
+        words = " or ".join(f"'{number} {spelling}'" for spelling in meant)
+        return f"; did you mean {words}?"
+    odd = not others and _size(unit, STANDARD_GRAVITY) is not None
+    return f"; {_FIGURES}" if part or odd or _FOREIGN.search(plain) else ""
+
+
+def _fits(unit: str, kind: Kind) -> bool:
+    """Say whether a text is a unit of that kind."""
+    size = _size(unit, STANDARD_GRAVITY)
+    return size is not None and size.dimension == _dimension(kind.units[0])

@@ -1,0 +1,262 @@
+"""Every unit that data sheets print: read right, or refused with what to write."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from numpy.testing import assert_allclose
+
+from budget.errors import SpecError, UnitError
+from budget.spec import load_device
+from budget.units import KINDS, parse_quantity
+
+RATE, ANGLE_WALK, RATE_WALK, ACCELERATION, VELOCITY_WALK = (
+    *("deg/h", "deg/sqrt(h)", "deg/h/sqrt(h)", "ug", "ug/sqrt(Hz)"),
+)
+ACCELERATION_WALK, RATIO, ANGLE, TIME, FREQUENCY = (
+    *("ug/sqrt(h)", "ppm", "arcsec", "s", "Hz"),
+)
+
+# Spelling as printed, kind, size in SI. By hand, to 16 digits, from 1 deg =
+# 3.141592653589793/180 rad = 0.01745329251994330 rad; 1 h = 3600 s, whose root is 60;
+# 1/sqrt(Hz) = sqrt(s); 1 g = 9.80665 m/s^2; 1 ft = 0.3048 m; 1 Gal = 0.01 m/s^2.
+READ = [
+    ("°/h", RATE, 4.848136811095360e-6),  # 0.0174532925199433 / 3600
+    ("°/hr", RATE, 4.848136811095360e-6),
+    ("°/hour", RATE, 4.848136811095360e-6),
+    ("deg/h", RATE, 4.848136811095360e-6),
+    ("deg/hr", RATE, 4.848136811095360e-6),
+    ("°/s", RATE, 0.01745329251994330),
+    ("°/sec", RATE, 0.01745329251994330),
+    ("deg/s", RATE, 0.01745329251994330),
+    ("dps", RATE, 0.01745329251994330),
+    ("rad/s", RATE, 1.0),
+    ("mrad/s", RATE, 0.001),
+    ("arcsec/s", RATE, 4.848136811095360e-6),  # 1 arcsec = 1 deg / 3600
+    ("°/√h", ANGLE_WALK, 2.908882086657216e-4),  # 0.0174532925199433 / 60
+    ("°/√hr", ANGLE_WALK, 2.908882086657216e-4),
+    ("deg/sqrt(hr)", ANGLE_WALK, 2.908882086657216e-4),
+    ("deg/rt-hr", ANGLE_WALK, 2.908882086657216e-4),
+    ("°/√s", ANGLE_WALK, 0.01745329251994330),
+    ("°/√sec", ANGLE_WALK, 0.01745329251994330),
+    ("rad/√s", ANGLE_WALK, 1.0),
+    ("°/s/√Hz", ANGLE_WALK, 0.01745329251994330),  # deg/s sqrt(s) = deg/sqrt(s)
+    ("(°/s)/√Hz", ANGLE_WALK, 0.01745329251994330),
+    ("dps/√Hz", ANGLE_WALK, 0.01745329251994330),
+    ("°/h/√Hz", ANGLE_WALK, 4.848136811095360e-6),  # a 60th of deg/sqrt(h)
+    ("rad/s/√Hz", ANGLE_WALK, 1.0),
+    ("°/h/√h", RATE_WALK, 8.080228018492267e-8),  # 4.84813681109536e-6 / 60
+    ("°/s/√s", RATE_WALK, 0.01745329251994330),
+    ("rad/s/√s", RATE_WALK, 1.0),
+    ("g", ACCELERATION, 9.80665),
+    ("mg", ACCELERATION, 9.80665e-3),
+    ("\N{MICRO SIGN}g", ACCELERATION, 9.80665e-6),
+    ("\N{GREEK SMALL LETTER MU}g", ACCELERATION, 9.80665e-6),
+    ("ug", ACCELERATION, 9.80665e-6),
+    ("ng", ACCELERATION, 9.80665e-9),
+    ("m/s²", ACCELERATION, 1.0),
+    ("m/s2", ACCELERATION, 1.0),
+    ("mGal", ACCELERATION, 1e-5),
+    ("Gal", ACCELERATION, 1e-2),
+    ("ft/s²", ACCELERATION, 0.3048),
+    ("m/s/√h", VELOCITY_WALK, 0.01666666666666667),  # 1 / 60
+    ("m/s/√hr", VELOCITY_WALK, 0.01666666666666667),
+    ("ft/s/√h", VELOCITY_WALK, 0.00508),  # 0.3048 / 60
+    ("fps/√hr", VELOCITY_WALK, 0.00508),
+    ("m/s/√s", VELOCITY_WALK, 1.0),
+    ("\N{MICRO SIGN}g/√Hz", VELOCITY_WALK, 9.80665e-6),
+    ("\N{GREEK SMALL LETTER MU}g/√Hz", VELOCITY_WALK, 9.80665e-6),
+    ("mg/√Hz", VELOCITY_WALK, 9.80665e-3),
+    ("g/√Hz", VELOCITY_WALK, 9.80665),
+    ("m/s²/√Hz", VELOCITY_WALK, 1.0),
+    ("m/s²/√s", ACCELERATION_WALK, 1.0),
+    ("\N{MICRO SIGN}g/√h", ACCELERATION_WALK, 1.634441666666667e-7),  # 9.80665e-6 / 60
+    ("ppm", RATIO, 1e-6),
+    ("%", RATIO, 1e-2),
+    ("mrad", ANGLE, 1e-3),
+    ("\N{MICRO SIGN}rad", ANGLE, 1e-6),
+    ("\N{GREEK SMALL LETTER MU}rad", ANGLE, 1e-6),
+    ("urad", ANGLE, 1e-6),
+    ("arcmin", ANGLE, 2.908882086657216e-4),  # 0.0174532925199433 / 60
+    ("arcsec", ANGLE, 4.848136811095360e-6),  # 0.0174532925199433 / 3600
+    ("°", ANGLE, 0.01745329251994330),
+    ("ms", TIME, 1e-3),
+    ("s", TIME, 1.0),
+    ("min", TIME, 60.0),
+    ("h", TIME, 3600.0),
+    ("hr", TIME, 3600.0),
+    ("hour", TIME, 3600.0),
+    ("Hz", FREQUENCY, 1.0),
+    ("kHz", FREQUENCY, 1e3),
+]
+
+# What is measured has a line, the spelling is another: spelling, kind, what to write.
+RESPELLED = [
+    ("milli-rad/s", RATE, "did you mean '5 mrad/s'?"),
+    ("arc-sec/s", RATE, "did you mean '5 arcsec/s'?"),
+    ("deg/Hr", RATE, "did you mean '5 deg/h'?"),
+    ("°/h rms", RATE, "'meaning: rms' beside 'value: 5 °/h'"),
+    ("mg rms", ACCELERATION, "'meaning: rms' beside 'value: 5 mg'"),
+    ("µgrms", ACCELERATION, "'meaning: rms' beside 'value: 5 µg'"),
+    ("micro-g", ACCELERATION, "did you mean '5 ug'?"),
+    ("milli-g", ACCELERATION, "did you mean '5 mg'?"),
+    ("deg/root-hr", ANGLE_WALK, "did you mean '5 deg/sqrt(h)'?"),
+    ("°/√Hr", ANGLE_WALK, "did you mean '5 deg/sqrt(h)'?"),
+    # Printed for two units that are a factor of 60 apart: both are named, none chosen.
+    (
+        "deg/hour 1/√Hz",
+        ANGLE_WALK,
+        "did you mean '5 deg/h/sqrt(Hz)' or '5 deg/sqrt(h)'?",
+    ),
+    ("m/s/√Hz", VELOCITY_WALK, "did you mean '5 m/s/sqrt(h)' or '5 m/s^2/sqrt(Hz)'?"),
+    ("sec", ANGLE, "which is a time, expected an angle"),
+    ("sec", ANGLE, "did you mean '5 arcsec'?"),
+    ("arc-sec", ANGLE, "did you mean '5 arcsec'?"),
+    ('"', ANGLE, "did you mean '5 arcsec'?"),
+    ("samples/s", FREQUENCY, "did you mean '5 Hz'?"),
+    ("Hr", TIME, "did you mean '5 h'?"),
+    ("PPM", RATIO, "did you mean '5 ppm'?"),
+    ("month", TIME, "expected a time (s, min, h)"),
+    ("year", TIME, "expected a time (s, min, h)"),
+]
+
+# What is measured has no line, whatever the spelling; where somebody might put it.
+NOT_BUDGETED = {
+    RATIO: (
+        *("% FS", "ppm of FS", "% span", "ppm of span/°C", "ppm/°C", "%/°C", "ppm/g"),
+        *("mA/g", "mV/g", "LSB/g", "LSB/(°/s)", "µg/g²", "mV/°/s"),
+    ),
+    ANGLE: ("% cross-axis", "µrad/°C", "arcsec/pulse", "arc-sec/pulse", "µrad/LSB"),
+    RATE: (
+        *("°/h/g", "°/s/g", "(°/s)/(m/s²)", "°/h/g²rms", "°/h/Gauss", "°/h/°C"),
+        *("°C/min", "K/min", "arcsec/pulse", "°C", "K", "V", "bit"),
+    ),
+    ACCELERATION: (
+        *("µg/g²", "µg/g³", "µg/g²rms", "mg/g²rms", "µg/Gauss", "µg/°C", "mg/°C"),
+        *("µg/min", "ft/s/count", "m/s/LSB", "W", "mW", "mA", "gram", "grams", "kg"),
+        *("lb", "cc", "cm³", "in³", "mm", "MTBF h", "FIT", "EUR"),
+    ),
+}
+
+
+@pytest.mark.parametrize(("unit", "like", "size"), READ)
+def test_a_printed_unit_has_the_size_worked_out_by_hand(unit, like, size):
+    """A unit in the spelling of a data sheet is read with its SI size."""
+    assert_allclose(parse_quantity(f"5 {unit}", like).value, 5.0 * size, rtol=1e-15)
+
+
+@pytest.mark.parametrize(("unit", "own"), [(unit, like) for unit, like, _ in READ])
+def test_a_printed_unit_is_of_one_kind_only(unit, own):
+    """Whatever else is asked for, the unit is refused and named as what it is."""
+    (name,) = (kind.name for kind in KINDS if kind.units[0] == own)
+    for kind in KINDS:
+        if kind.name != name:
+            with pytest.raises(UnitError) as caught:
+                parse_quantity(f"5 {unit}", kind.units[0])
+            assert f"which is {name}, expected {kind.name} (" in str(caught.value)
+
+
+@pytest.mark.parametrize(("unit", "like", "words"), RESPELLED)
+def test_a_spelling_that_is_not_read_is_refused_with_the_right_one(unit, like, words):
+    """The message names the spelling to write, or both where makers mean two things."""
+    with pytest.raises(UnitError) as caught:
+        parse_quantity(f"5 {unit}", like)
+    assert words in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("unit", "like"),
+    [(unit, like) for like, units in NOT_BUDGETED.items() for unit in units],
+)
+def test_a_unit_of_no_model_is_refused_with_the_place_it_has(unit, like):
+    """Nothing is dropped to make it fit; the message says where the figure may go."""
+    with pytest.raises(UnitError) as caught:
+        parse_quantity(f"5 {unit}", like)
+    assert "under 'figures' of its device" in str(caught.value)
+    assert "did you mean" not in str(caught.value)
+
+
+def proposals(text, like):
+    """Return the texts that the refusal of a text proposes in its place."""
+    try:
+        parse_quantity(text, like)
+    except UnitError as error:
+        _, _, hint = str(error).partition("did you mean ")
+        return re.findall("'([^']*)'", hint)
+    return []
+
+
+@pytest.mark.parametrize("like", [kind.units[0] for kind in KINDS])
+def test_every_hint_is_read_once_it_is_followed(like):
+    """A spelling that a message proposes is a unit of the kind that was asked for."""
+    units = [unit for unit, *_ in READ + RESPELLED]
+    units += [unit for foreign in NOT_BUDGETED.values() for unit in foreign]
+    proposed = 0
+    for unit in units:
+        for text in proposals(f"5 {unit}", like):
+            proposed += 1
+            assert parse_quantity(text, like).value > 0.0
+    assert proposed > 0
+
+
+def gyro(tmp_path, line, figure):
+    """Return a line of a gyro whose file says that figure."""
+    path = tmp_path / "gyro.yaml"
+    path.write_text(
+        f"name: x\ngyro: {{errors: {{{line}: {figure}}}}}\n", encoding="utf-8"
+    )
+    return load_device(path).gyro.line(line)
+
+
+def test_random_walk_and_density_differ_by_their_factor_of_sixty(tmp_path):
+    """1 deg/sqrt(h) is a 60th of 1 (deg/s)/sqrt(Hz), 60 times 1 (deg/h)/sqrt(Hz)."""
+    walk = gyro(tmp_path, "angle_random_walk", "1 deg/sqrt(h)")
+    fast = gyro(tmp_path, "angle_random_walk", "1 (deg/s)/sqrt(Hz)")
+    slow = gyro(tmp_path, "angle_random_walk", "1 (deg/h)/sqrt(Hz)")
+    assert_allclose(walk.u, 2.908882086657216e-4, rtol=1e-15)
+    assert_allclose(fast.u, 60.0 * walk.u, rtol=1e-15)
+    assert_allclose(walk.u, 60.0 * slow.u, rtol=1e-15)
+    assert (walk.unit, fast.unit) == ("deg/sqrt(h)", "(deg/s)/sqrt(Hz)")
+
+
+@pytest.mark.parametrize(
+    ("line", "figure", "words"),
+    [
+        ("angle_random_walk", "1 deg/s", "which is an angular rate"),
+        ("angle_random_walk", "1 deg/h", "which is an angular rate"),
+        ("angle_random_walk", "1 deg/sqrt(Hz)", "does not fit"),
+        ("angle_random_walk", "1 deg*sqrt(h)", "does not fit"),
+        ("angle_random_walk", "1 deg/h/sqrt(h)", "which is a rate random walk"),
+        ("bias_stability", "1 deg/sqrt(h)", "which is an angle random walk"),
+        ("bias_stability", "1 (deg/s)/sqrt(Hz)", "which is an angle random walk"),
+        ("rate_random_walk", "1 deg/sqrt(h)", "which is an angle random walk"),
+    ],
+)
+def test_no_rate_passes_for_a_random_walk(line, figure, words, tmp_path):
+    """A rate, a random walk and its slope are three quantities, never exchanged."""
+    with pytest.raises(SpecError, match=words):
+        gyro(tmp_path, line, figure)
+
+
+@pytest.mark.parametrize("micro", ["u", "\N{MICRO SIGN}", "\N{GREEK SMALL LETTER MU}"])
+def test_a_micro_g_is_an_acceleration_and_no_mass(micro, tmp_path):
+    """50 ug of bias is 50e-6 times gravity; the same text as a mass stays a text."""
+    unit = f"{micro}g"
+    path = tmp_path / "accelerometer.yaml"
+    path.write_text(
+        f"name: x\nmass: 50 {unit}\n"
+        f"accelerometer: {{errors: {{bias_repeatability: 50 {unit}}}}}\n",
+        encoding="utf-8",
+    )
+    device = load_device(path)
+    line = device.accelerometer.line("bias_repeatability")
+    assert_allclose(line.u, 4.903325e-4, rtol=1e-15)  # 50 x 9.80665e-6
+    assert device.mass == f"50 {unit}"
+
+
+@pytest.mark.parametrize("unit", ["microgram", "micrograms", "mcg", "mg*g/kg", "ugram"])
+def test_no_mass_passes_for_an_acceleration(unit):
+    """A spelling of micrograms is refused where an acceleration is needed."""
+    with pytest.raises(UnitError, match="is no known unit, expected an acceleration"):
+        parse_quantity(f"50 {unit}", ACCELERATION)
