@@ -18,6 +18,7 @@ from budget.results import (
     OutputBudget,
     SensorAssessment,
     Settings,
+    SobolIndex,
     Validation,
 )
 from budget.spec.records import (
@@ -32,6 +33,8 @@ from budget.spec.records import (
     Sensor,
     Source,
 )
+from budget.studies.coupling import Coupling, CouplingTable
+from budget.studies.densities import Density
 from budget.units import ARCSEC, DEG_PER_HOUR, DEGREE, MICRO_G, PPM
 
 # Standard uncertainty of each source alone, in printed units: by group and source.
@@ -366,4 +369,113 @@ def make_assessment(budget, limits=None, **verdicts):
         )
     return Assessment(
         requirement="tactical grade", outputs=tuple(outputs), sensors=tuple(sensors)
+    )
+
+
+def with_checks(budget, off=()):
+    """Check every output: the law's interval a tenth of a tolerance too wide.
+
+    `off` maps names of outputs to tolerances that the lower end is off by instead.
+    """
+    outputs = []
+    for row in budget.outputs:
+        tolerance = 0.1 * row.standard_uncertainty
+        low = dict(off).get(row.output.name, -0.1)
+        ends = (row.interval[0] - low * tolerance, row.interval[1] - 0.1 * tolerance)
+        check = Validation(
+            trials=230_000,
+            holds=abs(low) <= 1.0,
+            difference_low=abs(row.interval[0] - ends[0]),
+            difference_high=abs(row.interval[1] - ends[1]),
+            tolerance=tolerance,
+            reached=0.1 * tolerance,
+            interval=ends,
+        )
+        outputs.append(replace(row, validation=check))
+    return replace(budget, outputs=tuple(outputs))
+
+
+def with_indices(budget, interaction=0.0):
+    """Give every source indices: its share first, `interaction` more in total."""
+    outputs = []
+    for row in budget.outputs:
+        parts = []
+        for part in row.contributions:
+            if part.source != "interaction":
+                first, total = part.share, part.share + interaction
+                sobol = SobolIndex(
+                    first=first,
+                    first_interval=(first - 0.02, first + 0.02),
+                    total=total,
+                    total_interval=(total - 0.02, total + 0.02),
+                    interacts=interaction > 0.0,
+                    rank=1,
+                )
+                parts.append(replace(part, sobol=sobol))
+        outputs.append(replace(row, contributions=tuple(parts)))
+    return replace(budget, outputs=tuple(outputs))
+
+
+def make_coupling(sizes=None):
+    """Return what reaches what in the gyro; `sizes` are by (source, parameter)."""
+    sizes = (
+        {
+            ("bias_repeatability", "bias"): 0.89,
+            ("bias_stability", "scale_factor"): 0.0015,
+            ("bias_stability", "mounting_angle"): 3.1e-5,
+            ("bias_stability", "bias"): 0.44,
+            ("angle_random_walk", "scale_factor"): 2e-7,
+            ("angle_random_walk", "mounting_angle"): 5e-4,
+            ("angle_random_walk", "bias"): 0.15,
+            ("scale_factor_repeatability", "scale_factor"): 0.99999,
+            ("mounting_repeatability", "mounting_angle"): 1.0,
+        }
+        if sizes is None
+        else sizes
+    )
+    sources = list(dict.fromkeys(s for s, _ in sizes))
+    groups = [parameter for parameter, _, _ in GYRO]
+    return CouplingTable(
+        method="gum",
+        formulas="corrected",
+        # In another order than the figures have them.
+        sources=tuple(f"gyro.{name}" for name in reversed(sources)),
+        groups=tuple(f"gyro.{name}" for name in groups),
+        cells=tuple(
+            Coupling(
+                source=f"gyro.{source}",
+                group=f"gyro.{group}",
+                u=sizes.get((source, group), 0.0),
+                size=sizes.get((source, group), 0.0),
+                reaches=sizes.get((source, group), 0.0) > 0.0,
+            )
+            for source in sources
+            for group in groups
+        ),
+    )
+
+
+def make_density(limit=0.1, mean=0.0):
+    """Return a normal gyro bias of u = 0.05 deg/h in fine bins."""
+    u = 0.05
+    edges = mean + u * np.linspace(-4.5, 4.5, 121)
+    middle = (edges[1:] + edges[:-1]) / 2.0
+    density = np.exp(-0.5 * ((middle - mean) / u) ** 2)
+    density /= (density * np.diff(edges)).sum()
+    ends = (mean - 1.96 * u, mean + 1.96 * u)
+    return Density(
+        output=Output(
+            name="gyro.bias.z",
+            unit="deg/h",
+            si_per_unit=DEG_PER_HOUR,
+            resolution=1e-20,
+        ),
+        trials=100_000,
+        edges=edges * DEG_PER_HOUR,
+        density=density / DEG_PER_HOUR,
+        mean=mean * DEG_PER_HOUR,
+        u=u * DEG_PER_HOUR,
+        interval=(ends[0] * DEG_PER_HOUR, ends[1] * DEG_PER_HOUR),
+        interval_mc=(ends[0] * DEG_PER_HOUR, ends[1] * DEG_PER_HOUR),
+        limit=None if limit is None else limit * DEG_PER_HOUR,
     )

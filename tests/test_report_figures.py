@@ -2,12 +2,32 @@
 
 from __future__ import annotations
 
+import re
 import xml.etree.ElementTree as ET
+from itertools import pairwise
+from math import erfc, sqrt
 
+import numpy as np
+import pytest
+from matplotlib.text import Text
 from numpy.testing import assert_allclose
-from report_examples import GYRO, make_assessment, make_budget, make_output
+from report_examples import (
+    GYRO,
+    make_assessment,
+    make_budget,
+    make_coupling,
+    make_density,
+    make_output,
+    make_procedure,
+    with_checks,
+    with_indices,
+)
 
+from budget.report import figures
 from budget.report.figures import (
+    BLUE,
+    INK,
+    ON_DARK,
     STYLES,
     share_alt,
     share_bars,
@@ -17,9 +37,13 @@ from budget.report.figures import (
     utilisation_dots,
     utilisation_title,
 )
+from budget.report.figures.coupling import STEPS, print_part
+from budget.report.figures.density import part_beyond
 from budget.report.tables import group_tables
+from budget.spec.records import AccelerometerProcedure
 
 BIAS = 2  # place of the gyro bias among the groups
+BOTH = ("gyro", "accelerometer")
 UNIT = {"unit": "deg/h", "scale": 1.0}
 
 
@@ -208,3 +232,301 @@ def test_far_exceeded_limits_fit_the_axis():
 def test_styles_cover_the_example_sources():
     """Every source of the built-in device has a colour of its own."""
     assert {name for sources in GYRO.values() for name in sources} <= set(STYLES)
+
+
+# Every figure of the report, from one example each.
+PICTURES = {
+    "shares": lambda: figures.share_picture(group_tables(make_budget())[BIAS]),
+    "utilisation": lambda: figures.utilisation_picture(make_assessment(make_budget())),
+    "coupling": lambda: figures.coupling_picture(make_coupling(), "gyro"),
+    "schedule": lambda: figures.schedule_picture(make_procedure(), BOTH),
+    "density": lambda: figures.density_picture(make_density(), coverage=0.95),
+    "validity": lambda: figures.validity_picture(with_checks(make_budget()), "gyro"),
+    "sobol": lambda: figures.sobol_picture(with_indices(make_budget(), 0.1), "gyro"),
+    "overview": lambda: figures.overview_picture(group_tables(make_budget())),
+}
+DRAWN = {
+    "shares": lambda: figures.share_bars(group_tables(make_budget())[BIAS]),
+    "utilisation": lambda: figures.utilisation_dots(make_assessment(make_budget())),
+    "coupling": lambda: figures.coupling_map(make_coupling(), "gyro"),
+    "schedule": lambda: figures.schedule_bars(make_procedure(), BOTH),
+    "density": lambda: figures.density_step(make_density(), coverage=0.95),
+    "validity": lambda: figures.validity_marks(
+        with_checks(make_budget(), {"gyro.bias.x": -7.0}), "gyro"
+    ),
+    "sobol": lambda: figures.sobol_dots(with_indices(make_budget(), 0.1), "gyro"),
+    "overview": lambda: figures.overview_dots(group_tables(make_budget())),
+}
+WORDS_HAVE_DATA = ("utilisation", "validity", "sobol", "overview")
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_each_picture_has_the_same_bytes_twice(name):
+    """A picture is equal to itself made again."""
+    assert PICTURES[name]() == PICTURES[name]()
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_each_tip_belongs_to_one_element(name):
+    """The element of a tip has the id of name and gid, once in the picture."""
+    picture = PICTURES[name]()
+
+    for gid in picture.tips:
+        assert picture.svg.count(f' id="{picture.name}-{gid}"') == 1
+
+
+@pytest.mark.parametrize("name", WORDS_HAVE_DATA)
+def test_words_have_the_numbers_of_the_data(name):
+    """Every number of the table behind a picture stands in its alternative text."""
+    picture = PICTURES[name]()
+    cells = [c for g in picture.data.groups for row in g.rows for c in row]
+    numbers = {cell.text for cell in cells if cell.exact is not None}
+
+    assert numbers
+    assert not {text for text in numbers if text not in picture.alt}
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_words_begin_with_the_finding(name):
+    """The alternative text says the finding before the numbers."""
+    picture = PICTURES[name]()
+
+    assert picture.alt.startswith(f"{picture.title}. ")
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_no_text_is_smaller_than_eight_points(name):
+    """Everything that is written can be read at the size it was drawn for."""
+    sizes = re.findall(r"([\d.]+)px", PICTURES[name]().svg)
+
+    assert sizes
+    assert min(map(float, sizes)) >= 8.0
+
+
+@pytest.mark.parametrize("name", DRAWN)
+def test_no_text_is_cut(name):
+    """Every text lies within the figure, two points of slack for its font."""
+    figure = DRAWN[name]()
+    figure.draw_without_rendering()  # labels of axes have their place only then
+    width, height = (72.0 * inches for inches in figure.get_size_inches())
+    scale = 72.0 / figure.dpi
+
+    found = [t for t in figure.findobj(Text) if t.get_text() and t.get_visible()]
+    assert found
+    for text in found:
+        box = text.get_window_extent()
+        assert box.x0 * scale >= -2.0, text
+        assert box.x1 * scale <= width + 2.0, text
+        assert box.y0 * scale >= -2.0, text
+        assert box.y1 * scale <= height + 2.0, text
+
+
+def test_every_segment_has_its_tip():
+    """There are as many tips as segments, with share and own uncertainty."""
+    group = group_tables(make_budget())[BIAS]
+    tips = figures.share_tips(group)
+
+    assert len(tips) == len(share_bars(group).axes[0].patches)
+    assert tips["tip-z-bias_stability"] == (
+        "gyro bias z: bias stability 31 % of the variance, alone u 0.034 deg/h"
+    )
+
+
+def test_sources_have_one_order_and_colour_in_all_figures():
+    """Shares, coupling and indices list sources in the order of the styles."""
+    names = [name.replace("_", " ") for name in STYLES]
+    coupling = figures.coupling_map(make_coupling(), "gyro").axes[0]
+    indices = figures.sobol_dots(with_indices(make_budget()), "gyro").axes[0]
+    rows = [label.get_text() for label in coupling.get_yticklabels()]
+    bias = [label.get_text() for label in indices.get_yticklabels()][-3:]
+    colours = {line.get_color() for line in indices.lines}
+
+    assert rows == sorted(rows, key=names.index)
+    assert bias == ["bias repeatability", "bias stability", "angle random walk"]
+    assert {STYLES["bias_repeatability"][0], STYLES["bias_stability"][0]} <= colours
+
+
+@pytest.mark.parametrize(("paper", "ink"), [("#ffffff", INK), ("#15181c", "#e6e8eb")])
+def test_steps_of_the_map_can_be_told_apart_and_read(paper, ink):
+    """Neighbouring hues differ in grey, and the number on each can be read."""
+    shades = [mix(BLUE, paper, opacity) for _, opacity in STEPS]
+    inks = [ON_DARK if opacity == 1.0 else ink for _, opacity in STEPS]
+
+    for one, other in pairwise([*shades, rgb(paper)]):
+        assert contrast(one, other) > 1.08
+    for shade, colour in zip(shades, inks, strict=True):
+        assert contrast(shade, rgb(colour)) >= 4.5
+
+
+def rgb(colour):
+    """Return red, green and blue of '#rrggbb' [1]."""
+    return np.array([int(colour[k : k + 2], 16) / 255.0 for k in (1, 3, 5)])
+
+
+def mix(colour, paper, opacity):
+    """Lay a colour on paper."""
+    return opacity * rgb(colour) + (1.0 - opacity) * rgb(paper)
+
+
+def contrast(one, other):
+    """Contrast ratio of two colours, WCAG 2.2."""
+
+    def luminance(colour):
+        linear = np.where(
+            colour <= 0.04045, colour / 12.92, ((colour + 0.055) / 1.055) ** 2.4
+        )
+        return float(linear @ [0.2126, 0.7152, 0.0722])
+
+    low, high = sorted((luminance(one), luminance(other)))
+    return (high + 0.05) / (low + 0.05)
+
+
+def test_nothing_to_show_is_no_picture():
+    """Without spread, coupling, triads, checks or indices there is no figure."""
+    still = make_output("gyro", "bias", "x", sources={"bias_stability": 0.0}, **UNIT)
+    groups = group_tables(make_budget(outputs=(still,)))
+
+    assert figures.share_picture(groups[0]) is None
+    assert figures.overview_picture(groups) is None
+    nothing = make_coupling({("bias_stability", "bias"): 0.0})
+    assert figures.coupling_picture(nothing, "gyro") is None
+    assert figures.coupling_picture(make_coupling(), "accelerometer") is None
+    assert figures.schedule_picture(make_procedure(), ()) is None
+    assert figures.validity_picture(make_budget(outputs=(still,)), "gyro") is None
+    assert figures.sobol_picture(make_budget(), "gyro") is None
+
+
+def test_cells_are_empty_exactly_where_nothing_reaches():
+    """The map writes as many numbers as there are paths, frames only own spreads."""
+    axes = figures.coupling_map(make_coupling(), "gyro").axes[0]
+    frames = [p for p in axes.patches if p.get_facecolor()[3] == 0.0]
+
+    assert [t.get_text() for t in axes.texts if t.get_text()[0] in "0123456789>"] == [
+        *("0.15 %", "2.0e-7", ">99 %"),
+        *("3.1e-5", "5.0e-4", "100 %"),
+        *("89 %", "44 %", "15 %"),
+    ]
+    assert len(frames) == 4
+
+
+def test_words_for_the_map_have_all_its_numbers():
+    """Each part of u that is drawn is said, and its data are the same exactly."""
+    table = make_coupling()
+    picture = figures.coupling_picture(table, "gyro")
+    sizes = {cell.size for cell in table.cells if cell.reaches}
+    exact = {c.exact for row in picture.data.groups[0].rows for c in row} - {None}
+
+    assert not {size for size in sizes if f" {print_part(size)}" not in picture.alt}
+    assert_allclose(sorted(exact), 100.0 * np.array(sorted(sizes)), rtol=1e-12)
+
+
+def test_coupling_title_names_what_reaches_farthest():
+    """The finding is the largest of all that are no own spread."""
+    assert figures.coupling_title(make_coupling(), "gyro") == (
+        "Besides own spreads, angle random walk reaches farthest: 15 % of the u of the "
+        "gyro bias"
+    )
+    own = make_coupling({("bias_stability", "bias"): 1.0})
+    assert figures.coupling_title(own, "gyro") == (
+        "Each gyro parameter is reached by its own spread alone"
+    )
+
+
+def test_schedule_is_drawn_to_scale():
+    """Windows are as long as their times; turns stand twice, once larger."""
+    axes = figures.schedule_bars(make_procedure(), BOTH).axes[0]
+    widths = np.array([bar.get_width() for bar in axes.patches])
+    # Six turns and four azimuths, the turns again, twelve faces.
+    turns, dwells, lens, faces = np.split(widths, [6, 10, 16])
+
+    assert_allclose(turns, dwells[0] * 18.0 / 300.0, rtol=1e-9)
+    assert_allclose(faces, dwells[0], rtol=1e-9)
+    assert_allclose(lens, lens[0], rtol=1e-9)
+    assert lens[0] > 5.0 * turns[0]
+
+
+def test_pauses_are_gaps():
+    """Between two windows there is room for the pause, to scale."""
+    procedure = make_procedure(
+        accelerometer=AccelerometerProcedure(dwell=300.0, pause=60.0)
+    )
+    axes = figures.schedule_bars(procedure, ("accelerometer",)).axes[0]
+    first, second = axes.patches[:2]
+    gap = second.get_x() - first.get_x() - first.get_width()
+
+    assert_allclose(gap / first.get_width(), 60.0 / 300.0, rtol=1e-9)
+
+
+def test_schedule_title_says_how_long_and_of_what():
+    """The finding is the length of each test and what it consists of."""
+    assert figures.schedule_title(make_procedure(), BOTH) == (
+        "Gyro 21.8 min: 6 turns of 18 s and 4 dwells of 5 min; "
+        "accelerometer 60 min: 12 dwells of 5 min"
+    )
+
+
+def test_part_beyond_the_limit_is_that_of_the_normal_law():
+    """In fine bins of a normal density the part beyond two sigma is erfc(sqrt(2))."""
+    # A bin is 0.075 sigma wide: the density across it is taken for constant.
+    assert_allclose(part_beyond(make_density(0.1)), erfc(sqrt(2.0)), rtol=2e-3)
+    assert part_beyond(make_density(1.0)) == 0.0
+    assert_allclose(part_beyond(make_density(1e-9)), 1.0, rtol=1e-6)
+
+
+def test_density_title_says_how_often_the_limit_is_passed():
+    """The finding is a share of the trials, 'none' where there is none."""
+    titles = [
+        figures.density_title(make_density(limit), coverage=0.95)
+        for limit in (0.1, 1.0, None)
+    ]
+
+    assert titles == [
+        "Gyro bias z passes its limit in 5 % of the trials",
+        "Gyro bias z passes its limit in none of 100 000 trials",
+        "Gyro bias z: 95 % of the errors lie between -0.098 and 0.098 deg/h",
+    ]
+
+
+def test_limit_far_away_is_told_and_not_drawn():
+    """A limit that would squeeze the density is in the caption, not in the picture."""
+    near, far = (
+        figures.density_picture(make_density(limit), coverage=0.95)
+        for limit in (0.1, 1.0)
+    )
+
+    assert near.svg.count(">limit<") == 2
+    assert far.svg.count(">limit<") == 0
+    assert "The limits, \N{PLUS-MINUS SIGN}1 deg/h, are beyond" in far.caption
+
+
+def test_differences_keep_their_signs():
+    """An interval end of the law below Monte Carlo's is left of zero."""
+    budget = with_checks(make_budget(), {"gyro.bias.x": -7.0})
+
+    assert figures.validity_title(budget, "gyro") == (
+        "The law does not hold for 1 of 12 gyro outputs, farthest off is gyro bias x "
+        "with a difference of 7.00 tolerances"
+    )
+    alt = figures.validity_alt(budget, "gyro")
+    assert "bias: x -7.00 and +0.10 (fails), y -0.10 and +0.10," in alt
+    assert texts(figures.validity_marks(budget, "gyro")).count("fails") == 1
+
+
+def test_interactions_are_named_only_where_they_can_be_seen():
+    """The finding is the largest gap, or that there is none."""
+    title = figures.sobol_title(with_indices(make_budget(), 0.1), "gyro")
+    tiny = figures.sobol_title(with_indices(make_budget(), 1e-6), "gyro")
+    none = figures.sobol_title(with_indices(make_budget()), "gyro")
+
+    assert "interacts in the gyro" in title
+    assert tiny.startswith("Products of gyro sources make too little to print")
+    assert none.startswith("No gyro source interacts beyond chance")
+
+
+def test_overview_without_accelerometer_is_one_column():
+    """One sensor alone takes the whole width."""
+    groups = group_tables(make_budget())
+    one = figures.overview_dots(groups[:3]).axes[0].get_position()
+    both = figures.overview_dots(groups).axes[0].get_position()
+
+    assert one.width > 2.0 * both.width

@@ -102,6 +102,7 @@ def density_step(density: Density, *, coverage: float) -> Figure:
             side = "right" if limit < 0.0 else "left"
         _draw_limit(axes, limit / scale, side=side)
     axes.locator_params(axis="x", nbins=7, steps=[1, 2, 5, 10])
+    axes.set_xticks([x for x in axes.get_xticks() if low <= x * scale <= high])
     axes.set_xlabel(
         f"error of the {output_title(density.output.name)} [{unit}]",
         fontsize=SMALL,

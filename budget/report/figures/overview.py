@@ -120,9 +120,9 @@ def _draw_group(
         axes, HEAD / 2.0, f"{words(group.parameter)} [{group.unit}]", indent=NAMES
     )
     ends = (HEAD, HEAD + ROW * len(rows))
+    axes.set_xticks([x for x in axes.get_xticks() if 0.0 <= x <= ABOVE * largest])
     for x in axes.get_xticks():
-        if 0.0 <= x <= ABOVE * largest:
-            axes.plot([x, x], ends, color=GRID, linewidth=0.6, zorder=0)
+        axes.plot([x, x], ends, color=GRID, linewidth=0.6, zorder=0)
     places = [HEAD + ROW * (place + 0.5) for place in range(len(rows))]
     axes.set_yticks(places, [row.axis for row in rows])
     for y, row in zip(places, rows, strict=True):
