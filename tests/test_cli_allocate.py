@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import csv
 import io
-import re
 
 import pytest
 from command_line import call, output
 from numpy.testing import assert_allclose
 
-from budget.report.allocation.page import allocation_section
-from budget.spec import load_device, load_requirement
-from budget.studies.allocation.allocate import allocate
+from budget.spec import load_device
 
 FAST = ("--requirement", "navigation-grade", "--no-validate")
 
@@ -291,23 +288,6 @@ def test_no_line_is_wider_than_the_terminal(columns, monkeypatch):
     run = call("allocate", *FAST)
 
     assert max(len(line) for line in run.out.splitlines()) <= int(columns)
-
-
-def test_the_section_shows_each_waterfall_once():
-    """One section, a figure for each parameter at its limit, ids all different."""
-    allocation = allocate(
-        load_device("zhao-2019"),
-        requirement=load_requirement("navigation-grade"),
-        strategy="equal",
-        validate=False,
-    )
-    page = allocation_section(allocation)
-
-    assert page.count("<section") == 1
-    assert page.count("<figure>") == 6 + 2
-    ids = re.findall(r'\bid="([^"]+)"', page)
-    assert len(ids) == len(set(ids))
-    assert page == allocation_section(allocation)
 
 
 @pytest.mark.parametrize("errors", ["", " {bias_repeatability: 0 deg/h}"])

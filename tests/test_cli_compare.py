@@ -107,7 +107,7 @@ class TestExitCodes:
         [
             ((), "Missing argument"),
             (("good.yaml", "--json", "-", "--csv", "-"), "both write to stdout"),
-            (("good.yaml", "-o", "x.pdf"), "allowed: .html"),
+            (("good.yaml", "-o", "x.txt"), "allowed: .html, .pdf"),
             (("good.yaml", "--validate"), "--method gum"),
             (("good.yaml", "--sort", "verdikt"), "did you mean 'verdict'"),
             (("good.yaml", "--procedure", "absent.yaml"), "no such file"),
@@ -195,13 +195,17 @@ class TestDocuments:
 
     def test_files_are_written_beside_the_table(self, folder):
         """With --json FILE and -o the table still stands on stdout."""
-        run = compare("good.yaml", *LAW, "--json", "x.json", "-o", "x.html")
+        run = compare(
+            *("good.yaml", *LAW, "--json", "x.json"), *("-o", "x.html", "-o", "x.pdf")
+        )
 
         assert run.code == 0
         assert "Good" in run.out
         assert json.loads((folder / "x.json").read_text(encoding="utf-8"))["met"]
         page = (folder / "x.html").read_text(encoding="utf-8")
         assert "MET: test grade" in page
+        assert "budget compare good.yaml --requirement grade.yaml" in page
+        assert (folder / "x.pdf").read_bytes().startswith(b"%PDF-")
 
 
 @pytest.mark.usefixtures("folder")

@@ -10,12 +10,15 @@ from dataclasses import replace
 
 import pytest
 from comparison_examples import compared, only_bias, paper_device, requirement
+from document_text import find, lines, names, rows, section
 from rich.console import Console
 
 from budget.errors import CallError
-from budget.report.comparison import figures
+from budget.report.blocks import Picture, Table
 from budget.report.comparison.document import to_csv, to_dict, to_json
-from budget.report.comparison.html import render_html
+from budget.report.comparison.fronts import pareto_alt, pareto_scatter
+from budget.report.comparison.margins import margin_alt, margin_bars
+from budget.report.comparison.page import comparison_document, comparison_sections
 from budget.report.comparison.tables import (
     COLUMNS,
     find_column,
@@ -26,6 +29,9 @@ from budget.report.comparison.tables import (
     tables,
 )
 from budget.report.comparison.terminal import render_comparison
+from budget.report.comparison.utilisation_map import map_alt, utilisation_map
+from budget.report.page import render_page
+from budget.report.typeset import typeset
 from budget.studies.comparison.records import Ahead, Probability, Remedy
 
 BOTH = ("gyro", "accelerometer")
@@ -209,7 +215,7 @@ def test_document_is_in_printed_units(comparison):
 def test_map_frames_what_is_beyond_the_limit():
     """A frame for each cell beyond its limit, none for the others."""
     found = compared([only_bias("over", 3.0), only_bias("under", 0.1)], method="gum")
-    figure = figures.utilisation_map(tables(found)[0])
+    figure = utilisation_map(tables(found)[0])
     frames = [p for p in figure.axes[0].patches if p.get_linewidth() > 0.0]
 
     assert len(frames) == 3  # three biases of one device
@@ -218,7 +224,7 @@ def test_map_frames_what_is_beyond_the_limit():
 def test_margin_bars_start_at_the_limit(comparison):
     """Every bar begins at 100 % and ends at the device's part of the limit."""
     table = tables(comparison)[0]
-    bars = figures.margin_bars(table).axes[0].patches
+    bars = margin_bars(table).axes[0].patches
 
     for bar, row in zip(bars, table.rows, strict=True):
         assert bar.get_x() == 100.0
@@ -228,9 +234,7 @@ def test_margin_bars_start_at_the_limit(comparison):
 def test_front_is_joined(comparison):
     """The line of the scatter goes through the devices on the front, cheapest first."""
     table = tables(comparison)[0]
-    (front, *_) = (
-        line for line in figures.pareto_scatter(table, "mass").axes[0].lines[1:]
-    )
+    (front, *_) = (line for line in pareto_scatter(table, "mass").axes[0].lines[1:])
     best = [row for row in table.rows if "mass" in row.of.on_front]
 
     assert sorted(front.get_xdata()) == list(front.get_xdata())
@@ -241,43 +245,191 @@ def test_words_beside_figures_have_the_numbers(comparison):
     """Alternative texts name every device with its part of the limit."""
     table = tables(comparison)[0]
     for text in (
-        figures.map_alt(table),
-        figures.margin_alt(table),
-        figures.pareto_alt(table, "mass"),
+        map_alt(table),
+        margin_alt(table),
+        pareto_alt(table, "mass"),
     ):
         assert "good" in text
         assert "%" in text
 
 
-def test_page_answers_first_and_harms_nobody(comparison):
-    """The verdict comes first; names are text, not markup; nothing is fetched."""
-    page = render_html(comparison, date="2026-01-01")
+DATE = "2026-01-01"
+
+
+@pytest.fixture(scope="module")
+def document(comparison):
+    """Return the document of the comparison."""
+    return comparison_document(comparison, date=DATE, command_line="budget compare x")
+
+
+def test_document_answers_first(document):
+    """Verdict, the best of each sensor with its part of the limit, then the figures."""
+    assert document.headline == "MET: test requirement"
+    assert [card.title for card in document.cards] == ["Gyro", "Accelerometer"]
+    for card in document.cards:
+        text = " ".join(lines(card))
+        assert "good is best" in text
+        assert "% of the limit" in text
+        assert "1 meet, 1 undecidable, 1 fail" in text
+    first = [part.name for part in document.sections if part.on_first_page]
+    assert first == names(document)[: len(first)] == ["overview", "remarks"]
+
+
+def test_document_of_nobody_who_meets_says_so():
+    """Without a device that meets, headline, summary and card say so."""
+    found = compared([only_bias("over", 3.0)], method="gum")
+    document = comparison_document(found, date=DATE)
+
+    assert document.headline.startswith("NOT MET: ")
+    assert "no device that meets" in document.summary[0]
+    assert "No device meets" in lines(document.cards[0])
+
+
+def test_rankings_hold_every_number_exactly(comparison, document):
+    """Each device stands in the ranking of each sensor; cells know their numbers."""
+    rankings = [t for t in find(document, Table) if t.name.startswith("ranking")]
+
+    assert len(rankings) == 2
+    for table, found in zip(rankings, tables(comparison), strict=True):
+        heads = [column.head for column in table.columns]
+        (group,) = table.groups
+        for cells, row in zip(group.rows, found.rows, strict=True):
+            by_head = dict(zip(heads, cells, strict=True))
+            assert by_head["device"].text == row.device
+            assert by_head["% of limit"].exact == 100.0 * row.of.utilisation
+            assert by_head["conformance [%]"].exact == 100.0 * row.of.conformance.value
+            assert by_head["device"].strong == (row.verdict == "meets")
+
+
+def test_the_map_has_its_data_behind_it(comparison, document):
+    """The table of each map has every device and output, and a tip for each cell."""
+    maps = [p for p in find(document, Picture) if p.name.startswith("map")]
+
+    assert len(maps) == 2
+    for picture, table in zip(maps, tables(comparison), strict=True):
+        (group,) = picture.data.groups
+        for cells, row in zip(group.rows, table.rows, strict=True):
+            expected = [100.0 * output.utilisation for output in row.of.outputs]
+            assert [cell.exact for cell in cells[1:]] == expected
+            assert [cell.strong for cell in cells[1:]] == [x > 100.0 for x in expected]
+        assert len(picture.tips) == 3 * 12
+        assert "good, gyro scale factor x: " in "".join(maps[0].tips.values())
+
+
+def test_every_bar_and_point_has_a_tip(document):
+    """Margins and fronts have a tip for each device, in an element of the figure."""
+    for picture in find(document, Picture):
+        if picture.name.startswith(("margins", "front")):
+            assert len(picture.tips) == 3
+            for gid in picture.tips:
+                assert f'id="{picture.name}-{gid}"' in picture.svg
+
+
+def test_lines_not_given_are_said_with_what_they_could_do(document):
+    """Page one counts the undecidable; a table says what stands in their place."""
+    beware = " ".join(lines(section(document, "remarks")))
+
+    assert "1 gyro device would meet" in beware
+    assert any(
+        devices == "bare" and "(of other)" in effect
+        for _, devices, effect in rows(section(document, "missing"))
+    )
+
+
+def test_long_tables_can_be_searched():
+    """A ranking of eight devices is searchable, one of three is not."""
+    for number, expected in ((3, False), (8, True)):
+        devices = [only_bias(f"d{n}", 0.1 + 0.1 * n) for n in range(number)]
+        document = comparison_document(compared(devices, method="gum"), date=DATE)
+        ranking = next(t for t in find(document, Table) if t.name.startswith("ranking"))
+        assert ranking.searchable is expected
+
+
+def test_names_are_unique_in_a_document_and_beside_one(comparison, document):
+    """Sections, tables and pictures share no name; sections in a report neither."""
+    for parts in (document.sections, comparison_sections(comparison)):
+        found = [part.name for part in parts]
+        found += [p.name for p in find(parts, Picture)]
+        found += [t.name for t in find(parts, Table)]
+        assert len(found) == len(set(found)) > 10
+
+
+def test_sections_in_a_report_begin_with_the_answer(comparison):
+    """The first section states the verdict; none claims the report's first page."""
+    first, *others = comparison_sections(comparison)
+
+    assert "MET: test requirement" in lines(first)
+    assert "Gyro: good is best" in " ".join(lines(first))
+    assert not any(part.on_first_page for part in (first, *others))
+    assert [p.name for p in find(others, Picture) if "margins" in p.name]
+
+
+def test_procedures_stand_beside_each_other_in_the_document():
+    """Under two procedures each sensor has a table with a column for each."""
+    from builders import procedure
+
+    slow = replace(procedure(rate=2.0), name="slow")
+    found = compared(
+        [only_bias("a", 0.1)], procedures=(procedure(), slow), method="gum"
+    )
+    document = comparison_document(found, date=DATE)
+    (table,) = find(section(document, "procedures"), Table)
+
+    assert [c.head for c in table.columns] == ["device", "test procedure", "slow"]
+    assert [card.title for card in document.cards] == [
+        "Gyro, test procedure",
+        "Gyro, slow",
+    ]
+
+
+def test_assumptions_of_several_devices_are_gathered(comparison):
+    """What is assumed of two devices alike is one row that names both."""
+    alike = "gyro.bias_stability: correlation time not given, 300 s assumed"
+    found = replace(
+        comparison,
+        assumptions=(f"good: {alike}", f"bare: {alike}", "gravity: not given"),
+    )
+    document = comparison_document(found, date=DATE)
+
+    assert rows(section(document, "assumptions")) == [
+        (
+            "gyro bias stability",
+            "correlation time not given, 300 s assumed",
+            "good, bare",
+        ),
+        ("gravity", "not given", ""),
+    ]
+
+
+def test_without_costs_there_is_no_front_and_it_is_said():
+    """Where no device gives price, mass or power, the document says so."""
+    found = compared([paper_device()], method="gum")
+    text = " ".join(lines(comparison_document(found, date=DATE)))
+
+    assert "there is no front to draw" in text
+
+
+def test_page_harms_nobody_and_holds_the_numbers(comparison, document):
+    """Names are text, not markup; nothing is fetched; the JSON is in the page."""
+    page = render_page(document)
 
     assert "bad &lt;b&gt;" in page
     assert "bad <b>" not in page
-    body = page.partition("<main>")[2]
-    assert body.index("MET: test requirement") < body.index("<table")
     assert not re.search(r'(src|href)="https?:', page)
-    embedded = page.partition('id="comparison">')[2].partition("</script>")[0]
+    embedded = re.search(r'id="comparison-json"[^>]*>(.*?)</script>', page, re.DOTALL)[1]
     assert json.loads(embedded) == json.loads(to_json(comparison))
 
 
-def test_page_has_unique_ids(comparison):
+def test_page_has_unique_ids(document):
     """Figures of several tables share no id."""
-    ids = re.findall(r'\bid="([^"]+)"', render_html(comparison, date="2026-01-01"))
+    ids = re.findall(r'\bid="([^"]+)"', render_page(document))
 
     assert len(ids) == len(set(ids)) > 10
 
 
-def test_page_is_the_same_every_time(comparison):
-    """The same comparison gives the same bytes."""
-    pages = {render_html(comparison, date="2026-01-01") for _ in range(2)}
+def test_the_same_comparison_gives_the_same_bytes(comparison):
+    """Page and PDF are the same twice."""
+    first, again = (comparison_document(comparison, date=DATE) for _ in range(2))
 
-    assert len(pages) == 1
-
-
-def test_page_without_costs_says_so():
-    """Where no device gives price, mass or power, the page says there is no front."""
-    page = render_html(compared([paper_device()], method="gum"), date="2026-01-01")
-
-    assert "there is no front to draw" in page
+    assert render_page(first) == render_page(again)
+    assert typeset(first).pdf == typeset(again).pdf

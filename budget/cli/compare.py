@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 EXIT_NOT_MET = 1
 EXIT_BAD_INPUT = 2
-SUFFIX = ".html"
 
 
 def compare(
+    context: typer.Context,
     devices: Annotated[
         list[str],
         typer.Argument(
@@ -94,7 +94,9 @@ def compare(
     csv: options.CsvFile = None,
     output: Annotated[
         list[Path] | None,
-        typer.Option("-o", "--output", metavar="FILE", help="Report file, .html."),
+        typer.Option(
+            "-o", "--output", metavar="FILE", help="Report file, .html or .pdf."
+        ),
     ] = None,
 ) -> None:
     """Compare devices against a requirement, best first.
@@ -103,8 +105,10 @@ def compare(
     and which line of the data sheet limits it. Exit code 1 if a required sensor has no
     device that meets.
     """
+    from budget.cli.command_line import command_line
     from budget.cli.computing import computing
     from budget.cli.output import check_destinations
+    from budget.cli.pages import check_suffixes
     from budget.errors import CallError
     from budget.report.comparison.tables import find_column
     from budget.spec import load_catalogue, load_procedure, load_requirement
@@ -117,7 +121,7 @@ def compare(
         *(output or ()),
         inputs=[*devices, *(procedure or ()), requirement],
     )
-    _check_suffixes(output or [])
+    check_suffixes(output or [])
     column = None if sort is None else find_column(sort)
     wanted = load_requirement(requirement)
     paths: list[Path | None] = [*procedure] if procedure else [None]
@@ -144,7 +148,14 @@ def compare(
             executor=shop.executor,
             progress=shop.progress,
         )
-    _deliver(found, json=json, csv=csv, pages=output or [], sort=column)
+    _deliver(
+        found,
+        json=json,
+        csv=csv,
+        pages=output or [],
+        sort=column,
+        command=command_line(context),
+    )
     if issues:
         raise typer.Exit(EXIT_BAD_INPUT)
     if not found.is_met:
@@ -181,6 +192,7 @@ def _deliver(
     csv: Path | None,
     pages: list[Path],
     sort: Column | None,
+    command: str,
 ) -> None:
     """Print the comparison, or the document asked for; write the files."""
     from budget.cli.output import printing
@@ -188,16 +200,20 @@ def _deliver(
     from budget.report.files import write_all
 
     documents = [(json, to_json), (csv, to_csv)]
-    files = {
+    files: dict[Path, str | bytes] = {
         path: render(comparison)
         for path, render in documents
         if path is not None and path != options.STDOUT
     }
     if pages:
         from budget.cli.dates import document_date
-        from budget.report.comparison.html import render_html
+        from budget.cli.pages import render_pages
+        from budget.report.comparison.page import comparison_document
 
-        files |= dict.fromkeys(pages, render_html(comparison, date=document_date()))
+        document = comparison_document(
+            comparison, date=document_date(), command_line=command
+        )
+        files |= render_pages(document, pages)
     write_all(files)
     for path in pages:
         typer.echo(f"{path}: written", err=True)
@@ -211,15 +227,3 @@ def _deliver(
         from budget.report.comparison.terminal import render_comparison
 
         render_comparison(comparison, Console(), sort=sort)
-
-
-def _check_suffixes(paths: list[Path]) -> None:
-    """Refuse a kind of report that there is not, before anything is computed."""
-    from budget.errors import CallError
-
-    wrong = [str(path) for path in paths if path.suffix.lower() != SUFFIX]
-    if wrong:
-        raise CallError(
-            f"-o {', '.join(wrong)}: the suffix decides the kind of report, "
-            f"allowed: {SUFFIX}"
-        )

@@ -1,79 +1,72 @@
-"""An allocation as a section of a report page."""
+"""An allocation as a section of a document."""
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from budget.report.allocation.figures import (
-    headroom_alt,
-    headroom_bars,
-    headroom_title,
-    waterfall,
-    waterfall_alt,
-    waterfall_title,
-)
+from budget.report.allocation.headroom import headroom_picture
+from budget.report.allocation.waterfall import after_word, waterfall_picture
 from budget.report.allocation.words import (
+    DIGITS,
     headline,
     join_outputs,
     lever_text,
     match_text,
     part_title,
-    print_change,
     print_part,
     print_used,
     relaxations,
     remarks,
     tightest,
 )
-from budget.report.inline import inline_svg
-from budget.report.markup import (
-    markup,
-    page_environment,
+from budget.report.blocks import (
+    Abreast,
+    Cell,
+    Column,
+    Listing,
+    Panel,
+    Paragraph,
+    Picture,
+    RowGroup,
+    Run,
+    Section,
+    Table,
 )
+from budget.report.figures.picture import capital
 from budget.report.tables import (
     output_title,
     print_count,
     print_coverage,
     print_given,
+    print_utilisation,
     source_title,
+    words,
 )
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from collections.abc import Iterable, Iterator, Sequence
 
+    from budget.report.blocks import Block
     from budget.studies.allocation.records import (
         Allocation,
+        CostReport,
+        CoverageCheck,
         LimitedOutput,
-        Match,
         SourceAllotment,
     )
 
+STRATEGIES = {
+    "proportional": "one factor on all lines of a sensor",
+    "equal": "each line gets an equal part of the limit it uses most",
+    "cost": "the least total cost",
+}
 CLOSEST = 5  # catalogue entries a sensor that are listed where none meets
+NONE = "none"
+PER_CENT = 100.0
 
 
-@dataclass(frozen=True, kw_only=True)
-class Triad:
-    """The tables of one sensor."""
-
-    sensor: str
-    rows: tuple[SourceAllotment, ...]
-    limits: tuple[LimitedOutput, ...]  # of each parameter the tightest
-
-
-@dataclass(frozen=True, kw_only=True)
-class Shelf:
-    """The catalogue entries of one sensor that are listed."""
-
-    sensor: str
-    total: int
-    meeting: int
-    shown: tuple[Match, ...]
-
-
-def allocation_section(allocation: Allocation) -> str:
-    """Write the section of a page: tables and figures, no head, no style.
+def allocation_section(allocation: Allocation) -> Section:
+    """Return what each line may be: the finding, its tables and figures.
 
     Parameters
     ----------
@@ -82,48 +75,46 @@ def allocation_section(allocation: Allocation) -> str:
 
     Returns
     -------
-    str
-        One `section` element; the same bytes for the same argument.
+    Section
+        The same for the same argument.
     """
-    environment = page_environment()
-    environment.filters |= {
-        "given": lambda value: print_given(value, digits=3),
-        "output": output_title,
-        "source": source_title,
-        "coverage": print_coverage,
-        "count": print_count,
-    }
-    sensors = tuple(
-        dict.fromkeys(row.source.partition(".")[0] for row in allocation.sources)
+    coverage = print_coverage(allocation.coverage)
+    settings = (
+        f"Strategy {allocation.strategy}: {STRATEGIES[allocation.strategy]}. Coverage "
+        f"{coverage} %, reference {words(allocation.reference)}, procedure "
+        f"{allocation.procedure}. Values are standard uncertainties of the largest "
+        "axis."
     )
-    solved = dict.fromkeys(match.sensor for match in allocation.matches)
-    triads = [_triad(allocation, sensor) for sensor in sensors]
-    return environment.get_template("allocation.html.j2").render(
-        allocation=allocation,
-        headline=headline(allocation),
-        triads=triads,
-        shelves=[_shelf(allocation, sensor) for sensor in solved],
-        waterfalls=[
-            (waterfall_title(row), markup(_inline(waterfall(row), waterfall_alt(row))))
-            for row in figured(allocation)
-        ],
-        headrooms=[
-            (
-                headroom_title(triad.rows),
-                markup(_inline(headroom_bars(triad.rows), headroom_alt(triad.rows))),
-            )
-            for triad in triads
-            if any(row.headroom is not None for row in triad.rows)
-        ],
-        relaxations=relaxations(allocation.impossible),
-        lever_text=lever_text,
-        match_text=match_text,
-        part_title=part_title,
-        print_change=print_change,
-        print_part=print_part,
-        print_used=print_used,
-        remarks=remarks,
-        join_outputs=join_outputs,
+    blocks: list[Block] = [
+        Paragraph(words=(Run(text=headline(allocation), strong=True),)),
+        Paragraph(words=(settings,), small=True),
+        *_points("What would make it feasible", relaxations(allocation.impossible)),
+    ]
+    pictures: list[Picture] = [waterfall_picture(row) for row in figured(allocation)]
+    sensors = dict.fromkeys(row.source.partition(".")[0] for row in allocation.sources)
+    for sensor in sensors:
+        rows = [
+            row for row in allocation.sources if row.source.startswith(f"{sensor}.")
+        ]
+        limits = _limits(allocation, sensor)
+        tables: list[Block] = [_lines_table(sensor, rows)]
+        if limits:
+            tables.append(_parts_table(sensor, limits))
+        blocks.append(Panel(title=capital(sensor), blocks=tuple(tables)))
+        headroom = headroom_picture(rows)
+        if headroom is not None:
+            pictures.append(headroom)
+    if pictures:
+        blocks.append(Abreast(blocks=tuple(pictures)))
+    blocks += _points("What limits cost", map(_cost_text, allocation.costs))
+    if allocation.checks:
+        title = "Checked by Monte Carlo at the allocated values"
+        blocks.append(Panel(title=title, blocks=(_checks_table(allocation.checks),)))
+    blocks += _points("The procedure as a lever", map(lever_text, allocation.levers))
+    blocks += _shelves(allocation)
+    blocks += _points("Warnings", allocation.warnings)
+    return Section(
+        name="allocation", title="What each line may be", blocks=tuple(blocks)
     )
 
 
@@ -135,30 +126,192 @@ def figured(allocation: Allocation) -> tuple[LimitedOutput, ...]:
     return tightest((*allocation.impossible, *allocation.binding))
 
 
-def _triad(allocation: Allocation, sensor: str) -> Triad:
-    """Gather the tables of one sensor."""
-    return Triad(
-        sensor=sensor,
-        rows=tuple(
-            row for row in allocation.sources if row.source.startswith(f"{sensor}.")
+def _points(title: str, lines: Iterable[str]) -> Iterator[Panel]:
+    """Yield lines of text under a heading, nothing where there are none."""
+    items = tuple((capital(line),) for line in lines)
+    if items:
+        yield Panel(title=title, blocks=(Listing(items=items, empty="None."),))
+
+
+def _limits(allocation: Allocation, sensor: str) -> tuple[LimitedOutput, ...]:
+    """Return the outputs whose limits are taken apart: those that have a waterfall.
+
+    Of parameters without one the tightest.
+    """
+    own = [row for row in allocation.outputs if row.sensor == sensor]
+    drawn = {_group(row): row for row in figured(allocation)}
+    return tuple(drawn.get(_group(row), row) for row in tightest(own))
+
+
+def _group(row: LimitedOutput) -> str:
+    """Return the parameter of an output: 'gyro.bias'."""
+    return row.output.name.rpartition(".")[0]
+
+
+def _lines_table(sensor: str, rows: Sequence[SourceAllotment]) -> Table:
+    """Return what each line is and may be."""
+    return Table(
+        name=f"allocation-{sensor}",
+        caption=f"What each line of the {sensor} is now, and what it may be",
+        columns=(
+            Column(head="line", weight=1.4),
+            Column(head="now", kind="number"),
+            Column(head="allowed", kind="number"),
+            Column(head="unit", kind="unit"),
+            Column(head="allowed / now", kind="number"),
+            Column(head="stopped by"),
+            Column(head="alone up to", kind="number"),
+            Column(head="then stopped by"),
         ),
-        limits=tightest([row for row in allocation.outputs if row.sensor == sensor]),
+        groups=(RowGroup(rows=tuple(_line_row(row) for row in rows)),),
+        is_wide=True,
     )
 
 
-def _shelf(allocation: Allocation, sensor: str) -> Shelf:
-    """Gather the catalogue entries of one sensor, the closest ones shown."""
-    own = [match for match in allocation.matches if match.sensor == sensor]
-    meeting = sum(match.meets for match in own)
-    return Shelf(
-        sensor=sensor,
-        total=len(own),
-        meeting=meeting,
-        shown=tuple(own[: max(meeting, CLOSEST)]),
+def _line_row(row: SourceAllotment) -> tuple[Cell, ...]:
+    """Return one line of a data sheet."""
+    room = row.headroom
+    changed = row.allowed is not None
+    return (
+        Cell(text=capital(source_title(row.source)), note=remarks(row)),
+        _value(row.now, row),
+        _value(row.allowed, row),
+        Cell(text=row.unit),
+        Cell(
+            text=print_given(row.factor, digits=DIGITS) if changed else NONE,
+            exact=row.factor if changed else None,
+        ),
+        Cell(text=_output(row.binding_output)),
+        _value(room.value if room else None, row),
+        Cell(text=_output(room.stopped_by if room else None)),
     )
 
 
-def _inline(figure: Figure, alt: str) -> str:
-    """Draw a figure for the page, named by what it shows."""
-    name = re.sub(r"[^a-z0-9]+", "-", f"allocation {figure.get_label()}".lower())
-    return inline_svg(figure, name, alt)
+def _value(value: float | None, row: SourceAllotment) -> Cell:
+    """Return a value in the unit of its line; of none, and of a headroom of 0, no."""
+    if not value and value is not row.now:
+        return Cell(text=NONE)
+    number = (value or 0.0) / row.si_per_unit
+    return Cell(text=print_given(number, digits=DIGITS), exact=number)
+
+
+def _output(name: str | None) -> str:
+    """Name an output without its sensor."""
+    return NONE if name is None else output_title(name.partition(".")[2])
+
+
+def _parts_table(sensor: str, limits: Sequence[LimitedOutput]) -> Table:
+    """Return what takes how much of the squared limits, now and after."""
+    columns = [Column(head="part of the squared limit [%]", weight=1.4)]
+    for row in limits:
+        name = _output(row.output.name)
+        columns += [
+            Column(head=f"{name}, {word}", kind="number")
+            for word in ("now", after_word(row))
+        ]
+    rows = []
+    for place, part in enumerate(limits[0].parts):
+        cells = [Cell(text=capital(part_title(part.source)))]
+        for row in limits:
+            one = row.parts[place]
+            after = one.floor if one.allowed is None else one.allowed
+            cells += [
+                Cell(text=print_part(x), exact=PER_CENT * x) for x in (one.now, after)
+            ]
+        rows.append(tuple(cells))
+    used = [Cell(text="Largest error, of the limit")]
+    for row in limits:
+        after = row.floor if row.allowed is None else row.allowed
+        used += [
+            Cell(
+                text=print_used(row, now=True).removesuffix(" %"),
+                exact=PER_CENT * row.now,
+                strong=row.now > 1.0,
+            ),
+            Cell(
+                text=_used_after(row),
+                exact=PER_CENT * after,
+                strong=row.allowed is None and after > 1.0,
+            ),
+        ]
+    return Table(
+        name=f"allocation-parts-{sensor}",
+        caption=f"Parts of the squared limits of the {sensor} by source",
+        columns=tuple(columns),
+        groups=(RowGroup(rows=tuple(rows)), RowGroup(rows=(tuple(used),))),
+        is_wide=True,
+    )
+
+
+def _used_after(row: LimitedOutput) -> str:
+    """Print the largest error in per cent of the limit after the allocation."""
+    if row.allowed is None:
+        return print_utilisation(row.floor).removesuffix(" %")
+    return print_used(row, now=False).removesuffix(" %")
+
+
+def _cost_text(cost: CostReport) -> str:
+    """Say what the allocation of one sensor costs, and what limits cost."""
+    given, now = (print_given(x, digits=DIGITS) for x in (cost.cost, cost.now))
+    savings = "".join(
+        f" One percent more on {join_outputs(saving.outputs)} would save "
+        f"{print_given(saving.saves, digits=DIGITS)}."
+        for saving in cost.savings
+    )
+    return (
+        f"{cost.sensor}: {given} for the lines that are free, {now} now; at most a "
+        f"part of {cost.gap:.0e} above the least.{savings}"
+    )
+
+
+def _checks_table(checks: Sequence[CoverageCheck]) -> Table:
+    """Return how often the law's interval holds, output by output."""
+    return Table(
+        name="allocation-checks",
+        caption="Coverage of the intervals of the law, by Monte Carlo",
+        columns=(
+            Column(head="output at its limit"),
+            Column(head="trials", kind="number"),
+            Column(head="within the interval of the law [%]", kind="number"),
+            Column(head="k of the law", kind="number"),
+            Column(head="k allocated with", kind="number"),
+        ),
+        groups=(
+            RowGroup(
+                rows=tuple(
+                    (
+                        Cell(
+                            text=capital(output_title(check.output)),
+                            note="corrected" if check.is_corrected else "",
+                        ),
+                        Cell(text=print_count(check.trials), exact=check.trials),
+                        Cell(
+                            text=f"{PER_CENT * check.covered:.2f}",
+                            exact=PER_CENT * check.covered,
+                        ),
+                        Cell(
+                            text=f"{check.factor_before:.4f}",
+                            exact=check.factor_before,
+                        ),
+                        Cell(
+                            text=f"{check.factor:.4f}",
+                            exact=check.factor,
+                            strong=check.is_corrected,
+                        ),
+                    )
+                    for check in checks
+                )
+            ),
+        ),
+    )
+
+
+def _shelves(allocation: Allocation) -> Iterator[Panel]:
+    """Yield the catalogue entries of each sensor, the closest ones."""
+    for sensor in dict.fromkeys(match.sensor for match in allocation.matches):
+        own = [match for match in allocation.matches if match.sensor == sensor]
+        meeting = sum(match.meets for match in own)
+        yield from _points(
+            f"Catalogue: {meeting} of {len(own)} {sensor} entries meet every line",
+            map(match_text, own[: max(meeting, CLOSEST)]),
+        )

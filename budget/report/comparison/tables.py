@@ -133,6 +133,15 @@ class SideRow:
     cells: tuple[str, ...]
 
 
+@dataclass(frozen=True, kw_only=True)
+class MissingEffect:
+    """What is put in the place of the expected lines that some devices lack."""
+
+    sensor: str
+    devices: tuple[str, ...]
+    effect: str  # 'bias stability 24 deg/h (of NAME)', or that nothing is known
+
+
 def find_column(name: str) -> Column:
     """Return the column of that key or head.
 
@@ -274,8 +283,8 @@ def print_factor(remedy: Remedy) -> str:
     return print_three(remedy.factor)
 
 
-def missing_lines(comparison: Comparison) -> tuple[str, ...]:
-    """Say what the column 'at worst' puts in the place of lines that are not given.
+def missing_effects(comparison: Comparison) -> tuple[MissingEffect, ...]:
+    """Return what the column 'at worst' puts in the place of lines not given.
 
     Of devices that do not fail in any case; those with the same lines in one.
     """
@@ -295,8 +304,20 @@ def missing_lines(comparison: Comparison) -> tuple[str, ...]:
             effect = ", ".join(
                 words(text.removeprefix(f"{sensor}.")) for text in assumed
             )
-        found.append(f"{sensor}, {', '.join(dict.fromkeys(devices))}: {effect}")
+        found.append(
+            MissingEffect(
+                sensor=sensor, devices=tuple(dict.fromkeys(devices)), effect=effect
+            )
+        )
     return tuple(found)
+
+
+def missing_lines(comparison: Comparison) -> tuple[str, ...]:
+    """Say the same in lines: 'gyro, NAME: bias stability 24 deg/h (of OTHER)'."""
+    return tuple(
+        f"{row.sensor}, {', '.join(row.devices)}: {row.effect}"
+        for row in missing_effects(comparison)
+    )
 
 
 def print_worst_case(missing: MissingLines | None) -> str:
@@ -331,16 +352,21 @@ def cap_lines(comparison: Comparison) -> tuple[str, ...]:
     )
 
 
+def best_of(table: Table) -> Row | None:
+    """Return the best device that meets, None where none does."""
+    meets = [row for row in table.rows if row.of.verdict == "meets"]
+    return min(meets, key=COLUMNS[0].order, default=None)
+
+
 def verdict_lines(found: Sequence[Table]) -> tuple[str, ...]:
     """Say for each sensor and procedure who is best, or that nobody meets."""
     several = len({table.procedure for table in found}) > 1
     lines = []
     for table in found:
-        meets = [row for row in table.rows if row.of.verdict == "meets"]
         place = f"{table.sensor}, {table.procedure}" if several else table.sensor
+        best = best_of(table)
         said = "no device meets"
-        if meets:
-            best = min(meets, key=COLUMNS[0].order)
+        if best is not None:
             said = f"{best.device} is best, {best.utilisation} % of the limit"
         lines.append(f"{place}: {said} ({table.counts})")
     return tuple(lines)

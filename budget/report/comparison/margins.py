@@ -1,0 +1,145 @@
+"""Margins, which answer how far each device is from its limit."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from budget.report.comparison.naming import SHOWN, fit_name, more_devices
+from budget.report.figures import BLUE, GRID, INK, MUTED, SMALL, canvas
+from budget.report.figures.picture import as_picture, capital
+from budget.report.tables import print_utilisation
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from budget.report.blocks import Picture
+    from budget.report.comparison.tables import Row, Table
+
+LEFT, RIGHT, TOP, BELOW = 118.0, 92.0, 18.0, 32.0  # for names, verdicts, axis [pt]
+NAME = 22  # characters of a name that fit beside it
+BAR_ROW = 15.0  # height [pt]
+LEAST = 1e-4  # utilisation where a bar ends at the latest [1]
+SURE = ("meets", "fails")  # verdicts whose bars are full
+
+
+def margin_picture(table: Table, name: str) -> Picture:
+    """Return the bars as a block; each has its tooltip, the ranking has the data."""
+    return as_picture(
+        margin_bars(table),
+        name=name,
+        title=margin_title(table),
+        alt=margin_alt(table),
+        tips=margin_tips(table),
+        caption=(
+            "Bars start at the limit: to the left is what is left of it. Hollow: "
+            "undecided, or undecidable because an expected line is not given."
+            f"{more_devices(table)}"
+        ),
+    )
+
+
+def margin_bars(table: Table) -> Figure:
+    """Draw how far each device is from its limit: bars that start at the limit."""
+    rows = table.rows[:SHOWN]
+    height = TOP + BAR_ROW * len(rows) + BELOW
+    figure, axes = canvas(height, left=LEFT, right=RIGHT, top=TOP, below=BELOW)
+    figure.set_label(margin_title(table))
+    axes.set_xscale("log")
+    parts = [max(row.of.utilisation, LEAST) for row in rows]
+    axes.set_xlim(100.0 * min(0.5, *parts) / 1.3, 100.0 * max(2.0, *parts) * 1.3)
+    axes.set_ylim(len(rows) - 0.5, -0.5)
+    axes.set_yticks(range(len(rows)), [fit_name(row.device, NAME) for row in rows])
+    axes.tick_params(axis="y", labelsize=SMALL)
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.minorticks_off()
+    axes.grid(axis="x", color=GRID, linewidth=0.6)
+    axes.set_xlabel("largest error [% of the limit]", fontsize=SMALL, color=MUTED)
+    for place, (row, part) in enumerate(zip(rows, parts, strict=True)):
+        _draw_margin(axes, place, row, part)
+    axes.axvline(100.0, color=INK, linewidth=1.0, zorder=3)
+    _label_limit(axes, 100.0)
+    return figure
+
+
+def margin_title(table: Table) -> str:
+    """State the finding: how many meet, and the best of them."""
+    meets = [row for row in table.rows if row.of.verdict == "meets"]
+    number = f"{len(meets) or 'None'} of {len(table.rows)}"
+    verb = "meet" if len(meets) > 1 else "meets"
+    best = min(meets or table.rows, key=lambda row: row.of.utilisation)
+    part = print_utilisation(best.of.utilisation)
+    named = f"{best.device} at {part} of the limit"
+    if meets:
+        return f"{capital(table.sensor)}: {number} {verb}, the best is {named}"
+    return f"{capital(table.sensor)}: {number} meets; the least used limit is {named}"
+
+
+def margin_alt(table: Table) -> str:
+    """Say in words with numbers what the bars show."""
+    bars = "; ".join(
+        f"{row.device} {print_utilisation(row.of.utilisation)}, {row.verdict}"
+        for row in table.rows[:SHOWN]
+    )
+    return f"{margin_title(table)}. Largest error in per cent of the limit: {bars}."
+
+
+def margin_tips(table: Table) -> dict[str, str]:
+    """Return a tooltip for each bar, by its gid."""
+    return {
+        _gid(place): (
+            f"{row.device}: {row.verdict}, {row.utilisation} % of the limit, "
+            f"worst {row.worst_output}, limited by {row.limiting_source}"
+        )
+        for place, row in enumerate(table.rows[:SHOWN])
+    }
+
+
+def _gid(place: int) -> str:
+    """Name a bar."""
+    return f"tip-{place}"
+
+
+def _draw_margin(axes: Axes, place: int, row: Row, part: float) -> None:
+    """Draw one bar from the limit; its fill and a word say the verdict."""
+    x = 100.0 * part
+    beyond = part > 1.0
+    sure = row.of.verdict in SURE
+    (bar,) = axes.barh(
+        place,
+        x - 100.0,
+        left=100.0,
+        height=0.62,
+        color=(INK if beyond else BLUE) if sure else "none",
+        edgecolor=INK if beyond else BLUE,
+        linewidth=0.9,
+    )
+    bar.set_gid(_gid(place))
+    low, high = (100.0 * max(end, LEAST) for end in row.of.utilisation_interval)
+    if high > low:
+        axes.plot([low, high], [place, place], color=MUTED, linewidth=2.2, zorder=4)
+    axes.annotate(
+        f"{row.utilisation} {row.verdict}",
+        (1.0, place),
+        xycoords=("axes fraction", "data"),
+        xytext=(4.0, 0.0),
+        textcoords="offset points",
+        fontsize=SMALL,
+        color=INK,
+        fontweight="bold" if row.of.verdict == "meets" else "normal",
+        va="center_baseline",
+    )
+
+
+def _label_limit(axes: Axes, x: float) -> None:
+    """Write 'limit' above a line."""
+    axes.annotate(
+        "limit",
+        (x, 1.0),
+        xycoords=("data", "axes fraction"),
+        xytext=(0.0, 4.0),
+        textcoords="offset points",
+        ha="center",
+        fontsize=SMALL,
+        color=INK,
+    )

@@ -1,0 +1,380 @@
+"""A comparison as a document, and as sections of a report on one device."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from budget.report.analysis.provenance import provenance_section
+from budget.report.analysis.wording import REFERENCES
+from budget.report.blocks import (
+    Abreast,
+    Card,
+    Document,
+    Listing,
+    Pairs,
+    Panel,
+    Paragraph,
+    Run,
+    Section,
+)
+from budget.report.comparison.document import to_json
+from budget.report.comparison.fronts import LEAST_POINTS, front_picture, merit_points
+from budget.report.comparison.margins import margin_picture
+from budget.report.comparison.table_blocks import (
+    assumptions_table,
+    front_table,
+    missing_table,
+    outputs_table,
+    pairs_table,
+    procedures_table,
+    ranking_note,
+    ranking_table,
+)
+from budget.report.comparison.tables import (
+    PAIRS_SHOWN,
+    PER_CENT,
+    advice_lines,
+    best_of,
+    cap_lines,
+    missing_effects,
+    tables,
+    verdict_lines,
+)
+from budget.report.comparison.utilisation_map import map_picture
+from budget.report.figures.picture import capital
+from budget.report.tables import print_coverage, settings_lines, words
+from budget.studies.comparison.figures_of_merit import MERITS
+from budget.version import __version__
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from budget.report.blocks import Block, Picture, Words
+    from budget.report.comparison.tables import Table
+    from budget.studies.comparison.records import Comparison
+
+COMMAND = "budget compare"
+METHODS = {
+    "gum": (
+        "the law of propagation of uncertainty with second-order terms (JCGM 100); "
+        "joint conformance from the joint normal distribution"
+    ),
+    "monte-carlo": (
+        "propagation of distributions by Monte Carlo (JCGM 101), every device on the "
+        "same random numbers; open verdicts and ranks get more trials"
+    ),
+}
+
+
+def comparison_document(
+    comparison: Comparison, *, date: str, command_line: str = COMMAND
+) -> Document:
+    """Put a comparison into one document, the answer first.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        The result.
+    date : str
+        Year-month-day.
+    command_line : str
+        What makes the document again; without output names.
+
+    Returns
+    -------
+    Document
+        The same for the same arguments.
+    """
+    found = tables(comparison)
+    several = len(comparison.procedures) > 1
+    number = len({one.place for one in comparison.devices})
+    said = (
+        "Each required sensor has a device that meets."
+        if comparison.is_met
+        else "A required sensor has no device that meets."
+    )
+    sections = [
+        _overview(found),
+        _remarks(comparison, on_first_page=True),
+        *_procedures(comparison, found),
+        *(
+            _devices(table, place, with_margins=False, several=several)
+            for place, table in enumerate(found)
+        ),
+        *_pairs(comparison),
+        *_missing(comparison),
+        _assumptions(comparison),
+        _method(comparison),
+        provenance_section(
+            comparison.inputs,
+            comparison.settings,
+            version=__version__,
+            command_line=command_line,
+        ),
+    ]
+    return Document(
+        kind="comparison",
+        title=f"{number} device{'' if number == 1 else 's'} compared",
+        facts=(
+            f"procedure{'s' if several else ''} {', '.join(comparison.procedures)}",
+        ),
+        headline=_headline(comparison),
+        summary=(f"{said} {_basis(comparison)}",),
+        cards=tuple(_card(table, several=several) for table in found),
+        sections=tuple(sections),
+        json=to_json(comparison),
+        date=date,
+        version=__version__,
+    )
+
+
+def comparison_sections(comparison: Comparison) -> tuple[Section, ...]:
+    """Return the sections that stand inside a report on something else.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        The result.
+
+    Returns
+    -------
+    tuple of Section
+        The answer, the devices sensor by sensor, pairs, and what to beware of.
+    """
+    found = tables(comparison)
+    several = len(comparison.procedures) > 1
+    answer = Section(
+        name="comparison",
+        title=f"Comparison against {comparison.requirement}",
+        blocks=(
+            Paragraph(words=(Run(text=_headline(comparison), strong=True),)),
+            Paragraph(words=(_basis(comparison),), small=True),
+            Listing(
+                items=tuple((capital(line),) for line in verdict_lines(found)),
+                empty="No device has a required sensor.",
+            ),
+        ),
+    )
+    return (
+        answer,
+        *_procedures(comparison, found),
+        *(
+            _devices(table, place, with_margins=True, several=several)
+            for place, table in enumerate(found)
+        ),
+        *_pairs(comparison),
+        *_missing(comparison),
+        _remarks(comparison, on_first_page=False),
+    )
+
+
+def _headline(comparison: Comparison) -> str:
+    """State the answer in one line."""
+    return ("MET: " if comparison.is_met else "NOT MET: ") + comparison.requirement
+
+
+def _basis(comparison: Comparison) -> str:
+    """Say what the errors are."""
+    settings = comparison.settings
+    coverage = print_coverage(settings.coverage)
+    return f"Errors at {coverage} % coverage; {REFERENCES[settings.reference]}."
+
+
+def _card(table: Table, *, several: bool) -> Card:
+    """Return the answer for one sensor under one procedure."""
+    best = best_of(table)
+    lines: list[Words] = []
+    if best is None:
+        lines.append((Run(text="No device meets", strong=True),))
+    else:
+        used = Run(
+            text=f"{best.utilisation} % of the limit",
+            exact=PER_CENT * best.of.utilisation,
+        )
+        lines += [
+            (Run(text=f"{best.device} is best", strong=True),),
+            (used, f" at {best.worst_output}, limited by {best.limiting_source}"),
+        ]
+    lines.append((table.counts,))
+    return Card(title=_heading(table, several=several), lines=tuple(lines))
+
+
+def _heading(table: Table, *, several: bool) -> str:
+    """Name a sensor, under its procedure where there are several."""
+    return capital(table.sensor) + (f", {table.procedure}" if several else "")
+
+
+def _overview(found: Sequence[Table]) -> Section:
+    """Return how far every device is from its limit."""
+    pictures = tuple(
+        margin_picture(table, f"margins-{table.sensor}-{place}")
+        for place, table in enumerate(found)
+    )
+    return Section(
+        name="overview",
+        title="Against the limits",
+        blocks=(Abreast(blocks=pictures),),
+        on_first_page=True,
+    )
+
+
+def _remarks(comparison: Comparison, *, on_first_page: bool) -> Section:
+    """Return what to beware of: warnings, advice, caps, and verdicts left open."""
+    lines = (
+        *comparison.warnings,
+        *_undecidable(comparison),
+        *advice_lines(comparison),
+        *(f"Over a cap: {line}" for line in cap_lines(comparison)),
+    )
+    return Section(
+        name="remarks",
+        title="What to beware of",
+        blocks=(
+            Listing(
+                items=tuple((capital(line),) for line in lines),
+                empty="Nothing: every line that is expected is given, no cap exceeded.",
+            ),
+        ),
+        on_first_page=on_first_page,
+    )
+
+
+def _undecidable(comparison: Comparison) -> Iterator[str]:
+    """Say of each sensor how many devices would meet, were nothing missing."""
+    for sensor in comparison.required:
+        names = {
+            one.name
+            for one in comparison.devices
+            if one.sensor == sensor and one.verdict == "undecidable"
+        }
+        if names:
+            verb = "lacks a line" if len(names) == 1 else "lack lines"
+            yield (
+                f"{len(names)} {sensor} device{'' if len(names) == 1 else 's'} would "
+                f"meet, but {verb} that a verdict needs: undecidable"
+            )
+
+
+def _missing(comparison: Comparison) -> tuple[Section, ...]:
+    """Return what 'at worst' stands on; nothing where no line is missing."""
+    effects = missing_effects(comparison)
+    if not effects:
+        return ()
+    text = (
+        "Lines that a verdict needs and a data sheet does not give count as 0; at "
+        "worst they are what the worst device of the catalogue has. Of devices that "
+        "fail in any case nothing is assumed."
+    )
+    return (
+        Section(
+            name="missing",
+            title="In the place of lines that are not given",
+            blocks=(
+                Paragraph(words=(text,), small=True),
+                missing_table(effects),
+            ),
+        ),
+    )
+
+
+def _procedures(comparison: Comparison, found: Sequence[Table]) -> tuple[Section, ...]:
+    """Return every device under every procedure; nothing where there is one."""
+    if len(comparison.procedures) == 1:
+        return ()
+    text = "% of the limit and verdict, in the order of the first procedure."
+    return (
+        Section(
+            name="procedures",
+            title="By procedure",
+            blocks=(
+                Paragraph(words=(text,), small=True),
+                *(
+                    Panel(
+                        title=capital(sensor),
+                        blocks=(procedures_table(comparison, found, sensor),),
+                    )
+                    for sensor in comparison.required
+                ),
+            ),
+        ),
+    )
+
+
+def _devices(table: Table, place: int, *, with_margins: bool, several: bool) -> Section:
+    """Return ranking and figures of one sensor under one procedure."""
+    end = f"{table.sensor}-{place}"
+    fronts = _fronts(table, end)
+    pictures = list(fronts)
+    if with_margins:
+        pictures.insert(0, margin_picture(table, f"margins-{end}"))
+    blocks: list[Block] = [
+        ranking_table(table, f"ranking-{end}"),
+        Paragraph(words=(ranking_note(table),), small=True),
+        map_picture(table, f"map-{end}", outputs_table(table, f"outputs-{end}")),
+    ]
+    if pictures:
+        blocks.append(Abreast(blocks=tuple(pictures)))
+    if not fronts:
+        text = (
+            "No two devices give a price, a mass or a power that can be compared: "
+            "there is no front to draw."
+        )
+        blocks.append(Paragraph(words=(text,), small=True))
+    return Section(
+        name=f"devices-{end}",
+        title=f"{_heading(table, several=several)}: {table.counts}",
+        blocks=tuple(blocks),
+    )
+
+
+def _fronts(table: Table, end: str) -> list[Picture]:
+    """Return a front for each cost that two devices at least give."""
+    return [
+        front_picture(
+            table,
+            merit,
+            f"front-{merit}-{end}",
+            front_table(table, merit, f"{merit}-{end}"),
+        )
+        for merit in MERITS
+        if len(merit_points(table, merit)) >= LEAST_POINTS
+    ]
+
+
+def _pairs(comparison: Comparison) -> tuple[Section, ...]:
+    """Return pairs of a gyro and an accelerometer; nothing where none were asked."""
+    pairs = comparison.pairs
+    if not pairs:
+        return ()
+    text = "The errors of the two are independent: probabilities multiply."
+    if len(pairs) > PAIRS_SHOWN:
+        more = len(pairs) - PAIRS_SHOWN
+        text += f" {more} more pairs are in the JSON document."
+    return (
+        Section(
+            name="pairs",
+            title="Pairs of gyro and accelerometer",
+            blocks=(pairs_table(pairs), Paragraph(words=(text,), small=True)),
+        ),
+    )
+
+
+def _assumptions(comparison: Comparison) -> Section:
+    """Return what the files leave to be assumed."""
+    blocks: tuple[Block, ...] = (
+        (assumptions_table(comparison),)
+        if comparison.assumptions
+        else (Paragraph(words=("None: the files say all that is needed.",)),)
+    )
+    return Section(name="assumptions", title="Assumptions", blocks=blocks)
+
+
+def _method(comparison: Comparison) -> Section:
+    """Return what the numbers depend on besides the files."""
+    rows = []
+    for name, value in settings_lines(comparison.settings):
+        text = words(value) if name == "reference" else value
+        if name == "method":
+            text = f"{value}: {METHODS[value]}"
+        rows.append((name, (text,)))
+    return Section(name="method", title="Method", blocks=(Pairs(rows=tuple(rows)),))

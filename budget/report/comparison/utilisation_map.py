@@ -1,0 +1,243 @@
+"""The utilisation map, which answers which device is tight where."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from budget.report.comparison.naming import SHOWN, fit_name, more_devices
+from budget.report.figures import (
+    BLUE,
+    INK,
+    MUTED,
+    ON_DARK,
+    PAPER,
+    SMALL,
+    WIDE,
+    add_panel,
+    canvas,
+)
+from budget.report.figures.picture import as_picture, capital
+from budget.report.tables import (
+    output_title,
+    print_utilisation,
+    round_value,
+    words,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from budget.report.blocks import Picture
+    from budget.report.blocks import Table as DataTable
+    from budget.report.comparison.tables import Table
+    from budget.studies.comparison.records import RequiredOutput
+
+LEFT, RIGHT, TOP, BELOW = 184.0, 4.0, 34.0, 36.0  # room for names, heads, scale [pt]
+CELL = 16.0  # height [pt]
+CELL_TEXT = 8.5  # [pt]
+NAME = 32  # characters of a name that fit beside it
+SCALE = 300.0  # width of the scale [pt]
+PALEST, UP_TO_LIMIT, BEYOND = 0.06, 0.45, 0.70  # opacities of the one hue
+DARKEST_AT = 2.0  # utilisation with the full hue [1]
+DARK_FROM = 0.6  # opacity from which text is light
+MOST_PER_CENT = 999.5  # beyond, a cell says >999
+SHORT = {"scale_factor": "SF", "mounting_angle": "angle", "bias": "bias"}
+
+
+def map_picture(table: Table, name: str, data: DataTable) -> Picture:
+    """Return the map as a block; each cell has its tooltip."""
+    return as_picture(
+        utilisation_map(table),
+        name=name,
+        title=map_title(table),
+        alt=map_alt(table),
+        tips=map_tips(table),
+        caption=(
+            "Largest error in % of the limit, devices by outputs, best first; framed "
+            f"and dark: beyond the limit.{more_devices(table)}"
+        ),
+        data=data,
+        is_wide=True,
+    )
+
+
+def utilisation_map(table: Table) -> Figure:
+    """Draw devices by outputs, best first: one hue, a step and a frame at the limit."""
+    from matplotlib.patches import Rectangle
+
+    rows = table.rows[:SHOWN]
+    outputs = rows[0].of.outputs
+    height = TOP + CELL * len(rows) + BELOW
+    figure, axes = canvas(
+        height, left=LEFT, right=RIGHT, top=TOP, below=BELOW, width=WIDE
+    )
+    figure.set_label(map_title(table))
+    axes.set_xlim(0.0, len(outputs))
+    axes.set_ylim(len(rows), 0.0)
+    axes.set_xticks([])
+    axes.set_yticks(
+        [place + 0.5 for place in range(len(rows))],
+        [fit_name(row.device, NAME) for row in rows],
+    )
+    axes.tick_params(axis="y", labelsize=SMALL)
+    for y, row in enumerate(rows):
+        for x, output in enumerate(row.of.outputs):
+            part = output.utilisation
+            opacity = _opacity(part)
+            axes.add_patch(
+                Rectangle(
+                    (x, y),
+                    1.0,
+                    1.0,
+                    facecolor=BLUE,
+                    alpha=opacity,
+                    edgecolor="none",
+                    linewidth=0.0,
+                    gid=_gid(y, x),
+                )
+            )
+            if part > 1.0:
+                axes.add_patch(
+                    Rectangle(
+                        (x + 0.04, y + 0.06),
+                        0.92,
+                        0.88,
+                        facecolor="none",
+                        edgecolor=INK,
+                        linewidth=0.9,
+                    )
+                )
+            axes.text(
+                x + 0.5,
+                y + 0.5,
+                _cell(part),
+                fontsize=CELL_TEXT,
+                color=ON_DARK if opacity >= DARK_FROM else INK,
+                fontweight="bold" if part > 1.0 else "normal",
+                ha="center",
+                va="center_baseline",
+            )
+    _draw_output_heads(axes, [output.output.name for output in outputs])
+    _draw_scale(figure, height)
+    return figure
+
+
+def map_title(table: Table) -> str:
+    """State the finding: which output is the tightest for most devices."""
+    worst = [row.worst_output.rpartition(" ")[0] for row in table.rows]
+    first = max(dict.fromkeys(worst), key=worst.count)
+    number = worst.count(first)
+    whole = len(worst)
+    of = f"all {whole} devices" if number == whole else f"{number} of {whole} devices"
+    if whole == 1:
+        return (
+            f"{capital(table.sensor)}: the {first} is the tightest for the only device"
+        )
+    return f"{capital(table.sensor)}: the {first} is the tightest for {of}"
+
+
+def map_alt(table: Table) -> str:
+    """Say in words with numbers what the map shows."""
+    rows = [
+        f"{row.device} {print_utilisation(row.of.utilisation)} ({row.worst_output})"
+        for row in table.rows[:SHOWN]
+    ]
+    return (
+        f"{map_title(table)}. Largest error of each output in per cent of its limit; "
+        f"the worst of each device: {'; '.join(rows)}."
+    )
+
+
+def map_tips(table: Table) -> dict[str, str]:
+    """Return a tooltip for each cell, by its gid."""
+    return {
+        _gid(y, x): (
+            f"{row.device}, {output_title(output.output.name)}: "
+            f"{print_error(output)} of {output.printed_limit}, "
+            f"{print_utilisation(output.utilisation)} of the limit"
+        )
+        for y, row in enumerate(table.rows[:SHOWN])
+        for x, output in enumerate(row.of.outputs)
+    }
+
+
+def print_error(output: RequiredOutput) -> str:
+    """Print a largest error, rounded like its standard uncertainty."""
+    unit = output.output
+    error = round_value(
+        output.largest_error / unit.si_per_unit,
+        output.standard_uncertainty / unit.si_per_unit,
+        resolution=unit.resolution / unit.si_per_unit,
+    )
+    return f"{error} {unit.unit}"
+
+
+def _gid(y: int, x: int) -> str:
+    """Name a cell."""
+    return f"tip-{y}-{x}"
+
+
+def _opacity(part: float) -> float:
+    """Return the opacity of the hue: it steps up at the limit."""
+    if part <= 1.0:
+        return PALEST + (UP_TO_LIMIT - PALEST) * part
+    share = min((part - 1.0) / (DARKEST_AT - 1.0), 1.0)
+    return BEYOND + (1.0 - BEYOND) * share
+
+
+def _cell(part: float) -> str:
+    """Print a part of a limit in three characters, so that 100 is not passed."""
+    per_cent = 100.0 * part
+    if per_cent >= MOST_PER_CENT:
+        return ">999"
+    if part > 1.0 and round(per_cent) == 100:  # noqa: PLR2004 - per cent
+        return ">100"
+    return f"{per_cent:.0f}" if per_cent >= 1.0 else "<1"
+
+
+def _draw_output_heads(axes: Axes, names: list[str]) -> None:
+    """Name the axes above the columns, and their parameters above those."""
+    style: dict[str, Any] = {
+        "fontsize": SMALL,
+        "color": MUTED,
+        "ha": "center",
+    }
+    start = 0
+    for place, name in enumerate(names):
+        _, parameter, axis = name.split(".")
+        axes.text(place + 0.5, -0.3, axis, va="bottom", **style)
+        is_last = place + 1 == len(names) or names[place + 1].split(".")[1] != parameter
+        if is_last:
+            middle = (start + place + 1) / 2.0
+            title = words(parameter) if place - start > 1 else SHORT[parameter]
+            axes.text(middle, -1.15, title, va="bottom", **{**style, "color": INK})
+            if start:
+                axes.axvline(start, color=PAPER, linewidth=2.0)
+            start = place + 1
+
+
+def _draw_scale(figure: Figure, height: float) -> None:
+    """Draw the scale of the hue at the foot, the limit marked on it."""
+    scale = add_panel(figure, left=LEFT, top=height - 28.0, width=SCALE, height=8.0)
+    scale.set_xlim(0.0, DARKEST_AT)
+    scale.set_ylim(0.0, 1.0)
+    scale.axis("off")
+    steps = 40
+    for step in range(steps):
+        start, end = DARKEST_AT * step / steps, DARKEST_AT * (step + 1) / steps
+        scale.axvspan(
+            start, end, color=BLUE, alpha=_opacity((start + end) / 2.0), linewidth=0.0
+        )
+    scale.plot([1.0, 1.0], [-0.4, 1.4], color=INK, linewidth=1.2, clip_on=False)
+    for x, text in ((0.0, "0"), (1.0, "limit"), (DARKEST_AT, "200 % and more")):
+        scale.annotate(
+            text,
+            (x, 0.0),
+            xytext=(0.0, -4.0),
+            textcoords="offset points",
+            fontsize=SMALL,
+            color=MUTED,
+            ha={0.0: "left", 1.0: "center"}.get(x, "right"),
+            va="top",
+        )

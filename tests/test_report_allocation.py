@@ -1,0 +1,170 @@
+"""An allocation as a section of a document: what it says, its tables and figures."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from document_text import find, lines, rows
+
+from budget import load_device, load_requirement
+from budget.report.allocation.page import allocation_section, figured
+from budget.report.blocks import Document, Picture, Table
+from budget.report.page import render_page
+from budget.report.typeset import typeset
+from budget.studies.allocation.allocate import allocate
+from budget.studies.allocation.cases import Bounds
+
+PAPER = "zhao-2019"
+
+
+@pytest.fixture(scope="module")
+def allocation():
+    """Return the paper's device, shared out among equal parts."""
+    return allocate(
+        load_device(PAPER),
+        requirement=load_requirement("navigation-grade"),
+        strategy="equal",
+        validate=False,
+    )
+
+
+@pytest.fixture(scope="module")
+def impossible():
+    """Return an allocation whose limits what is held already passes."""
+    return allocate(
+        load_device(PAPER),
+        requirement=load_requirement("navigation-grade"),
+        bounds=Bounds(held=frozenset({"gyro.bias_stability"}), most={}, least={}),
+        validate=False,
+    )
+
+
+def tables_of(section):
+    """Return the tables of a section by name."""
+    return {table.name: table for table in find(section, Table)}
+
+
+def in_document(section):
+    """Return a document of one section."""
+    return Document(
+        kind="allocation",
+        title="test",
+        facts=(),
+        headline="",
+        summary=(),
+        cards=(),
+        sections=(section,),
+        json="{}",
+        date="2026-01-01",
+        version="0",
+    )
+
+
+def test_the_finding_comes_first(allocation, impossible):
+    """The first line says whether the requirement can be met, and what is tight."""
+    assert lines(allocation_section(allocation))[1].startswith(
+        "navigation grade can be met; at its limit: "
+    )
+    assert "cannot be met" in lines(allocation_section(impossible))[1]
+
+
+def test_every_line_has_its_values_in_the_unit_of_the_file(allocation):
+    """Now, allowed and their ratio stand there exactly, in printed units."""
+    tables = tables_of(allocation_section(allocation))
+    cells = [
+        row
+        for sensor in ("gyro", "accelerometer")
+        for row in tables[f"allocation-{sensor}"].groups[0].rows
+    ]
+
+    assert len(cells) == len(allocation.sources) == 10
+    for row, source in zip(cells, allocation.sources, strict=True):
+        assert row[1].exact == source.now / source.si_per_unit
+        assert row[2].exact == source.allowed / source.si_per_unit
+        assert row[3].text == source.unit
+        assert row[4].exact == source.factor
+
+
+def test_waterfalls_are_those_of_the_tightest_outputs(allocation):
+    """A figure for each parameter at its limit, and a headroom for each sensor."""
+    names = [p.name for p in find(allocation_section(allocation), Picture)]
+
+    assert len(figured(allocation)) == 6
+    assert sorted(names) == sorted(
+        [
+            *(
+                f"waterfall-{row.output.name}".replace(".", "-").replace("_", "-")
+                for row in figured(allocation)
+            ),
+            "headroom-gyro",
+            "headroom-accelerometer",
+        ]
+    )
+
+
+def test_the_parts_of_each_waterfall_stand_in_a_table(allocation):
+    """The columns of an output with a waterfall have its parts, now and allowed."""
+    tables = tables_of(allocation_section(allocation))
+    for row in figured(allocation):
+        table = tables[f"allocation-parts-{row.sensor}"]
+        heads = [column.head for column in table.columns]
+        title = row.output.name.partition(".")[2].replace("_", " ").replace(".", " ")
+        now, allowed = (heads.index(f"{title}, {w}") for w in ("now", "allowed"))
+        parts, used = table.groups
+        for cells, part in zip(parts.rows, row.parts, strict=True):
+            assert cells[now].exact == 100.0 * part.now
+            assert cells[allowed].exact == 100.0 * part.allowed
+        assert used.rows[0][now].exact == 100.0 * row.now
+
+
+def test_what_cannot_be_met_says_what_is_held(impossible):
+    """Of an impossible limit the columns are 'now' and 'held', and help is named."""
+    section = allocation_section(impossible)
+    heads = [c.head for c in tables_of(section)["allocation-parts-gyro"].columns]
+    (lines_table,) = (
+        t for n, t in tables_of(section).items() if n == "allocation-gyro"
+    )
+
+    assert any(head.endswith(", held") for head in heads)
+    assert "What would make it feasible" in lines(section)
+    assert {row[2].text for row in lines_table.groups[0].rows} == {"none"}
+
+
+@pytest.mark.parametrize("which", ["allocation", "impossible"])
+def test_tips_belong_to_elements_of_their_figures(which, request):
+    """Every bar with a tip is in its figure; every picture has tips and words."""
+    section = allocation_section(request.getfixturevalue(which))
+    for picture in find(section, Picture):
+        assert picture.tips
+        assert "%" in picture.alt or "times" in picture.alt or "none" in picture.alt
+        for gid in picture.tips:
+            assert f'id="{picture.name}-{gid}"' in picture.svg
+
+
+@pytest.mark.parametrize("which", ["allocation", "impossible"])
+def test_the_section_can_be_printed_as_page_and_as_pdf(which, request):
+    """HTML and PDF are made of it, the same bytes twice."""
+    section = allocation_section(request.getfixturevalue(which))
+    again = allocation_section(request.getfixturevalue(which))
+
+    assert section == again
+    page = render_page(in_document(section))
+    assert "What each line may be" in page
+    assert typeset(in_document(section)).pdf.startswith(b"%PDF-")
+
+
+def test_a_sensor_without_limits_is_left_as_it_is(allocation):
+    """Without limits there is a table of the lines, and no figure."""
+    bare = replace(
+        allocation,
+        outputs=(),
+        sources=tuple(
+            replace(row, allowed=None, headroom=None, binding_output=None)
+            for row in allocation.sources
+        ),
+    )
+    section = allocation_section(bare)
+
+    assert not find(section, Picture)
+    assert len(rows(tables_of(section)["allocation-gyro"])) == 5
