@@ -31,6 +31,7 @@ function setUpSorting(table) {
     [body, [...body.rows].filter((row) => !row.classList.contains("group"))]);
   const heads = [...table.tHead.rows[0].cells];
   heads.forEach((head, column) => {
+    if (head.textContent.trim() === "") return;  // units beside their numbers
     const button = make("button", { type: "button", title: "Sort" }, ...head.childNodes);
     head.replaceChildren(button);
     button.addEventListener("click", () => {

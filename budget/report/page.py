@@ -9,7 +9,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from budget.report import figures
-from budget.report.blocks import Run, Table
+from budget.report.blocks import Abreast, Run, Table
 from budget.report.inline import natural_width, svg_element
 from budget.report.markup import (
     bind,
@@ -107,7 +107,7 @@ def _is_broad(blocks: Sequence[Block]) -> bool:
     """Whether a section needs more than a column of the first page."""
     return any(
         getattr(block, "is_wide", False)
-        or type(block).__name__ in {"Abreast", "Sliders"}
+        or (isinstance(block, Abreast) and _is_broad(block.blocks))
         for block in blocks
     )
 
