@@ -7,6 +7,7 @@ from math import floor, isinf, log10
 from typing import TYPE_CHECKING
 
 from budget.report.tables import output_title, source_title, words
+from budget.studies.reference.records import TOOL
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -118,7 +119,7 @@ def change_lines(changes: Sequence[Change]) -> tuple[str, ...]:
         if change.acts is False:
             idle += 1
             note = " (moves no number)"
-        elif change.acts is None and change.where != "tool":
+        elif change.acts is None and change.where != TOOL:
             note = " (cannot be tried alone)"
         if idle <= MOST_IDLE:
             lines.append(f"{change}{note}")

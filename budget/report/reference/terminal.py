@@ -11,6 +11,7 @@ from budget.report.reference.tables import (
 )
 from budget.report.tables import align_decimals
 from budget.report.terminal import GAP, Page, set_columns
+from budget.studies.reference.records import TOOL
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -40,9 +41,9 @@ def render_checks(checks: Sequence[Checked], bad: int, console: Console) -> None
     width = max((len(one.name) for one in checks), default=0)
     for one in checks:
         page.line(f"{one.name:<{width}}  {_verdict(one)}", style=_style(one))
-        if one.holds:
-            for text in change_lines(one.changes):
-                page.paragraph(text, first=f"{INDENT}changed  ")
+        own = [change for change in one.changes if change.where != TOOL]
+        for text in change_lines(own) if one.holds else ():
+            page.paragraph(text, first=f"{INDENT}changed  ")
     moved = {one.name: move_table(one.moves) for one in checks if not one.holds}
     for one in checks:
         if not one.holds:
@@ -50,6 +51,17 @@ def render_checks(checks: Sequence[Checked], bad: int, console: Console) -> None
             page.line(f"{one.name}: what moved, the largest first", style="bold")
             _print_moves("check", one.changes, moved[one.name], page)
     _print_legend(tuple(moved.values()), page, command="check")
+    tool = [
+        f"{change.key} {change.before} -> {change.after}"
+        for one in checks
+        for change in one.changes
+        if one.holds and change.where == TOOL
+    ]
+    if tool:
+        page.line()
+        page.paragraph(
+            ", ".join(dict.fromkeys(tool)), first="stored with other versions: "
+        )
     held = sum(one.holds for one in checks)
     page.line()
     counts = [f"{held} hold", f"{len(checks) - held} moved"]

@@ -9,7 +9,7 @@ from budget.errors import BudgetError
 from budget.studies.reference.exchange import differences, exchange, show
 from budget.studies.reference.jobs import by_law, compute
 from budget.studies.reference.moves import find_moves
-from budget.studies.reference.records import Cause, Change, Move
+from budget.studies.reference.records import TOOL, Cause, Change, Move
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from budget.studies.reference.records import Asked, Key, Part, Snapshot
 
 MOST_CHANGES = 200  # keys that are exchanged one by one; more is another file
-TOOL = "tool"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from budget.errors import CallError
+from budget.methods.execution import one_blas_thread
 from budget.methods.monte_carlo import MAX_TRIALS
 from budget.physics.calibration import calibration_problem
 from budget.spec.costs import read_costs
@@ -109,17 +110,20 @@ def compute(
         ),
         costs=next((read_costs(p.document) for p in _of("costs", parts)), None),
     )
-    if job == "compare":
-        names = [part.name for part in _of("device", parts)]
-        return _compare(records, names, asked, workers)
-    if len(records.procedures) > 1:
-        raise CallError(
-            f"{len(records.procedures)} procedures were given, a reference of kind "
-            f"{job} takes one; give one, or take --kind compare"
-        )
-    if job == "analyze":
-        return _analyze(records, asked, workers)
-    return _allocate(records, asked)
+    # The matrices are small, threads of BLAS only wait for each other; and with one the
+    # order of every sum is the same on any machine.
+    with one_blas_thread():
+        if job == "compare":
+            names = [part.name for part in _of("device", parts)]
+            return _compare(records, names, asked, workers)
+        if len(records.procedures) > 1:
+            raise CallError(
+                f"{len(records.procedures)} procedures were given, a reference of kind "
+                f"{job} takes one; give one, or take --kind compare"
+            )
+        if job == "analyze":
+            return _analyze(records, asked, workers)
+        return _allocate(records, asked)
 
 
 def by_law(asked: Asked) -> Asked:

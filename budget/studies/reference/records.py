@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 JOBS = ("analyze", "compare", "allocate")
 ROLES = ("device", "procedure", "requirement", "costs")
 
+TOOL = "tool"  # where a change is that no file made
+
 # Relative difference at which a number that no trial touches has moved [1].
 EXACT = 1e-9
 
