@@ -125,6 +125,7 @@ __all__ = [
     "blank",
     "canvas",
     "capital",
+    "columns_for",
     "coupling_alt",
     "coupling_map",
     "coupling_picture",
@@ -164,4 +165,5 @@ __all__ = [
     "validity_title",
     "write_beside",
     "write_heading",
+    "write_on",
 ]

@@ -57,11 +57,7 @@ def coupling_picture(table: CouplingTable, sensor: str) -> Picture | None:
             for cell in _cells(table, sensor)
             if cell.reaches
         },
-        caption=(
-            "u that one source alone gives a group of parameters over their u from all "
-            "sources together, the largest over the axes. Framed: the parameter's own "
-            "spread. Empty: exactly nothing."
-        ),
+        caption="Framed: the own spread of a parameter. Empty: nothing.",
         data=_data(table, sensor),
     )
 

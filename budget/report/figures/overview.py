@@ -6,18 +6,13 @@ from typing import TYPE_CHECKING
 
 from budget.report.blocks import Cell, Column, RowGroup, Table
 from budget.report.figures.picture import as_picture, capital
-from budget.report.figures.rows import write_beside, write_heading
-from budget.report.figures.style import (
-    GRID,
-    INCH,
-    INK,
-    MUTED,
-    SMALL,
-    TEXT,
-    WIDTH,
-    add_panel,
-    blank,
+from budget.report.figures.rows import (
+    columns_for,
+    write_beside,
+    write_heading,
+    write_on,
 )
+from budget.report.figures.style import GRID, INK, MUTED, SMALL, add_panel, blank
 from budget.report.tables import print_coverage, words
 
 if TYPE_CHECKING:
@@ -31,8 +26,7 @@ if TYPE_CHECKING:
 
 ROW, HEAD, GAP, FOOT = 12.0, 15.0, 4.0, 12.0  # heights [pt]
 COLUMN_HEAD, AXIS_LABEL = 16.0, 14.0  # [pt]
-NAMES, NUMBERS = 20.0, 42.0  # room beside the dots [pt]
-BETWEEN = 12.0  # columns [pt]
+NAMES, NUMBERS = 24.0, 40.0  # room beside the dots [pt]
 ABOVE = 1.08  # reach of an axis over the largest U [1]
 
 
@@ -63,17 +57,17 @@ def overview_dots(groups: Sequence[GroupTable]) -> Figure:
     height = COLUMN_HEAD + max(sum(map(_height, column)) for column in columns)
     figure = blank(height + AXIS_LABEL)
     figure.set_label(overview_title(groups))
-    width = (WIDTH - BETWEEN * (len(columns) - 1)) / len(columns)
-    for place, (sensor, column) in enumerate(zip(sensors, columns, strict=True)):
-        left = place * (width + BETWEEN)
-        _write(figure, left + 4.0, 10.0, sensor, weight="bold")
+    for (left, width), sensor, column in zip(
+        columns_for(len(columns)), sensors, columns, strict=True
+    ):
+        write_on(figure, left + 4.0, 10.0, sensor, weight="bold")
         top = COLUMN_HEAD
         for group in column:
             _draw_group(figure, group, left=left, top=top, width=width)
             top += _height(group)
     coverage = print_coverage(groups[0].coverage)
     text = f"U{coverage}, half the width of the {coverage} % interval"
-    _write(figure, 4.0, height + 9.0, text, size=SMALL, colour=MUTED)
+    write_on(figure, 4.0, height + 9.0, text, size=SMALL, colour=MUTED)
     return figure
 
 
@@ -145,28 +139,6 @@ def _draw_dot(axes: Axes, y: float, group: GroupTable, row: OutputRow) -> None:
         gid=_gid(group, row),
     )
     write_beside(axes, y, row.expanded.text, reach=NUMBERS - 4.0)
-
-
-def _write(
-    figure: Figure,
-    left: float,
-    base: float,
-    text: str,
-    *,
-    size: float = TEXT,
-    weight: str = "normal",
-    colour: str = INK,
-) -> None:
-    """Write a text on the figure; place of its base line in points from top left."""
-    width, height = (INCH * float(inches) for inches in figure.get_size_inches())
-    figure.text(
-        left / width,
-        1.0 - base / height,
-        text,
-        fontsize=size,
-        fontweight=weight,
-        color=colour,
-    )
 
 
 def _height(group: GroupTable) -> float:

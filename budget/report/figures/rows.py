@@ -1,13 +1,44 @@
-"""Rows of dots under headings: what is written beside them."""
+"""Rows of dots under headings, a column a sensor: what is written beside them."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from budget.report.figures.style import INK, PAPER, SMALL, TEXT
+from budget.report.figures.style import INCH, INK, PAPER, SMALL, TEXT, WIDTH
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+BETWEEN = 12.0  # columns [pt]
+
+
+def columns_for(number: int) -> list[tuple[float, float]]:
+    """Return left edge and width of each of so many columns [pt]."""
+    width = (WIDTH - BETWEEN * (number - 1)) / number
+    return [(place * (width + BETWEEN), width) for place in range(number)]
+
+
+def write_on(
+    figure: Figure,
+    left: float,
+    base: float,
+    text: str,
+    *,
+    size: float = TEXT,
+    weight: str = "normal",
+    colour: str = INK,
+) -> None:
+    """Write a text on the figure; place of its base line in points from top left."""
+    width, height = (INCH * float(inches) for inches in figure.get_size_inches())
+    figure.text(
+        left / width,
+        1.0 - base / height,
+        text,
+        fontsize=size,
+        fontweight=weight,
+        color=colour,
+    )
 
 
 def write_heading(axes: Axes, place: float, title: str, *, indent: float) -> None:

@@ -54,9 +54,8 @@ def sobol_picture(budget: Budget, sensor: str) -> Picture | None:
         if one.zero
     ]
     caption = (
-        "Of each group of parameters the output with the largest spread. Dot: "
-        "first-order index, ring: total index, with their intervals; the band between "
-        "them is interaction."
+        "Dot: first-order index, ring: total index, with their intervals; a band "
+        "between them is interaction."
     )
     if zero:
         caption += f" 0 to the digits that are sure: {'; '.join(zero)}."

@@ -3,12 +3,26 @@
 from __future__ import annotations
 
 from itertools import groupby
+from math import floor, log10
 from typing import TYPE_CHECKING
 
 from budget.report.blocks import Cell, Column, RowGroup, Table
 from budget.report.figures.picture import as_picture
-from budget.report.figures.rows import write_beside, write_heading
-from budget.report.figures.style import GRID, INK, MUTED, PAPER, SMALL, canvas
+from budget.report.figures.rows import (
+    columns_for,
+    write_beside,
+    write_heading,
+    write_on,
+)
+from budget.report.figures.style import (
+    GRID,
+    INK,
+    MUTED,
+    PAPER,
+    SMALL,
+    add_panel,
+    blank,
+)
 from budget.report.tables import output_title, print_given, print_utilisation
 
 if TYPE_CHECKING:
@@ -19,6 +33,9 @@ if TYPE_CHECKING:
     from budget.results import Assessment, OutputAssessment
 
 ROW = 13.0  # [pt] from dot to dot
+MOST_TICKS = 4  # that fit side by side where there are two columns
+TOP, BELOW = 28.0, 30.0  # [pt]
+NAMES, NUMBERS = 24.0, 42.0  # room beside the dots [pt]
 LINEAR_BELOW = 4.0  # utilisations beyond need a logarithmic axis [1]
 
 
@@ -68,47 +85,27 @@ def utilisation_picture(assessment: Assessment) -> Picture:
 
 def utilisation_dots(assessment: Assessment) -> Figure:
     """Draw each required output's largest error against its limit, worst first."""
-    groups = _by_group(assessment)
-    left, right, top, below = 24.0, 46.0, 18.0, 32.0
-    rows = len(assessment.outputs) + len(groups)
-    figure, axes = canvas(
-        top + ROW * rows + below, left=left, right=right, top=top, below=below
-    )
+    sensors = list(dict.fromkeys(map(_sensor, assessment.outputs)))
+    columns = [_by_group(assessment, sensor) for sensor in sensors]
+    rows = [sum(len(own) + 1 for _, own in groups) for groups in columns]
+    height = TOP + ROW * max(rows) + BELOW
+    figure = blank(height)
     figure.set_label(utilisation_title(assessment))
     largest = max(output.utilisation for output in assessment.outputs)
-    start = 0.0
-    if largest > LINEAR_BELOW:
-        axes.set_xscale("log")
-        start = 1.0  # [%]; what is less sits at the edge, its label is exact
-        axes.xaxis.set_major_formatter("{x:g}")
-        axes.minorticks_off()
-    axes.set_xlim(start, 100.0 * max(1.05 * largest, 1.2))
-    axes.set_ylim(rows - 0.5, -0.5)
-    axes.set_xlabel(
-        "largest error [% of the limit]; filled: beyond it", fontsize=SMALL, color=MUTED
-    )
-    axes.grid(axis="x", color=GRID, linewidth=0.6)
-    ticks: list[tuple[int, str]] = []
-    place = 0
-    for title, outputs in groups:
-        write_heading(axes, place, title, indent=left)
-        for output in outputs:
-            place += 1
-            ticks.append((place, _axis(output)))
-            _draw_dot(axes, place, output, start)
-        place += 1
-    axes.set_yticks([place for place, _ in ticks], [axis for _, axis in ticks])
-    axes.axvline(100.0, color=INK, linewidth=1.0, zorder=2)
-    axes.annotate(
-        "limit",
-        (100.0, 1.0),
-        xycoords=("data", "axes fraction"),
-        xytext=(0.0, 4.0),
-        textcoords="offset points",
-        ha="center",
-        fontsize=SMALL,
-        color=INK,
-    )
+    for (left, width), sensor, groups, number in zip(
+        columns_for(len(sensors)), sensors, columns, rows, strict=True
+    ):
+        write_on(figure, left + 4.0, 10.0, sensor, weight="bold")
+        axes = add_panel(
+            figure,
+            left=left + NAMES,
+            top=TOP,
+            width=width - NAMES - NUMBERS,
+            height=ROW * number,
+        )
+        _draw_sensor(axes, groups, number, largest)
+    text = "largest error [% of the limit]; filled: beyond it"
+    write_on(figure, 4.0, height - 4.0, text, size=SMALL, colour=MUTED)
     return figure
 
 
@@ -154,17 +151,73 @@ def _exact(row: OutputAssessment) -> str:
     return f"{error} {row.output.unit}"
 
 
+def _sensor(row: OutputAssessment) -> str:
+    """Return the first part of the name of an output."""
+    return row.output.name.partition(".")[0]
+
+
 def _by_group(
-    assessment: Assessment,
+    assessment: Assessment, sensor: str = ""
 ) -> list[tuple[str, list[OutputAssessment]]]:
-    """Return the outputs by parameter group, the worst group and output first."""
+    """Return the outputs by parameter group, the worst group and output first.
+
+    Those of one sensor have titles without its name.
+    """
+    own = [row for row in assessment.outputs if sensor in {"", _sensor(row)}]
     groups = [
-        (output_title(name), sorted(outputs, key=_utilisation, reverse=True))
+        (
+            output_title(name.removeprefix(f"{sensor}.")),
+            sorted(outputs, key=_utilisation, reverse=True),
+        )
         for name, outputs in groupby(
-            assessment.outputs, key=lambda output: output.output.name.rpartition(".")[0]
+            own, key=lambda output: output.output.name.rpartition(".")[0]
         )
     ]
     return sorted(groups, key=lambda pair: -pair[1][0].utilisation)
+
+
+def _draw_sensor(
+    axes: Axes,
+    groups: list[tuple[str, list[OutputAssessment]]],
+    rows: int,
+    largest: float,
+) -> None:
+    """Draw the groups of one sensor on the axis that both have."""
+    start = 0.0
+    if largest > LINEAR_BELOW:
+        axes.set_xscale("log")
+        start = 1.0  # [%]; what is less sits at the edge, its label is exact
+        decades = range(floor(log10(100.0 * largest)) + 1)
+        step = 1 if len(decades) <= MOST_TICKS else 2
+        axes.set_xticks([10.0**k for k in decades][::step])
+        axes.xaxis.set_major_formatter("{x:g}")
+        axes.minorticks_off()
+    else:
+        axes.locator_params(axis="x", nbins=4, steps=[1, 2, 5, 10])
+    axes.set_xlim(start, 100.0 * max(1.05 * largest, 1.2))
+    axes.set_ylim(rows - 0.5, -0.5)
+    axes.grid(axis="x", color=GRID, linewidth=0.6)
+    ticks: list[tuple[int, str]] = []
+    place = 0
+    for title, outputs in groups:
+        write_heading(axes, place, title, indent=NAMES)
+        for output in outputs:
+            place += 1
+            ticks.append((place, _axis(output)))
+            _draw_dot(axes, place, output, start)
+        place += 1
+    axes.set_yticks([place for place, _ in ticks], [axis for _, axis in ticks])
+    axes.axvline(100.0, color=INK, linewidth=1.0, zorder=2)
+    axes.annotate(
+        "limit",
+        (100.0, 1.0),
+        xycoords=("data", "axes fraction"),
+        xytext=(0.0, 4.0),
+        textcoords="offset points",
+        ha="center",
+        fontsize=SMALL,
+        color=INK,
+    )
 
 
 def _utilisation(output: OutputAssessment) -> float:
@@ -191,6 +244,6 @@ def _draw_dot(axes: Axes, place: int, output: OutputAssessment, start: float) ->
         axes,
         place,
         print_utilisation(output.utilisation),
-        reach=42.0,
+        reach=NUMBERS - 2.0,
         strong=not output.is_within,
     )

@@ -60,9 +60,8 @@ def validity_picture(budget: Budget, sensor: str) -> Picture | None:
         alt=validity_alt(budget, sensor),
         tips={_gid(check): _tip(check) for check in checks},
         caption=(
-            "Ends of the coverage interval by the law less those of "
-            f"{trials} Monte Carlo trials, over the tolerance (JCGM 101:2008, 8.1). "
-            "Triangles point to the end that they are of; in the band the law holds."
+            f"Monte Carlo: {trials} trials. Triangles point to the end that they are "
+            "of; in the band the law holds."
         ),
         data=_data(checks, sensor),
     )
