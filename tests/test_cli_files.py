@@ -1,12 +1,11 @@
-"""`budget validate`, `budget schema` and `budget report`: files in, files out."""
+"""`budget validate` and `budget schema`: files in, words and schemas out."""
 
 from __future__ import annotations
 
-import json
 import re
 
 import pytest
-from command_line import call, start
+from command_line import call
 from jsonschema import Draft202012Validator
 from ruamel.yaml import YAML
 
@@ -111,126 +110,3 @@ def test_schema_refuses_a_misspelt_line():
     content = {"name": "g", "gyro": {"errors": {"bias_stabilty": "1 deg/h"}}}
 
     assert list(Draft202012Validator(schema).iter_errors(content)) != []
-
-
-@pytest.mark.smoke
-def test_report_is_written(tmp_path):
-    """`budget report -o x.html` writes one whole page; nothing goes to stdout."""
-    run = start("report", "--no-validate", "-o", "x.html", cwd=tmp_path)
-
-    assert (run.code, run.out) == (0, "")
-    assert "x.html: written" in run.err
-    assert [path.name for path in tmp_path.iterdir()] == ["x.html"]
-    page = (tmp_path / "x.html").read_text(encoding="utf-8")
-    assert page.lower().startswith("<!doctype html>")
-    assert page.rstrip().endswith("</html>")
-    assert "Zhao 2019 optical IMU" in page
-
-
-def test_report_of_the_same_day_is_the_same(tmp_path):
-    """With SOURCE_DATE_EPOCH the bytes are the same and the date is that one."""
-    for name in ("a", "b"):
-        folder = tmp_path / name
-        folder.mkdir()
-        run = start(
-            *("report", "--no-validate", "-o", f"{name}.html"),
-            cwd=folder,
-            SOURCE_DATE_EPOCH="86400",
-        )
-        assert run.code == 0, run.err
-
-    one, two = ((tmp_path / n / f"{n}.html").read_bytes() for n in ("a", "b"))
-    assert one == two
-    assert b"1970-01-02" in one
-
-
-def test_report_needs_an_output():
-    """Without -o there is nothing to write: exit 2."""
-    run = call("report", "--no-validate")
-
-    assert run.code == 2
-    assert "-o" in run.err
-
-
-def test_report_of_an_unknown_kind(tmp_path):
-    """`-o x.txt` is exit 2, even beside a good one, and nothing is written."""
-    run = call(
-        *("report", "--no-validate"),
-        *("-o", tmp_path / "x.html", "-o", tmp_path / "x.txt"),
-    )
-
-    assert (run.code, run.out) == (2, "")
-    assert "x.txt" in run.err
-    assert ".html" in run.err
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_report_against_a_requirement(tmp_path):
-    """A failed requirement is said in the page; the exit code stays 0."""
-    page = tmp_path / "x.html"
-    run = call("report", "--no-validate", "--requirement", REQUIREMENT, "-o", page)
-
-    assert run.code == 0, run.err
-    text = page.read_text(encoding="utf-8")
-    assert "navigation grade" in text
-    assert re.search("fails", text, flags=re.IGNORECASE)
-    assert "next_turn_on" in text
-
-
-def test_requirement_agrees_with_the_same_options(tmp_path):
-    """Saying what the requirement says is no conflict."""
-    page = tmp_path / "x.html"
-    run = call(
-        *("report", "--no-validate", "--requirement", REQUIREMENT, "-o", page),
-        *("--coverage", "95 %", "--reference", "next_turn_on"),
-    )
-
-    assert run.code == 0, run.err
-
-
-@pytest.mark.parametrize(
-    ("option", "value"), [("--coverage", "0.9"), ("--reference", "nominal")]
-)
-def test_requirement_beside_another_option(tmp_path, option, value):
-    """Another coverage or reference than the requirement's is exit 2, nothing done."""
-    page = tmp_path / "x.html"
-    run = call(
-        *("report", "--no-validate", "--requirement", REQUIREMENT, "-o", page),
-        *(option, value),
-    )
-
-    assert (run.code, run.out) == (2, "")
-    assert option in run.err
-    assert value in run.err
-    assert not page.exists()
-
-
-def test_requirement_without_a_limit_for_what_is_there(tmp_path):
-    """Limits for an accelerometer alone cannot judge a gyro: exit 2."""
-    device, requirement = tmp_path / "g.yaml", tmp_path / "r.yaml"
-    device.write_text(GYRO, encoding="utf-8")
-    requirement.write_text(
-        "name: r\nlimits: {accelerometer: {bias: 80 ug}}\n", encoding="utf-8"
-    )
-    page = tmp_path / "x.html"
-    run = call(
-        *("report", device, "--no-validate", "--requirement", requirement, "-o", page)
-    )
-
-    assert (run.code, run.out) == (2, "")
-    assert not page.exists()
-
-
-def test_report_carries_the_exact_numbers(tmp_path):
-    """The document that `analyze --json` prints stands whole in the page."""
-    page = tmp_path / "x.html"
-    assert call("report", "--no-validate", "-o", page).code == 0
-    text = page.read_text(encoding="utf-8")
-    (embedded,) = re.findall(
-        r'<script type="application/json"[^>]*>(.*?)</script>', text, flags=re.DOTALL
-    )
-
-    of_page = json.loads(embedded)
-    of_command = call("analyze", "--no-validate", "--json", "-").document
-    assert of_page["outputs"] == of_command["outputs"]
-    assert of_page["covariance"] == of_command["covariance"]

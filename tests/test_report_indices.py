@@ -9,7 +9,6 @@ import pytest
 from builders import NOWHERE, procedure, sensor
 from rich.console import Console
 
-from budget.report.html import render_html
 from budget.report.indices import index_tables, print_index
 from budget.report.terminal import render_budget
 from budget.spec.records import Device
@@ -86,16 +85,3 @@ def test_terminal_prints_no_index_without_its_interval(budget, width):
     assert len(pairs) >= 2 * 3  # first and total, at least one source a group
     assert re.findall(r"(?<!below )\d\.\d+", rest) == []
     assert max(len(row) for row in text.getvalue().splitlines()) <= width
-
-
-def test_page_shows_every_table(budget, device):
-    """The HTML page has a table of indices for each of the 12 outputs."""
-    page = render_html(
-        budget,
-        devices=(device,),
-        procedure=procedure(),
-        assessment=None,
-        date="2026-01-01",
-    )
-    assert page.count(">first</th>") == 12
-    assert "512 points" in page

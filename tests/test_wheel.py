@@ -93,7 +93,7 @@ def test_wheel_holds_what_it_needs_and_no_more(wheel):
     for needed in (
         "budget/py.typed",
         "budget/_shipped/specs/devices/zhao-2019.yaml",
-        "budget/_shipped/templates/report.html.j2",
+        "budget/_shipped/templates/page.html.j2",
     ):
         assert needed in names
     roots = {name.partition("/")[0] for name in names}

@@ -1,7 +1,7 @@
 """A document before it is HTML or PDF: sections of blocks, the same for both.
 
 Builders (`budget.report.analysis`, and those of comparison and allocation) make these
-records of results; renderers (`budget.report.html`, `budget.report.typeset`) turn them
+records of results; renderers (`budget.report.page`, `budget.report.typeset`) turn them
 into pages. Numbers are text already: `budget.report.tables` rounds them, once.
 """
 

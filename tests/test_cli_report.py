@@ -1,0 +1,236 @@
+"""`budget report`: pages that say the same, whole or not at all."""
+
+from __future__ import annotations
+
+import json
+import re
+from html import unescape
+
+import pytest
+from command_line import call, start
+
+from budget.resources import shipped
+
+SPECS = shipped("specs")
+REQUIREMENT = SPECS / "requirements" / "navigation-grade.yaml"
+TACTICAL = SPECS / "requirements" / "tactical-grade.yaml"
+HG4930 = SPECS / "devices" / "hg4930.yaml"
+GYRO = "name: g\ngyro: {errors: {bias_repeatability: 1 deg/h}}\n"
+
+
+def embedded(page):
+    """Return the JSON document of a page."""
+    found = re.findall(
+        r'<script type="application/json" id="report-json">(.*?)</script>',
+        page.read_text(encoding="utf-8"),
+        flags=re.DOTALL,
+    )
+    assert len(found) == 1
+    return json.loads(found[0])
+
+
+def test_both_kinds_are_written_at_once(tmp_path):
+    """-o may be given again: a page and a PDF, each whole, and nothing else."""
+    run = start(
+        *("report", "--no-validate", "-o", "x.html", "-o", "x.pdf"), cwd=tmp_path
+    )
+
+    assert (run.code, run.out) == (0, "")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["x.html", "x.pdf"]
+    assert (tmp_path / "x.pdf").read_bytes().startswith(b"%PDF-")
+    assert (tmp_path / "x.html").stat().st_size < 3e6
+
+
+def test_one_unwritable_place_leaves_nothing(tmp_path):
+    """Where one of two files cannot be written, the other is not written either."""
+    run = call(
+        *("report", "--no-validate"),
+        *("-o", tmp_path / "x.html", "-o", tmp_path / "nowhere" / "x.pdf"),
+    )
+
+    assert run.code == 2
+    assert "nowhere" in run.err
+    assert len(run.err.strip().splitlines()) == 2  # the built-in device, the error
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_allocation_and_comparison_go_with_it(tmp_path):
+    """Their sections stand in the page, their numbers in the page's and the JSON."""
+    page, file = tmp_path / "x.html", tmp_path / "x.json"
+    run = call(
+        *("report", f"{HG4930}#C", "--requirement", TACTICAL, "--no-validate"),
+        *("--allocate", "--compare", "zhao-2019", "-o", page, "--json", file),
+    )
+
+    assert run.code == 0, run.err
+    document = json.loads(file.read_text(encoding="utf-8"))
+    assert embedded(page) == document
+    assert document["allocation"]["feasible"] in {True, False}
+    names = {row["name"] for row in document["comparison"]["devices"]}
+    assert {"HG4930 (C)", "Zhao 2019 optical IMU"} <= names
+    text = page.read_text(encoding="utf-8")
+    assert "What each line may be" in text
+    for file in document["comparison"]["inputs"]:
+        assert file["sha256"] in text
+
+
+@pytest.mark.parametrize(
+    ("option", "words"),
+    [(("--allocate",), "shares out"), (("--compare", "zhao-2019"), "holds devices")],
+)
+def test_what_needs_limits_says_so(tmp_path, option, words):
+    """Allocation and comparison without a requirement are exit 2, nothing written."""
+    run = call("report", *option, "-o", tmp_path / "x.html")
+
+    assert run.code == 2
+    assert words in run.err
+    assert "--requirement" in run.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_provenance_quotes_the_command(tmp_path):
+    """The command stands in the page: base names, no outputs, no workers."""
+    page = tmp_path / "x.html"
+    run = call(
+        *("report", f"{HG4930}#C", "--requirement", TACTICAL, "--no-validate"),
+        *("--seed", "7", "--coverage", "95 %", "--workers", "2", "-o", page),
+    )
+
+    assert run.code == 0, run.err
+    text = unescape(page.read_text(encoding="utf-8"))
+    assert (
+        "budget report 'hg4930.yaml#C' --requirement tactical-grade.yaml "
+        "--seed 7 --coverage 0.95 --no-validate"
+    ) in text.replace("\N{NO-BREAK SPACE}", " ")
+    assert str(SPECS) not in text
+    assert "--workers" not in text
+
+
+def test_a_name_no_font_has_is_warned_of(tmp_path):
+    """A character that cannot be printed is named, and the PDF is written."""
+    device = tmp_path / "g.yaml"
+    device.write_text(GYRO.replace("name: g", 'name: "g \\uE000"'), encoding="utf-8")
+    run = call("report", device, "--no-validate", "-o", tmp_path / "x.pdf")
+
+    assert run.code == 0, run.err
+    assert "U+E000" in run.err
+    assert (tmp_path / "x.pdf").read_bytes().startswith(b"%PDF-")
+
+
+@pytest.mark.smoke
+def test_report_is_written(tmp_path):
+    """`budget report -o x.html` writes one whole page; nothing goes to stdout."""
+    run = start("report", "--no-validate", "-o", "x.html", cwd=tmp_path)
+
+    assert (run.code, run.out) == (0, "")
+    assert "x.html: written" in run.err
+    assert [path.name for path in tmp_path.iterdir()] == ["x.html"]
+    page = (tmp_path / "x.html").read_text(encoding="utf-8")
+    assert page.lower().startswith("<!doctype html>")
+    assert page.rstrip().endswith("</html>")
+    assert "Zhao 2019 optical IMU" in page
+
+
+def test_report_of_the_same_day_is_the_same(tmp_path):
+    """With SOURCE_DATE_EPOCH both files have the same bytes, from any folder."""
+    for name in ("a", "b"):
+        folder = tmp_path / name
+        folder.mkdir()
+        run = start(
+            *("report", "--no-validate", "-o", f"{name}.html", "-o", f"{name}.pdf"),
+            cwd=folder,
+            SOURCE_DATE_EPOCH="86400",
+        )
+        assert run.code == 0, run.err
+
+    for suffix in ("html", "pdf"):
+        one, two = ((tmp_path / n / f"{n}.{suffix}").read_bytes() for n in ("a", "b"))
+        assert one == two
+    assert b"1970-01-02" in (tmp_path / "a" / "a.html").read_bytes()
+
+
+def test_report_needs_an_output():
+    """Without -o there is nothing to write: exit 2."""
+    run = call("report", "--no-validate")
+
+    assert run.code == 2
+    assert "-o" in run.err
+
+
+def test_report_of_an_unknown_kind(tmp_path):
+    """`-o x.txt` is exit 2, even beside a good one, and nothing is written."""
+    run = call(
+        *("report", "--no-validate"),
+        *("-o", tmp_path / "x.html", "-o", tmp_path / "x.txt"),
+    )
+
+    assert (run.code, run.out) == (2, "")
+    assert "x.txt" in run.err
+    assert ".html" in run.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_report_against_a_requirement(tmp_path):
+    """A failed requirement is said in the page; the exit code stays 0."""
+    page = tmp_path / "x.html"
+    run = call("report", "--no-validate", "--requirement", REQUIREMENT, "-o", page)
+
+    assert run.code == 0, run.err
+    text = page.read_text(encoding="utf-8")
+    assert "navigation grade" in text
+    assert re.search("fails", text, flags=re.IGNORECASE)
+    assert "next_turn_on" in text
+
+
+def test_requirement_agrees_with_the_same_options(tmp_path):
+    """Saying what the requirement says is no conflict."""
+    page = tmp_path / "x.html"
+    run = call(
+        *("report", "--no-validate", "--requirement", REQUIREMENT, "-o", page),
+        *("--coverage", "95 %", "--reference", "next_turn_on"),
+    )
+
+    assert run.code == 0, run.err
+
+
+@pytest.mark.parametrize(
+    ("option", "value"), [("--coverage", "0.9"), ("--reference", "nominal")]
+)
+def test_requirement_beside_another_option(tmp_path, option, value):
+    """Another coverage or reference than the requirement's is exit 2, nothing done."""
+    page = tmp_path / "x.html"
+    run = call(
+        *("report", "--no-validate", "--requirement", REQUIREMENT, "-o", page),
+        *(option, value),
+    )
+
+    assert (run.code, run.out) == (2, "")
+    assert option in run.err
+    assert value in run.err
+    assert not page.exists()
+
+
+def test_requirement_without_a_limit_for_what_is_there(tmp_path):
+    """Limits for an accelerometer alone cannot judge a gyro: exit 2."""
+    device, requirement = tmp_path / "g.yaml", tmp_path / "r.yaml"
+    device.write_text(GYRO, encoding="utf-8")
+    requirement.write_text(
+        "name: r\nlimits: {accelerometer: {bias: 80 ug}}\n", encoding="utf-8"
+    )
+    page = tmp_path / "x.html"
+    run = call(
+        *("report", device, "--no-validate", "--requirement", requirement, "-o", page)
+    )
+
+    assert (run.code, run.out) == (2, "")
+    assert not page.exists()
+
+
+def test_report_carries_the_exact_numbers(tmp_path):
+    """The document that `analyze --json` prints stands whole in the page."""
+    page = tmp_path / "x.html"
+    assert call("report", "--no-validate", "-o", page).code == 0
+    of_page = embedded(page)
+    of_command = call("analyze", "--no-validate", "--json", "-").document
+    assert of_page["outputs"] == of_command["outputs"]
+    assert of_page["covariance"] == of_command["covariance"]
