@@ -11,12 +11,14 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from html import escape
+from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING
 from unicodedata import category
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from fontTools.ttLib import TTFont
 
@@ -53,6 +55,25 @@ class Face:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Piece:
+    """A part of a text as it is printed.
+
+    Attributes
+    ----------
+    text : str
+        As it was, or code points.
+    family : int
+        Place of its font among the families.
+    lost : str
+        What the code points stand for.
+    """
+
+    text: str
+    family: int = 0
+    lost: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Lettering:
     """The fonts of a document, and how to write what they do not have.
 
@@ -72,35 +93,60 @@ class Lettering:
 
     def printable(self, text: str) -> str:
         """Write what cannot be shown as code points: 'U+8D75'."""
-        return "".join(
-            piece if shown else "".join(name_character(c) for c in piece)
-            for piece, shown in self._pieces(text)
+        return "".join(piece.text for piece in self.pieces(text))
+
+    def drawable(self, svg: str) -> str:
+        """Make the texts of a drawing printable, and name the font of each part.
+
+        In drawings typst looks for other fonts letter by letter, which breaks letters
+        with marks and takes the first country's form of a Han character.
+        """
+        return re.sub(
+            r"(<text\b[^>]*>)(.*?)(?=</text>)|[^<]+|<",
+            lambda found: (
+                found[1] + self._name_fonts(found[2])
+                if found[1]
+                else self.printable(found[0])
+            ),
+            svg,
+            flags=re.DOTALL,
         )
 
     def missing(self, text: str) -> frozenset[str]:
         """Return the characters of a text that cannot be shown."""
-        return frozenset(
-            c for piece, shown in self._pieces(text) if not shown for c in piece
-        )
+        return frozenset(c for piece in self.pieces(text) for c in piece.lost)
 
-    def _pieces(self, text: str) -> Iterable[tuple[str, bool]]:
-        """Cut a text into what can be shown and what cannot."""
+    def pieces(self, text: str) -> Iterator[Piece]:
+        """Cut a text into letters with their marks, each with a font that has them."""
         for cluster in clusters(text):
-            if _is_blank(cluster) or self._has(cluster):
-                yield cluster, True
+            place = 0 if _is_blank(cluster) else self._find(cluster)
+            if place is not None:
+                yield Piece(text=cluster, family=place)
             elif len(cluster) == 1:
-                yield cluster, False
+                yield Piece(text=name_character(cluster), lost=cluster)
             else:
                 # No one font has the letter and its marks: each by itself.
-                yield cluster[0], self._has(cluster[0])
-                yield cluster[1:], False
+                yield from self.pieces(cluster[0])
+                marks = cluster[1:]
+                yield Piece(text="".join(map(name_character, marks)), lost=marks)
 
-    def _has(self, cluster: str) -> bool:
-        """Whether one font has all of a character and its marks."""
+    def _find(self, cluster: str) -> int | None:
+        """Return the place of the first font with a character and all its marks."""
         if not all(map(_may_print, cluster)):
-            return False
+            return None
         needed = {ord(c) for c in INVISIBLE.sub("", cluster)}
-        return any(needed <= covered for covered in self.coverage)
+        places = (k for k, covered in enumerate(self.coverage) if needed <= covered)
+        return next(places, None)
+
+    def _name_fonts(self, content: str) -> str:
+        """Put what is between the tags of an SVG text into the fonts that have it."""
+        parts = []
+        for family, pieces in groupby(self.pieces(content), lambda piece: piece.family):
+            text = "".join(piece.text for piece in pieces)
+            name = self.families[family].replace("'", "")
+            style = f"font-family: '{escape(name)}'"
+            parts.append(f'<tspan style="{style}">{text}</tspan>' if family else text)
+        return "".join(parts)
 
 
 def choose_fonts(

@@ -85,14 +85,13 @@ def typeset(document: Document, *, folders: Sequence[Path] | None = None) -> Typ
     data = plain_document(document, pictures)
     texts = [*_strings(data), *(picture.svg for picture in pictures)]
     lettering = choose_fonts(texts, folders=folders)
-    missing: frozenset[str] = frozenset()
-    missing = missing.union(*(lettering.missing(text) for text in texts))
+    missing = frozenset[str]().union(*map(lettering.missing, texts))
     printable = _map_strings(data, lettering.printable)
     pdf = render_pdf(
         TEMPLATE,
         printable | {"families": lettering.families},
         {
-            f"{place}.svg": lettering.printable(picture.svg).encode()
+            f"{place}.svg": lettering.drawable(picture.svg).encode()
             for place, picture in enumerate(pictures)
         },
         date=document.date,
