@@ -85,7 +85,7 @@ def render_difference(difference: Difference, console: Console) -> None:
 
 def _verdict(one: Checked) -> str:
     """Say how one reference fared."""
-    sampled = f", {one.sampled} of them sampled" if one.sampled else ""
+    sampled = f", {one.sampled} sampled" if one.sampled else ""
     if one.holds:
         return f"holds  {one.compared} numbers and words{sampled}"
     return f"MOVED  {len(one.moves)} of {one.compared} numbers and words"

@@ -1,0 +1,77 @@
+"""References and their inputs, as several test modules build them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from budget.studies.reference.check import make_reference
+from budget.studies.reference.jobs import compute
+from budget.studies.reference.parts import (
+    digest,
+    present_parts,
+    stored_parts,
+    take_in,
+    take_text,
+)
+from budget.studies.reference.records import Asked
+from budget.studies.reference.store import read_reference, reference_text
+
+DEVICE = """\
+name: Two sensors
+gyro:
+  nominal: {bias: 3 deg/h}
+  errors:
+    bias_repeatability: 0.05 deg/h
+    bias_stability: {value: 0.04 deg/h, correlation_time: 300 s}
+    angle_random_walk: 0.005 deg/sqrt(h)
+    scale_factor_repeatability: {value: 50 ppm, meaning: max}
+    scale_factor_asymmetry: 40 ppm
+    mounting_repeatability: 2 arcsec
+accelerometer:
+  errors:
+    bias_repeatability: 37 ug
+    sample_noise: 50 ug
+    scale_factor_repeatability: 37 ppm
+    mounting_repeatability: {value: 2 arcsec, axes: {xy: 4 arcsec}}
+notes: not a number
+"""
+
+
+def parts_of(text=DEVICE, *, job="analyze", more=()):
+    """Return the parts of a device text and shipped files, (role, name) each."""
+    device = replace(
+        take_text("device", "zhao-2019"),
+        file="imu.yaml",
+        text=text,
+        sha256=digest(text),
+    )
+    inputs = [device, take_text("procedure", "zhao-2019")]
+    inputs += [take_text(role, name) for role, name in more]
+    return stored_parts(inputs, reference="test", job=job)
+
+
+def snapshot(text=DEVICE, *, job="analyze", more=(), **asked):
+    """Compute a job on a device text."""
+    return compute(job, parts_of(text, job=job, more=more), Asked(**asked))
+
+
+def store(folder, text=DEVICE, *, job="analyze", more=(), name="ref.json", **asked):
+    """Write a device file and a reference of it; return the path of the latter."""
+    (folder / "imu.yaml").write_text(text, encoding="utf-8")
+    inputs = [take_in("device", folder / "imu.yaml", folder)]
+    inputs += [take_in("procedure", "zhao-2019", folder)]
+    inputs += [take_in(role, one, folder) for role, one in more]
+    reference = make_reference(job, inputs, Asked(**asked), name=name)
+    path = folder / name
+    path.write_text(reference_text(reference), encoding="utf-8")
+    return path
+
+
+def stored(path):
+    """Read a reference back."""
+    return read_reference(path, path.name)
+
+
+def now(reference, folder):
+    """Return the parts of a reference as their files are now."""
+    return present_parts(reference.inputs, folder, reference="test", job=reference.job)

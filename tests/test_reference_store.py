@@ -1,0 +1,299 @@
+"""The file of a reference: what it keeps, what it refuses, that it is read for ever."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from hashlib import sha256
+from pathlib import Path
+
+import jsonschema
+import pytest
+from command_line import call
+from reference_examples import DEVICE, store, stored
+
+from budget.errors import ReferenceFileError
+from budget.studies.reference.catalogue import shipped_references
+from budget.studies.reference.jobs import compute
+from budget.studies.reference.parts import stored_parts
+from budget.studies.reference.records import Asked
+from budget.studies.reference.store import (
+    MOST_BYTES,
+    NEWEST,
+    read_reference,
+    reference_schema,
+    reference_text,
+)
+
+# Written by the first version that could. NEVER store it again: it proves that a later
+# reader still reads what the first one wrote. A new format gets a file of its own.
+FIRST = Path(__file__).parent / "data" / "reference-1.json"
+FIRST_SHA256 = "7676d2b7ba7d97741a6c1f2247f81fd572dd61ae0589c5f6898d63ba9c03d3e2"
+
+
+@pytest.fixture
+def path(tmp_path):
+    """Provide a reference beside its device."""
+    return store(tmp_path)
+
+
+def signed(content):
+    """Return the text of a content with the checksum that belongs to it."""
+    rest = {key: value for key, value in content.items() if key != "checksum"}
+    canonical = json.dumps(rest, sort_keys=True, separators=(",", ":"))
+    return json.dumps(rest | {"checksum": sha256(canonical.encode()).hexdigest()})
+
+
+def refused(path, text):
+    """Return what is said of a file with that content."""
+    data = text if isinstance(text, bytes) else text.encode()
+    path.write_bytes(data)
+    with pytest.raises(ReferenceFileError) as caught:
+        read_reference(path, path.name)
+    return str(caught.value)
+
+
+class TestFirstVersion:
+    """The stored file of format 1."""
+
+    def test_it_is_the_first_one(self):
+        """The file is the one that was written then, byte for byte."""
+        assert sha256(FIRST.read_bytes()).hexdigest() == FIRST_SHA256
+
+    def test_it_is_read(self):
+        """Inputs, settings, numbers with their uncertainties, words: all are there."""
+        first = stored(FIRST)
+
+        assert (first.job, first.asked.method) == ("analyze", "monte-carlo")
+        assert (first.asked.trials, first.asked.samples, first.asked.seed) == (
+            *(2000, 64, 5),
+        )
+        assert [one.role for one in first.inputs] == [
+            *("device", "procedure", "requirement"),
+        ]
+        numbers = first.snapshot.by_key()
+        assert len(numbers) == len(first.snapshot.numbers) == 355
+        (u,) = (
+            number
+            for key, number in numbers.items()
+            if (key.subject, key.quantity) == ("gyro.bias.x", "standard_uncertainty")
+        )
+        assert 0.07 < u.value < 0.08
+        assert 0.001 < u.standard_error < 0.002
+        assert [
+            w.text for w in first.snapshot.words if w.key.quantity == "verdict"
+        ] == ["meets"]
+        assert dict(first.versions)["budget"] == "0.1.0"
+
+    def test_its_content_can_be_computed_with(self):
+        """The stored texts are sound files, and give the quantities stored then."""
+        first = stored(FIRST)
+        parts = stored_parts(first.inputs, reference="first", job=first.job)
+        again = compute(first.job, parts, first.asked)
+
+        assert set(first.snapshot.by_key()) <= set(again.by_key())
+
+    def test_the_schema_passes_it(self):
+        """What was valid by the schema stays so."""
+        jsonschema.validate(json.loads(FIRST.read_bytes()), reference_schema())
+
+
+class TestText:
+    """What is written."""
+
+    def test_read_back(self, path):
+        """A reference read back is the one that was written, number for number."""
+        reference = stored(path)
+        assert reference_text(reference) == path.read_text(encoding="utf-8")
+        path.write_text(reference_text(reference), encoding="utf-8")
+        assert stored(path) == reference
+
+    def test_the_same_bytes(self, tmp_path):
+        """Stored twice, and in two folders, it has the same bytes."""
+        for name in ("a", "b"):
+            (tmp_path / name).mkdir()
+        one, other = (store(tmp_path / name) for name in ("a", "b"))
+        assert one.read_bytes() == other.read_bytes()
+
+    def test_one_number_a_line(self, path):
+        """A change of one number is a change of one line."""
+        lines = path.read_text(encoding="utf-8").splitlines()
+        reference = stored(path)
+        assert sum('"quantity"' in line for line in lines) == len(
+            (*reference.snapshot.numbers, *reference.snapshot.words)
+        )
+
+    def test_it_names_no_place_and_no_time(self, path, tmp_path):
+        """No absolute path, no host, no date: inputs stand by their path from here."""
+        text = path.read_text(encoding="utf-8")
+        assert str(tmp_path) not in text
+        assert [one.file for one in stored(path).inputs] == ["imu.yaml", "zhao-2019"]
+        assert set(json.loads(text)) == {
+            *("checksum", "format", "inputs", "job", "numbers", "settings"),
+            *("versions", "words"),
+        }
+
+    @pytest.mark.parametrize("text", [DEVICE.replace("\n", "\r\n"), "\ufeff" + DEVICE])
+    def test_odd_line_ends_are_kept(self, tmp_path, text):
+        """Windows line ends and a byte order mark are kept, byte for byte."""
+        (tmp_path / "imu.yaml").write_bytes(text.encode())
+        outcome = call(
+            *("check", "--save", tmp_path / "r.json", tmp_path / "imu.yaml"),
+        )
+        assert outcome.code == 0, outcome.err
+        assert stored(tmp_path / "r.json").inputs[0].text == text
+        assert call("check", tmp_path / "r.json").code == 0
+
+    def test_no_infinite_number_is_written(self, path):
+        """JSON has none."""
+        reference = stored(path)
+        first, *rest = reference.snapshot.numbers
+        broken = replace(
+            reference.snapshot, numbers=(replace(first, value=float("inf")), *rest)
+        )
+        with pytest.raises(ValueError, match="JSON compliant"):
+            reference_text(replace(reference, snapshot=broken))
+
+    def test_what_is_not_given_is_absent(self, path):
+        """No null stands in a file."""
+        assert "null" not in path.read_text(encoding="utf-8")
+
+
+class TestSchema:
+    """The published schema."""
+
+    def test_it_is_sound(self):
+        """A schema of draft 2020-12, printed by `budget schema reference`."""
+        schema = call("schema", "reference").document
+        assert schema == reference_schema()
+        jsonschema.Draft202012Validator.check_schema(schema)
+
+    @pytest.mark.parametrize("one", shipped_references(), ids=lambda one: one.shown)
+    def test_shipped_references_pass(self, one):
+        """Every shipped reference is valid by the schema."""
+        jsonschema.validate(json.loads(one.path.read_bytes()), reference_schema())
+
+    def test_it_can_fail(self, path):
+        """Control: a number that is a text is marked."""
+        content = json.loads(path.read_bytes())
+        content["numbers"][0]["value"] = "1"
+        with pytest.raises(jsonschema.ValidationError):
+            jsonschema.validate(content, reference_schema())
+
+
+class TestRefused:
+    """What is no reference, or one no longer."""
+
+    def test_edited_by_hand(self, path):
+        """A digit changed by hand is seen, and what to do is said."""
+        text = path.read_text(encoding="utf-8")
+        said = refused(path, text.replace('"value": 0.0', '"value": 0.5', 1))
+        assert said == (
+            "ref.json: its content is not what was written (the checksum differs); a "
+            "reference is written by `budget check --save`, not by hand: restore it "
+            "from version control, or save it again"
+        )
+
+    @pytest.mark.parametrize("part", [0.2, 0.9, 0.9999])
+    def test_cut_short(self, path, part):
+        """Wherever it ends too early, the place and what to do are said."""
+        text = path.read_text(encoding="utf-8")
+        said = refused(path, text[: int(part * len(text))])
+        assert said.startswith("ref.json:")
+        assert "cut short" in said or "no JSON here" in said
+        assert "restore it from version control, or save it again" in said
+
+    def test_newer(self, path):
+        """A later format says which version it needs."""
+        content = json.loads(path.read_bytes()) | {"format": "budget-reference/7"}
+        said = refused(path, signed(content))
+        assert "format is 'budget-reference/7', which needs budget >= 7" in said
+        assert "update it" in said
+        assert NEWEST == 1
+
+    @pytest.mark.parametrize(
+        ("change", "said"),
+        [
+            ({"format": "budget-device/1"}, "expected 'budget-reference/1'"),
+            ({"format": 1}, "expected 'budget-reference/1'"),
+            ({"job": "paint"}, "job: input should be 'analyze'"),
+            ({"numbers": 3}, "numbers: input should be a valid tuple"),
+            ({"numbers": [{"value": 1.0}]}, "numbers.0.subject: field required"),
+            ({"surprise": 1}, "surprise: extra inputs are not permitted"),
+            ({"inputs": []}, "inputs: tuple should have at least 1 item"),
+            ({"settings": {"seed": -1}}, "settings.seed: input should be greater"),
+            ({"settings": {"method": "guess"}}, "settings.method: input should be"),
+        ],
+    )
+    def test_wrong_values(self, path, change, said):
+        """A sound checksum over wrong values: which value, and what to do."""
+        content = json.loads(path.read_bytes()) | change
+        found = refused(path, signed(content))
+        assert said in found
+        assert found.startswith("ref.json: ")
+
+    def test_stored_text_and_its_hash(self, path):
+        """A stored input whose SHA-256 is another one is refused."""
+        content = json.loads(path.read_bytes())
+        content["inputs"][0]["sha256"] = "0" * 64
+        assert "imu.yaml has not the SHA-256" in refused(path, signed(content))
+
+    @pytest.mark.parametrize(
+        ("text", "said"),
+        [
+            ("", "cut short"),
+            ("[]", "has no `format` key"),
+            ("3", "has no `format` key"),
+            ("name: x", "no JSON here"),
+            ('{"format": NaN}', "found NaN"),
+            ('{"format": ' + "[" * 100_000 + "]" * 100_000 + "}", "nested too deeply"),
+            ("[" * 100_000, "nested too deeply"),
+            ('{"format": ' + "1" * 10_000 + "}", "no JSON of a reference budget"),
+            (b'{"format": "\xff"}', "is not UTF-8"),
+            (b"\x00" * 10, "no JSON here"),
+        ],
+    )
+    def test_nonsense(self, path, text, said):
+        """Nothing that is no reference makes a traceback."""
+        assert said in refused(path, text)
+
+    def test_infinite_numbers(self, path):
+        """1e999 is JSON and no number: refused with its place."""
+        content = json.loads(path.read_bytes())
+        content["numbers"][0]["value"] = float("inf")
+        text = signed(content).replace("Infinity", "1e999")
+        assert "numbers.0.value: input should be a finite number" in refused(path, text)
+
+    def test_too_large(self, path):
+        """A file of more than 8 MiB is refused before it is parsed."""
+        said = refused(path, b"[" * (MOST_BYTES + 1))
+        assert f"larger than {MOST_BYTES} bytes" in said
+
+    def test_folder_and_nothing(self, tmp_path):
+        """A folder, and a name that is no file."""
+        for name, said in ((".", "is a folder"), ("no.json", "cannot be read")):
+            with pytest.raises(ReferenceFileError, match=said):
+                read_reference(tmp_path / name, name)
+
+    @pytest.mark.parametrize("position", range(0, 3000, 97))
+    def test_no_flipped_byte_passes(self, tmp_path, position):
+        """A byte changed anywhere is refused by the reader, or changes only layout."""
+        path = store(tmp_path)
+        data = bytearray(path.read_bytes())
+        place = position * len(data) // 3000
+        data[place] ^= 0x15
+        before = stored(path)
+        path.write_bytes(bytes(data))
+        try:
+            after = stored(path)
+        except ReferenceFileError:
+            return
+        assert after == before
+
+    def test_settings_of_another_kind(self, path):
+        """Settings that mean nothing to the job are refused when it is checked."""
+        content = json.loads(path.read_bytes()) | {"settings": {"strategy": "equal"}}
+        path.write_text(signed(content), encoding="utf-8")
+        assert stored(path).asked == Asked(strategy="equal")
+        run = call("check", path)
+        assert (run.code, "--strategy: means nothing" in run.err) == (2, True)
