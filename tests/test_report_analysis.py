@@ -22,7 +22,7 @@ from report_examples import (
 
 from budget.report.analysis.build import Extra, report_document
 from budget.report.analysis.inputs import print_by_axis
-from budget.report.blocks import Equation, Paragraph, Picture, Section, Sliders
+from budget.report.blocks import Cell, Equation, Paragraph, Picture, Section, Sliders
 from budget.report.tables import group_tables, output_title
 from budget.resources import shipped
 from budget.spec import load_requirement
@@ -241,11 +241,14 @@ def test_the_check_of_the_law_stands_with_every_output():
 
 def test_inputs_show_the_data_sheet():
     """Printed form, meaning, distribution, condition and source of a line are shown."""
-    cells = {cell for row in rows(section(example(), "inputs")) for cell in row}
+    part = section(example(), "inputs")
+    cells = {cell for row in rows(part) for cell in row}
+    notes = {cell.text: cell.note for cell in find(part, Cell)}
 
-    assert {"2 arcsec", "max", "uniform", "1.155 arcsec"} <= cells
     assert {"-40 to 71 degC", "table 2 <rev B>", "bandwidth", "200 Hz"} <= cells
-    assert "normal, correlation time 300 s" in cells
+    assert (notes["1.155 arcsec"], notes["50 ppm"]) == ("uniform", "normal")
+    assert notes["0.04 deg/h"] == "normal, correlation time 300 s"
+    assert "max" in notes.values()
 
 
 def test_inputs_show_what_was_assumed_of_each_line():
@@ -271,7 +274,7 @@ def test_columns_in_which_nothing_stands_are_left_out():
     table = section(document(device=device), "inputs").blocks[0].blocks[1]
 
     assert [column.head for column in table.columns] == [
-        *("line", "as printed", "meaning", "standard uncertainty", "distribution")
+        *("line", "as printed, meaning", "standard uncertainty, distribution")
     ]
 
 

@@ -75,13 +75,11 @@ def _lines_table(sensor: Sensor, assumptions: Sequence[str]) -> Table:
         caption=f"Data sheet of the {sensor.kind} {sensor.device}",
         columns=(
             Column(head="line", weight=1.4),
-            Column(head="as printed"),
-            Column(head="meaning", weight=0.8),
-            Column(head="standard uncertainty", weight=1.2),
-            Column(head="distribution", weight=1.2),
-            Column(head="condition", weight=1.2),
+            Column(head="as printed, meaning", weight=1.2),
+            Column(head="standard uncertainty, distribution", weight=1.6),
+            Column(head="condition", weight=1.6),
             Column(head="source", weight=1.2),
-            Column(head="assumed", weight=1.8),
+            Column(head="assumed", weight=1.6),
         ),
         groups=(
             RowGroup(
@@ -119,10 +117,12 @@ def _line_row(
         elif key.startswith(f"{name}."):  # of one axis
             assumed.append(f"{key.rpartition('.')[2]}: {note}")
     return (
-        *texts(words(line.name), line.printed, meaning),
-        Cell(text=f"{print_by_axis(line.u / line.si_per_unit)} {line.unit}"),
-        *texts(shape, "; ".join(filter(None, conditions)), line.source),
-        Cell(text="; ".join(assumed)),
+        Cell(text=words(line.name)),
+        Cell(text=line.printed, note=meaning),
+        Cell(
+            text=f"{print_by_axis(line.u / line.si_per_unit)} {line.unit}", note=shape
+        ),
+        *texts("; ".join(filter(None, conditions)), line.source, "; ".join(assumed)),
     )
 
 
