@@ -416,7 +416,8 @@ def test_page_harms_nobody_and_holds_the_numbers(comparison, document):
     assert "bad &lt;b&gt;" in page
     assert "bad <b>" not in page
     assert not re.search(r'(src|href)="https?:', page)
-    embedded = re.search(r'id="comparison-json"[^>]*>(.*?)</script>', page, re.DOTALL)[1]
+    script = r'id="comparison-json"[^>]*>(.*?)</script>'
+    embedded = re.search(script, page, re.DOTALL)[1]
     assert json.loads(embedded) == json.loads(to_json(comparison))
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from budget.report.comparison.margins import LEAST, SURE
-from budget.report.comparison.naming import fit_name
+from budget.report.comparison.naming import fit_name, plain_ticks
 from budget.report.figures import BLUE, GRID, INK, MUTED, PAPER, SMALL, canvas
 from budget.report.figures.picture import as_picture, capital
 from budget.report.tables import print_given, print_utilisation
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 NAMED = 3  # devices in a title
 NAME = 22  # characters of a name that fit beside a point
 LEAST_POINTS = 2  # that make a scatter
-# Ticks of a logarithmic axis, and the span beyond which the coarse ones are enough.
-FINE, COARSE, DECADES = (1.0, 2.0, 5.0), (1.0,), 99.0
 
 
 def front_picture(table: Table, merit: str, name: str, data: DataTable) -> Picture:
@@ -61,8 +59,6 @@ def merit_points(table: Table, merit: str) -> list[tuple[Row, Amount]]:
 
 def pareto_scatter(table: Table, merit: str) -> Figure:
     """Draw the part of the limit against a cost; the front is joined, the rest grey."""
-    from matplotlib.ticker import LogLocator
-
     points = merit_points(table, merit)
     left, right, top, below = 40.0, 12.0, 12.0, 34.0
     figure, axes = canvas(220.0, left=left, right=right, top=top, below=below)
@@ -73,14 +69,8 @@ def pareto_scatter(table: Table, merit: str) -> Figure:
     parts = [max(row.of.utilisation, LEAST) for row, _ in points]
     axes.set_xlim(min(costs) / 1.6, max(costs) * 2.2)
     axes.set_ylim(100.0 * min(0.5, *parts) / 1.5, 100.0 * max(2.0, *parts) * 1.5)
-    for axis, (low, high) in (
-        (axes.xaxis, axes.get_xlim()),
-        (axes.yaxis, axes.get_ylim()),
-    ):
-        axis.set_major_locator(
-            LogLocator(subs=FINE if high < DECADES * low else COARSE)
-        )
-        axis.set_major_formatter("{x:g}")
+    plain_ticks(axes.xaxis)
+    plain_ticks(axes.yaxis)
     axes.minorticks_off()
     axes.tick_params(axis="y", labelsize=SMALL, labelcolor=MUTED)
     axes.grid(color=GRID, linewidth=0.6)

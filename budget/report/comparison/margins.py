@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from budget.report.comparison.naming import SHOWN, fit_name, more_devices
+from budget.report.comparison.naming import SHOWN, fit_name, more_devices, plain_ticks
 from budget.report.figures import BLUE, GRID, INK, MUTED, SMALL, canvas
 from budget.report.figures.picture import as_picture, capital
 from budget.report.tables import print_utilisation
@@ -51,7 +51,7 @@ def margin_bars(table: Table) -> Figure:
     axes.set_ylim(len(rows) - 0.5, -0.5)
     axes.set_yticks(range(len(rows)), [fit_name(row.device, NAME) for row in rows])
     axes.tick_params(axis="y", labelsize=SMALL)
-    axes.xaxis.set_major_formatter("{x:g}")
+    plain_ticks(axes.xaxis)
     axes.minorticks_off()
     axes.grid(axis="x", color=GRID, linewidth=0.6)
     axes.set_xlabel("largest error [% of the limit]", fontsize=SMALL, color=MUTED)

@@ -1,14 +1,18 @@
-"""Names of devices in figures, and how many devices a figure shows."""
+"""What the figures of a comparison share: names of devices, a logarithmic axis."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from matplotlib.axis import Axis
+
     from budget.report.comparison.tables import Table
 
 SHOWN = 40  # devices in a figure, the best ones; all are in the tables
 DOTS = "..."
+# Ticks of a logarithmic axis, and the span beyond which the coarse ones are enough.
+FINE, COARSE, DECADES = (1.0, 2.0, 5.0), (1.0,), 99.0
 
 
 def fit_name(name: str, length: int) -> str:
@@ -20,3 +24,12 @@ def more_devices(table: Table) -> str:
     """Say that a figure does not show all devices, '' where it does."""
     whole = len(table.rows)
     return f" The first {SHOWN} of {whole} devices." if whole > SHOWN else ""
+
+
+def plain_ticks(axis: Axis) -> None:
+    """Tick a logarithmic axis at 1, 2 and 5, or at decades where it is long."""
+    from matplotlib.ticker import LogLocator
+
+    low, high = axis.get_view_interval()
+    axis.set_major_locator(LogLocator(subs=FINE if high < DECADES * low else COARSE))
+    axis.set_major_formatter("{x:g}")

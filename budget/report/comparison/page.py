@@ -204,6 +204,12 @@ def _heading(table: Table, *, several: bool) -> str:
     return capital(table.sensor) + (f", {table.procedure}" if several else "")
 
 
+def _devices_heading(table: Table, *, several: bool) -> str:
+    """Name what is ranked, under its procedure where there are several."""
+    name = f"{capital(table.sensor)} devices"
+    return f"{name}, {table.procedure}" if several else name
+
+
 def _overview(found: Sequence[Table]) -> Section:
     """Return how far every device is from its limit."""
     pictures = tuple(
@@ -232,7 +238,7 @@ def _remarks(comparison: Comparison, *, on_first_page: bool) -> Section:
         blocks=(
             Listing(
                 items=tuple((capital(line),) for line in lines),
-                empty="Nothing: every line that is expected is given, no cap exceeded.",
+                empty="No verdict hangs on a missing line, and no cap is exceeded.",
             ),
         ),
         on_first_page=on_first_page,
@@ -322,7 +328,7 @@ def _devices(table: Table, place: int, *, with_margins: bool, several: bool) -> 
         blocks.append(Paragraph(words=(text,), small=True))
     return Section(
         name=f"devices-{end}",
-        title=f"{_heading(table, several=several)}: {table.counts}",
+        title=f"{_devices_heading(table, several=several)}: {table.counts}",
         blocks=tuple(blocks),
     )
 

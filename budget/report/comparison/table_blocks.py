@@ -32,11 +32,11 @@ def ranking_table(devices: Devices, name: str) -> Table:
     has_intervals = any(row.interval for row in rows)
     has_missing = any(row.missing for row in rows)
     columns = [
-        Column(head="device", weight=1.6),
+        Column(head="device", weight=2.0),
         Column(head="rank", kind="number"),
         Column(head="verdict"),
         Column(head="% of limit", kind="number"),
-        *([Column(head="sampling interval")] if has_intervals else ()),
+        *([Column(head="sampling interval", weight=1.3)] if has_intervals else ()),
         Column(head="conformance [%]", kind="number"),
         Column(head="worst output", weight=1.3),
         Column(head="limited by", weight=1.5),

@@ -55,7 +55,7 @@ def map_picture(table: Table, name: str, data: DataTable) -> Picture:
         tips=map_tips(table),
         caption=(
             "Largest error in % of the limit, devices by outputs, best first; framed "
-            f"and dark: beyond the limit.{more_devices(table)}"
+            f"and in bold: beyond the limit.{more_devices(table)}"
         ),
         data=data,
         is_wide=True,
