@@ -509,7 +509,7 @@ def test_differences_keep_their_signs():
     )
     alt = figures.validity_alt(budget, "gyro")
     assert "bias: x -7.00 and +0.10 (fails), y -0.10 and +0.10," in alt
-    assert texts(figures.validity_marks(budget, "gyro")).count("fails") == 1
+    assert texts(figures.validity_marks(budget, "gyro")).count("fails 7.00") == 1
 
 
 def test_interactions_are_named_only_where_they_can_be_seen():
@@ -530,3 +530,16 @@ def test_overview_without_accelerometer_is_one_column():
     both = figures.overview_dots(groups).axes[0].get_position()
 
     assert one.width > 2.0 * both.width
+
+
+def test_every_visible_source_of_the_bars_is_named():
+    """In grey a segment is known by its name: at the bar, or in the legend below."""
+    for group in group_tables(make_budget()):
+        found = texts(share_bars(group))
+        seen = {
+            row.title
+            for row in group.sources
+            if any(cell.share.exact >= 0.01 for cell in row.cells)
+        }
+        assert seen
+        assert seen <= set(found)

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from budget.results import Budget, OutputBudget, SobolIndex
 
 ROW, HEAD = 20.0, 14.0  # heights [pt]
-LEFT, RIGHT, TOP, BELOW = 132.0, 58.0, 4.0, 32.0  # [pt]
+LEFT, RIGHT, TOP, BELOW = 132.0, 66.0, 4.0, 32.0  # [pt]
 APART = 4.0  # of the two dots of a source [pt]
 GAP = 0.35  # opacity of the gap between them
 
@@ -49,7 +49,7 @@ def sobol_picture(budget: Budget, sensor: str) -> Picture | None:
     if not found:
         return None
     zero = [
-        f"in the {words(one.row.parameter)} {', '.join(map(source_title, one.zero))}"
+        f"for the {words(one.row.parameter)}: {', '.join(map(source_title, one.zero))}"
         for one in found
         if one.zero
     ]
@@ -58,7 +58,7 @@ def sobol_picture(budget: Budget, sensor: str) -> Picture | None:
         "between them is interaction."
     )
     if zero:
-        caption += f" 0 to the digits that are sure: {'; '.join(zero)}."
+        caption += f" 0 to the digits that are sure {'; '.join(zero)}."
     return as_picture(
         sobol_dots(budget, sensor),
         name=f"sobol-{sensor}",

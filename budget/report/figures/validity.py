@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from budget.results import Budget, OutputBudget, Validation
 
 ROW = 13.0  # [pt] from output to output
-LEFT, RIGHT, TOP, BELOW = 24.0, 46.0, 4.0, 32.0  # [pt]
+LEFT, RIGHT, TOP, BELOW = 24.0, 58.0, 4.0, 32.0  # [pt]
 TEN = 10.0  # tolerances that are printed without decimals [1]
 LEAST, LINEAR_BELOW = 1.5, 6.0  # reach of the axis, in tolerances [1]
 
@@ -183,8 +183,9 @@ def _draw_check(axes: Axes, place: int, check: Check) -> None:
             markeredgecolor=MUTED if holds else INK,
             zorder=3,
         )
-    text = _signed(check.worst)[1:] if holds else check.word
-    write_beside(axes, place, text, reach=42.0, strong=not holds)
+    size = _signed(check.worst)[1:]
+    text = {"holds": size, "fails": f"fails {size}"}.get(check.word, check.word)
+    write_beside(axes, place, text, reach=RIGHT - 4.0, strong=not holds)
 
 
 def _tip(check: Check) -> str:
