@@ -1,0 +1,255 @@
+"""The check can fail: each figure of each shipped device, 1 % larger, is named."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from dataclasses import dataclass, replace
+
+import pytest
+
+from budget.resources import shipped
+from budget.spec.device import variant_names
+from budget.spec.files import find, open_file
+from budget.studies.reference.catalogue import shipped_references
+from budget.studies.reference.check import check, make_reference
+from budget.studies.reference.exchange import KeyChange, effective, exchange
+from budget.studies.reference.explain import input_changes
+from budget.studies.reference.jobs import by_law, compute
+from budget.studies.reference.moves import find_moves
+from budget.studies.reference.parts import stored_parts, take_text
+from budget.studies.reference.records import Asked
+from budget.studies.reference.store import read_reference
+
+NUMBER = re.compile(r"[-+]?[0-9]+(?:\.[0-9]+)?(?:e[-+]?[0-9]+)?")
+# Keys of a figure that are words, though some begin with a digit ('1 sigma').
+WORDS = {"meaning", "distribution", "definition", "includes", "horizon", "condition"}
+WORDS |= {"source"}
+
+# Under these references the figure moves nothing, and is reported so.
+IDLE = {
+    # A constant of the device is in the reference too.
+    ("stim300-5g-monte-carlo", "gyro.errors.scale_factor_nonlinearity"),
+    # Only eq. 4 as printed carries the true mounting angles into the bias.
+    *(
+        (f"zhao-2019-corrected-{origin}", "gyro.nominal.mounting_angle")
+        for origin in ("nominal", "next_turn_on")
+    ),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Figure:
+    """A figure of a device: the way to it and its node."""
+
+    device: str  # file and variant
+    steps: tuple
+    node: object
+
+    @property
+    def key(self):
+        """How messages name it."""
+        return KeyChange(steps=self.steps, before=None, after=None).path
+
+    def larger(self):
+        """Return the text of the figure with 1 % more."""
+        found = NUMBER.match(self.node.written)
+        value = float(found[0]) * 1.01
+        return f"{value:.12g}{self.node.written[found.end() :]}"
+
+    def __str__(self):
+        """Name the test."""
+        return f"{self.device}-{self.key}"
+
+
+def leaves(node, steps=()):
+    """Yield every value below a node, with the way to it."""
+    children = {}
+    if isinstance(node.value, dict):
+        children = node.value
+    elif isinstance(node.value, tuple):
+        children = dict(enumerate(node.value))
+    else:
+        yield steps, node
+    for step, child in children.items():
+        yield from leaves(child, (*steps, step))
+
+
+def all_figures(device):
+    """Return every figure of a device that is a number with a unit, or has one."""
+    stem, _, variant = device.partition("#")
+    document = effective(open_file(find(stem, "device"), "device"), variant)
+    return [
+        Figure(device=device, steps=steps, node=node)
+        for steps, node in leaves(document.root)
+        if steps[-1] not in WORDS
+        and steps[0] in {"gyro", "accelerometer", "figures"}
+        and isinstance(node.value, str)
+        and NUMBER.match(node.written)
+    ]
+
+
+def model_figures(device):
+    """Return those that a model uses."""
+    return [figure for figure in all_figures(device) if figure.steps[0] != "figures"]
+
+
+def devices():
+    """Return every device that ships, with its variants."""
+    for path in sorted((shipped("specs") / "devices").glob("*.yaml")):
+        for name in variant_names(open_file(find(path.stem, "device"), "device")):
+            yield f"{path.stem}#{name}" if name else path.stem
+
+
+def references_of(device):
+    """Return the shipped references of kind analyze that are of a device."""
+    stem, _, variant = device.partition("#")
+    found = []
+    for one in shipped_references():
+        reference = read_reference(one.path, one.shown)
+        own = [i for i in reference.inputs if i.role == "device"]
+        if reference.job == "analyze" and own[0].file.endswith(f"/{stem}.yaml"):
+            assert own[0].variant == variant
+            found.append((one, reference))
+    return found
+
+
+REFERENCED = ("zhao-2019", "hg4930#C", "stim300#5g", "ltys11cj1x")
+
+
+@pytest.fixture(scope="module")
+def specs(tmp_path_factory):
+    """Provide a copy of all that ships, whose devices may be changed."""
+    folder = tmp_path_factory.mktemp("specs") / "specs"
+    shutil.copytree(shipped("specs"), folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def references():
+    """Provide the shipped references by device, by law, which is fast."""
+    found = {}
+    for device in REFERENCED:
+        found[device] = []
+        for one, reference in references_of(device):
+            base = reference
+            if by_law(reference.asked) != reference.asked:
+                inside = [
+                    replace(i, file=i.file.rpartition("/")[2]) for i in reference.inputs
+                ]
+                law = make_reference(
+                    "analyze", inside, by_law(reference.asked), name=one.shown
+                )
+                base = replace(law, inputs=reference.inputs)
+            found[device].append((one.shown, base))
+    return found
+
+
+def perturbed(specs, references, figure):
+    """Write the device with that figure 1 % larger; check all its references."""
+    path = specs / "devices" / f"{figure.device.partition('#')[0]}.yaml"
+    before = path.read_text(encoding="utf-8")
+    lines = before.splitlines(keepends=True)
+    line, column = figure.node.at.line - 1, figure.node.at.column - 1
+    head, tail = lines[line][:column], lines[line][column:]
+    assert figure.node.written in tail
+    lines[line] = head + tail.replace(figure.node.written, figure.larger(), 1)
+    path.write_text("".join(lines), encoding="utf-8")
+    try:
+        return {
+            name: check(reference, specs / "references", name=name)
+            for name, reference in references[figure.device]
+        }
+    finally:
+        path.write_text(before, encoding="utf-8")
+
+
+def test_all_devices_of_references_are_here():
+    """Every device with a reference of its own is perturbed below."""
+    files = {
+        one.file.rpartition("/")[2].removesuffix(".yaml")
+        for found in shipped_references()
+        for one in read_reference(found.path, found.shown).inputs
+        if one.role == "device" and "compare" not in found.shown
+    }
+    assert files == {device.partition("#")[0] for device in REFERENCED}
+
+
+@pytest.mark.parametrize("device", REFERENCED)
+def test_unchanged_references_hold(specs, references, device):
+    """Control: without a change nothing moves, and no change is reported."""
+    assert references[device]
+    for name, reference in references[device]:
+        found = check(reference, specs / "references", name=name)
+        assert found.holds
+        assert not [change for change in found.changes if change.where != "tool"]
+
+
+@pytest.mark.parametrize(
+    "figure", [f for device in REFERENCED for f in model_figures(device)], ids=str
+)
+def test_a_figure_changed_by_one_percent_is_caught(specs, references, figure):
+    """Some number moved, that one key is named, and it explains what moved."""
+    checks = perturbed(specs, references, figure)
+
+    assert not all(found.holds for found in checks.values()) or len(checks) == 1
+    for name, found in checks.items():
+        (change,) = (c for c in found.changes if c.where != "tool")
+        assert change.key == figure.key
+        assert (change.before, change.after) == (figure.node.written, figure.larger())
+        if (name, figure.key) in IDLE:
+            assert (found.holds, change.acts) == (True, False)
+            continue
+        if name.endswith("as_tested") and found.holds:
+            # What cancels against the value during the test moves nothing there.
+            assert "repeatability" in figure.key
+            continue
+        assert not found.holds, name
+        assert change.acts is True
+        place = found.changes.index(change)
+        for move in found.moves:
+            (cause,) = move.causes
+            assert cause.change == place
+            assert abs(cause.amount - move.difference) <= 1e-6 * abs(move.difference)
+
+
+@pytest.mark.parametrize(
+    "figure",
+    [
+        figure
+        for device in REFERENCED
+        for figure in all_figures(device)
+        if figure.steps[0] == "figures" and figure.steps[-1] == "value"
+    ],
+    ids=str,
+)
+def test_a_figure_that_no_model_uses_is_reported_without_effect(
+    specs, references, figure
+):
+    """It moves no number, and the check says by name that it changed."""
+    for found in perturbed(specs, references, figure).values():
+        assert found.holds
+        (change,) = (c for c in found.changes if c.where != "tool")
+        assert (change.key, change.acts) == (figure.key, False)
+
+
+@pytest.mark.parametrize("device", list(devices()))
+def test_every_figure_of_the_catalogue_moves_a_number(device):
+    """By law and reference nominal, each figure of each device that ships is caught."""
+    stem, _, variant = device.partition("#")
+    inputs = [
+        replace(take_text("device", stem), variant=variant),
+        take_text("procedure", "zhao-2019-eq4"),
+    ]
+    part, procedure = stored_parts(inputs, reference=device, job="analyze")
+    base = compute("analyze", (part, procedure), Asked())
+    figures = model_figures(device)
+
+    for figure in figures:
+        larger = replace(figure.node, value=figure.larger(), written=figure.larger())
+        key = KeyChange(steps=figure.steps, before=figure.node, after=larger)
+        changed = replace(part, document=exchange(part.document, key))
+        moves = find_moves(base, compute("analyze", (changed, procedure), Asked()))
+        (change,) = input_changes((part,), (changed,))
+        assert moves, figure.key
+        assert change.key == figure.key
