@@ -29,16 +29,20 @@ from budget.report.figures import (
     INK,
     ON_DARK,
     STYLES,
+    TEXT,
     share_alt,
     share_bars,
     share_title,
+    text_width,
     to_svg,
     utilisation_alt,
     utilisation_dots,
     utilisation_title,
 )
+from budget.report.figures.coupling import LEFT as COUPLING_LEFT
 from budget.report.figures.coupling import STEPS, print_part
 from budget.report.figures.density import part_beyond
+from budget.report.figures.sobol import LEFT as SOBOL_LEFT
 from budget.report.tables import group_tables
 from budget.spec.records import AccelerometerProcedure
 
@@ -543,3 +547,11 @@ def test_every_visible_source_of_the_bars_is_named():
         }
         assert seen
         assert seen <= set(found)
+
+
+@pytest.mark.parametrize("name", [name for name in STYLES if "_" in name])
+def test_every_source_has_room_for_its_name(name):
+    """The longest names fit beside the map and the indices, with their gap."""
+    title = name.replace("_", " ")
+
+    assert text_width(title, TEXT) + 5.5 <= min(COUPLING_LEFT, SOBOL_LEFT)

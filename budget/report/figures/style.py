@@ -99,7 +99,7 @@ def add_panel(
     axes.set_axisbelow(True)
     axes.spines[:].set_visible(False)
     axes.tick_params(length=0.0, labelsize=SMALL, labelcolor=MUTED)
-    axes.tick_params(axis="y", labelsize=TEXT, labelcolor=INK)
+    axes.tick_params(axis="y", labelsize=TEXT, labelcolor=INK, pad=5.5)
     return axes
 
 
