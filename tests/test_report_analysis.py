@@ -415,3 +415,20 @@ def test_steps_are_the_law_at_changed_sources(factor, place):
     expected = model.factor[k] * outlook.u[k] / model.outputs[k].si_per_unit
 
     assert_allclose(row[place].exact, expected, rtol=1e-12)
+
+
+def test_what_if_says_where_the_report_does_not_stand_on_the_law():
+    """A law that failed its check, and another method, are said beside the sliders."""
+    budget = make_budget()
+    first = budget.outputs[0]
+    refused = replace(first, validation=replace(first.validation, holds=False))
+    doubtful = document(replace(budget, outputs=(refused, *budget.outputs[1:])))
+    settings = replace(budget.settings, method="monte-carlo", trials=1000)
+    drawn = document(replace(budget, settings=settings))
+
+    assert "The law failed its check for gyro scale factor x: there" in " ".join(
+        lines(section(doubtful, "what-if"))
+    )
+    assert "The budget itself is by monte-carlo." in " ".join(
+        lines(section(drawn, "what-if"))
+    )

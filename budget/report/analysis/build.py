@@ -122,7 +122,7 @@ def report_document(
             procedure, sensors, figures.schedule_picture(procedure, sensors)
         ),
         budget_section(groups),
-        what_if_section(evidence.what_if, one_at_a_time(evidence.what_if)),
+        what_if_section(budget, evidence.what_if, one_at_a_time(evidence.what_if)),
         _coupling(evidence, sensors),
         _indices(budget, sensors),
         _validity(budget, sensors),

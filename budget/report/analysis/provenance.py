@@ -28,18 +28,24 @@ WHERE_EXACT = (
 
 
 def provenance_section(
-    inputs: Sequence[InputFile], settings: Settings, *, version: str, command_line: str
+    inputs: Sequence[InputFile],
+    settings: Settings | None,
+    *,
+    version: str,
+    command_line: str,
 ) -> Section:
     """Return what it takes to make the report again.
 
     The command line comes without output names and without what changes no number.
+    Where nothing can be set `settings` is None.
     """
     rows: list[tuple[str, Words]] = [
         ("made by", (f"budget {version}",)),
         ("command", (command_line,)),
-        ("seed", (str(settings.seed),)),
     ]
-    if settings.trials is not None:
+    if settings is not None:
+        rows.append(("seed", (str(settings.seed),)))
+    if settings is not None and settings.trials is not None:
         rows.append(("trials", (print_count(settings.trials),)))
     files = Table(
         name="input-files",

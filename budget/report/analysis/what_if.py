@@ -28,13 +28,16 @@ from budget.report.tables import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from budget.results import Budget
     from budget.studies.one_at_a_time import SourceSteps, Step
     from budget.studies.what_if import WhatIf
 
 HEADS = {0.0: "without it", 0.5: "at half", 1.0: "now", 2.0: "at twice"}
 
 
-def what_if_section(model: WhatIf, rows: Sequence[SourceSteps]) -> Section:
+def what_if_section(
+    budget: Budget, model: WhatIf, rows: Sequence[SourceSteps]
+) -> Section:
     """Return the section on what one source more or less would do."""
     coverage = print_coverage(model.coverage)
     required = any(limit is not None for limit in model.limit)
@@ -45,6 +48,7 @@ def what_if_section(model: WhatIf, rows: Sequence[SourceSteps]) -> Section:
     )
     if required:
         text += " The part of the limit is the largest of the sensor's outputs."
+    text += _departures(budget)
     heads = [HEADS[step.factor] for step in rows[0].steps] if rows else []
     columns = (
         Column(head="source", weight=2.0),
@@ -82,6 +86,23 @@ def what_if_section(model: WhatIf, rows: Sequence[SourceSteps]) -> Section:
             Paragraph(words=(text,)),
             Sliders(model=model.to_dict(), table=table),
         ),
+    )
+
+
+def _departures(budget: Budget) -> str:
+    """Say where the rest of the report does not stand on the law."""
+    if budget.settings.method != "gum":
+        return f" The budget itself is by {budget.settings.method}."
+    refused = [
+        output_title(row.output.name)
+        for row in budget.outputs
+        if row.validation is not None and not row.validation.holds
+    ]
+    if not refused:
+        return ""
+    return (
+        f" The law failed its check for {', '.join(refused)}: there the verdict on "
+        "page one stands on Monte Carlo."
     )
 
 
