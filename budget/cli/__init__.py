@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
+from contextlib import contextmanager
+from threading import current_thread, main_thread
+from typing import TYPE_CHECKING, NoReturn
 
 import typer
 
@@ -17,11 +21,19 @@ from budget.cli.devices import devices
 from budget.cli.diff import diff
 from budget.cli.paper import paper
 from budget.cli.report import report
+from budget.cli.streams import drop_output, prepare_streams
 from budget.errors import BudgetError
 from budget.version import __version__
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from types import FrameType
+
 EXIT_BAD_INPUT = 2
-EXIT_INTERRUPTED = 130  # 128 + SIGINT, as shells count
+EXIT_SIGNAL = 128  # and the number of the signal, as shells count
+EXIT_INTERRUPTED = 130  # SIGINT
+EXIT_BROKEN_PIPE = 141  # SIGPIPE
+ENDINGS = {129: "hung up", EXIT_INTERRUPTED: "interrupted", 143: "ended on request"}
 
 app = typer.Typer(
     help="Error budgets for the discrete turntable calibration of strapdown IMUs.",
@@ -71,13 +83,70 @@ def _check_epoch() -> None:
 
 def main() -> None:
     """Run the command line; errors made for people become one message and a code."""
+    prepare_streams()
     try:
-        _check_epoch()
-        app()
+        with _ended_by_signals():
+            _run()
     except BudgetError as error:
-        sys.stderr.write(f"{error}\n")
-        raise SystemExit(EXIT_BAD_INPUT) from None
+        _stop(str(error))
+    except BrokenPipeError:
+        drop_output()  # a reader that has enough, such as `head`
+        raise SystemExit(EXIT_BROKEN_PIPE) from None
+    except OSError as error:
+        drop_output()
+        _stop(
+            f"{error.filename or 'standard output'}: the system refused: "
+            f"{error.strerror or error}; expected a file or stream that can be used; "
+            "free the disk, change its permissions or name another"
+        )
+    except MemoryError:
+        _stop(
+            "there is not enough memory for this run, nothing was written; expected "
+            "some 300 MB and more for each worker: use fewer workers or trials"
+        )
     except SystemExit as end:
-        if end.code == EXIT_INTERRUPTED:  # typer answers Ctrl-C with it, in silence
-            sys.stderr.write("interrupted; nothing was written\n")
+        said = ENDINGS.get(end.code) if isinstance(end.code, int) else None
+        if said is not None:  # typer answers Ctrl-C with its code, in silence
+            sys.stderr.write(f"{said}; nothing was written\n")
         raise
+
+
+def _run() -> None:
+    """Run the command, and see that all it printed has gone out."""
+    _check_epoch()
+    try:
+        app()
+    finally:
+        sys.stdout.flush()  # a full disk shows here, and not after a code for success
+
+
+@contextmanager
+def _ended_by_signals() -> Iterator[None]:
+    """Let a request to end stop this process in order: files, workers, its code.
+
+    A signal that is ignored stays so, as under `nohup`.
+    """
+    if current_thread() is not main_thread():
+        yield
+        return
+    names = [name for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    asked = [getattr(signal, name) for name in names]
+    ours = [number for number in asked if signal.getsignal(number) == signal.SIG_DFL]
+    for number in ours:
+        signal.signal(number, _end)
+    try:
+        yield
+    finally:
+        for number in ours:
+            signal.signal(number, signal.SIG_DFL)
+
+
+def _end(number: int, _: FrameType | None) -> NoReturn:
+    """End with the code that shells give to a signal."""
+    raise SystemExit(EXIT_SIGNAL + number)
+
+
+def _stop(message: str) -> NoReturn:
+    """Say what is wrong and end."""
+    sys.stderr.write(f"{message}\n")
+    raise SystemExit(EXIT_BAD_INPUT) from None

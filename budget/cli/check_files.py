@@ -13,6 +13,7 @@ def validate(
     ],
 ) -> None:
     """Check files and say everything that is wrong in them, with positions."""
+    from budget.cli.output import printing
     from budget.errors import Issue, SpecError
     from budget.spec import validate as check
 
@@ -23,9 +24,10 @@ def validate(
         except SpecError as error:
             issues.extend(error.issues)
             continue
-        typer.echo(f"{name}: {found.kind}, valid")
-        for text in found.assumptions:
-            typer.echo(f"  assumed: {text}")
+        with printing():
+            typer.echo(f"{name}: {found.kind}, valid")
+            for text in found.assumptions:
+                typer.echo(f"  assumed: {text}")
     if issues:
         raise SpecError(tuple(issues))
 
@@ -41,8 +43,10 @@ def schema(
     """Print the JSON Schema of a kind of file, for editors that complete and check."""
     from json import dumps
 
+    from budget.cli.output import printing
     from budget.spec import json_schema
     from budget.studies.reference.store import reference_schema
 
     found = reference_schema() if kind == "reference" else json_schema(kind)
-    typer.echo(dumps(found, indent=2, ensure_ascii=False))
+    with printing():
+        typer.echo(dumps(found, indent=2, ensure_ascii=False))

@@ -31,6 +31,7 @@ def devices(
 
     A file with variants shows each of them.
     """
+    from budget.cli.output import printing
     from budget.report.catalogue import device_to_json, list_to_json
     from budget.report.files import write_all
     from budget.spec import load_catalogue, load_variants
@@ -40,10 +41,12 @@ def devices(
         alone = name is not None and len(found) == 1
         text = device_to_json(found[0]) if alone else list_to_json(found)
         if json == options.STDOUT:
-            sys.stdout.write(text)
+            with printing():
+                sys.stdout.write(text)
             return
         write_all({json: text})
-    _render(found, is_list=name is None)
+    with printing():
+        _render(found, is_list=name is None)
 
 
 def _render(found: Sequence[Device], *, is_list: bool) -> None:

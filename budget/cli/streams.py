@@ -1,0 +1,69 @@
+"""The standard streams as they may be found: closed, full, or of few characters."""
+
+from __future__ import annotations
+
+import codecs
+import io
+import os
+import sys
+from typing import TextIO
+
+ESCAPE = "budget-escape"  # name of our way with characters that a stream cannot take
+
+
+def prepare_streams() -> None:
+    """Give a closed stream a place, and every character a way out.
+
+    A stream that the caller closed is not wanted: what goes there is dropped. Its
+    number must be taken all the same, or the next file that is opened would get it,
+    and with it whatever a library prints.
+
+    What goes into a pipe or a file is UTF-8 with LF, as the documents are that we write
+    ourselves; only PYTHONIOENCODING says otherwise. What an encoding lacks is written
+    as JSON escapes it, so that a document stays one. A width of the terminal that is
+    none is forgotten.
+    """
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest free number: this one
+    sys.stdout = sys.stdout or _nowhere()
+    sys.stderr = sys.stderr or _nowhere()
+    codecs.register_error(ESCAPE, _escape)
+    columns = os.environ.get("COLUMNS", "80")
+    if not columns.isascii() or not columns.isdigit() or int(columns) < 1:
+        del os.environ["COLUMNS"]  # rich takes any digits for a width
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        if sys.stdout.isatty() or "PYTHONIOENCODING" in os.environ:
+            sys.stdout.reconfigure(errors=ESCAPE)
+        else:
+            sys.stdout.reconfigure(encoding="utf-8", errors=ESCAPE, newline="\n")
+
+
+def _nowhere() -> TextIO:
+    """Return a stream that drops what it gets."""
+    return open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123 - it stays
+
+
+def drop_output() -> None:
+    """Send what a full or broken stdout has not taken to nowhere.
+
+    Else Python tries once more at its end, and fails with words of its own.
+    """
+    try:
+        number = sys.stdout.fileno()
+    except (OSError, ValueError):
+        return
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, number)
+    os.close(nowhere)
+
+
+def _escape(error: UnicodeError) -> tuple[str, int]:
+    r"""Write what cannot be encoded as \uXXXX, in pairs beyond 16 bit."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    units = error.object[error.start : error.end].encode("utf-16-be", "surrogatepass")
+    pairs = (units[place : place + 2].hex() for place in range(0, len(units), 2))
+    return "".join(f"\\u{pair}" for pair in pairs), error.end
