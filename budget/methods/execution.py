@@ -7,6 +7,7 @@ workers, and adding a source moves no other's draws.
 
 from __future__ import annotations
 
+import os
 import signal
 from collections import deque
 from concurrent.futures import (
@@ -20,7 +21,8 @@ from contextlib import contextmanager
 from functools import cache
 from hashlib import sha256
 from itertools import islice
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
+from threading import Thread
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -138,7 +140,8 @@ def local_executor(workers: int) -> Iterator[Executor | None]:
     """Provide processes of this machine, or None where this one does the work itself.
 
     The processes ignore Ctrl-C, which the terminal sends to all of them: this one
-    alone answers it, waits for the tasks under way (some 0.1 s) and leaves none.
+    alone answers it, waits for the tasks under way (some 0.1 s) and leaves none. Should
+    this one be killed, they end by themselves.
     """
     if workers == 1:
         yield None
@@ -146,13 +149,26 @@ def local_executor(workers: int) -> Iterator[Executor | None]:
     pool = ProcessPoolExecutor(
         workers,
         mp_context=get_context("spawn"),  # no copy of threads and locks of this one
-        initializer=signal.signal,
-        initargs=(signal.SIGINT, signal.SIG_IGN),
+        initializer=_begin_worker,
     )
     try:
         yield pool
     finally:
         pool.shutdown(cancel_futures=True)
+
+
+def _begin_worker() -> None:
+    """Leave Ctrl-C to the process that gives the tasks, and end when it ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    """Wait for the end of the parent; no one is left then to take a result."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def in_order(
