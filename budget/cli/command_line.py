@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -48,7 +49,8 @@ def command_line(context: typer.Context) -> str:
 
 def _base_name(value: object) -> str:
     """Write a value; of a file its name, with the variant after it."""
-    text = str(value)
+    # In any locale the characters of a name, not what stands for its bytes.
+    text = os.fsencode(str(value)).decode("utf-8", errors="replace")
     file, hash_sign, variant = text.partition("#")
     is_file = isinstance(value, Path) or "/" in file or "\\" in file
     return Path(file).name + hash_sign + variant if is_file else text

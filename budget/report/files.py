@@ -36,7 +36,7 @@ def write_all(files: Mapping[Path, str | bytes]) -> None:
     for path, target in zip(files, targets, strict=True):
         _check(path, target, twice=targets.count(target) > 1)
     contents = [
-        content.encode() if isinstance(content, str) else content
+        _encode(content) if isinstance(content, str) else content
         for content in files.values()
     ]
     # Steps back run only on an error; temporary files go in any case, after them.
@@ -53,6 +53,12 @@ def write_all(files: Mapping[Path, str | bytes]) -> None:
             except OSError as error:
                 raise _refused(path, error) from error
         undo.pop_all()
+
+
+def _encode(text: str) -> bytes:
+    """Encode as UTF-8, also file names whose bytes this locale does not know."""
+    data = text.encode("utf-8", errors="surrogateescape")
+    return data.decode("utf-8", errors="replace").encode()
 
 
 def _check(path: Path, target: Path, *, twice: bool) -> None:

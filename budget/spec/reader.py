@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from hashlib import sha256
 from typing import TYPE_CHECKING
@@ -44,7 +45,8 @@ def read(path: Path, shown: str) -> Document:
     root, issues = compose(_decode(data, shown), shown)
     return Document(
         file=shown,
-        base_name=path.name,
+        # In any locale the characters of the name, not what stands for its bytes.
+        base_name=os.fsencode(path.name).decode("utf-8", errors="replace"),
         sha256=sha256(data).hexdigest(),
         root=root,
         issues=tuple(issues),
