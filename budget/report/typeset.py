@@ -41,6 +41,7 @@ if TYPE_CHECKING:
 TEMPLATE = "report.typ"
 HEAD_LENGTH = 100  # characters that fit into the running head
 NARROW_HEAD = 12  # characters of the head of a narrow column before it is broken
+LONGEST_HEAD = 160  # characters of the head of a column; it is on every page
 SHORT_CELL = 26  # characters; a column of such cells is as wide as they are
 SPLIT_CELL = 1500  # characters; a cell that long may go on on the next page
 SIZE = re.compile(r'<svg\b[^>]*?\bwidth="([\d.]+)(?:pt)?"')
@@ -217,7 +218,7 @@ def _plain_column(column: Column, cells: Sequence[Cell]) -> dict[str, Any]:
     longest = max((len(c.text) for c in cells), default=0)
     longest = max([longest, *(len(c.note) for c in cells)])
     wraps = column.kind == "text" and longest > SHORT_CELL
-    head = column.head
+    head = shorten(column.head, LONGEST_HEAD)
     if column.kind != "text":
         head = "\n".join(
             textwrap.wrap(head, width=max(NARROW_HEAD, longest), break_long_words=False)
@@ -231,6 +232,11 @@ def _plain_column(column: Column, cells: Sequence[Cell]) -> dict[str, Any]:
 
 def _plain_rows(table: Table, group: RowGroup) -> list[list[dict[str, Any]]]:
     """Return the rows of a group, decimal points in line within each column."""
+    # A row is split between pages if any of its cells would fill one.
+    wholes = [
+        all(len(cell.text) + len(cell.note) < SPLIT_CELL for cell in row)
+        for row in group.rows
+    ]
     by_column = []
     for column, cells in zip(
         table.columns, zip(*group.rows, strict=True), strict=bool(group.rows)
@@ -245,9 +251,9 @@ def _plain_rows(table: Table, group: RowGroup) -> list[list[dict[str, Any]]]:
                     "share": cell.share,
                     "strong": cell.strong,
                     "note": break_long(cell.note),
-                    "whole": len(cell.text) + len(cell.note) < SPLIT_CELL,
+                    "whole": whole,
                 }
-                for part, cell in zip(parts, cells, strict=True)
+                for part, cell, whole in zip(parts, cells, wholes, strict=True)
             ]
         )
     return [list(row) for row in zip(*by_column, strict=True)]

@@ -36,11 +36,9 @@ NUMBER = re.compile(
     r"(?P<head>[<>]?)(?P<digits>-?\d[\d ]*(?:\.\d+)?)(?:e(?P<power>-?\d+))?"
     r"(?P<tail>| [^\d\s].*)"
 )
-# In a sentence: with a sign or a power of ten; not in a name, a date, or a range.
-SIGNED = re.compile(
-    r"(?<![\w.+/-])(?:-(?=\d)(?P<negative>\d+(?:\.\d+)?)(?![\w.]*\w)"
-    r"|(?P<digits>-?\d+(?:\.\d+)?)e(?P<power>-?\d+)(?!\w))"
-)
+# In a sentence: no part of a name, a date or a range.
+NEGATIVE = re.compile(r"(?<![\w.+/-])-(?=\d+(?:\.\d+)?(?:e-?\d+)?(?![\d.]*\w))")
+RAISED = re.compile(rf"(?<![\w.+/-])({MINUS}?\d+(?:\.\d+)?)e(-?\d+)(?!\.?\w)")
 LONG_WORD = 24  # characters; words of a report are shorter
 UNBROKEN = 12  # characters of a long one between places where a line may end
 
@@ -139,31 +137,23 @@ def _break_word(word: str) -> str:
 
 def _cut_text(text: str) -> Iterator[Part]:
     """Yield a text with the numbers in it set as numbers, bound to their units."""
-    start = 0
-    for match in SIGNED.finditer(text):
-        yield from _bind(text[start : match.start()])
-        start = match.end()
-        if match["negative"]:
-            yield MINUS + match["negative"]
-        else:
+    # Pieces between powers of ten: text, mantissa, exponent, text, ...
+    pieces = RAISED.split(NEGATIVE.sub(MINUS, text))
+    for place in range(0, len(pieces), 3):
+        words = re.sub(r"(?<=\d) (?=\S)", BOUND, pieces[place])
+        if place:
+            words = re.sub(r"^ (?=\S)", BOUND, words)
+        if words:
+            yield break_long(words)
+        if place + 1 < len(pieces):
             yield {
                 "is": "number",
                 "head": "",
-                "digits": _print_digits(match["digits"]),
-                "power": _print_digits(match["power"]),
+                "digits": pieces[place + 1],
+                "power": _print_digits(pieces[place + 2]),
                 "tail": "",
                 "pad": "",
             }
-    yield from _bind(text[start:])
-
-
-def _bind(text: str) -> Iterator[str]:
-    """Yield a text with each number and its unit on one line; nothing if it is empty.
-
-    After a number that was cut off before it, the blank at its start binds too.
-    """
-    if text:
-        yield break_long(re.sub(r"(?<=\d) (?=\S)", BOUND, text))
 
 
 def _print_digits(digits: str) -> str:
