@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from budget.studies.reference.catalogue import FoundReference
-    from budget.studies.reference.records import Asked, Checked, StoredInput
+    from budget.studies.reference.records import Checked, StoredInput
 
 EXIT_MOVED = 1
 EXIT_BAD_INPUT = 2
@@ -121,46 +121,32 @@ def check(
     With --save a budget is stored: `budget check --save ref.json DEVICE...`. The law is
     stored without its check by Monte Carlo, an allocation without its correction.
     """
-    from budget.studies.reference.records import Asked
-
-    plain = Asked()
-    asked = Asked(
-        method=method or plain.method,
-        trials=trials,
-        max_trials=max_trials,
-        digits=digits or plain.digits,
-        seed=seed or plain.seed,
-        coverage=coverage,
-        interval=interval or plain.interval,
-        reference=reference,
-        only=tuple(only or ()),
-        samples=_samples(samples, wanted=sobol),
-        strategy=strategy,
-        fix=tuple(fix or ()),
-    )
     files = {
         "device": names or [],
         "procedure": procedure or [],
         "requirement": [requirement] if requirement else [],
         "costs": [costs] if costs else [],
     }
+    settings = {
+        "method": method,
+        "trials": trials,
+        "max_trials": max_trials,
+        "digits": digits,
+        "seed": seed,
+        "coverage": coverage,
+        "interval": interval,
+        "reference": reference,
+        "only": tuple(only) if only else None,
+        "samples": _samples(samples, wanted=sobol),
+        "strategy": strategy,
+        "fix": tuple(fix) if fix else None,
+    }
+    given = {name: value for name, value in settings.items() if value is not None}
     if save is not None:
-        _save(
-            save,
-            kind or "analyze",
-            files,
-            asked,
-            documents=(json, csv),
-            workers=workers,
-        )
+        documents = (json, csv)
+        _save(save, kind or "analyze", files, given, documents, workers=workers)
         return
-    given = [option for role, option in files.items() if role != "device" and option]
-    # Zero is a value too: what was not given is None.
-    if (
-        given
-        or asked != plain
-        or not (kind is None and seed is None and digits is None)
-    ):
+    if given or kind or procedure or requirement or costs:
         from budget.errors import CallError
 
         raise CallError(
@@ -181,9 +167,9 @@ def _save(
     path: Path,
     kind: str,
     files: dict[str, list[str]],
-    asked: Asked,
-    *,
+    given: dict[str, Any],
     documents: tuple[Path | None, Path | None],
+    *,
     workers: int,
 ) -> None:
     """Compute a reference and store it."""
@@ -191,6 +177,7 @@ def _save(
     from budget.errors import CallError
     from budget.report.files import write_all
     from budget.studies.reference.check import make_reference
+    from budget.studies.reference.records import Asked
     from budget.studies.reference.store import reference_text
 
     if documents != (None, None):
@@ -205,7 +192,11 @@ def _save(
     inputs = [name for names in files.values() for name in names]
     check_destinations(None, None, path, inputs=inputs)
     reference = make_reference(
-        kind, _take_in(files, path.parent), asked, name=path.name, workers=workers
+        kind,
+        _take_in(files, path.parent),
+        Asked(**given),
+        name=path.name,
+        workers=workers,
     )
     write_all({path: reference_text(reference)})
     numbers = len(reference.snapshot.numbers)
@@ -216,9 +207,9 @@ def _take_in(files: dict[str, list[str]], folder: Path) -> tuple[StoredInput, ..
     """Read all inputs, or say everything that is wrong in them."""
     from budget.errors import Issue, SpecError
     from budget.spec.load import PAPER
-    from budget.studies.reference.parts import take_in
+    from budget.studies.reference.parts import take_in, take_shipped
 
-    defaults = {"device": [options.BUILT_IN_DEVICE], "procedure": [PAPER]}
+    defaults = {"device": options.BUILT_IN_DEVICE, "procedure": PAPER}
     if not files["device"]:
         typer.echo(
             f"No device given: using the built-in {options.BUILT_IN_DEVICE} "
@@ -228,7 +219,9 @@ def _take_in(files: dict[str, list[str]], folder: Path) -> tuple[StoredInput, ..
     inputs: list[StoredInput] = []
     issues: list[Issue] = []
     for role, names in files.items():
-        for name in names or defaults.get(role, []):
+        if not names and role in defaults:
+            inputs.append(take_shipped(role, defaults[role]))
+        for name in names:
             try:
                 inputs.append(take_in(role, name, folder))
             except SpecError as error:

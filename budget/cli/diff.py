@@ -136,6 +136,7 @@ def _side(
 def _inputs(name: str, procedure: str | None) -> tuple[StoredInput, ...]:
     """Take in a device and a procedure; nothing is stored, so paths do not matter."""
     from budget.spec.load import PAPER
-    from budget.studies.reference.parts import take_text
+    from budget.studies.reference.parts import take_shipped, take_text
 
-    return (take_text("device", name), take_text("procedure", procedure or PAPER))
+    how = take_text("procedure", procedure) if procedure else None
+    return (take_text("device", name), how or take_shipped("procedure", PAPER))

@@ -52,7 +52,17 @@ def take_in(role: str, typed: str | Path, folder: Path) -> StoredInput:
 
 def take_text(role: str, typed: str | Path) -> StoredInput:
     """Return a file under the name that a user gave it. Raises SpecError."""
-    file = find(typed, role)
+    return _take(role, find(typed, role))
+
+
+def take_shipped(role: str, name: str) -> StoredInput:
+    """Return a file that ships, whatever the folder one works in has of that name."""
+    path = shipped("specs") / FOLDERS[role] / f"{name}.yaml"
+    return _take(role, NamedFile(path=path, shown=name, variant=""))
+
+
+def _take(role: str, file: NamedFile) -> StoredInput:
+    """Read a file and keep its text."""
     document = open_file(file, role)
     return StoredInput(
         role=role,
