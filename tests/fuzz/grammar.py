@@ -155,7 +155,8 @@ def replaced(tree, path, value):
             replaced(one, rest, value) if i == step else one
             for i, one in enumerate(tree)
         ]
-    return {**tree, step: replaced(tree.get(step), rest, value)}
+    known = tree or {}
+    return {**known, step: replaced(known.get(step), rest, value)}
 
 
 def write(tree, seed, twice=None):

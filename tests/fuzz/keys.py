@@ -1,0 +1,81 @@
+"""The keys that files may have, out of the schemas, and those that move no number."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from budget.spec import json_schema
+from budget.spec.lines import lines_of
+
+DOCS = Path(__file__).parent.parent.parent / "docs" / "files.md"
+
+
+@dataclass(frozen=True)
+class Key:
+    """One key that a kind of file may have: where, and what may stand there."""
+
+    path: tuple[str, ...]  # '*' for a name of the user's, '[]' for an item
+    schema: dict
+
+    def __str__(self):
+        """Return the dotted path, by which pytest names it."""
+        return ".".join(self.path)
+
+
+def walk(schema, root, path=()):
+    """Yield every key below a schema that can be given a scalar or a list of them."""
+    while "$ref" in schema:
+        schema = root["$defs"][schema["$ref"].rpartition("/")[2]]
+    for option in schema.get("anyOf", ()):
+        yield from walk({**option, "description": ""}, root, path)
+    if schema.get("type") == "object":
+        for key, inner in schema.get("properties", {}).items():
+            yield from walk(inner, root, (*path, key))
+        if schema.get("additionalProperties"):
+            yield from walk(schema["additionalProperties"], root, (*path, "*"))
+    elif "$ref" in schema.get("items", {}):
+        yield from walk(schema["items"], root, (*path, "[]"))
+    elif "anyOf" not in schema:
+        yield Key(path, schema)
+
+
+def keys_of(kind):
+    """Return every key of a kind of file; of several forms of a value the last one."""
+    schema = json_schema(kind)
+    return list({key.path: key for key in walk(schema, schema)}.values())
+
+
+def table():
+    """Return the docs' table of keys that move no number: where, and which."""
+    text = DOCS.read_text(encoding="utf-8").partition("### Keys that move no number")[2]
+    part = text.partition("\n## ")[0]
+    rows = re.findall(r"^\| ([a-z ]+) \| (`.*) \|$", part, re.MULTILINE)
+    assert len(rows) > 4, "the table is not there, or has another form"
+    return rows
+
+
+TABLE = table()
+
+
+def silent(kind, path):
+    """Say whether the docs have this key among those that move no number."""
+    figure = kind == "device" and "errors" in path
+    process = figure and any(
+        line.process for line in lines_of(path[0]) if line.name == path[2]
+    )
+    for where, words in TABLE:
+        keys = re.findall("`([a-z_]+)`", words)
+        applies = {
+            "every file": path[0] in keys,
+            "every file but costs": kind != "costs" and path[0] in keys,
+            "a figure": figure and path[-1] in keys,
+            "a figure of a process": process and path[-1] in keys,
+        }.get(where, where == kind and path[0] in keys)
+        if applies:
+            return True
+    return False
+
+
+KEYS = {kind: keys_of(kind) for kind in ("device", "procedure", "requirement", "costs")}

@@ -1,0 +1,370 @@
+"""Every key that a file may have changes a result, or the docs say that it does not."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import fields, is_dataclass
+
+import numpy as np
+import pytest
+from command_line import call
+from fuzz.grammar import replaced
+from fuzz.keys import KEYS, TABLE, Key, silent
+from jsonschema import Draft202012Validator
+
+import budget
+from budget.errors import SpecError
+from budget.report.allocation.document import to_document
+from budget.report.comparison.document import to_dict
+from budget.spec import load_costs, load_device, validate
+from budget.spec.device import read_device
+from budget.spec.files import find, open_file
+from budget.spec.lines import SENSORS, lines_of
+from budget.spec.records import ANGLES, AXES
+from budget.studies.allocation.allocate import allocate
+
+CHANGED = 1e-9  # relative; far above rounding, far below what any perturbation does
+PAPER = budget.load_procedure()
+MARK = "Quagga"  # a word that stands in no file and no message
+
+
+def base_of(path):
+    """Return the path of a key as the base of a device has it, without its variant."""
+    return path[2:] if path[0] == "variants" else path
+
+
+def example(key):
+    """Return a value of a key that is not its default."""
+    schema, default = key.schema, key.schema.get("default")
+    if "examples" in schema:
+        unit = schema["examples"][0].removeprefix("1 ")
+        fixed = {"m/s^2": "9.81 m/s^2", "%": "80 %"}
+        return fixed.get(unit, f"7 {unit}")
+    if schema.get("type") == "array":
+        return {"order": ["x", "y", "z"], "azimuths": ["10 deg", "100 deg"]}[
+            key.path[-1]
+        ]
+    if "enum" in schema:
+        return next(word for word in reversed(schema["enum"]) if word != default)
+    if schema.get("type") in {"integer", "number"}:
+        return 7
+    return True if schema.get("type") == "boolean" else MARK
+
+
+# Keys whose value has to stand beside another one to be allowed, or to mean something.
+AXES_OF = {"bias": AXES, "mounting_angle": ANGLES}
+BESIDE = {"distribution": {"meaning": "max"}}
+
+
+def device(key):
+    """Return a device as small as the key allows, without the key and with it."""
+    sensor = key.path[0] if key.path[0] in SENSORS else "gyro"
+    biases = {"gyro": "deg/h", "accelerometer": "ug"}
+    tree = {
+        "name": "x",
+        "gravity_unit": "9.80665 m/s^2",
+        sensor: {
+            "nominal": {"bias": f"100 {biases[sensor]}", "mounting_angle": "1 deg"},
+            "errors": {},
+        },
+    }
+    if key.path[1:2] == ("nominal",) and len(key.path) == 4:
+        nominal, axes = tree[sensor]["nominal"], AXES_OF[key.path[2]]
+        nominal[key.path[2]] = dict.fromkeys(axes, nominal[key.path[2]])
+    if key.path[:1] == ("gravity_unit",):
+        tree["accelerometer"] = {"errors": {"bias_repeatability": "1 mg"}}
+    if key.path[1:2] == ("errors",):
+        name, *rest = key.path[2:]
+        (line,) = (one for one in lines_of(sensor) if one.name == name)
+        figure = {"value": f"1 {line.like(sensor)}"}
+        beside = BESIDE.get(key.path[-1], {})
+        tree[sensor]["errors"][name] = figure | beside
+        if len(rest) > 2:  # a key of an axis that is a mapping
+            tree[sensor]["errors"][name]["axes"] = {rest[1]: figure | beside}
+    else:
+        tree[sensor]["errors"] = {
+            "bias_stability": f"100 {biases[sensor]}",
+            **({"scale_factor_asymmetry": "1000 ppm"} if sensor == "gyro" else {}),
+        }
+    steps = tuple(0 if step == "[]" else step for step in key.path)
+    if "figures" in steps:
+        tree["figures"] = [{"name": "n", "value": "v"}]
+    return tree, replaced(tree, steps, example(key))
+
+
+@pytest.fixture
+def load(tmp_path):
+    """Return a function that writes a tree as a file and loads it."""
+
+    def loaded(loader, tree, variant=""):
+        path = tmp_path / "file.yaml"
+        path.write_text(json.dumps(tree), encoding="utf-8")
+        return loader(f"{path}#{variant}" if variant else path)
+
+    return loaded
+
+
+def numbers(value):
+    """Return all numbers and verdicts in a document, in their order."""
+    if isinstance(value, dict):
+        value = list(value.values())
+    if isinstance(value, list | tuple):
+        return [number for item in value for number in numbers(item)]
+    verdicts = {"meets", "fails", "undecided", "undecidable"}
+    is_result = isinstance(value, int | float) or value in verdicts
+    return [value] if is_result else []
+
+
+def differ(first, second):
+    """Say whether two lists of numbers differ by more than rounding."""
+    if len(first) != len(second):
+        return True
+    return any(
+        a != b and (isinstance(a, str) or abs(a - b) > CHANGED * max(abs(a), abs(b)))
+        for a, b in zip(first, second, strict=True)
+    )
+
+
+def analyzed(one, procedure=PAPER):
+    """Return the numbers of `budget analyze`, by the law and not validated."""
+    document = budget.analyze(one, procedure=procedure, validate=False).to_dict()
+    return numbers([document["outputs"], document["covariance"]])
+
+
+def choices(kind, *, moving, const=False):
+    """Return the keys of a kind that have to move a number, or those that need not."""
+    return [
+        key
+        for key in KEYS[kind]
+        if silent(kind, base_of(key.path)) != moving
+        and ("const" in key.schema) == const
+    ]
+
+
+DEVICE = [key for key in choices("device", moving=True) if key.path[0] != "variants"]
+# What `abstract` hides is a test of its own.
+QUIET = [
+    key
+    for key in choices("device", moving=False)
+    if key.path[0] not in {"variants", "abstract"}
+]
+VARIED = [
+    key
+    for key in KEYS["device"]
+    if key.path[0] == "variants" and "const" not in key.schema
+]
+ONE_WORD = [(kind, key) for kind in KEYS for key in KEYS[kind] if "const" in key.schema]
+
+
+@pytest.mark.parametrize("key", DEVICE, ids=str)
+def test_a_key_of_a_device_moves_a_number(key, load):
+    """Some output of the budget is another one with the key."""
+    without, with_it = (load(load_device, tree) for tree in device(key))
+    assert differ(analyzed(without), analyzed(with_it))
+
+
+@pytest.mark.parametrize("key", QUIET, ids=str)
+def test_a_key_of_the_table_moves_no_number_and_is_printed(key, load, tmp_path):
+    """No output changes with such a key, and `budget devices` shows what it says."""
+    before, after = device(key)
+    without, with_it = load(load_device, before), load(load_device, after)
+    assert not differ(analyzed(without), analyzed(with_it))
+    path = tmp_path / "file.yaml"  # as it was loaded last
+    assert MARK in call("devices", path).out
+    path.write_text(json.dumps(before), encoding="utf-8")
+    assert MARK not in call("devices", path).out
+
+
+def test_an_abstract_base_is_hidden(load, tmp_path):
+    """`abstract` takes the base from the list of what a file holds."""
+    before, _ = device(Key(("name",), {}))
+    before["variants"] = {"A": {}}
+    assert load(validate, before).variants == ("", "A")
+    assert "\nx (A) (gyro)" in call("devices", tmp_path / "file.yaml").out
+    assert load(validate, {**before, "abstract": True}).variants == ("A",)
+    assert "\nx (gyro)" not in "\n" + call("devices", tmp_path / "file.yaml").out
+
+
+def facts(value):
+    """Return what a record says as plain values, but for names and where it is from."""
+    if is_dataclass(value):
+        left = [f.name for f in fields(value) if f.name not in {"origin", "device"}]
+        return {name: facts(getattr(value, name)) for name in left}
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    return [facts(item) for item in value] if isinstance(value, tuple) else value
+
+
+@pytest.mark.parametrize("key", VARIED, ids=str)
+def test_a_key_of_a_variant_does_what_it_does_in_the_base(key, load):
+    """A variant that overrides one key is the device whose base says so itself."""
+    inner = Key(base_of(key.path), key.schema)
+    before, after = device(inner)
+    steps = tuple(0 if step == "[]" else step for step in inner.path)
+    override = replaced({}, inner.path[:1], after[inner.path[0]])
+    if steps[0] in SENSORS:
+        value = example(inner)
+        for step in reversed(steps):
+            value = {step: value}
+        override = value
+    document = load(opened, {**before, "variants": {"V": override}})
+    chosen = facts(read_device(document, "V"))
+    unchanged = facts(read_device(document))
+    direct = facts(load(load_device, after))
+    assert chosen.pop("name") == f"{direct.pop('name')} (V)"
+    assert chosen == direct
+    unchanged.pop("name")
+    assert chosen != unchanged or inner.path == ("name",)
+
+
+def opened(path):
+    """Return a file that is read and not yet taken for a device."""
+    return open_file(find(path), "device")
+
+
+@pytest.mark.parametrize(("kind", "key"), ONE_WORD, ids=str)
+def test_a_key_that_can_say_one_thing_only_says_the_default(kind, key):
+    """The docs list it as moving no number; any other word is refused by the schema."""
+    assert silent(kind, base_of(key.path))
+    allowed = Draft202012Validator(key.schema)
+    assert allowed.is_valid(key.schema["const"])
+    assert not allowed.is_valid(MARK)
+
+
+@pytest.mark.parametrize("key", choices("procedure", moving=True), ids=str)
+def test_a_key_of_a_procedure_moves_a_number(key, load):
+    """Some output of a device with noise of every kind is another one with the key."""
+    tree = {"name": "x"}
+    for sensor in SENSORS if key.path[0] not in SENSORS else key.path[:1]:
+        errors = {
+            line.name: f"10 {line.like(sensor)}"
+            for line in lines_of(sensor)
+            if line.process
+        }
+        tree[sensor] = {"nominal": {"mounting_angle": "1 deg"}, "errors": errors}
+    one = load(load_device, tree)
+    own = replaced({"latitude": "34.2394 deg"}, key.path, example(key))
+    procedures = [load(budget.load_procedure, said) for said in ({"name": "x"}, own)]
+    assert differ(*(analyzed(one, procedure) for procedure in procedures))
+
+
+def compared(requirement, load):
+    """Return the document of `budget compare` by the law."""
+    tree = {"name": "x", "price": "90 EUR", "mass": "9 kg", "power": "9 W"}
+    for sensor in requirement["limits"]:
+        errors = {
+            line.name: f"10 {line.like(sensor)}"
+            for line in lines_of(sensor)
+            if line.name in {"bias_stability", "bias_repeatability"}
+        }
+        tree[sensor] = {"errors": errors}
+    one = load(load_device, tree)
+    wanted = load(budget.load_requirement, {"name": "x", **requirement})
+    return to_dict(budget.compare([one], wanted, [PAPER], method="gum"))
+
+
+@pytest.mark.parametrize("key", choices("requirement", moving=True), ids=str)
+def test_a_key_of_a_requirement_moves_a_number(key, load):
+    """Utilisation, verdict or probability is another one with the key."""
+    tree = {"limits": {"gyro": {"bias": "30 deg/h"}}}
+    if key.path[0] == "limits":
+        tree = replaced({}, key.path, example(key).replace("7", "9", 1))
+    before = numbers(compared(tree, load)["devices"])
+    # One of the words is what an unset key stands for.
+    after = [
+        numbers(compared(replaced(tree, key.path, value), load)["devices"])
+        for value in key.schema.get("enum", [example(key)])
+    ]
+    assert any(differ(before, one) for one in after)
+
+
+@pytest.mark.parametrize("key", choices("requirement", moving=False), ids=str)
+def test_a_key_of_a_requirement_in_the_table_is_printed(key, load):
+    """No number moves, and the document of a comparison says what the key does."""
+    tree = {"limits": {"gyro": {"bias": "30 deg/h"}}}
+    caps = {"price": "2 EUR", "mass": "2 kg", "power": "2 W"}
+    value = caps.get(key.path[-1], MARK)
+    before = compared(tree, load)
+    after = compared(replaced(tree, key.path, value), load)
+    assert not differ(numbers(before["devices"]), numbers(after["devices"]))
+    for document, shown in ((before, False), (after, True)):
+        said = json.dumps([document["requirement"], document["devices"]])
+        assert (value in said) == shown
+
+
+@pytest.mark.parametrize("key", choices("procedure", moving=False), ids=str)
+def test_a_key_of_a_procedure_in_the_table_is_printed(key, load):
+    """The name of a procedure stands in the document of a comparison."""
+    one = load(load_device, device(Key(("name",), {}))[0])
+    wanted = load(
+        budget.load_requirement, {"name": "x", "limits": {"gyro": {"bias": "1 deg/h"}}}
+    )
+    tree = replaced({"latitude": "34.2394 deg"}, key.path, example(key))
+    procedure = load(budget.load_procedure, tree)
+    document = to_dict(budget.compare([one], wanted, [procedure], method="gum"))
+    assert document["procedures"] == [MARK]
+
+
+@pytest.mark.parametrize("key", choices("costs", moving=True), ids=str)
+def test_a_key_of_costs_moves_a_number(key, load):
+    """What the lines may be, or what they cost, is another one with the key."""
+    sensor, name = key.path[1].split(".")
+    lines = {line.name: line.like(sensor) for line in lines_of(sensor)}
+    other = "bias_repeatability" if name != "bias_repeatability" else "sample_noise"
+    errors = {one: f"10 {lines[one]}" for one in (name, other)}
+    one = load(load_device, {"name": "x", sensor: {"errors": errors}})
+    bias = lines["bias_repeatability"]
+    limits = {
+        "scale_factor": "5 ppm",
+        "mounting_angle": "5 arcsec",
+        "bias": f"5 {bias}",
+    }
+    wanted = load(budget.load_requirement, {"name": "x", "limits": {sensor: limits}})
+    documents = [
+        to_document(
+            allocate(
+                one,
+                requirement=wanted,
+                procedure=PAPER,
+                costs=load(load_costs, {"costs": {key.path[1]: part}}),
+                catalogue=(),
+                validate=False,
+            )
+        )
+        for part in ({"a": 1}, {"a": 1, key.path[-1]: example(key)})
+    ]
+    before, after = (numbers([one["sources"], one["costs"]]) for one in documents)
+    assert differ(before, after)
+
+
+def test_the_walk_finds_the_keys_it_is_there_for():
+    """Keys of every depth and form are among those tried, so none is left out."""
+    found = {kind: {str(key) for key in keys} for kind, keys in KEYS.items()}
+    assert {
+        *("name", "gravity_unit", "figures.[].meaning", "variants.*.mass"),
+        *("gyro.nominal.mounting_angle.zy", "gyro.errors.angle_random_walk"),
+        *("accelerometer.errors.bias_stability.axes.x.correlation_time",),
+        *("variants.*.gyro.errors.mounting_repeatability.axes.xy.source",),
+    } <= found["device"]
+    assert {"gravity", "gyro.azimuths", "accelerometer.pause"} <= found["procedure"]
+    assert {"limits.gyro.bias", "limits.gyro.bias.z", "caps.mass"} <= found[
+        "requirement"
+    ]
+    assert "costs.gyro.bias_stability.u_ref" in found["costs"]
+
+
+def test_a_key_that_did_nothing_would_be_found(load):
+    """Control: the measure sees no change where there is none."""
+    tree, _ = device(Key(("gyro", "errors", "sample_noise", "value"), {"type": ""}))
+    one, same = load(load_device, tree), load(load_device, {**tree, "notes": "n"})
+    assert not differ(analyzed(one), analyzed(same))
+    with pytest.raises(SpecError, match="unknown key"):
+        load(load_device, {**tree, "bias": "1 deg/h"})
+
+
+def test_the_table_of_the_docs_has_no_key_that_is_not_there():
+    """Each word of the table is a key of some file, so that no row is stale."""
+    known = {step for keys in KEYS.values() for key in keys for step in key.path}
+    listed = {word for _, words in TABLE for word in re.findall("`([a-z_]+)`", words)}
+    assert listed - known == {"normal"}  # what the one word is
