@@ -207,7 +207,7 @@ function makeResults(model, base) {
     const number = (name) => make("td", { class: "number", "data-cell": name });
     const cells = {
       before: number("before"), expanded: number("expanded"), mean: number("mean"),
-      usedBefore: number("usedBefore"), used: number("used"), word: make("td"),
+      usedBefore: number("usedBefore"), used: number("used"), word: make("td", { class: "outcome" }),
       bar: make("div", { class: "bar" }), largest: make("td"),
     };
     const limits = limited ? [cells.usedBefore, cells.used, cells.word] : [];
@@ -226,7 +226,7 @@ function makeResults(model, base) {
     setUsed(cells.used, now.utilisation);
     const beyond = now.utilisation !== null && now.utilisation > 1;
     cells.word.textContent = beyond ? "beyond" : "";
-    row.classList.toggle("strong", beyond);
+    row.classList.toggle("beyond", beyond);
     row.classList.toggle("changed", now.expanded !== base.outputs[k].expanded);
     drawShares(model, now.shares, cells.bar);
     const largest = now.shares.indexOf(Math.max(...now.shares));

@@ -8,10 +8,9 @@ import subprocess
 from dataclasses import replace
 from functools import cache
 from math import floor, log10
-from pathlib import Path
 
 import pytest
-from browsing import chromium, opened
+from browsing import CONTRAST, chromium, opened
 from document_examples import make_document, make_table
 from numpy.testing import assert_allclose
 from test_page import HOSTILE, example, fill
@@ -22,7 +21,6 @@ from budget.report.blocks import Cell, Column, RowGroup, Section, Sliders, Table
 from budget.report.page import render_page
 from budget.studies.what_if import what_if
 
-CONTRAST = (Path(__file__).parent / "contrast.js").read_text(encoding="utf-8")
 ENOUGH = 4.5  # WCAG 2, 1.4.3: contrast of text with what is behind it
 AGREES = 1e-9  # two programmes add up the same numbers in another order
 TENFOLD = 40  # places of a slider from as it is to ten times
@@ -341,7 +339,7 @@ def test_verdict_follows_the_sliders(browser, path):
         first = said.inner_text()
         move(page, "gyro.scale_factor_repeatability", ["End"])
         then = said.inner_text()
-        beyond = page.locator(".what-if tr.strong").all_inner_texts()
+        beyond = page.locator(".what-if tr.beyond").all_inner_texts()
         page.get_by_role("button", name="Reset all").click()
         last = said.inner_text()
 

@@ -9,7 +9,6 @@ from budget.report.figures import (
     BLUE,
     INK,
     MUTED,
-    ON_DARK,
     PAPER,
     SMALL,
     WIDE,
@@ -38,9 +37,9 @@ CELL = 16.0  # height [pt]
 CELL_TEXT = 8.5  # [pt]
 NAME = 32  # characters of a name that fit beside it
 SCALE = 300.0  # width of the scale [pt]
-PALEST, UP_TO_LIMIT, BEYOND = 0.06, 0.45, 0.70  # opacities of the one hue
-DARKEST_AT = 2.0  # utilisation with the full hue [1]
-DARK_FROM = 0.6  # opacity from which text is light
+# Opacities of the one hue; up to 0.8 ink can be read on it (4.5:1) in light and dark.
+PALEST, UP_TO_LIMIT, BEYOND, DARKEST = 0.06, 0.40, 0.60, 0.80
+DARKEST_AT = 2.0  # utilisation with the darkest hue [1]
 MOST_PER_CENT = 999.5  # beyond, a cell says >999
 SHORT = {"scale_factor": "SF", "mounting_angle": "angle", "bias": "bias"}
 
@@ -84,14 +83,13 @@ def utilisation_map(table: Table) -> Figure:
     for y, row in enumerate(rows):
         for x, output in enumerate(row.of.outputs):
             part = output.utilisation
-            opacity = _opacity(part)
             axes.add_patch(
                 Rectangle(
                     (x, y),
                     1.0,
                     1.0,
                     facecolor=BLUE,
-                    alpha=opacity,
+                    alpha=_opacity(part),
                     edgecolor="none",
                     linewidth=0.0,
                     gid=_gid(y, x),
@@ -113,7 +111,7 @@ def utilisation_map(table: Table) -> Figure:
                 y + 0.5,
                 _cell(part),
                 fontsize=CELL_TEXT,
-                color=ON_DARK if opacity >= DARK_FROM else INK,
+                color=INK,
                 fontweight="bold" if part > 1.0 else "normal",
                 ha="center",
                 va="center_baseline",
@@ -183,7 +181,7 @@ def _opacity(part: float) -> float:
     if part <= 1.0:
         return PALEST + (UP_TO_LIMIT - PALEST) * part
     share = min((part - 1.0) / (DARKEST_AT - 1.0), 1.0)
-    return BEYOND + (1.0 - BEYOND) * share
+    return BEYOND + (DARKEST - BEYOND) * share
 
 
 def _cell(part: float) -> str:
