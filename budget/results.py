@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     import pandas as pd
 
@@ -298,6 +298,14 @@ class OutputAssessment:
     def is_within(self) -> bool:
         """Whether the largest error is at most the limit."""
         return self.utilisation <= 1.0
+
+
+def worst_of(rows: Iterable[OutputAssessment]) -> OutputAssessment:
+    """Return the output that uses most of its limit.
+
+    Of several that differ by the rounding of doubles only, the first.
+    """
+    return max(rows, key=lambda row: float(f"{row.utilisation:.9g}"))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,7 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from budget.errors import CallError
-from budget.results import Assessment, OutputAssessment, SensorAssessment
+from budget.results import (
+    Assessment,
+    OutputAssessment,
+    SensorAssessment,
+    worst_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -102,7 +107,7 @@ def _judge(
     own = [row for row in outputs if row.output.name.startswith(f"{sensor.kind}.")]
     if not own:
         return None
-    worst = max(own, key=lambda row: row.utilisation)
+    worst = worst_of(own)
     # The law is checked to one digit of u: that near to a limit it cannot decide.
     near = budget.settings.method == "gum" and NEAR[0] <= worst.utilisation <= NEAR[1]
     if not worst.is_within:

@@ -256,7 +256,8 @@ class WhatIf:
             ]
             if not own:
                 continue
-            used, worst = max(own, key=lambda row: row[0])
+            # Of outputs that differ by rounding only, the first: see worst_of.
+            used, worst = max(own, key=lambda row: float(f"{row[0]:.9g}"))
             passing = "undecidable" if sensor.missing else "meets"
             outlooks.append(
                 SensorOutlook(

@@ -24,6 +24,7 @@ from budget.report.figures.style import (
     blank,
 )
 from budget.report.tables import output_title, print_given, print_utilisation
+from budget.results import worst_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -111,7 +112,7 @@ def utilisation_dots(assessment: Assessment) -> Figure:
 
 def utilisation_title(assessment: Assessment) -> str:
     """State the finding: how many outputs exceed their limits, and the worst."""
-    worst = max(assessment.outputs, key=_utilisation)
+    worst = worst_of(assessment.outputs)
     beyond = sum(not output.is_within for output in assessment.outputs)
     name = output_title(worst.output.name)
     part = f"{name} at {print_utilisation(worst.utilisation)} of the limit"
