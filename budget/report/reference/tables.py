@@ -160,7 +160,8 @@ def _print(value: float, top: int, place: int) -> str:
     if PLAIN[0] <= top < PLAIN[1]:
         text = f"{value:.{max(-place, 0)}f}"
     else:
-        text = f"{value:.{top - place}e}".replace("e+", "e")
+        own = floor(log10(abs(value))) if value else top
+        text = _short(f"{value:.{max(own - place, 0)}e}")
     return text.removeprefix("-") if float(text) == 0.0 else text
 
 
@@ -190,7 +191,7 @@ def _cells(move: Move) -> tuple[str, ...]:
         before, after = (_word(value) for value in (move.before, move.after))
     change = NONE
     ratio = 1.0 if move.relative is None else 1.0 + move.relative
-    if ratio > FACTOR and isinstance(move.before, float) and move.before > 0.0:
+    if ratio > FACTOR and move.scale == move.before:
         change = f"x {_two_digits(ratio)}"
     elif move.difference is not None and not isinf(move.size):
         sign = "-" if move.difference < 0.0 else "+"
@@ -253,4 +254,10 @@ def _two_digits(value: float) -> str:
     top = floor(log10(value))
     if PLAIN[0] <= top < PLAIN[1] - 3:
         return f"{value:.{max(1 - top, 0)}f}"
-    return f"{value:.1e}".replace("e+0", "e").replace("e-0", "e-").replace("e+", "e")
+    return _short(f"{value:.1e}")
+
+
+def _short(text: str) -> str:
+    """Write an exponent without the plus and the zeros: 1.2e-05 as 1.2e-5."""
+    mantissa, _, exponent = text.partition("e")
+    return f"{mantissa}e{int(exponent)}"

@@ -1,0 +1,152 @@
+"""Moves as people read them: digits, signs, axes, causes, and how many are shown."""
+
+from __future__ import annotations
+
+import pytest
+
+from budget.report.reference.tables import (
+    MOST_IDLE,
+    MOST_ROWS,
+    cause_texts,
+    change_lines,
+    move_table,
+    print_pair,
+)
+from budget.studies.reference.records import Cause, Change, Key, Move
+
+
+def move(subject="gyro.bias.x", quantity="standard_uncertainty", **more):
+    """Return a move of 1 %."""
+    before, after = more.pop("before", 2.0), more.pop("after", 2.02)
+    return Move(
+        key=Key(subject=subject, quantity=quantity, partner=more.pop("partner", "")),
+        unit=more.pop("unit", "deg/h"),
+        before=before,
+        after=after,
+        times=more.pop("times", 1e7),
+        scale=more.pop("scale", before),
+        **more,
+    )
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "texts"),
+    [
+        (0.05638, 0.05649, ("0.05638", "0.05649")),
+        (0.05, 0.05049999, ("0.05000", "0.05050")),
+        (2.0, 155.0, ("2.0", "155.0")),
+        (50.0048813194, 50.0048825057, ("50.0048813", "50.0048825")),
+        (1.0, 1.0 + 1e-15, ("1.000000000", "1.000000000")),
+        (-1.5e-10, 3.1e-9, ("-1.5e-10", "3.10e-9")),
+        (1e9, 1.1e9, ("1.00e9", "1.10e9")),
+        (0.0, 0.0, ("0", "0")),
+        (0.0, 1.0, ("0.00", "1.00")),
+    ],
+)
+def test_both_numbers_show_their_difference(before, after, texts):
+    """Two digits of the difference and of both; ten digits at most."""
+    assert print_pair(before, after) == texts
+
+
+def test_axes_that_say_the_same_are_one_row():
+    """Three alike are `all`; one that differs stands alone."""
+    alike = [move(f"gyro.bias.{axis}") for axis in "xyz"]
+    (group,) = move_table(alike).groups
+    assert [row.label for row in group.rows] == ["all"]
+    assert group.title == "Gyro bias, u [deg/h]"
+    (group,) = move_table([*alike[:2], move("gyro.bias.z", after=2.5)]).groups
+    assert [row.label for row in group.rows] == ["z", "x, y"]
+
+
+@pytest.mark.parametrize(
+    ("subject", "title", "label"),
+    [
+        ("hg4930.yaml#C gyro.bias.x", "Hg4930.yaml#C gyro bias, u [deg/h]", "x"),
+        ("hg4930.yaml#C gyro", "Gyro, u [deg/h]", "hg4930.yaml#C"),
+        ("my imu.yaml gyro", "Gyro, u [deg/h]", "my imu.yaml"),
+        ("gyro.bias_stability", "Gyro, u [deg/h]", "bias stability"),
+        ("gyro", "Gyro, u [deg/h]", ""),
+    ],
+)
+def test_groups_and_rows(subject, title, label):
+    """A subject is taken apart into what a table is of and what a row is of."""
+    (group,) = move_table([move(subject)]).groups
+    assert (group.title, group.rows[0].label) == (title, label)
+
+
+def test_the_largest_first_and_the_rest_counted():
+    """Groups fall by their largest change; what follows from u is only counted."""
+    moves = [
+        move("gyro.bias.x", after=2.02),
+        move("gyro.scale_factor.x", after=2.5, unit="ppm"),
+        move("gyro.bias.x", "contribution", partner="gyro.bias_stability", after=9.0),
+    ]
+    table = move_table(moves)
+    assert [group.title[:10] for group in table.groups] == ["Gyro scale", "Gyro bias,"]
+    assert table.rest == 1
+    (alone,) = move_table(moves[2:]).groups
+    assert alone.title == "Gyro bias, contribution of bias stability [deg/h]"
+    many = [move(f"a{k}.gyro.bias.x", after=2.0 + k) for k in range(1, 60)]
+    table = move_table(many)
+    assert sum(len(group.rows) for group in table.groups) == MOST_ROWS
+    assert table.rest == 59 - MOST_ROWS
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        (move(), "+1.0 %"),
+        (move(after=1.9), "-5.0 %"),
+        (move(after=20.0), "x 10"),
+        (move(quantity="mean", before=1e-9, after=1e-6, scale=1.0), "+1.0e-4 %"),
+        (move(before=None, scale=None), "-"),
+        (move(before=0.0, scale=None), "-"),
+    ],
+)
+def test_a_change_is_of_the_uncertainty_or_of_itself(change, text):
+    """Per cent of the scale; so many times where a number itself grew much."""
+    (group,) = move_table([change]).groups
+    assert group.rows[0].change == text
+
+
+def test_words_stand_apart():
+    """A verdict that moved is a sentence, not a row."""
+    word = move("gyro", "verdict", before="meets", after="fails", unit="", scale=None)
+    table = move_table([word])
+    assert table.words == ("Gyro, verdict: meets -> fails",)
+    assert (table.groups, table.rest) == ((), 0)
+
+
+@pytest.mark.parametrize(
+    ("amounts", "text"),
+    [
+        ((0.02,), "1"),
+        ((0.015, 0.005), "1: 75 %, 2: 25 %"),
+        ((0.005, 0.015), "2: 75 %, 1: 25 %"),
+        ((0.03, -0.01), "1: 150 %, 2: -50 %"),
+        ((0.01, 0.005, 0.004), "1: 50 %, 2: 25 %, ..."),
+        ((0.01,), "1: 50 %"),
+        ((), "-"),
+    ],
+)
+def test_causes(amounts, text):
+    """Changes by number, the largest part first; one that is all needs no part."""
+    causes = tuple(Cause(change=k, amount=a) for k, a in enumerate(amounts))
+    one = move(causes=causes)
+    (group,) = move_table([one]).groups
+    assert group.rows[0].because == text
+    assert len(cause_texts(one)) == len(amounts)
+
+
+def test_changes_without_effect_are_counted():
+    """All that act are named, of the others a dozen."""
+    acting = Change(
+        where="device a.yaml", key="k", before="1 s", after="2 s", acts=True
+    )
+    idle = Change(where="device a.yaml", key="n", before="", after="x", acts=False)
+    lines = change_lines([acting, *[idle] * (MOST_IDLE + 5)])
+
+    assert lines[0] == "device a.yaml: k: 1 s -> 2 s"
+    assert lines[1] == "device a.yaml: n: (not there) -> x (moves no number)"
+    assert lines[-1] == "and 5 more that move no number, in --json"
+    assert len(lines) == MOST_IDLE + 2
