@@ -124,15 +124,6 @@ def test_commands_are_those_that_there_are():
     assert set(re.findall(r"(?m)^\| `budget (\w+)", README)) == commands()
 
 
-def test_what_is_absent_is_absent():
-    """A command named as not there yet is not there; when it comes, this line goes."""
-    (line,) = re.findall(r"(?m)^- Commands: (.*) are designed, not written", README)
-    absent = set(re.findall(r"`(\w+)`", line))
-
-    assert absent
-    assert absent.isdisjoint(commands())
-
-
 def test_links_lead_somewhere():
     """Every file that the README links to is in the checkout."""
     for target in re.findall(r"\]\(([^)#:]+)\)", README):
