@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from budget.report.page import render_page
+
 CONTRAST = (Path(__file__).parent / "contrast.js").read_text(encoding="utf-8")
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 
@@ -55,3 +57,10 @@ def opened(browser, path, **options):
     page.goto(path.as_uri())
     yield page, record
     context.close()
+
+
+def written(folder, document):
+    """Write the page of a document to a file."""
+    path = folder / "page.html"
+    path.write_text(render_page(document), encoding="utf-8")
+    return path

@@ -54,7 +54,7 @@
     if (!walker.currentNode.data.trim() || element.closest("script, style, title")) continue;
     if (!element.checkVisibility() || element.getClientRects().length === 0) continue;
     const figure = element.closest("svg") ? element.closest("text") : null;
-    const style = getComputedStyle(figure ? element : element);
+    const style = getComputedStyle(element);
     const ink = parse(figure ? style.fill : style.color);
     const behind = figure ? paintedInFigure(figure) : paintedBehind(element);
     texts += 1;

@@ -15,8 +15,10 @@ import pytest
 from document_examples import make_document, make_picture, make_table
 
 from budget.report.blocks import Card, Cell, Column, Picture, RowGroup, Section, Table
+from budget.report.formulas import Math
 from budget.report.markup import css_string
-from budget.report.page import render_page
+from budget.report.page import SCRIPTS, render_page
+from budget.resources import shipped
 
 VOID = {"meta", "br", "img", "link", "input", "hr", "col"}
 HOSTILE = (
@@ -90,17 +92,17 @@ def words(text):
     return re.sub(r"[\s\N{NARROW NO-BREAK SPACE}]", "", text)
 
 
-def fill(value, text):
+def fill(value, text, *, formulas=True):
     """Return the same records with every text for readers replaced."""
     if isinstance(value, str):
         return text
     if isinstance(value, tuple | list):
-        return type(value)(fill(item, text) for item in value)
+        return type(value)(fill(item, text, formulas=formulas) for item in value)
     if isinstance(value, dict):
-        return {key: fill(item, text) for key, item in value.items()}
-    if is_dataclass(value):
+        return {key: fill(item, text, formulas=formulas) for key, item in value.items()}
+    if is_dataclass(value) and (formulas or not isinstance(value, Math)):
         changes = {
-            field.name: fill(getattr(value, field.name), text)
+            field.name: fill(getattr(value, field.name), text, formulas=formulas)
             for field in fields(value)
             if field.name not in KEPT
             and not (isinstance(value, Picture) and field.name in {"name", "tips"})
@@ -237,6 +239,17 @@ def test_policy_lets_only_the_script_of_the_page_run():
     assert not [
         name for _, *names in page.skeleton for name in names if name[:2] == "on"
     ]
+
+
+def test_script_stands_in_the_page_as_it_is():
+    """No template meddles with the script: what is tested is what is written."""
+    script = Page(render_page(example())).inside["script"][-1]
+
+    for name in SCRIPTS:
+        source = (shipped("templates") / name).read_text(encoding="utf-8")
+        assert source.strip() in script
+    assert "innerHTML" not in script
+    assert "eval(" not in script
 
 
 def test_links_of_the_contents_lead_to_sections():
