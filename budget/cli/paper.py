@@ -10,8 +10,6 @@ import typer
 
 from budget.cli import options
 
-SUFFIXES = (".html", ".pdf")
-
 
 def paper(
     *,
@@ -35,28 +33,27 @@ def paper(
     """
     from budget.cli.dates import document_date
     from budget.cli.output import check_destinations, printing
+    from budget.cli.pages import check_suffixes, render_pages
     from budget.report.files import write_all
-    from budget.report.paper import paper_csv, paper_json, paper_text
-    from budget.report.paper_page import paper_html
-    from budget.report.paper_pdf import paper_pdf
+    from budget.report.paper.document import to_csv, to_json
+    from budget.report.paper.page import paper_document
+    from budget.report.paper.terminal import paper_text
     from budget.studies.paper.study import reproduce
 
     check_destinations(json, csv)
     pages = output or []
-    _check_suffixes(pages)
+    check_suffixes(pages)
     _check_twice([*(path for path in (json, csv) if path is not None), *pages])
     study = reproduce()
-    documents = [(json, paper_json), (csv, paper_csv)]
+    documents = [(json, to_json), (csv, to_csv)]
     on_stdout = [render for path, render in documents if path == options.STDOUT]
     files: dict[Path, str | bytes] = {
         path: render(study)
         for path, render in documents
         if path not in {None, options.STDOUT}
     }
-    date = document_date()
-    for path in pages:
-        is_pdf = path.suffix.lower() == ".pdf"
-        files[path] = paper_pdf(study, date=date) if is_pdf else paper_html(study)
+    if pages:
+        files |= render_pages(paper_document(study, date=document_date()), pages)
     write_all(files)
     for path in pages:
         typer.echo(f"{path}: written", err=True)
@@ -78,16 +75,4 @@ def _check_twice(paths: list[Path]) -> None:
         raise CallError(
             f"{', '.join(twice)}: two outputs would be written to this one file, "
             "expected a file for each; give them different names"
-        )
-
-
-def _check_suffixes(paths: list[Path]) -> None:
-    """Refuse a kind of page that there is not, before anything is computed."""
-    from budget.errors import CallError
-
-    wrong = [str(path) for path in paths if path.suffix.lower() not in SUFFIXES]
-    if wrong:
-        raise CallError(
-            f"-o {', '.join(wrong)}: the suffix decides the kind of page, "
-            f"allowed: {', '.join(SUFFIXES)}"
         )

@@ -281,7 +281,7 @@ class Document:
     Attributes
     ----------
     kind : str
-        'report', 'comparison' or 'allocation': names the embedded JSON.
+        'report', 'comparison', 'allocation' or 'paper': names the embedded JSON.
     title : str
         What it is of: the devices.
     facts : tuple of str

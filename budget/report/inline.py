@@ -11,8 +11,6 @@ from budget.report import figures
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from matplotlib.figure import Figure
-
 # The figures take their inks from the page, so that they turn with light and dark.
 INKS = {
     figures.INK: "currentColor",
@@ -25,11 +23,6 @@ INK = re.compile(r"((?:fill|stroke): ?)(#[0-9a-fA-F]{6})")  # as matplotlib writ
 PROLOG = re.compile(
     r"<title>.*?</title>|<metadata>.*?</metadata>|<style.*?</style>", re.DOTALL
 )
-
-
-def inline_svg(figure: Figure, name: str, alt: str) -> str:
-    """Turn a figure to SVG inside HTML: no prolog, no size, the inks of the page."""
-    return svg_element(figures.to_svg(figure, name=name), name=name, alt=alt)
 
 
 def svg_element(

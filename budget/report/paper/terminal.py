@@ -1,22 +1,18 @@
-"""The paper beside ours, as text for a terminal, as JSON and as CSV: formats only."""
+"""The paper beside ours as text for a terminal."""
 
 from __future__ import annotations
 
-import csv
-import io
-import json
 import textwrap
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from budget.report.tables import print_given, round_uncertainty
-from budget.results import SCHEMA
-from budget.studies.paper.findings import (
-    AGREES,
-    UNEXPLAINED,
-    VALUE,
-    VERDICTS,
-    say,
+from budget.report.paper.printing import (
+    print_ours,
+    print_probability,
+    print_ratio,
+    shorten,
+    unexplained,
 )
+from budget.studies.paper.findings import AGREES, VERDICTS
 from budget.studies.paper.study import ASSUMPTIONS, SECTIONS, TITLE
 
 if TYPE_CHECKING:
@@ -25,63 +21,8 @@ if TYPE_CHECKING:
     from budget.studies.paper.findings import Finding
     from budget.studies.paper.study import PaperStudy
 
-COLUMNS = (
-    "section",
-    "where",
-    "printed",
-    "ours",
-    "quantity",
-    "ratio",
-    "verdict",
-    "p_single",
-    "p_mean",
-    "why",
-)
 HEADS = ("printed", "ours", "ours/printed", "verdict")
 TEXT_WIDTH = 100  # of running text, however wide the terminal
-NEAR_ONE = 1e-3  # a ratio this close to 1 is printed with all its digits [1]
-LEAST_P = 1e-6  # [1]; below it a probability is printed as such
-
-
-def print_ours(row: Finding) -> str:
-    """Print ours: six digits of a value, two of a standard uncertainty, or a word."""
-    if isinstance(row.ours, str):
-        return row.ours
-    if row.quantity == VALUE:
-        return print_given(row.ours, digits=6)
-    return round_uncertainty(row.ours)
-
-
-def print_ratio(ratio: float | None) -> str:
-    """Print ours over printed, '' where there is none."""
-    if ratio is None:
-        return ""
-    if abs(ratio - 1.0) < NEAR_ONE:
-        return f"{ratio:.6f}"
-    return print_given(ratio, digits=3)
-
-
-def print_probability(p: float | None) -> str:
-    """Print a probability to two digits, '' where there is none."""
-    if p is None:
-        return ""
-    return f"<{say(LEAST_P)}" if p < LEAST_P else say(p)
-
-
-def shorten(row: Finding) -> str:
-    """Name the place without what the title of its section says already."""
-    text = row.where
-    for prefix in ("Table 1, ", "section "):
-        if row.section != "readings":
-            text = text.removeprefix(prefix)
-    return text
-
-
-def unexplained(study: PaperStudy) -> tuple[Finding, ...]:
-    """Return what nothing explains, entries of one row gathered."""
-    return tuple(
-        row for row in study.findings if row.verdict == UNEXPLAINED and row.is_summary
-    )
 
 
 def paper_text(study: PaperStudy, *, width: int) -> str:
@@ -116,67 +57,6 @@ def paper_text(study: PaperStudy, *, width: int) -> str:
     for text in ASSUMPTIONS:
         lines += _wrap(text, width, first="- ")
     return "\n".join(line.rstrip() for line in lines) + "\n"
-
-
-def paper_document(study: PaperStudy) -> dict[str, Any]:
-    """Return the JSON document of schema `budget/1`, full precision."""
-    return {
-        "schema": SCHEMA,
-        "command": "paper",
-        "title": TITLE,
-        "inputs": {
-            file.role: {"name": file.name, "sha256": file.sha256}
-            for file in study.inputs
-        },
-        "rows": [
-            {name: getattr(row, name) for name in COLUMNS} for row in study.findings
-        ],
-        "verdicts": dict(VERDICTS),
-        "sweeps": [
-            {
-                "figure": sweep.figure,
-                "source": sweep.source,
-                "parameter": sweep.parameter,
-                "size": sweep.size.tolist(),
-                "errors": dict(zip(sweep.names, sweep.errors.tolist(), strict=True)),
-            }
-            for sweep in study.sweeps
-        ],
-        "coupling": [
-            {
-                "source": cell.source,
-                "group": cell.group,
-                "reaches": cell.reaches,
-                "size": cell.size,
-            }
-            for cell in study.table.cells
-        ],
-        "assumptions": list(ASSUMPTIONS),
-        "warnings": [],
-    }
-
-
-def paper_json(study: PaperStudy) -> str:
-    """Write the JSON document."""
-    document = paper_document(study)
-    return json.dumps(document, allow_nan=False, ensure_ascii=False, indent=1) + "\n"
-
-
-def paper_csv(study: PaperStudy) -> str:
-    """Write one line for each row, numbers with all their digits."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    for row in study.findings:
-        writer.writerow([_cell(getattr(row, name)) for name in COLUMNS])
-    return text.getvalue()
-
-
-def _cell(value: str | float | None) -> str:
-    """Write a number with all its digits, nothing for None."""
-    if value is None:
-        return ""
-    return value if isinstance(value, str) else repr(float(value))
 
 
 def _section_lines(rows: Sequence[Finding], width: int) -> list[str]:

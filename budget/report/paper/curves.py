@@ -6,20 +6,41 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.report.figures import GRID, INK, MUTED, SMALL, canvas
+from budget.report.blocks import Cell, Column, RowGroup, Table
+from budget.report.figures.picture import as_picture
+from budget.report.figures.style import GRID, INK, MUTED, SMALL, canvas
 from budget.report.tables import print_given
 from budget.units import PPM
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.figure import Figure
 
     from budget.arrays import Array
+    from budget.report.blocks import Picture
     from budget.studies.paper.sweeps import Sweep
 
 HEIGHT = 190.0  # [pt]
 LEFT, RIGHT, TOP, BELOW = 58.0, 66.0, 12.0, 34.0  # [pt]
 DASHES = ("-", "--", ":", "-.")
 ALIKE = 0.01  # curves whose ends differ by less of the largest share a label [1]
+
+
+def sweep_picture(sweep: Sweep) -> Picture:
+    """Return one of the paper's figures as a block, with the steps behind it."""
+    name = sweep.figure.replace(" ", "-")
+    return as_picture(
+        sweep_curves(sweep),
+        name=name,
+        title=sweep_title(sweep),
+        alt=sweep_alt(sweep),
+        tips={
+            f"curve-{k}": _ends(names, curve)
+            for k, (names, curve) in enumerate(_gathered(sweep))
+        },
+        data=_steps(sweep, f"steps-of-{name}"),
+    )
 
 
 def sweep_curves(sweep: Sweep) -> Figure:
@@ -34,7 +55,14 @@ def sweep_curves(sweep: Sweep) -> Figure:
     x = sweep.size / PPM
     for k, (names, curve) in enumerate(_gathered(sweep)):
         style = DASHES[k % len(DASHES)]
-        axes.plot(x, curve / scale, color=INK, linewidth=1.1, linestyle=style)
+        axes.plot(
+            x,
+            curve / scale,
+            color=INK,
+            linewidth=1.1,
+            linestyle=style,
+            gid=f"curve-{k}",
+        )
         axes.annotate(
             "all" if len(names) == len(sweep.names) else ", ".join(names),
             (x[-1], curve[-1] / scale),
@@ -70,13 +98,38 @@ def sweep_title(sweep: Sweep) -> str:
 
 def sweep_alt(sweep: Sweep) -> str:
     """Say in words with numbers what the curves show."""
-    ends = "; ".join(
-        f"{', '.join(names)}: {print_given(float(curve[0]), digits=3)} to "
-        f"{print_given(float(curve[-1]), digits=3)}"
-        for names, curve in _gathered(sweep)
-    )
+    ends = "; ".join(_ends(names, curve) for names, curve in _gathered(sweep))
     first, last = (print_given(float(s / PPM)) for s in sweep.size[[0, -1]])
     return f"{sweep_title(sweep)}. Relative errors from {first} to {last} ppm. {ends}."
+
+
+def _ends(names: Sequence[str], curve: Array) -> str:
+    """Say where a curve begins and ends."""
+    first, last = (print_given(float(e), digits=3) for e in curve[[0, -1]])
+    return f"{', '.join(names)}: {first} to {last}"
+
+
+def _steps(sweep: Sweep, name: str) -> Table:
+    """Return the relative error of every axis or angle at every step."""
+    heads = (f"{_cause(sweep)} [ppm]", *sweep.names)
+    return Table(
+        name=name,
+        caption=f"Relative errors at each step of {sweep.figure}",
+        columns=tuple(Column(head=head, kind="number") for head in heads),
+        groups=(
+            RowGroup(
+                rows=tuple(
+                    (
+                        Cell(text=print_given(size / PPM), exact=size / PPM),
+                        *(Cell(text=print_given(e), exact=e) for e in errors),
+                    )
+                    for size, errors in zip(
+                        sweep.size.tolist(), sweep.errors.T.tolist(), strict=True
+                    )
+                )
+            ),
+        ),
+    )
 
 
 def _gathered(sweep: Sweep) -> list[tuple[list[str], Array]]:

@@ -1,0 +1,89 @@
+"""The paper beside ours for programs: JSON and CSV."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from typing import TYPE_CHECKING, Any
+
+from budget.results import SCHEMA
+from budget.studies.paper.findings import VERDICTS
+from budget.studies.paper.study import ASSUMPTIONS, TITLE
+
+if TYPE_CHECKING:
+    from budget.studies.paper.study import PaperStudy
+
+COLUMNS = (
+    "section",
+    "where",
+    "printed",
+    "ours",
+    "quantity",
+    "ratio",
+    "verdict",
+    "p_single",
+    "p_mean",
+    "why",
+)
+
+
+def to_document(study: PaperStudy) -> dict[str, Any]:
+    """Return the JSON document of schema `budget/1`, full precision."""
+    return {
+        "schema": SCHEMA,
+        "command": "paper",
+        "title": TITLE,
+        "inputs": {
+            file.role: {"name": file.name, "sha256": file.sha256}
+            for file in study.inputs
+        },
+        "rows": [
+            {name: getattr(row, name) for name in COLUMNS} for row in study.findings
+        ],
+        "verdicts": dict(VERDICTS),
+        "sweeps": [
+            {
+                "figure": sweep.figure,
+                "source": sweep.source,
+                "parameter": sweep.parameter,
+                "size": sweep.size.tolist(),
+                "errors": dict(zip(sweep.names, sweep.errors.tolist(), strict=True)),
+            }
+            for sweep in study.sweeps
+        ],
+        "coupling": [
+            {
+                "source": cell.source,
+                "group": cell.group,
+                "reaches": cell.reaches,
+                "size": cell.size,
+            }
+            for cell in study.table.cells
+        ],
+        "assumptions": list(ASSUMPTIONS),
+        "warnings": [],
+    }
+
+
+def to_json(study: PaperStudy) -> str:
+    """Write the JSON document."""
+    document = to_document(study)
+    return json.dumps(document, allow_nan=False, ensure_ascii=False, indent=1) + "\n"
+
+
+def to_csv(study: PaperStudy) -> str:
+    """Write one line for each row, numbers with all their digits."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for row in study.findings:
+        writer.writerow([_cell(getattr(row, name)) for name in COLUMNS])
+    return text.getvalue()
+
+
+def _cell(value: str | float | None) -> str:
+    """Write a number with all its digits, nothing for None."""
+    if value is None:
+        return ""
+    return value if isinstance(value, str) else repr(float(value))

@@ -1,0 +1,212 @@
+"""The paper beside ours as a document: verdicts first, then every number and claim."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from budget.report.analysis.provenance import provenance_section
+from budget.report.blocks import (
+    Abreast,
+    Card,
+    Document,
+    Listing,
+    Paragraph,
+    Run,
+    Section,
+)
+from budget.report.figures.picture import capital
+from budget.report.formulas import brackets, letter, line, sub
+from budget.report.paper.curves import sweep_picture
+from budget.report.paper.document import to_json
+from budget.report.paper.printing import print_ours, unexplained
+from budget.report.paper.tables import findings_table, printed_cell, verdict_table
+from budget.studies.paper.findings import (
+    AGREES,
+    AGREES_IN_ORDER,
+    EXPLAINED,
+    FITS_MEAN,
+    FITS_SINGLE,
+    MISPRINT,
+    READING,
+    READING_FAILS,
+    READING_FITS,
+    UNEXPLAINED,
+    WORD,
+)
+from budget.studies.paper.study import ASSUMPTIONS, SECTIONS, TITLE
+from budget.version import __version__
+
+if TYPE_CHECKING:
+    from budget.report.blocks import Block, Words
+    from budget.studies.paper.findings import Finding
+    from budget.studies.paper.study import PaperStudy
+
+COMMAND = "budget paper"
+REFERENCE = (
+    "X. Zhao, L. Zhang, S. Li, Metrology & Measurement Technology 39 (3), 2019, 34-40, "
+    "doi 10.11823/j.issn.1674-5795.2019.03.06"
+)
+CARDS = {
+    "Agree, or fit as random entries": (
+        AGREES,
+        AGREES_IN_ORDER,
+        FITS_MEAN,
+        FITS_SINGLE,
+    ),
+    "Differ": (UNEXPLAINED, READING, EXPLAINED, MISPRINT),
+    "Other readings of the inputs": (READING_FITS, READING_FAILS),
+}
+PULSES = (
+    "Each formula is fed with the pulses of a sensor without errors, whose six angles "
+    "are 1 to 6 arcsec. "
+)
+NOTES: dict[str, Words] = {
+    "table 1": (
+        (
+            "Relative errors. Of a random entry ours is its standard uncertainty u "
+            "under the reading that fits, p the two-sided probability of a value at "
+            "least as extreme if the entry is a single run or a mean over 25. All "
+            "entries of one parameter are judged together, by chi-square and by their "
+            "scatter; that is the row in bold, which says why."
+        ),
+    ),
+    "figures": ("Relative errors; curves that coincide share one label.",),
+    "text": (
+        (
+            "Ours is the largest error, or of random ones their largest u in a single "
+            "run; p the probability that the largest entry has the printed power of "
+            "ten."
+        ),
+    ),
+    "formulas": (
+        PULSES,
+        sub("n", "ij"),
+        ": pulses of axis ",
+        letter("i"),
+        " over a turn forward minus those back, about z (1), x (2), y (3). ",
+        line(sub("N", "i"), brackets("j")),
+        ": mean count of axis ",
+        letter("i"),
+        ", z up (1), z down, x up, x down, y up, y down (6).",
+    ),
+}
+
+
+def paper_document(study: PaperStudy, *, date: str) -> Document:
+    """Put the whole study into one document.
+
+    Parameters
+    ----------
+    study : PaperStudy
+        The result.
+    date : str
+        Year-month-day.
+
+    Returns
+    -------
+    Document
+        The same for the same arguments.
+    """
+    return Document(
+        kind="paper",
+        title=TITLE,
+        facts=(REFERENCE,),
+        headline=f"{len(study.findings)} numbers and claims, each with a verdict",
+        summary=(
+            (
+                "Table 1, figures 1 to 4, the orders of magnitude in the text, the "
+                "formulas and the conclusions, computed from the conditions that the "
+                "paper states: what it prints, ours, their ratio, a verdict, and why."
+            ),
+        ),
+        cards=tuple(_card(study, title) for title in CARDS),
+        sections=(
+            _open(study),
+            _assumed(),
+            Section(
+                name="verdicts",
+                title="The verdicts",
+                blocks=(verdict_table(study),),
+                on_first_page=True,
+            ),
+            *(_section(study, name) for name in SECTIONS),
+            provenance_section(
+                study.inputs, None, version=__version__, command_line=COMMAND
+            ),
+        ),
+        json=to_json(study),
+        date=date,
+        version=__version__,
+    )
+
+
+def _card(study: PaperStudy, title: str) -> Card:
+    """Count the rows of some verdicts, together and each."""
+    counts = dict(study.counts)
+    found = {word: counts[word] for word in CARDS[title] if word in counts}
+    lines: list[Words] = [
+        (Run(text=f"{sum(found.values())} of {len(study.findings)}", strong=True),)
+    ]
+    lines += [
+        (Run(text=f"{word}: {number}", strong=word == UNEXPLAINED),)
+        for word, number in found.items()
+    ]
+    return Card(title=title, lines=tuple(lines))
+
+
+def _open(study: PaperStudy) -> Section:
+    """Return what nothing explains, entries of one parameter gathered."""
+    return Section(
+        name="unexplained",
+        title="What nothing explains",
+        blocks=(
+            Listing(
+                items=tuple(_said(row) for row in unexplained(study)),
+                empty="Nothing is left open.",
+            ),
+        ),
+        on_first_page=True,
+    )
+
+
+def _said(row: Finding) -> Words:
+    """Say in a line what is printed and what comes out."""
+    printed = printed_cell(row.printed)
+    before = f"{printed.note} " if printed.note else ""
+    ours = print_ours(row)
+    exact = None if row.quantity == WORD else float(row.ours)
+    return (
+        f"{capital(row.where)}: printed {before}",
+        Run(text=printed.text, exact=printed.exact),
+        ", ours ",
+        Run(text=ours, exact=exact),
+        f" ({row.quantity})",
+    )
+
+
+def _assumed() -> Section:
+    """Return what the paper leaves to be assumed."""
+    return Section(
+        name="assumed",
+        title="Assumed",
+        blocks=(
+            Listing(
+                items=tuple((capital(text),) for text in ASSUMPTIONS),
+                empty="Nothing: the paper says all that is needed.",
+            ),
+        ),
+        on_first_page=True,
+    )
+
+
+def _section(study: PaperStudy, name: str) -> Section:
+    """Return one part of the paper: how to read it, its figures, its findings."""
+    blocks: list[Block] = []
+    if name in NOTES:
+        blocks.append(Paragraph(words=NOTES[name], small=True))
+    if name == "figures":
+        blocks.append(Abreast(blocks=tuple(map(sweep_picture, study.sweeps))))
+    blocks.append(findings_table(study, name))
+    return Section(
+        name=name.replace(" ", "-"), title=SECTIONS[name], blocks=tuple(blocks)
+    )

@@ -1,0 +1,56 @@
+"""Findings of the paper as printed texts, the same on every page and terminal."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from budget.report.tables import print_given, round_uncertainty
+from budget.studies.paper.findings import UNEXPLAINED, VALUE, say
+
+if TYPE_CHECKING:
+    from budget.studies.paper.findings import Finding
+    from budget.studies.paper.study import PaperStudy
+
+NEAR_ONE = 1e-3  # a ratio this close to 1 is printed with all its digits [1]
+LEAST_P = 1e-6  # [1]; below it a probability is printed as such
+
+
+def print_ours(row: Finding) -> str:
+    """Print ours: six digits of a value, two of a standard uncertainty, or a word."""
+    if isinstance(row.ours, str):
+        return row.ours
+    if row.quantity == VALUE:
+        return print_given(row.ours, digits=6)
+    return round_uncertainty(row.ours)
+
+
+def print_ratio(ratio: float | None) -> str:
+    """Print ours over printed, '' where there is none."""
+    if ratio is None:
+        return ""
+    if abs(ratio - 1.0) < NEAR_ONE:
+        return f"{ratio:.6f}"
+    return print_given(ratio, digits=3)
+
+
+def print_probability(p: float | None) -> str:
+    """Print a probability to two digits, '' where there is none."""
+    if p is None:
+        return ""
+    return f"<{say(LEAST_P)}" if p < LEAST_P else say(p)
+
+
+def shorten(row: Finding) -> str:
+    """Name the place without what the title of its section says already."""
+    text = row.where
+    for prefix in ("Table 1, ", "section "):
+        if row.section != "readings":
+            text = text.removeprefix(prefix)
+    return text
+
+
+def unexplained(study: PaperStudy) -> tuple[Finding, ...]:
+    """Return what nothing explains, entries of one row gathered."""
+    return tuple(
+        row for row in study.findings if row.verdict == UNEXPLAINED and row.is_summary
+    )

@@ -1,0 +1,229 @@
+"""The paper as a document: every row and verdict in it, in HTML and in PDF."""
+
+from __future__ import annotations
+
+import re
+from html import unescape
+
+import pytest
+from command_line import call, start
+from pdf_reading import needs_poppler, squeeze, text_of
+
+from budget.report.blocks import Abreast, Picture, Table
+from budget.report.page import render_page
+from budget.report.paper.document import to_json
+from budget.report.paper.page import CARDS, paper_document
+from budget.report.paper.printing import print_ours, print_ratio, shorten
+from budget.report.paper.tables import place_of, printed_cell
+from budget.report.typeset import typeset
+from budget.studies.paper.findings import UNEXPLAINED, VERDICTS
+from budget.studies.paper.study import ASSUMPTIONS, SECTIONS, reproduce
+
+DATE = "2026-01-31"
+NO_FONTS = ()  # besides the bundled ones
+
+
+@pytest.fixture(scope="module")
+def study():
+    return reproduce()
+
+
+@pytest.fixture(scope="module")
+def document(study):
+    return paper_document(study, date=DATE)
+
+
+@pytest.fixture(scope="module")
+def pdf(document):
+    return typeset(document, folders=NO_FONTS).pdf
+
+
+def section_of(document, title):
+    """Return the one section with a title."""
+    (found,) = (part for part in document.sections if part.title == title)
+    return found
+
+
+def table_of(section):
+    """Return the one table of a section."""
+    (found,) = (block for block in section.blocks if isinstance(block, Table))
+    return found
+
+
+def pictures_of(document):
+    """Return all figures."""
+    return [
+        picture
+        for section in document.sections
+        for block in section.blocks
+        if isinstance(block, Abreast)
+        for picture in block.blocks
+        if isinstance(picture, Picture)
+    ]
+
+
+def said(row):
+    """Return the texts in which a finding must be found."""
+    place = place_of(row)
+    why = "" if row.why.startswith("judged with") else row.why
+    return (place.group, place.name, row.verdict, why)
+
+
+@pytest.mark.parametrize("name", SECTIONS)
+def test_every_finding_is_one_row_with_its_numbers(study, document, name):
+    """Rows of a section are its findings: printed, ours, ratio and both p, exact."""
+    table = table_of(section_of(document, SECTIONS[name]))
+    rows = {
+        (group.title, row[0].text): row for group in table.groups for row in group.rows
+    }
+    findings = study.of_section(name)
+    assert sum(len(group.rows) for group in table.groups) == len(findings)
+    for finding in findings:
+        row = rows[place_of(finding).group, place_of(finding).name]
+        texts = " ".join(f"{cell.text} {cell.note}" for cell in row)
+        assert printed_cell(finding.printed).text in texts
+        assert print_ours(finding) in texts
+        assert print_ratio(finding.ratio) in texts
+        assert finding.verdict in texts
+        exact = {cell.exact for cell in row}
+        numbers = (finding.ratio, finding.p_single, finding.p_mean)
+        assert exact.issuperset(n for n in numbers if n is not None)
+        assert isinstance(finding.ours, str) or finding.ours in exact
+    assert table.searchable
+
+
+def test_a_place_loses_no_word_when_it_is_split(study):
+    """Group and name together have every word of the place, each as often."""
+
+    def words(text):
+        return sorted(re.findall(r"[^\s,:]+", text.casefold()))
+
+    for row in study.findings:
+        place = place_of(row)
+        group = place.group if words(place.name) != words(shorten(row)) else ""
+        assert words(f"{group} {place.name}") == words(shorten(row))
+
+
+@pytest.mark.parametrize(
+    ("printed", "text", "exact", "note"),
+    [
+        ("-3.18263e-10", "-3.18263e-10", -3.18263e-10, ""),
+        ("rms 4.74e-9", "4.74e-9", 4.74e-9, "rms"),
+        ("rms 0.0887 about -1", "0.0887", 0.0887, "rms about -1"),
+        ("rms 0.193 of u, single run", "0.193", 0.193, "rms of u, single run"),
+        ("no effect", "no effect", None, ""),
+    ],
+)
+def test_printed_numbers_keep_their_digits(printed, text, exact, note):
+    """The number stands by itself as printed, and what it is of in the note."""
+    cell = printed_cell(printed)
+    assert (cell.text, cell.exact, cell.note) == (text, exact, note)
+
+
+def test_cards_count_every_row_once(study, document):
+    """Every verdict belongs to one card, and the counts add up to all rows."""
+    assert sorted(word for words in CARDS.values() for word in words) == sorted(
+        VERDICTS
+    )
+    totals = [int(card.lines[0][0].text.split()[0]) for card in document.cards]
+    assert sum(totals) == len(study.findings)
+    assert document.headline.startswith(f"{len(study.findings)} ")
+
+
+def test_what_nothing_explains_is_on_page_one(study, document):
+    """Each unexplained group of entries is a point of the answer."""
+    section = section_of(document, "What nothing explains")
+    places = [
+        row.where
+        for row in study.findings
+        if row.verdict == UNEXPLAINED and row.is_summary
+    ]
+    (listing,) = section.blocks
+    assert section.on_first_page
+    assert len(listing.items) == len(places)
+    for item, place in zip(listing.items, places, strict=True):
+        assert item[0].casefold().startswith(place.casefold())
+
+
+def test_figures_have_words_tips_and_their_steps(study, document):
+    """Four figures; behind each the exact errors at all 25 steps."""
+    pictures = pictures_of(document)
+    assert len(pictures) == len(study.sweeps) == 4
+    for number, (picture, sweep) in enumerate(
+        zip(pictures, study.sweeps, strict=True), start=1
+    ):
+        assert picture.alt.startswith(f"Figure {number}: ")
+        assert picture.tips
+        (group,) = picture.data.groups
+        errors = [[cell.exact for cell in row[1:]] for row in group.rows]
+        assert errors == sweep.errors.T.tolist()
+
+
+def test_document_takes_its_date_and_holds_the_numbers(study, document):
+    """The date is the given one, the JSON that of --json, and no seed is claimed."""
+    assert (document.kind, document.date) == ("paper", DATE)
+    assert document.json == to_json(study)
+    (pairs, files, _) = section_of(document, "Provenance").blocks
+    assert [term for term, _ in pairs.rows] == ["made by", "command"]
+    hashes = [row[2].text for group in files.groups for row in group.rows]
+    assert hashes == [file.sha256 for file in study.inputs]
+
+
+def test_page_says_every_row(study, document):
+    """The HTML has every place, reason, verdict, meaning and assumption."""
+    page = render_page(document)
+    text = squeeze(unescape(re.sub(r"<[^>]*>", "", page))).casefold()
+    for row in study.findings:
+        for words in said(row):
+            assert squeeze(words).casefold() in text
+    for words in (*SECTIONS.values(), *VERDICTS.values(), *ASSUMPTIONS):
+        assert squeeze(words).casefold() in text
+
+
+@needs_poppler
+def test_pdf_says_every_row(study, pdf, tmp_path):
+    """The PDF has every place, reason, section title, and meaning of a verdict."""
+    text = text_of(pdf, tmp_path).casefold()
+    for row in study.findings:
+        for words in said(row):
+            assert plain(words) in text
+    for words in (*SECTIONS.values(), *(VERDICTS[word] for word, _ in study.counts)):
+        assert plain(words) in text
+
+
+def plain(words):
+    """Return a text as it is read back from a page."""
+    return squeeze(words).casefold()
+
+
+def test_figures_of_the_pdf_have_words(pdf):
+    """Four figures can be heard."""
+    assert len(set(re.findall(rb"/Alt *\(Figure ([1-4]):", pdf))) == 4
+
+
+def test_same_bytes_every_time_and_the_date_is_the_given_one(tmp_path):
+    """With SOURCE_DATE_EPOCH two processes write the same bytes, both kinds."""
+    written = []
+    for place in ("a", "b"):
+        folder = tmp_path / place
+        folder.mkdir()
+        run = start(
+            *("paper", "-o", "paper.pdf", "-o", "paper.html"),
+            cwd=folder,
+            SOURCE_DATE_EPOCH="86400",
+        )
+        assert run.code == 0, run.err
+        assert {path.name for path in folder.iterdir()} == {"paper.pdf", "paper.html"}
+        written.append(
+            [(folder / name).read_bytes() for name in ("paper.pdf", "paper.html")]
+        )
+    assert written[0] == written[1]
+    assert b"D:19700102" in written[0][0]
+    assert b"1970-01-02" in written[0][1]
+
+
+def test_all_files_or_none(tmp_path):
+    """Where one file cannot be written the other is not either."""
+    run = call("paper", "-o", tmp_path / "a.pdf", "-o", tmp_path / "none" / "a.html")
+    assert run.code == 2
+    assert not list(tmp_path.iterdir())
