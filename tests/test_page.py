@@ -10,10 +10,12 @@ from functools import cache
 from hashlib import sha256
 from html.parser import HTMLParser
 from itertools import pairwise
+from shutil import copytree
 
 import pytest
 from document_examples import make_document, make_picture, make_table
 
+from budget.errors import OutputError
 from budget.report.blocks import Card, Cell, Column, Picture, RowGroup, Section, Table
 from budget.report.formulas import Math
 from budget.report.markup import css_string
@@ -250,6 +252,19 @@ def test_script_stands_in_the_page_as_it_is():
         assert source.strip() in script
     assert "innerHTML" not in script
     assert "eval(" not in script
+
+
+@pytest.mark.parametrize("name", ["page.html.j2", "page.css", *SCRIPTS])
+def test_missing_template_is_named(monkeypatch, tmp_path, name):
+    """An installation that lost a file says which one and what to do."""
+    templates = copytree(shipped("templates"), tmp_path / "templates")
+    (templates / name).unlink()
+    monkeypatch.setattr(
+        "budget.report.markup.shipped", lambda folder: tmp_path / folder
+    )
+
+    with pytest.raises(OutputError, match=rf"{re.escape(name)}: this template"):
+        render_page(example())
 
 
 def test_links_of_the_contents_lead_to_sections():

@@ -8,6 +8,7 @@ from hashlib import sha256
 from html import escape
 from typing import TYPE_CHECKING
 
+from budget.errors import OutputError
 from budget.report import figures
 from budget.report.blocks import Abreast, Run, Table
 from budget.report.inline import natural_width, svg_element
@@ -21,6 +22,7 @@ from budget.report.markup import (
     signs_markup,
 )
 from budget.report.mathml import to_mathml
+from budget.resources import shipped
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -47,7 +49,25 @@ def render_page(document: Document) -> str:
     -------
     str
         HTML; the same bytes for the same document.
+
+    Raises
+    ------
+    OutputError
+        A template is missing.
     """
+    from jinja2 import TemplateNotFound
+
+    try:
+        return _render(document)
+    except TemplateNotFound as error:
+        raise OutputError(
+            f"{shipped('templates') / str(error.name)}: this template is missing; it "
+            "comes with the program: install that again, or write .pdf instead"
+        ) from error
+
+
+def _render(document: Document) -> str:
+    """Fill the templates in."""
     environment = page_environment()
     environment.filters |= {
         "words": _words,
