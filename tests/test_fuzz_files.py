@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from fuzz.grammar import Raw, leaves, mappings, replaced, trees, write
-from fuzz.oracle import LOADERS, judge_file
+from fuzz.oracle import LOADERS, judge_file, judge_name
 from fuzz.profile import examples
 from hypothesis import given
 from hypothesis import strategies as st
@@ -29,6 +29,10 @@ PIECES = (
     *("9" * 400, "1e-400 deg/h", "-5 deg/h", "5 deg", "1 deg/h", "x" * 300, "\u202e"),
     *("\N{DEGREE SIGN}/\N{SQUARE ROOT}h", "\N{MICRO SIGN}g", "[" * 30, "{a: " * 30),
     *("\U0001f680", "\ud800", "\u200b", "\u0301", "\uff15", "yes", "true", "null"),
+)
+NAMES = (
+    *("#", "/", "..", ".", "~", "zhao-2019", "navigation-grade", "\0", "\n", "\udcff"),
+    *("x" * 300, "C:", "-", "*", "?", "%", " ", ".yaml"),
 )
 CODINGS = ("utf-8", "utf-8-sig", "utf-16", "utf-16-be", "utf-32", "latin-1", "utf-7")
 
@@ -106,6 +110,16 @@ def test_files_of_the_grammar_are_read(path, kind):
 
     judge()
     assert sum(read) > 2 * len(read) // 3, (sum(read), len(read))
+
+
+@examples(200)
+@given(
+    name=st.text(max_size=20)
+    | st.lists(st.sampled_from(NAMES), max_size=6).map("".join)
+)
+def test_any_name_of_a_file_is_found_or_refused(name):
+    """A name that no file has, or can have, is an issue of that name as typed."""
+    judge_name(name)
 
 
 # What is wrong in place of any scalar, and what in place of a number with a unit.

@@ -34,6 +34,20 @@ LONGEST_MESSAGE = 4_000  # characters
 _BREAK = re.compile("\r\n|\r|\n")
 
 
+UNITS = b"U"  # first byte of an input that is no file but a text with a unit
+STANDARD = 9.80665  # what g is [m/s^2]
+
+
+def judge_input(path, data, kinds=tuple(LOADERS)):
+    """Check what any input does: bytes of a file, or a text with a unit of any kind."""
+    if data.startswith(UNITS):
+        text = data[len(UNITS) :].decode(errors="surrogateescape")
+        for like in LIKES:
+            judge_quantity(text, like, STANDARD)
+    else:
+        judge_file(path, data, kinds)
+
+
 def judge_file(path, data, kinds=tuple(LOADERS)):
     """Check what loaders do with bytes; return the kind of the file, '' if refused.
 
@@ -63,6 +77,16 @@ def judge_file(path, data, kinds=tuple(LOADERS)):
     return checked.kind
 
 
+def judge_name(name):
+    """Check that any name is loaded, or refused as it was typed, without a variant."""
+    for load in (validate, *LOADERS.values()):
+        try:
+            load(name)
+        except SpecError as error:
+            files = {issue.file for issue in error.issues}
+            _check_files(files, name)
+
+
 def judge_quantity(text, like, gravity):
     """Check what the unit grammar does with a text; return the value in SI or None."""
     try:
@@ -76,6 +100,11 @@ def judge_quantity(text, like, gravity):
     assert quantity.printed == text.strip(), (text, quantity)
     assert quantity.unit, (text, quantity)
     return quantity.value
+
+
+def _check_files(files, name):
+    """Check that all issues are of the file that was named."""
+    assert files <= {name, name.rpartition("#")[0]}, (files, name)
 
 
 def _check_issues(error, path, data):

@@ -22,14 +22,12 @@ CHECKOUT = HERE.parent.parent
 sys.path[:0] = [str(CHECKOUT), str(HERE.parent)]
 
 with atheris.instrument_imports(include=["budget", "ruamel"]):
-    from fuzz.oracle import LIKES, LOADERS, judge_file, judge_quantity
+    from fuzz.oracle import LIKES, LOADERS, UNITS, judge_input
 
     from budget.spec import json_schema
 
 FOUND = HERE / "found"
-UNITS = b"U"  # first byte of an input that is no file but a text with a unit
 LONGEST = 1500  # bytes; longer files are the business of test_fuzz_cost.py
-GRAVITY = 9.80665  # [m/s^2]
 # The one kind of which none ships.
 COSTS = b"costs: {gyro.bias_stability: {a: 1, p: 2, u_ref: 0.04 deg/h}}\n"
 
@@ -75,12 +73,7 @@ def main():
         kinds = [(kind,) for kind in LOADERS]  # each parse costs, so one at a time
 
         def judge(data):
-            if data.startswith(UNITS):
-                text = data[len(UNITS) :].decode(errors="surrogateescape")
-                for like in LIKES:
-                    judge_quantity(text, like, GRAVITY)
-            else:
-                judge_file(path, data, kinds[sum(data) % len(kinds)])
+            judge_input(path, data, kinds[sum(data) % len(kinds)])
 
         options = [f"-dict={dictionary}", f"-max_len={LONGEST}", "-timeout=5"]
         arguments = [sys.argv[0], *options, *sys.argv[1:], str(folder / "seeds")]
