@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from functools import cache
 from html import escape
 from itertools import groupby
 from pathlib import Path
@@ -32,6 +33,11 @@ MARKS = {"Mn", "Mc", "Me"}  # categories of what is drawn on the character befor
 # no glyph. PDF/A and PDF/UA forbid them all.
 UNPRINTABLE = {"Cc", "Cs", "Co"}
 BLANKS = "\t\n\r\N{LINE SEPARATOR}\N{PARAGRAPH SEPARATOR}"
+# Most of all text, drawings above all, is ASCII, which the bundled font has; the letter
+# before another character may bear it as a mark, so it is looked at with that.
+RUNS = re.compile(
+    r"(?P<plain>[\t\n\r -~]+(?![^\t\n\r -~]))|(?P<other>[\t\n\r -~]?[^\t\n\r -~]+)"
+)
 # Forbidden by PDF/UA; and marks that turn the direction of what comes after them,
 # in which a name could hide or reverse the words beside it.
 COMMANDS = "\ufeff\ufffe\uffff\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
@@ -118,17 +124,25 @@ class Lettering:
 
     def pieces(self, text: str) -> Iterator[Piece]:
         """Cut a text into letters with their marks, each with a font that has them."""
-        for cluster in clusters(text):
-            place = 0 if _is_blank(cluster) else self._find(cluster)
-            if place is not None:
-                yield Piece(text=cluster, family=place)
-            elif len(cluster) == 1:
-                yield Piece(text=name_character(cluster), lost=cluster)
+        for found in RUNS.finditer(text):
+            if found["plain"]:
+                yield Piece(text=found["plain"])
             else:
-                # No one font has the letter and its marks: each by itself.
-                yield from self.pieces(cluster[0])
-                marks = cluster[1:]
-                yield Piece(text="".join(map(name_character, marks)), lost=marks)
+                for cluster in clusters(found["other"]):
+                    yield from self._show(cluster)
+
+    def _show(self, cluster: str) -> Iterator[Piece]:
+        """Yield a character and its marks, or their code points."""
+        place = 0 if _is_blank(cluster) else self._find(cluster)
+        if place is not None:
+            yield Piece(text=cluster, family=place)
+        elif len(cluster) == 1:
+            yield Piece(text=name_character(cluster), lost=cluster)
+        else:
+            # No one font has the letter and its marks: each by itself.
+            yield from self._show(cluster[0])
+            marks = cluster[1:]
+            yield Piece(text="".join(map(name_character, marks)), lost=marks)
 
     def _find(self, cluster: str) -> int | None:
         """Return the place of the first font with a character and all its marks."""
@@ -226,6 +240,12 @@ def coverage(face: Face) -> frozenset[int]:
         return frozenset()  # a broken font of the system is not the user's concern
 
 
+def text_width(text: str, *, bold: bool = False) -> float:
+    """Return how wide a text is in the bundled font, without breaks [em]."""
+    widths = _advances(BUNDLED[bold])
+    return sum(widths.get(ord(character), 1.0) for character in text)
+
+
 def place_fonts(faces: Iterable[Face], folder: Path) -> None:
     """Put the bundled fonts and these into a folder, one font a file.
 
@@ -264,6 +284,17 @@ def _bundled(name: str) -> Path:
 def _bundled_coverage(name: str) -> frozenset[int]:
     """Return the code points of a bundled font."""
     return coverage(Face(family=TEXT_FAMILY, path=_bundled(name), index=0))
+
+
+@cache
+def _advances(name: str) -> dict[int, float]:
+    """Return the width of each character of a bundled font [em]."""
+    with _open(Face(family=TEXT_FAMILY, path=_bundled(name), index=0)) as font:
+        units, metrics = font["head"].unitsPerEm, font["hmtx"].metrics
+        return {
+            code: metrics[glyph][0] / units
+            for code, glyph in font.getBestCmap().items()
+        }
 
 
 def _open(face: Face) -> TTFont:

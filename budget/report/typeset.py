@@ -7,7 +7,6 @@ it cannot show.
 from __future__ import annotations
 
 import re
-import textwrap
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -24,10 +23,10 @@ from budget.report.blocks import (
 )
 from budget.report.fonts import choose_fonts, name_character
 from budget.report.pdf import render_pdf
+from budget.report.typeset_tables import plain_table
 from budget.report.typeset_text import (
     break_long,
     cut_math,
-    cut_numbers,
     cut_words,
     shorten,
 )
@@ -36,14 +35,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
     from pathlib import Path
 
-    from budget.report.blocks import Block, Cell, Column, Document, RowGroup
+    from budget.report.blocks import Block, Document
 
 TEMPLATE = "report.typ"
 HEAD_LENGTH = 100  # characters that fit into the running head
-NARROW_HEAD = 12  # characters of the head of a narrow column before it is broken
-LONGEST_HEAD = 160  # characters of the head of a column; it is on every page
-SHORT_CELL = 26  # characters; a column of such cells is as wide as they are
-SPLIT_CELL = 1500  # characters; a cell that long may go on on the next page
 SIZE = re.compile(r'<svg\b[^>]*?\bwidth="([\d.]+)(?:pt)?"')
 
 
@@ -136,7 +131,7 @@ def plain_document(document: Document, pictures: Sequence[Picture]) -> dict[str,
             {
                 "title": break_long(picture.title),
                 "place": place,
-                "table": _plain_table(picture.data),
+                "table": plain_table(picture.data),
             }
             for place, picture in enumerate(pictures)
             if picture.data is not None
@@ -163,11 +158,11 @@ def _plain(block: Block, places: dict[int, int]) -> dict[str, Any]:  # noqa: PLR
             formulas = [(cut_math(one.math), one.number) for one in equations]
             return {"is": "equations", "rows": [list(pair) for pair in formulas]}
         case Table():
-            return _plain_table(block)
+            return plain_table(block)
         case Picture():
             return _plain_picture(block, places[id(block)])
         case Sliders(table=table):
-            return _plain_table(table)
+            return plain_table(table)
         case Panel(title=title, blocks=blocks):
             return {
                 "is": "panel",
@@ -194,69 +189,6 @@ def _plain_picture(picture: Picture, place: int) -> dict[str, Any]:
         "width": float(size[1]) if size else None,  # [pt]
         "numbers": picture.data is not None,
     }
-
-
-def _plain_table(table: Table) -> dict[str, Any]:
-    """Return a table: how wide its columns are, heads, and cells cut into parts."""
-    columns = [
-        _plain_column(column, [row[k] for group in table.groups for row in group.rows])
-        for k, column in enumerate(table.columns)
-    ]
-    return {
-        "is": "table",
-        "columns": columns,
-        "wide": table.is_wide,
-        "groups": [
-            {"title": break_long(group.title), "rows": _plain_rows(table, group)}
-            for group in table.groups
-        ],
-    }
-
-
-def _plain_column(column: Column, cells: Sequence[Cell]) -> dict[str, Any]:
-    """Return a column: as wide as its cells if they are short, or its share."""
-    longest = max((len(c.text) for c in cells), default=0)
-    longest = max([longest, *(len(c.note) for c in cells)])
-    wraps = column.kind == "text" and longest > SHORT_CELL
-    head = shorten(column.head, LONGEST_HEAD)
-    if column.kind != "text":
-        head = "\n".join(
-            textwrap.wrap(head, width=max(NARROW_HEAD, longest), break_long_words=False)
-        )
-    return {
-        "head": break_long(head),
-        "kind": column.kind,
-        "width": column.weight if wraps else None,
-    }
-
-
-def _plain_rows(table: Table, group: RowGroup) -> list[list[dict[str, Any]]]:
-    """Return the rows of a group, decimal points in line within each column."""
-    # A row is split between pages if any of its cells would fill one.
-    wholes = [
-        all(len(cell.text) + len(cell.note) < SPLIT_CELL for cell in row)
-        for row in group.rows
-    ]
-    by_column = []
-    for column, cells in zip(
-        table.columns, zip(*group.rows, strict=True), strict=bool(group.rows)
-    ):
-        texts = [cell.text for cell in cells]
-        numeric = column.kind == "number"
-        parts = cut_numbers(texts) if numeric else [break_long(t) for t in texts]
-        by_column.append(
-            [
-                {
-                    "text": part,
-                    "share": cell.share,
-                    "strong": cell.strong,
-                    "note": break_long(cell.note),
-                    "whole": whole,
-                }
-                for part, cell, whole in zip(parts, cells, wholes, strict=True)
-            ]
-        )
-    return [list(row) for row in zip(*by_column, strict=True)]
 
 
 def _pictures(blocks: Iterator[Block] | Sequence[Block]) -> Iterator[Picture]:

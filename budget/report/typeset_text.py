@@ -33,7 +33,7 @@ BREAK = "\N{ZERO WIDTH SPACE}"  # a line may end here
 
 # As `tables` prints: '<0.1', '-2.3e-9', '230 000', '79 %'.
 NUMBER = re.compile(
-    r"(?P<head>[<>]?)(?P<digits>-?\d[\d ]*(?:\.\d+)?)(?:e(?P<power>-?\d+))?"
+    r"(?P<head>[<>]?)(?P<digits>[+-]?\d[\d ]*(?:\.\d+)?)(?:e(?P<power>-?\d+))?"
     r"(?P<tail>| [^\d\s].*)"
 )
 # In a sentence: no part of a name, a date or a range.
