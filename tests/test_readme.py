@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shlex
 import subprocess
 import sys
 from pathlib import Path
+from shutil import copy
 
 import pytest
 from command_line import analyze, call, last_digit, output
@@ -16,6 +18,7 @@ import budget
 from budget.report.tables import group_tables
 
 ROOT = Path(__file__).resolve().parent.parent
+EXAMPLE = ROOT / "docs" / "example"
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
@@ -42,6 +45,9 @@ def folder(tmp_path, monkeypatch):
     """Provide a folder with the README's device file in it, and work there."""
     (device,) = blocks("yaml")
     (tmp_path / "imu.yaml").write_text(device, encoding="utf-8")
+    example = tmp_path / "docs" / "example"
+    example.mkdir(parents=True)
+    copy(EXAMPLE / "requirement.yaml", example)
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -90,6 +96,34 @@ def test_the_figure_is_the_tools(tmp_path):
     assert "79 %" in texts(drawn)
     assert texts(kept) == texts(drawn)
     assert f"](docs/{drawn.name})" in README
+
+
+def test_the_example_report_is_the_tools(tmp_path):
+    """Verdict, headings and every number of the committed page are those of today."""
+    script = ROOT / "docs" / "make_example.py"
+    subprocess.run([sys.executable, script, tmp_path], check=True)
+    made, kept = (
+        (folder / "report.html").read_text(encoding="utf-8")
+        for folder in (tmp_path, EXAMPLE)
+    )
+
+    def headings(page):
+        return re.findall(r"<h[123][^>]*>(.*?)</h[123]>", page, flags=re.DOTALL)
+
+    def numbers(page):
+        pattern = r'id="report-json">(.*?)</script>'
+        (document,) = re.findall(pattern, page, flags=re.DOTALL)
+        budget_of_page = json.loads(document)
+        return [
+            [row["mean"], row["standard_uncertainty"], *row["interval"]]
+            for row in budget_of_page["outputs"]
+        ]
+
+    assert headings(made) == headings(kept)
+    assert_allclose(numbers(made), numbers(kept), rtol=1e-9, atol=1e-12)
+    assert (EXAMPLE / "report.pdf").read_bytes().startswith(b"%PDF-")
+    for name in ("report.html", "report.pdf", "page-one.png"):
+        assert f"docs/example/{name}" in README
 
 
 @pytest.mark.parametrize("line", CONSOLE)
