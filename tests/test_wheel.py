@@ -93,6 +93,7 @@ def test_wheel_holds_what_it_needs_and_no_more(wheel):
     for needed in (
         "budget/py.typed",
         "budget/_shipped/specs/devices/zhao-2019.yaml",
+        "budget/_shipped/specs/references/hg4930-c.json",
         "budget/_shipped/templates/page.html.j2",
     ):
         assert needed in names
@@ -139,6 +140,14 @@ def test_wheel_writes_the_report(python, tmp_path):
 
     assert len(pages[0]) > 10_000
     assert pages[0] == pages[1]
+
+
+def test_wheel_checks_its_references(python, tmp_path):
+    """From the wheel, every shipped reference holds, by its own copy of the inputs."""
+    run = start("check", cwd=tmp_path, python=python)
+
+    assert run.code == 0, run.out
+    assert "11 references: 11 hold, 0 moved" in run.out
 
 
 def test_checkout_reads_its_own_specs(tmp_path):
