@@ -19,6 +19,7 @@ LARGEST = 3e6  # bytes
 ENOUGH = 4.5  # WCAG 2, 1.4.3
 AGREES = 1e-9  # two programmes add up the same numbers in another order
 REPORTS = {
+    "paper": ("paper",),
     "failing": ("report", "--requirement", NAVIGATION, "--allocate"),
     "without": ("report", "--no-validate", "--sobol", "--samples", "64"),
     "gaps": ("report", DEVICES / "stim300.yaml#10g", "--requirement", NAVIGATION),
