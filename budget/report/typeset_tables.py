@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from math import sqrt
 from typing import TYPE_CHECKING, Any
 
 from budget.report.fonts import text_width
@@ -67,13 +68,14 @@ def _plain_column(
     widths = [text_width(line, bold=True) for line in head.split("\n")]
     widths += [text_width(c["plain"], bold=c["strong"]) for c in cells]
     widths += [SMALL * text_width(c["note"]) for c in cells]
+    wraps = column.kind == "text" and longest > SHORT_CELL
+    # Text twice as long is set wider and higher, both by the root of two.
+    share = column.weight * sqrt(max(1.0, longest / SHORT_CELL)) if wraps else None
     return {
         "head": head,
         "kind": column.kind,
         "natural": max(widths),
-        "share": (
-            column.weight if column.kind == "text" and longest > SHORT_CELL else None
-        ),
+        "share": share,
     }
 
 
