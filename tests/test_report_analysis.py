@@ -173,7 +173,7 @@ def test_cause_quotes_the_data_sheet():
 
     assert (
         "Accelerometer bias repeatability (37 ug) makes 79 % of the accelerometer bias "
-        "variance (alone u 37 ug)."
+        "variance (alone u\N{NO-BREAK SPACE}37 ug)."
     ) in items
 
 

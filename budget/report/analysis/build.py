@@ -192,7 +192,7 @@ def _cause_words(cause: Cause) -> Words:
     for place, effect in enumerate(cause.effects):
         words += [
             Run(text=effect.share.text, exact=effect.share.exact),
-            f" of the {effect.group} variance (alone u ",
+            f" of the {effect.group} variance (alone u\N{NO-BREAK SPACE}",
             Run(text=f"{effect.u.text} {effect.unit}", exact=effect.u.exact),
             ")",
             "." if place == last else " and " if place == last - 1 else ", ",
