@@ -1,0 +1,333 @@
+"""What a user gives stays on the machine, and is data, never code."""
+
+from __future__ import annotations
+
+import ast
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from command_line import call, surroundings
+
+from budget.cli import app
+from budget.resources import shipped
+
+PACKAGE = Path(__file__).parent.parent / "budget"
+GRADE = ("--requirement", "navigation-grade")
+
+# Calls that between them reach everything a command can reach, cluster apart.
+CALLS = {
+    "analyze": ("analyze", "--json", "a.json"),
+    "analyze, two workers": (
+        *("analyze", "--method", "monte-carlo", "--trials", "50000"),
+        *("--workers", "2"),
+    ),
+    "allocate": ("allocate", *GRADE, "--no-validate", "--json", "a.json"),
+    "compare": ("compare", "hg4930", *GRADE, "--method", "gum", "-o", "a.html"),
+    "devices": ("devices", "hg4930"),
+    "paper": ("paper", "-o", "a.html", "-o", "a.pdf"),
+    "report": (
+        *("report", "--no-validate", *GRADE),
+        *("-o", "a.html", "-o", "a.pdf"),
+    ),
+    "validate": ("validate", "zhao-2019"),
+    "schema": ("schema", "device"),
+    "check": ("check", "zhao-2019-eq4-nominal"),
+    "diff": ("diff", "zhao-2019", "hg4930#A"),
+    "help": ("--help",),
+}
+NOT_MET = {"compare"}
+KNOWN = {
+    command.name or command.callback.__name__ for command in app.registered_commands
+}
+
+# Python tells every hook about sockets, programs and unpickling before they happen.
+# (https://docs.python.org/3/library/audit_events.html)
+WATCHED = (
+    *("socket.connect", "socket.bind", "socket.sendto", "socket.sendmsg"),
+    *("socket.getaddrinfo", "socket.gethostbyname", "socket.gethostbyaddr"),
+    *("urllib.Request", "http.client.connect", "ftplib.connect", "smtplib.connect"),
+    *("subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.fork"),
+    *("pickle.find_class", "webbrowser.open"),
+)
+HOOK = f"""
+import os, sys
+
+WATCHED = {WATCHED!r}
+
+
+def is_dask():
+    # pint imports dask where it is there, which names its own functions by pickling
+    # them in memory.
+    frame = sys._getframe(2)
+    while frame is not None:
+        if frame.f_globals.get("__name__", "").startswith("dask."):
+            return True
+        frame = frame.f_back
+    return False
+
+
+def watch(event, arguments):
+    if event in WATCHED and not (event == "pickle.find_class" and is_dask()):
+        place = os.open(os.environ["AUDIT_LOG"], os.O_WRONLY | os.O_APPEND | os.O_CREAT)
+        os.write(place, (event + " " + repr(arguments)[:200] + "\\n").encode())
+        os.close(place)
+        if event.startswith(("socket", "urllib", "http")):
+            raise OSError("no network in this test")
+
+
+sys.addaudithook(watch)
+"""
+
+
+@pytest.fixture
+def watched(tmp_path):
+    """Return a way to start Python, and what it did of what is watched."""
+    hooks, work, log = tmp_path / "hooks", tmp_path / "work", tmp_path / "log"
+    hooks.mkdir()
+    work.mkdir()
+    (hooks / "sitecustomize.py").write_text(HOOK, encoding="utf-8")
+
+    def start(*words):
+        run = subprocess.run(
+            [sys.executable, *words],
+            cwd=work,
+            env=surroundings() | {"PYTHONPATH": str(hooks), "AUDIT_LOG": str(log)},
+            capture_output=True,
+            check=False,
+        )
+        events = log.read_text(encoding="utf-8").splitlines() if log.exists() else []
+        return run, events
+
+    return start
+
+
+def test_every_command_is_called_here():
+    """A command that is added is watched too."""
+    assert {words[0] for words in CALLS.values()} >= KNOWN
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_no_network_no_program_no_pickle(name, watched):
+    """No command connects, starts a program or loads a pickle; workers alone may."""
+    run, events = watched("-m", "budget", *CALLS[name])
+    assert run.returncode == (1 if name in NOT_MET else 0), run.stderr.decode()
+    if name == "analyze, two workers":
+        # Python's own processes, and tasks that they get through a private pipe.
+        allowed = ("os.posix_spawn", "subprocess.Popen", "os.fork", "pickle.find_class")
+        events = [event for event in events if not event.startswith(allowed)]
+    assert events == []
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "import socket; socket.create_connection(('127.0.0.1', 9))",
+        "import socket; socket.getaddrinfo('localhost', 80)",
+        "import urllib.request as r; r.urlopen('http://127.0.0.1:9')",
+        "import pickle, collections as c; pickle.loads(pickle.dumps(c.OrderedDict()))",
+        "import subprocess; subprocess.run(['true'])",
+    ],
+)
+def test_the_watch_sees_what_it_watches(code, watched):
+    """Control: each of these is written down."""
+    _, events = watched("-c", code)
+    assert events
+
+
+@pytest.mark.skipif(not shutil.which("strace"), reason="needs strace")
+@pytest.mark.parametrize("name", ["report", "paper", "analyze, two workers"])
+def test_no_system_call_to_a_network(name, tmp_path):
+    """Libraries that are no Python open no internet socket either."""
+    log = tmp_path / "calls"
+    words = [sys.executable, "-m", "budget", *CALLS[name]]
+    trace = ["strace", "-f", "-qq", "-e", "trace=socket,connect,sendto", "-o", log]
+    probe = subprocess.run([*trace, "true"], capture_output=True, check=False)
+    if probe.returncode:
+        pytest.skip("tracing is not allowed here")
+    run = subprocess.run(
+        [*trace, *words],
+        cwd=tmp_path,
+        env=surroundings(),
+        capture_output=True,
+        check=False,
+    )
+    assert run.returncode == 0, run.stderr.decode()
+    assert "AF_INET" not in log.read_text(encoding="utf-8")
+
+
+@pytest.mark.skipif(not shutil.which("unshare"), reason="needs unshare")
+def test_a_machine_without_a_network(tmp_path):
+    """In a network namespace without any interface a report is written."""
+    inside = ["unshare", "--map-root-user", "--net"]
+    if subprocess.run([*inside, "true"], capture_output=True, check=False).returncode:
+        pytest.skip("namespaces are not allowed here")
+    run = subprocess.run(
+        [*inside, sys.executable, "-m", "budget", *CALLS["report"]],
+        cwd=tmp_path,
+        env=surroundings(),
+        capture_output=True,
+        check=False,
+    )
+    assert run.returncode == 0, run.stderr.decode()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.html", "a.pdf"]
+
+
+def test_only_a_cluster_that_is_asked_for_is_connected_to():
+    """One module knows sockets: that of `--cluster`, which says so in its help."""
+    knowing = {
+        str(path.relative_to(PACKAGE))
+        for path in SOURCES
+        if modules_of(path) & {"socket", "urllib", "http", "ssl", "distributed"}
+    }
+    assert knowing == {str(Path("methods") / "cluster.py")}
+
+
+# ---- data is no code ----------------------------------------------------------------
+
+SOURCES = sorted(PACKAGE.rglob("*.py"))
+FORBIDDEN_NAMES = {"eval", "exec", "compile", "__import__", "input", "breakpoint"}
+FORBIDDEN_MODULES = {
+    *("pickle", "marshal", "shelve", "dill", "cloudpickle", "joblib", "subprocess"),
+    *("code", "codeop", "runpy", "yaml", "webbrowser"),
+}
+FORBIDDEN_CALLS = {
+    *("os.system", "os.popen", "np.load", "numpy.load", "pd.read_pickle"),
+    *("pandas.read_pickle", "DataFrame.eval", "DataFrame.query", "np.fromfile"),
+}
+
+
+def modules_of(path):
+    """Return the top names of the modules that a file imports."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            found.add(node.module.split(".")[0])
+    return found
+
+
+def code_from_data(path):
+    """Yield what in a file could turn data into code."""
+    yield from sorted(modules_of(path) & FORBIDDEN_MODULES)
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Name) and node.id in FORBIDDEN_NAMES:
+            yield node.id
+        elif isinstance(node, ast.Attribute):
+            name = ast.unparse(node)
+            if name in FORBIDDEN_CALLS:
+                yield name
+        elif isinstance(node, ast.Constant) and node.value == "allow_pickle":
+            yield "allow_pickle"
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_nothing_turns_data_into_code(path):
+    """No pickle, eval, exec or other program anywhere in the package."""
+    assert list(code_from_data(path)) == []
+
+
+def test_the_search_for_code_can_fail(tmp_path):
+    """Control: each of these is found."""
+    bad = tmp_path / "bad.py"
+    bad.write_text(
+        "import pickle\nimport os\n\n\ndef f(x):\n"
+        "    os.system(x)\n    return eval(x)\n",
+        encoding="utf-8",
+    )
+    assert set(code_from_data(bad)) == {"pickle", "os.system", "eval"}
+
+
+def test_templates_come_from_the_package_alone():
+    """Every loader of templates is given the shipped folder, and escapes."""
+    loaders, environments = [], []
+    for path in SOURCES:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call):
+                name = ast.unparse(node.func).split(".")[-1]
+                if name.endswith("Loader"):
+                    loaders.append(ast.unparse(node))
+                elif name == "Environment":
+                    environments.append(
+                        {k.arg: ast.unparse(k.value) for k in node.keywords}
+                    )
+                assert name not in {"Template", "from_string"}
+    assert loaders
+    assert set(loaders) == {"FileSystemLoader(shipped('templates'))"}
+    assert all(options["autoescape"] == "True" for options in environments)
+
+
+HOSTILE = """name: "{name}"
+notes: "{name}"
+gyro: {{errors: {{bias_repeatability: {{value: 1 deg/h, source: "{name}"}}}}}}
+"""
+NAMES = {
+    "script": "<script>alert(1)</script>",
+    "closing": "</script></style>--><b>x</b>",
+    "jinja": "{{ 7 * 191 }}{% include '/etc/passwd' %}",
+    "typst": '#panic(1) #read(\\"/etc/passwd\\") $ x $ *b* _e_ @ref <label>',
+    "rich": "[red]x[/red] [link=http://x.org]",
+    "formula": "=HYPERLINK(1)",
+    "escape": "\\\\x1b[31mred",
+}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_hostile_name_is_only_a_name(name, tmp_path):
+    """What a device is called is shown as it stands, in text, page, PDF and JSON."""
+    text = NAMES[name]
+    device = tmp_path / "d.yaml"
+    device.write_text(HOSTILE.format(name=text), encoding="utf-8")
+    run = call("analyze", device, "--no-validate", "--json", tmp_path / "a.json")
+    assert run.code == 0, run.err
+    plain = text.replace('\\"', '"').replace("\\\\", "\\")
+    assert plain in " ".join(run.out.split())
+
+    page = tmp_path / "a.html"
+    run = call("report", device, "--no-validate", "-o", page, "-o", tmp_path / "a.pdf")
+    assert run.code == 0, run.err
+    html = page.read_text(encoding="utf-8")
+    assert "1337" not in html.replace("#", "") or name != "jinja"
+    assert "<script>alert" not in html
+    assert "<b>x</b>" not in html
+    assert "root:x:0" not in html
+    json.loads((tmp_path / "a.json").read_bytes())
+
+
+def test_files_beside_the_user_are_no_templates(tmp_path, monkeypatch):
+    """A folder `templates` where the user works changes nothing."""
+    folder = tmp_path / "templates"
+    folder.mkdir()
+    for path in shipped("templates").iterdir():
+        (folder / path.name).write_text("taken over", encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    run = call("report", "--no-validate", "-o", "a.html")
+    assert run.code == 0, run.err
+    assert "taken over" not in (tmp_path / "a.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", ["report", "paper"])
+def test_documents_name_no_place_and_no_person(name, tmp_path):
+    """No folder, user or host of the run stands in what is written."""
+    person, host = "someuserhere", "somehosthere"
+    home = tmp_path / "home"
+    home.mkdir()
+    run = subprocess.run(
+        [sys.executable, "-m", "budget", *CALLS[name]],
+        cwd=tmp_path,
+        env=surroundings()
+        | {"HOME": str(home), "USER": person, "LOGNAME": person, "HOSTNAME": host},
+        capture_output=True,
+        check=False,
+    )
+    assert run.returncode == 0, run.stderr.decode()
+    told = (str(tmp_path), str(PACKAGE), person, host, os.uname().nodename)
+    for path in tmp_path.glob("a.*"):
+        data = path.read_bytes()
+        for secret in told:
+            assert len(secret) < 4 or secret.encode() not in data, (path.name, secret)
