@@ -66,7 +66,7 @@ def said(row):
     """Return the texts in which a finding must be found."""
     place = place_of(row)
     why = "" if row.why.startswith("judged with") else row.why
-    return (place.group, place.name, row.verdict, why)
+    return (place.group, place.name, place.note, row.verdict, why)
 
 
 @pytest.mark.parametrize("name", SECTIONS)
@@ -74,12 +74,15 @@ def test_every_finding_is_one_row_with_its_numbers(study, document, name):
     """Rows of a section are its findings: printed, ours, ratio and both p, exact."""
     table = table_of(section_of(document, SECTIONS[name]))
     rows = {
-        (group.title, row[0].text): row for group in table.groups for row in group.rows
+        (group.title, row[0].text, row[0].note): row
+        for group in table.groups
+        for row in group.rows
     }
     findings = study.of_section(name)
     assert sum(len(group.rows) for group in table.groups) == len(findings)
     for finding in findings:
-        row = rows[place_of(finding).group, place_of(finding).name]
+        place = place_of(finding)
+        row = rows[place.group, place.name, place.note]
         texts = " ".join(f"{cell.text} {cell.note}" for cell in row)
         assert printed_cell(finding.printed).text in texts
         assert print_ours(finding) in texts
@@ -100,8 +103,9 @@ def test_a_place_loses_no_word_when_it_is_split(study):
 
     for row in study.findings:
         place = place_of(row)
-        group = place.group if words(place.name) != words(shorten(row)) else ""
-        assert words(f"{group} {place.name}") == words(shorten(row))
+        own = f"{place.name} {place.note}"
+        group = place.group if words(own) != words(shorten(row)) else ""
+        assert words(f"{group} {own}") == words(shorten(row))
 
 
 @pytest.mark.parametrize(
@@ -110,7 +114,7 @@ def test_a_place_loses_no_word_when_it_is_split(study):
         ("-3.18263e-10", "-3.18263e-10", -3.18263e-10, ""),
         ("rms 4.74e-9", "4.74e-9", 4.74e-9, "rms"),
         ("rms 0.0887 about -1", "0.0887", 0.0887, "rms about -1"),
-        ("rms 0.193 of u, single run", "0.193", 0.193, "rms of u, single run"),
+        ("rms 0.193 of u, single run", "0.193", 0.193, "rms of u, single"),
         ("no effect", "no effect", None, ""),
     ],
 )
@@ -143,6 +147,21 @@ def test_what_nothing_explains_is_on_page_one(study, document):
     assert len(listing.items) == len(places)
     for item, place in zip(listing.items, places, strict=True):
         assert item[0].casefold().startswith(place.casefold())
+
+
+def test_ratios_of_table_1_are_drawn_and_said(study, document):
+    """A dot for every random row, with its ratio in words; 4 of the 10 fit."""
+    (picture,) = section_of(document, "Random entries of Table 1").blocks
+    rows = [
+        row
+        for row in study.of_section("table 1")
+        if re.search(r", all [36]$", row.where)
+    ]
+    assert len(picture.tips) == len(rows) == 10
+    assert picture.title.startswith("4 of the 10 random rows")
+    for row, tip in zip(rows, picture.tips.values(), strict=True):
+        assert f": {print_ratio(row.ratio)} times" in tip
+        assert f" {print_ratio(row.ratio)} ({row.verdict})" in picture.alt
 
 
 def test_figures_have_words_tips_and_their_steps(study, document):

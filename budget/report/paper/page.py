@@ -19,6 +19,7 @@ from budget.report.formulas import brackets, letter, line, sub
 from budget.report.paper.curves import sweep_picture
 from budget.report.paper.document import to_json
 from budget.report.paper.printing import print_ours, unexplained
+from budget.report.paper.ratios import ratio_picture
 from budget.report.paper.tables import findings_table, printed_cell, verdict_table
 from budget.studies.paper.findings import (
     AGREES,
@@ -124,10 +125,15 @@ def paper_document(study: PaperStudy, *, date: str) -> Document:
             _open(study),
             _assumed(),
             Section(
+                name="ratios",
+                title="Random entries of Table 1",
+                blocks=(ratio_picture(study),),
+                on_first_page=True,
+            ),
+            Section(
                 name="verdicts",
                 title="The verdicts",
                 blocks=(verdict_table(study),),
-                on_first_page=True,
             ),
             *(_section(study, name) for name in SECTIONS),
             provenance_section(
@@ -203,7 +209,7 @@ def _section(study: PaperStudy, name: str) -> Section:
     """Return one part of the paper: how to read it, its figures, its findings."""
     blocks: list[Block] = []
     if name in NOTES:
-        blocks.append(Paragraph(words=NOTES[name], small=True))
+        blocks.append(Paragraph(words=NOTES[name]))
     if name == "figures":
         blocks.append(Abreast(blocks=tuple(map(sweep_picture, study.sweeps))))
     blocks.append(findings_table(study, name))

@@ -32,8 +32,9 @@ if TYPE_CHECKING:
 # A printed number, and what it is where it is not the entry itself: 'rms 4.74e-9'.
 PRINTED = re.compile(r"(?P<head>rms |)(?P<number>-?[0-9.]+(?:e-?[0-9]+)?)(?P<tail>.*)")
 WHOLE = "Table 1 as a whole"
+# Where the head of a row ends: what follows stands below it, in a narrow column.
+SPECIAL = re.compile(r" (?=(?:from|beyond|of|random) )")
 QUANTITIES = {U_SINGLE: "u, single", U_MEAN: "u, mean"}  # short, below a number
-SPLITS = {"conclusions": ": "}  # what stands between group and row; ', ' elsewhere
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,10 +47,13 @@ class Place:
         Title of the rows that it belongs to: 'Bias stability'.
     name : str
         Head of its row: 'mounting angle xy'.
+    note : str
+        What is special about it: 'from its angles'.
     """
 
     group: str
     name: str
+    note: str = ""
 
 
 def place_of(row: Finding) -> Place:
@@ -59,16 +63,21 @@ def place_of(row: Finding) -> Place:
         entries, _, reading = text.partition(": ")
         group, _, name = entries.rpartition(", ")
         return Place(group=capital(f"{group}: {reading}"), name=name)
+    if row.section == "conclusions":  # sentences, under the section they stand in
+        group, _, name = text.partition(": ")
+        return Place(group=group, name=name)
     if row.section == "text":
         group, _, name = text.rpartition(", ")
     else:
-        group, _, name = text.partition(SPLITS.get(row.section, ", "))
-    return Place(group=capital(group) if name else WHOLE, name=name or group)
+        group, _, name = text.partition(", ")
+    head, *special = SPECIAL.split(name or group, maxsplit=1)
+    return Place(
+        group=capital(group) if name else WHOLE, name=head, note="".join(special)
+    )
 
 
 def verdict_table(study: PaperStudy) -> Table:
     """Return how many rows have each verdict, and what it means."""
-    total = len(study.findings)
     return Table(
         name="verdict-counts",
         caption="Rows of each verdict and what it means",
@@ -82,7 +91,7 @@ def verdict_table(study: PaperStudy) -> Table:
                 rows=tuple(
                     (
                         Cell(text=word, strong=word == UNEXPLAINED),
-                        Cell(text=str(number), exact=number, share=number / total),
+                        Cell(text=str(number), exact=number),
                         Cell(text=VERDICTS[word]),
                     )
                     for word, number in study.counts
@@ -164,6 +173,7 @@ def _cells(
     cells = [
         Cell(
             text=place_of(row).name,
+            note=place_of(row).note,
             strong=row.is_summary and row.section == "table 1",
         ),
         printed_cell(row.printed),
@@ -198,4 +208,6 @@ def printed_cell(printed: str) -> Cell:
     if found is None:
         return Cell(text=printed)
     note = f"{found['head']}{found['tail'].strip()}".strip()
+    for quantity, short in QUANTITIES.items():
+        note = note.replace(quantity, short)
     return Cell(text=found["number"], exact=float(found["number"]), note=note)
