@@ -167,7 +167,7 @@ def test_no_text_stops_typst(seed):
             rng.choice(marks if rng.random() < 0.25 else every)
             for _ in range(rng.integers(1, 7))
         )
-        for _ in range(200)
+        for _ in range(100)
     ]
     made = typeset(make_named(*names), folders=None if seed == 0 else ())
     assert made.pdf.startswith(b"%PDF-")

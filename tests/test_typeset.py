@@ -7,6 +7,7 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
 from dataclasses import replace
 from pathlib import Path
 
@@ -339,6 +340,14 @@ def test_a_lost_template_is_told(tmp_path, monkeypatch):
     with pytest.raises(
         OutputError, match=r"report\.typ: cannot read .*install"
     ) as told:
+        make_pdf()
+    assert "\n" not in str(told.value)
+
+
+def test_no_room_for_temporary_files_is_told(tmp_path, monkeypatch):
+    """Without a folder for them the message is one line that names the remedy."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "gone"))
+    with pytest.raises(OutputError, match=r"temporary files .*TMPDIR") as told:
         make_pdf()
     assert "\n" not in str(told.value)
 

@@ -20,7 +20,7 @@ from budget.resources import shipped
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from typst import PDFStandard
+    from typst import PDFStandard, TypstWarning
 
     from budget.report.fonts import Face
 
@@ -62,41 +62,53 @@ def render_pdf(
     OutputError
         The template is not there, or typst refuses it, the data or an image.
     """
+    source = _read_template(template)
+    try:
+        with TemporaryDirectory(prefix="budget-") as folder:
+            root = Path(folder)
+            (root / "main.typ").write_bytes(source)
+            (root / "data.json").write_text(
+                json.dumps(data, allow_nan=False), encoding="utf-8"
+            )
+            (root / "fonts").mkdir()
+            place_fonts(faces, root / "fonts")
+            (root / "images").mkdir()
+            for name, content in images.items():
+                (root / "images" / name).write_bytes(content)
+            pdf, doubts = _compile(root, template, date)
+    except OSError as error:
+        raise OutputError(
+            f"{template}: cannot prepare the PDF in the folder for temporary files "
+            f"({error.strerror}), expected one with room for 30 MB; set TMPDIR to such "
+            "a folder, or write .html instead"
+        ) from error
+    for doubt in doubts:
+        warnings.warn(f"{template}: typst says: {doubt.message}", stacklevel=2)
+    return pdf
+
+
+def _compile(root: Path, template: str, date: str) -> tuple[bytes, list[TypstWarning]]:
+    """Run typst in a folder; return the file and what typst has doubts about."""
     from datetime import UTC, datetime
 
     import typst
 
-    with TemporaryDirectory(prefix="budget-") as folder:
-        root = Path(folder)
-        main = root / "main.typ"
-        main.write_bytes(_read_template(template))
-        (root / "data.json").write_text(
-            json.dumps(data, allow_nan=False), encoding="utf-8"
+    try:
+        return typst.compile_with_warnings(
+            root / "main.typ",
+            root=root,
+            font_paths=[root / "fonts"],
+            ignore_system_fonts=True,
+            format="pdf",
+            pdf_standards=STANDARDS,
+            timestamp=datetime.fromisoformat(date).replace(tzinfo=UTC),
         )
-        (root / "fonts").mkdir()
-        place_fonts(faces, root / "fonts")
-        (root / "images").mkdir()
-        for name, content in images.items():
-            (root / "images" / name).write_bytes(content)
-        try:
-            pdf, doubts = typst.compile_with_warnings(
-                main,
-                root=root,
-                font_paths=[root / "fonts"],
-                ignore_system_fonts=True,
-                format="pdf",
-                pdf_standards=STANDARDS,
-                timestamp=datetime.fromisoformat(date).replace(tzinfo=UTC),
-            )
-        except typst.TypstError as error:
-            hints = "".join(f" ({hint})" for hint in error.hints)
-            raise OutputError(
-                f"{template}: typst says: {error.message}{hints}; expected a template "
-                "and data that make a PDF; write .html instead, and report this"
-            ) from error
-    for doubt in doubts:
-        warnings.warn(f"{template}: typst says: {doubt.message}", stacklevel=2)
-    return pdf
+    except typst.TypstError as error:
+        hints = "".join(f" ({hint})" for hint in error.hints)
+        raise OutputError(
+            f"{template}: typst says: {error.message}{hints}; expected a template "
+            "and data that make a PDF; write .html instead, and report this"
+        ) from error
 
 
 def _read_template(name: str) -> bytes:
