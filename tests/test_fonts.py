@@ -9,6 +9,7 @@ from unicodedata import category
 
 import numpy as np
 import pytest
+import typst
 from document_examples import make_document, make_picture, make_table
 from pdf_reading import ask, needs_poppler, squeeze, text_of
 
@@ -16,10 +17,13 @@ from budget.report.blocks import Cell, Column, RowGroup, Section, Table
 from budget.report.fonts import Lettering, choose_fonts, clusters
 from budget.report.typeset import typeset
 
-NOTO = Path("/usr/share/fonts/opentype/noto")
+NOTO = {  # folders of this machine in which Debian's fonts-noto-cjk is
+    Path(font.path).parent
+    for font in typst.Fonts(include_embedded_fonts=False).fonts()
+    if font.path and font.family == "Noto Sans CJK SC"
+}
 needs_noto = pytest.mark.skipif(
-    not (NOTO / "NotoSansCJK-Regular.ttc").is_file(),
-    reason="sets Chinese in the fonts of Debian's fonts-noto-cjk",
+    not NOTO, reason="sets Chinese in the fonts of Debian's fonts-noto-cjk"
 )
 CHINESE = "\u8d75\u660e\u60ef\u5bfc"  # a surname, bright, inertial navigation
 SVG = (
@@ -68,14 +72,14 @@ def test_characters_without_a_font_are_code_points(tmp_path):
 @needs_poppler
 def test_chinese_is_shown_in_a_font_that_has_it(tmp_path):
     """Chinese is text of the file, in the form of its country, in figures too."""
-    made = typeset(make_named(CHINESE), folders=[NOTO])
+    made = typeset(make_named(CHINESE), folders=[*NOTO])
     assert made.replaced == ()
     assert text_of(made.pdf, tmp_path).count(CHINESE) >= 7
     fonts = ask(made.pdf, tmp_path, "pdffonts", "FILE")
     assert "NotoSansCJKsc-Regular" in fonts
     assert "NotoSansCJKsc-Bold" in fonts
     assert "CJKjp" not in fonts
-    assert typeset(make_named(CHINESE), folders=[NOTO]).pdf == made.pdf
+    assert typeset(make_named(CHINESE), folders=[*NOTO]).pdf == made.pdf
 
 
 @needs_noto
@@ -84,7 +88,7 @@ def test_chinese_is_shown_in_a_font_that_has_it(tmp_path):
 )
 def test_script_beside_them_says_which_country_han_is_of(text, country):
     """Kana make it Japanese, Hangul Korean, nothing Chinese."""
-    found = choose_fonts([text], folders=[NOTO])
+    found = choose_fonts([text], folders=[*NOTO])
     assert found.families == ("DejaVu Sans", f"Noto Sans CJK {country}")
 
 
