@@ -119,7 +119,7 @@ class TestMoved:
         assert rows[0].split() == [
             *("all", "0.05638", "0.05649", "+0.19", "%", "1.9e6", "tol", "1"),
         ]
-        assert "1 references: 0 hold, 1 moved" in run.out
+        assert "1 reference: 0 hold, 1 moved" in run.out
 
     @pytest.mark.parametrize("width", ["80", "120"])
     def test_fits(self, folder, width):

@@ -10,6 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 from reference_examples import DEVICE, snapshot
 
+from budget.report.reference.tables import move_table
 from budget.studies.reference.moves import FALSE_ALARM, find_moves, probability_of
 from budget.studies.reference.records import EXACT, Key, Number, Snapshot, Word
 
@@ -167,6 +168,18 @@ class TestSampled:
             number(1.959964 * sqrt(2.0), standard_error=1.0),
         )
         assert_allclose(many, 0.05, rtol=1e-6)
+
+    @pytest.mark.parametrize("error", [0.0, 1e-320, 1e-200, 1e200, 1.7e308])
+    def test_no_double_overflows(self, error):
+        """Whatever doubles a file holds, there is an answer, and it is finite."""
+        for value in (0.0, 5e-324, 1e-300, -1.7e308, 1.7e308):
+            a = number(1.0, standard_error=error, degrees_of_freedom=1e-300)
+            b = number(value, standard_error=error, degrees_of_freedom=7.0)
+            assert 0.0 <= probability_of(a, b) <= 1.0
+            for move in find_moves(of(a), of(b)):
+                assert move.times is None or np.isfinite(move.times)
+                assert move.relative is None or np.isfinite(move.relative)
+                assert move_table([move]).rest == 0
 
     def test_counts_are_compared_exactly(self):
         """0 of 100 against 6 of 100: two-sided Fisher, 2 C(194,100)/C(200,100)."""

@@ -8,6 +8,7 @@ from hashlib import sha256
 from pathlib import Path
 
 import jsonschema
+import numpy as np
 import pytest
 from command_line import call
 from reference_examples import DEVICE, store, stored
@@ -249,6 +250,7 @@ class TestRefused:
             ('{"format": ' + "[" * 100_000 + "]" * 100_000 + "}", "nested too deeply"),
             ("[" * 100_000, "nested too deeply"),
             ('{"format": ' + "1" * 10_000 + "}", "no JSON of a reference budget"),
+            ('{"format": "\\ud800"}', "no JSON of a reference budget"),
             (b'{"format": "\xff"}', "is not UTF-8"),
             (b"\x00" * 10, "no JSON here"),
         ],
@@ -289,6 +291,50 @@ class TestRefused:
         except ReferenceFileError:
             return
         assert after == before
+
+    def test_a_stored_text_too_large(self, path):
+        """A stored input is no larger than an input file may be."""
+        content = json.loads(path.read_bytes())
+        text = "#" * 70_000
+        content["inputs"][0] |= {
+            "text": [text],
+            "sha256": sha256(text.encode()).hexdigest(),
+        }
+        assert "is larger than 65536 bytes" in refused(path, signed(content))
+
+    @pytest.mark.parametrize("text", ["", "name: [", "limits: {}", "gyro: {}", "- 1"])
+    def test_a_stored_text_that_is_no_device(self, path, text):
+        """A stored input that cannot be read is told with its place; exit code 2."""
+        content = json.loads(path.read_bytes())
+        content["inputs"][0] |= {
+            "text": text.split("\n"),
+            "sha256": sha256(text.encode()).hexdigest(),
+        }
+        path.write_text(signed(content), encoding="utf-8")
+        run = call("check", path)
+        assert run.code == 2
+        assert "stored imu.yaml:1:" in run.err
+
+    @pytest.mark.parametrize("seed", range(60))
+    def test_no_junk_makes_a_traceback(self, path, seed):
+        """Any value of the file replaced by any other: an error, or a check."""
+        rng = np.random.default_rng(seed)
+        content = json.loads(path.read_bytes())
+        junk = [None, True, -1, 0, 1e300, 10**30, "", "\ud800", "x" * 500, [], {}, [[]]]
+        junk += ["../imu.yaml", "/", "\x00", {"value": 1.0}, ["a"], "nan"]
+        at = content
+        while True:
+            keys = list(at) if isinstance(at, dict) else list(range(len(at)))
+            key = keys[rng.integers(len(keys))]
+            deeper = isinstance(at[key], dict | list) and at[key] and rng.random() < 0.8
+            if not deeper:
+                at[key] = junk[rng.integers(len(junk))]
+                break
+            at = at[key]
+        path.write_text(signed(content), encoding="utf-8")
+        run = call("check", path)
+        assert run.code in {0, 1, 2}
+        assert run.code != 2 or run.err
 
     def test_settings_of_another_kind(self, path):
         """Settings that mean nothing to the job are refused when it is checked."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import floor, isinf, log10
+from math import floor, inf, log10
 from typing import TYPE_CHECKING
 
 from budget.report.tables import output_title, source_title, words
@@ -149,7 +149,7 @@ def print_pair(before: float, after: float) -> tuple[str, str]:
     difference = abs(after - before)
     place = top - 2
     for number in (difference, abs(before), abs(after)):
-        if number > 0.0:
+        if 0.0 < number < inf:
             place = min(place, floor(log10(number)) - 1)
     place = max(place, top - MOST_DIGITS + 1)
     return _print(before, top, place), _print(after, top, place)
@@ -193,7 +193,7 @@ def _cells(move: Move) -> tuple[str, ...]:
     ratio = 1.0 if move.relative is None else 1.0 + move.relative
     if ratio > FACTOR and move.scale == move.before:
         change = f"x {_two_digits(ratio)}"
-    elif move.difference is not None and not isinf(move.size):
+    elif move.difference is not None and 100.0 * move.size < inf:
         sign = "-" if move.difference < 0.0 else "+"
         change = f"{sign}{_two_digits(100.0 * move.size)} %"
     times = NONE

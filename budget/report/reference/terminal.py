@@ -67,7 +67,9 @@ def render_checks(checks: Sequence[Checked], bad: int, console: Console) -> None
     counts = [f"{held} hold", f"{len(checks) - held} moved"]
     if bad:
         counts.append(f"{bad} cannot be checked")
-    page.line(f"{len(checks) + bad} references: {', '.join(counts)}", style="bold")
+    number = len(checks) + bad
+    noun = "reference" if number == 1 else "references"
+    page.line(f"{number} {noun}: {', '.join(counts)}", style="bold")
 
 
 def render_difference(difference: Difference, console: Console) -> None:

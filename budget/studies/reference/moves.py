@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
-from math import inf, sqrt
+from math import inf, isinf, sqrt
 from typing import TYPE_CHECKING
 
-from budget.studies.reference.records import EXACT, Key, Move, Number, Snapshot, Word
+from budget.studies.reference.records import (
+    EXACT,
+    Key,
+    Move,
+    Number,
+    Snapshot,
+    Word,
+    finite,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -82,8 +90,10 @@ def probability_of(before: Number, after: Number) -> float:
         return _of_counts(before, after)
     spread = _spread(before, after)
     difference = abs(after.value - before.value)
-    if spread == 0.0:
+    if spread == 0.0 or isinf(difference):
         return 1.0 if difference == 0.0 else 0.0
+    if isinf(spread):
+        return 1.0
     return _two_sided(difference / spread, _freedom(before, after))
 
 
@@ -124,7 +134,7 @@ def _number_move(
         before=before.value,
         after=after.value,
         is_sampled=sampled,
-        times=difference / spread if spread > 0.0 else None,
+        times=finite(difference / spread) if spread > 0.0 else None,
         scale=scale,
     )
 
@@ -162,17 +172,20 @@ def _spread(before: Number, after: Number) -> float:
         if one.trials is not None:
             variance += max(p * (1.0 - p), 0.0) / one.trials
         elif one.standard_error is not None:
-            variance += one.standard_error**2
+            variance += one.standard_error * one.standard_error
     return sqrt(variance)
 
 
 def _freedom(before: Number, after: Number) -> float:
     """Return the degrees of freedom of a difference (Welch and Satterthwaite)."""
+    # As parts of the larger one: a file may hold errors whose squares overflow.
+    errors = [(one, one.standard_error or 0.0) for one in (before, after)]
+    largest = max(error for _, error in errors)
     total = parts = 0.0
-    for number in (before, after):
-        variance = (number.standard_error or 0.0) ** 2
+    for one, error in errors:
+        variance = (error / largest) ** 2 if largest > 0.0 else 0.0
         total += variance
-        parts += variance**2 / (number.degrees_of_freedom or inf)
+        parts += variance**2 / (one.degrees_of_freedom or inf)
     return total**2 / parts if parts > 0.0 else inf
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import isfinite
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -226,7 +227,7 @@ class Move:
     def difference(self) -> float | None:
         """After minus before [unit]; None where one of them is no number."""
         if isinstance(self.before, float) and isinstance(self.after, float):
-            return self.after - self.before
+            return finite(self.after - self.before)
         return None
 
     @property
@@ -234,7 +235,7 @@ class Move:
         """Difference over the value before [1]; None where that is 0 or no number."""
         if self.difference is None or not self.before or isinstance(self.before, str):
             return None
-        return self.difference / abs(self.before)
+        return finite(self.difference / abs(self.before))
 
     @property
     def size(self) -> float:
@@ -242,6 +243,11 @@ class Move:
         if self.difference is None or not self.scale:
             return float("inf")
         return abs(self.difference) / self.scale
+
+
+def finite(value: float) -> float | None:
+    """Return a number, or None where it overflowed: a file may hold any double."""
+    return value if isfinite(value) else None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,6 +17,7 @@ from pydantic import Field, ValidationError
 
 from budget.errors import ReferenceFileError
 from budget.spec.fields import Strict
+from budget.spec.reader import MOST_BYTES as LONGEST_INPUT
 from budget.spec.schema import schema_of
 from budget.studies.reference.parts import digest
 from budget.studies.reference.records import (
@@ -223,6 +224,11 @@ def _record(model: ReferenceFile, shown: str) -> Reference:
         for one in model.inputs
     )
     for one in inputs:
+        if len(one.text) > LONGEST_INPUT:
+            raise ReferenceFileError(
+                f"{shown}: the stored {one.file} is larger than {LONGEST_INPUT} bytes, "
+                "the most that an input may have; save the reference again"
+            )
         if digest(one.text) != one.sha256:
             raise ReferenceFileError(
                 f"{shown}: the stored {one.file} has not the SHA-256 that stands "
@@ -291,7 +297,8 @@ def _parse(text: str, shown: str) -> dict[str, Any]:
     """Parse JSON without nan and infinity."""
     try:
         content = json.loads(text, parse_constant=_refuse_constant)
-        json.dumps(content)  # what is nested too deeply for this fails here
+        # What is nested too deeply, or has half a character, fails here.
+        json.dumps(content, ensure_ascii=False).encode()
     except json.JSONDecodeError as error:
         end = error.pos >= len(text.rstrip())
         what = (
