@@ -63,7 +63,10 @@ def check(
     ] = None,
     method: Annotated[
         Literal["gum", "monte-carlo", "simulation"] | None,
-        typer.Option(help="How uncertainty is propagated (gum).", show_default=False),
+        typer.Option(
+            help="How uncertainty is propagated (gum, for every kind).",
+            show_default=False,
+        ),
     ] = None,
     trials: options.Trials = None,
     max_trials: options.MaxTrials = None,
