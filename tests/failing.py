@@ -1,0 +1,112 @@
+"""Calls of every command in a child of its own, for a machine that fails them."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+from command_line import surroundings
+
+from budget.resources import shipped
+
+PATIENCE = 60.0  # [s] before a test gives up on a process
+BUDGET = (sys.executable, "-m", "budget")
+GRADE = ("--requirement", "navigation-grade")
+GUM = ("--method", "gum")
+DEVICE = shipped("specs") / "devices" / "zhao-2019.yaml"
+
+# Quick calls of every command that prints results, with the code of success.
+PRINTING = {
+    "analyze": ("analyze", "--no-validate"),
+    "analyze json": ("analyze", "--no-validate", "--json", "-"),
+    "analyze csv": ("analyze", "--no-validate", "--csv", "-"),
+    "allocate": ("allocate", *GRADE, "--no-validate"),
+    "allocate json": ("allocate", *GRADE, "--no-validate", "--json", "-"),
+    "compare": ("compare", "zhao-2019", *GRADE, *GUM),
+    "compare csv": ("compare", "zhao-2019", *GRADE, *GUM, "--csv", "-"),
+    "devices": ("devices",),
+    "devices json": ("devices", "--json", "-"),
+    "paper": ("paper",),
+    "validate": ("validate", DEVICE),
+    "schema": ("schema", "device"),
+    "diff": ("diff", "zhao-2019", "hg4930#A"),
+    "check": ("check", "zhao-2019-eq4-nominal"),
+    "help": ("--help",),
+    "version": ("--version",),
+}
+# And of every command that writes files: the options that name them come last.
+WRITING = {
+    "analyze": ("analyze", "--no-validate", "--json", "a.json", "--csv", "a.csv"),
+    "allocate": ("allocate", *GRADE, "--no-validate", "--json", "a.json"),
+    "compare": ("compare", "zhao-2019", *GRADE, *GUM, "-o", "a.html"),
+    "devices": ("devices", "--json", "a.json"),
+    "paper": ("paper", "--csv", "a.csv", "-o", "a.html", "-o", "a.pdf"),
+    "report": ("report", "--no-validate", "-o", "a.html"),
+    "diff": ("diff", "zhao-2019", "hg4930#A", "--json", "a.json"),
+}
+
+NOT_MET = {"compare", "compare csv"}  # the paper's device does not meet that grade
+
+
+def environment(**more):
+    """Return the environment of a call; None takes a name away."""
+    every = surroundings() | more
+    return {name: text for name, text in every.items() if text is not None}
+
+
+def run(*args, folder, streams="", before=None, user=None, **more):
+    """Run a command in a folder; `streams` redirects."""
+    words = [*BUDGET, *map(str, args)]
+    if streams:
+        words = ["bash", "-c", f'"$@" {streams}', "bash", *words]
+    return subprocess.run(
+        words,
+        cwd=folder,
+        env=environment(**more),
+        capture_output=True,
+        check=False,
+        preexec_fn=before,
+        user=user,
+        group=user,
+        timeout=PATIENCE,
+    )
+
+
+def said(outcome):
+    """Return what stderr says, which is never a traceback."""
+    text = outcome.stderr.decode(errors="replace")
+    assert "Traceback" not in text, text
+    assert "Exception ignored" not in text, text
+    return text
+
+
+def contents(folder):
+    """Return names and bytes of all that is in a folder."""
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def assert_whole(path):
+    """Assert that a written file goes to its own end."""
+    data = path.read_bytes()
+    if path.suffix == ".json":
+        json.loads(data)
+    elif path.suffix == ".html":
+        assert data.rstrip().endswith(b"</html>")
+    elif path.suffix == ".pdf":
+        assert data.startswith(b"%PDF")
+        assert data.rstrip().endswith(b"%%EOF")
+    else:
+        rows = data.decode().splitlines()
+        assert data.endswith(b"\n")
+        assert len(rows) > 1
+
+
+GERAET = "Ger\N{LATIN SMALL LETTER A WITH DIAERESIS}t"
+FOREIGN = f"""name: {GERAET} \N{MICRO SIGN} \u6d4b\u8bd5
+notes: \N{DOUBLE LOW-9 QUOTATION MARK}so\N{LEFT DOUBLE QUOTATION MARK} \U0001f6f0
+gyro:
+  errors:
+    bias_repeatability: 1 \N{DEGREE SIGN}/h
+    angle_random_walk: 0.1 deg/sqrt(h)
+"""

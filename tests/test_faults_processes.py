@@ -1,0 +1,231 @@
+"""Signals, killed processes, two runs at once, and clocks that are wrong."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+from contextlib import ExitStack, suppress
+from pathlib import Path
+from time import monotonic, sleep
+
+import pytest
+from command_line import call
+from failing import (
+    BUDGET,
+    DEVICE,
+    PATIENCE,
+    assert_whole,
+    contents,
+    environment,
+    run,
+    said,
+)
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="faults of POSIX systems")
+
+LONG_RUN = ("analyze", "--method", "monte-carlo", "--trials", "300000000")
+TWO_WORKERS = (*BUDGET, *LONG_RUN, "--workers", "2", "--json", "a.json")
+
+
+def test_two_runs_that_write_one_file(tmp_path):
+    """Whoever looks finds one whole file, of the one or the other, at any moment."""
+    call = (*BUDGET, "analyze", "--no-validate")
+    result = tmp_path / "a.json"
+    with ExitStack() as stack:
+        runs = [
+            stack.enter_context(
+                subprocess.Popen(
+                    [*call, "--coverage", p, "--json", "a.json"],
+                    cwd=tmp_path,
+                    env=environment(),
+                    stdout=subprocess.DEVNULL,
+                    stderr=subprocess.DEVNULL,
+                )
+            )
+            for p in ("0.9", "0.99") * 2
+        ]
+        found = set()
+        while any(process.poll() is None for process in runs):
+            if result.exists():
+                found.add(json.loads(result.read_bytes())["settings"]["coverage"])
+    assert [process.returncode for process in runs] == [0] * 4
+    found.add(json.loads(result.read_bytes())["settings"]["coverage"])
+    assert found <= {0.9, 0.99}
+    assert contents(tmp_path).keys() == {"a.json"}
+
+
+def test_files_from_the_future(tmp_path):
+    """A clock set back: inputs and outputs that are newer than now do no harm."""
+    shutil.copy(DEVICE, tmp_path / "d.yaml")
+    old = tmp_path / "a.json"
+    old.write_text("{}", encoding="utf-8")
+    for path in tmp_path.iterdir():
+        os.utime(path, (4e9, 4e9))  # in the year 2096
+    call = ("analyze", "d.yaml", "--no-validate", "--json", "a.json")
+    outcome = run(*call, folder=tmp_path)
+    said(outcome)
+    assert outcome.returncode == 0
+    first = old.read_bytes()
+    assert run(*call, folder=tmp_path).returncode == 0
+    assert old.read_bytes() == first
+    assert json.loads(first)["schema"] == "budget/1"
+
+
+def test_a_clock_that_runs_backwards(monkeypatch, tmp_path):
+    """The wall clock is not asked how long something takes."""
+    times = iter(range(10**9, 0, -1000))
+    monkeypatch.setattr("time.time", lambda: float(next(times)))
+    result = tmp_path / "a.json"
+    outcome = call("analyze", "--json", result)
+    assert outcome.code == 0, outcome.err
+    assert_whole(result)
+
+
+@pytest.mark.parametrize("epoch", ["0", "4102444800", "-1", "253402300800", "now", ""])
+def test_any_source_date_epoch(epoch, tmp_path):
+    """A date that can be is taken, another is exit 2 before anything is computed."""
+    outcome = run(
+        "analyze",
+        "--no-validate",
+        "--json",
+        "a.json",
+        folder=tmp_path,
+        SOURCE_DATE_EPOCH=epoch,
+    )
+    text = said(outcome)
+    if outcome.returncode:
+        assert "SOURCE_DATE_EPOCH" in text
+        assert contents(tmp_path) == {}
+    assert outcome.returncode == (0 if epoch in {"0", "4102444800", "-1"} else 2)
+
+
+def listen():
+    """Take every signal as usual, though these tests may run in the background."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
+
+
+@pytest.fixture
+def start(tmp_path):
+    """Return a way to start long runs, each in a process group that is gone after."""
+    started = []
+
+    def begin(*words):
+        process = subprocess.Popen(
+            [*words],
+            cwd=tmp_path,
+            env=environment(),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            start_new_session=True,
+            preexec_fn=listen,  # noqa: PLW1509 - no threads here
+        )
+        started.append(process)
+        return process
+
+    yield begin
+    for process in started:
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)  # a group that we made
+        process.communicate(timeout=PATIENCE)
+
+
+def children(process):
+    """Return the process ids of the children of a process we started."""
+    path = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+    return [int(number) for number in path.read_text(encoding="ascii").split()]
+
+
+def is_gone(group):
+    """Return whether all processes of a group end before patience does."""
+    begun = monotonic()
+    while monotonic() - begun < PATIENCE:
+        try:
+            os.killpg(group, 0)
+        except ProcessLookupError:
+            return True
+        sleep(0.05)
+    return False
+
+
+needs_proc = pytest.mark.skipif(
+    not Path("/proc/self/task").exists(), reason="needs Linux' /proc"
+)
+
+
+def workers_of(process):
+    """Wait until both workers are at work, and return their process ids."""
+    begun = monotonic()
+    while monotonic() - begun < PATIENCE:
+        found = []
+        for number in children(process):
+            line = Path(f"/proc/{number}/cmdline").read_bytes()
+            if b"spawn_main" in line:
+                found.append(number)
+        if len(found) == 2:
+            sleep(2.0)  # they import numpy before they work
+            return found
+        sleep(0.05)
+    raise AssertionError("no workers")
+
+
+@needs_proc
+@pytest.mark.parametrize(
+    ("number", "code", "word"),
+    [
+        (signal.SIGINT, 130, "interrupted"),
+        (signal.SIGTERM, 143, "ended on request"),
+        (signal.SIGHUP, 129, "hung up"),
+    ],
+)
+def test_a_signal_to_the_main_process(number, code, word, start, tmp_path):
+    """Interrupted, ended or hung up: its code, no worker and no file is left."""
+    process = start(*TWO_WORKERS)
+    workers_of(process)
+    process.send_signal(number)
+    _, talk = process.communicate(timeout=PATIENCE)
+    assert process.returncode == code
+    assert f"{word}; nothing was written" in talk.decode()
+    assert "Traceback" not in talk.decode()
+    assert is_gone(process.pid)
+    assert contents(tmp_path) == {}
+
+
+@needs_proc
+def test_workers_end_with_a_main_process_that_was_killed(start, tmp_path):
+    """Killed outright, the main process leaves no worker behind."""
+    process = start(*TWO_WORKERS)
+    workers_of(process)
+    process.kill()
+    process.wait(timeout=PATIENCE)
+    assert is_gone(process.pid)
+    assert contents(tmp_path) == {}
+
+
+@needs_proc
+def test_a_killed_worker(start, tmp_path):
+    """A worker that is killed: exit 2, what to do, no process and no file left."""
+    process = start(*TWO_WORKERS)
+    os.kill(workers_of(process)[0], signal.SIGKILL)
+    _, talk = process.communicate(timeout=PATIENCE)
+    text = talk.decode()
+    assert "a worker died before its task was done" in text
+    assert "Traceback" not in text
+    assert process.returncode == 2
+    assert is_gone(process.pid)
+    assert contents(tmp_path) == {}
+
+
+def test_nohup_keeps_its_meaning(start):
+    """Where a hang-up is ignored when the command starts, it stays ignored."""
+    process = start("bash", "-c", 'trap "" HUP; exec "$@"', "bash", *BUDGET, *LONG_RUN)
+    sleep(4.0)  # well into the trials
+    process.send_signal(signal.SIGHUP)
+    sleep(1.0)
+    assert process.poll() is None
+    process.send_signal(signal.SIGTERM)
+    process.communicate(timeout=PATIENCE)
+    assert process.returncode == 143

@@ -1,0 +1,238 @@
+"""Streams and terminals as they may be found: closed, full, narrow, of any locale."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+from pathlib import Path
+
+import pytest
+from failing import (
+    BUDGET,
+    FOREIGN,
+    GERAET,
+    GRADE,
+    GUM,
+    NOT_MET,
+    PATIENCE,
+    PRINTING,
+    WRITING,
+    assert_whole,
+    contents,
+    environment,
+    run,
+    said,
+)
+
+from budget.cli import app
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="faults of POSIX systems")
+
+
+def test_every_command_is_called_here():
+    """A command that is added is tried with every fault too."""
+    called = {words[0] for words in (*PRINTING.values(), *WRITING.values())}
+    known = {
+        command.name or command.callback.__name__ for command in app.registered_commands
+    }
+    assert called - {"--help", "--version"} == known
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")
+@pytest.mark.parametrize("name", PRINTING)
+def test_a_full_disk_behind_stdout(name, tmp_path):
+    """Exit 2 and a message: what was printed did not arrive."""
+    outcome = run(*PRINTING[name], folder=tmp_path, streams="> /dev/full")
+    text = said(outcome)
+    assert "standard output: the system refused: No space left on device" in text
+    assert outcome.returncode == 2
+
+
+@pytest.mark.parametrize("name", PRINTING)
+def test_a_closed_stdout_is_an_output_that_is_not_wanted(name, tmp_path):
+    """With stdout closed a command does its work, and returns its code."""
+    outcome = run(*PRINTING[name], folder=tmp_path, streams=">&-")
+    said(outcome)
+    assert outcome.returncode == (1 if name in NOT_MET else 0)
+
+
+ONE_EACH = ("analyze", "compare", "devices", "paper", "validate", "schema", "diff")
+
+
+@pytest.mark.parametrize("name", ONE_EACH)
+def test_no_terminal_and_no_streams_at_all(name, tmp_path):
+    """All three streams closed, and no terminal to fall back on: the same code."""
+    process = subprocess.run(
+        ["bash", "-c", 'exec setsid -w "$@" <&- >&- 2>&-', "bash", *BUDGET]
+        + [str(word) for word in PRINTING[name]],
+        cwd=tmp_path,
+        env=environment(),
+        check=False,
+        timeout=PATIENCE,
+    )
+    assert process.returncode == (1 if name in NOT_MET else 0)
+
+
+def test_files_are_whole_where_all_streams_are_closed(tmp_path):
+    """A file does not get the number of a closed stream, nor what is printed there."""
+    outcome = run(
+        *WRITING["paper"],
+        folder=tmp_path,
+        streams="<&- >&- 2>&-",
+        SOURCE_DATE_EPOCH="0",
+    )
+    assert outcome.returncode == 0
+    closed = contents(tmp_path)
+    assert (
+        run(*WRITING["paper"], folder=tmp_path, SOURCE_DATE_EPOCH="0").returncode == 0
+    )
+    assert contents(tmp_path) == closed
+    assert sorted(closed) == ["a.csv", "a.html", "a.pdf"]
+
+
+@pytest.mark.parametrize("name", PRINTING)
+def test_a_reader_that_has_enough(name, tmp_path):
+    """A pipe closed by its reader ends the command quietly, files or none."""
+    words = [*BUDGET, *map(str, PRINTING[name])]
+    with subprocess.Popen(
+        words,
+        cwd=tmp_path,
+        env=environment(),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    ) as process:
+        process.stdout.close()  # before anything is written
+        text = process.stderr.read().decode()
+    assert "Traceback" not in text
+    assert "Exception ignored" not in text
+    # By the signal itself, or with the code that shells give to it; help and version
+    # are typer's own.
+    quiet = {-signal.SIGPIPE, 141} | ({1} if name in {"help", "version"} else set())
+    assert process.returncode in quiet
+
+
+# ---- locales and terminals ----------------------------------------------------------
+
+LOCALES = {
+    "C": dict(LANG="C", LC_ALL="C", PYTHONIOENCODING=None),
+    "POSIX, bytes": dict(
+        LC_ALL="POSIX",
+        PYTHONCOERCECLOCALE="0",
+        PYTHONUTF8="0",
+        PYTHONIOENCODING=None,
+    ),
+    "ASCII": dict(LC_ALL="C", PYTHONIOENCODING="ascii"),
+    "Latin-1": dict(PYTHONIOENCODING="latin-1"),
+    "bare": dict(
+        dict.fromkeys(("HOME", "USER", "LOGNAME", "LANG", "LC_ALL", "TERM")),
+        PYTHONIOENCODING=None,
+    ),
+}
+NAMED = {
+    "analyze": ("analyze", "{}", "--no-validate"),
+    "analyze json": ("analyze", "{}", "--no-validate", "--json", "-"),
+    "analyze csv": ("analyze", "{}", "--no-validate", "--csv", "-"),
+    "allocate": ("allocate", "{}", *GRADE, "--no-validate"),
+    "compare": ("compare", "{}", *GRADE, *GUM),
+    "compare json": ("compare", "{}", *GRADE, *GUM, "--json", "-"),
+    "devices": ("devices", "{}"),
+    "devices json": ("devices", "{}", "--json", "-"),
+    "validate": ("validate", "{}"),
+    "validate missing": ("validate", "\u6d4b.yaml"),
+    "report": ("report", "{}", "--no-validate", "-o", "\u6d4b.html"),
+}
+
+
+@pytest.mark.parametrize("locale", LOCALES)
+@pytest.mark.parametrize("name", NAMED)
+def test_names_beyond_ascii_in_any_locale(name, locale, tmp_path):
+    """A device and a file of foreign names: every command does its work."""
+    file = f"{GERAET}.yaml"
+    (tmp_path / file).write_text(FOREIGN, encoding="utf-8")
+    words = [word.format(file) for word in NAMED[name]]
+    outcome = run(*words, folder=tmp_path, **LOCALES[locale])
+    said(outcome)
+    wanted = {"validate missing": 2, "compare": 1, "compare json": 1}.get(name, 0)
+    assert outcome.returncode == wanted, outcome.stderr.decode(errors="replace")
+    if name.endswith("json"):
+        encoding = "latin-1" if locale == "Latin-1" else "utf-8"
+        document = json.loads(outcome.stdout.decode(encoding))
+        text = json.dumps(document, ensure_ascii=False)
+        assert GERAET in text
+        assert "\\udc" not in json.dumps(document)  # no halves of bytes
+
+
+def test_a_document_in_a_pipe_is_the_one_in_a_file(tmp_path):
+    """In the locale C, stdout and the file get the same UTF-8 bytes."""
+    (tmp_path / "d.yaml").write_text(FOREIGN, encoding="utf-8")
+    call = ("analyze", "d.yaml", "--no-validate", "--json")
+    piped = run(*call, "-", folder=tmp_path, **LOCALES["POSIX, bytes"])
+    run(*call, "a.json", folder=tmp_path, **LOCALES["POSIX, bytes"])
+    assert piped.stdout == (tmp_path / "a.json").read_bytes()
+    assert "\u6d4b".encode() in piped.stdout
+
+
+def test_a_file_name_that_is_no_text(tmp_path):
+    """Bytes that are no UTF-8 in a file's name are shown as such, in valid JSON."""
+    name = b"g\xff.yaml"
+    try:
+        Path(os.fsdecode(bytes(tmp_path) + b"/" + name)).write_text(
+            FOREIGN, encoding="utf-8"
+        )
+    except OSError:
+        pytest.skip("the file system takes no such names")
+    outcome = subprocess.run(
+        [*BUDGET, "analyze", name, "--no-validate", "--json", "a.json"],
+        cwd=tmp_path,
+        env=environment(),
+        capture_output=True,
+        check=False,
+    )
+    said(outcome)
+    assert outcome.returncode == 0
+    inputs = json.loads((tmp_path / "a.json").read_bytes())["inputs"]
+    assert "g\N{REPLACEMENT CHARACTER}.yaml" in json.dumps(inputs, ensure_ascii=False)
+
+
+@pytest.mark.parametrize("name", WRITING)
+def test_no_home_and_no_temporary_folder(name, tmp_path):
+    """Caches and scratch files of libraries are not needed by any command."""
+    nowhere = "/nonexistent"
+    outcome = run(
+        *WRITING[name],
+        folder=tmp_path,
+        USER=None,
+        LOGNAME=None,
+        **dict.fromkeys(
+            ("HOME", "TMPDIR", "TEMP", "TMP", "XDG_CACHE_HOME", "XDG_CONFIG_HOME"),
+            nowhere,
+        ),
+        MPLCONFIGDIR=None,
+    )
+    said(outcome)
+    assert outcome.returncode in {0, 1}
+    written = list(tmp_path.iterdir())
+    assert written
+    for path in written:
+        assert_whole(path)
+
+
+TABLES = [name for name in PRINTING if not name.endswith(("json", "csv"))]
+ODD_WIDTHS = ("1", "0", "-5", "wide", "100000", "\N{SUPERSCRIPT TWO}")
+
+
+@pytest.mark.parametrize(
+    ("name", "columns"),
+    [
+        *((name, "40") for name in TABLES),
+        *(("analyze", columns) for columns in ODD_WIDTHS),
+    ],
+)
+def test_terminals_of_any_width(name, columns, tmp_path):
+    """Whatever COLUMNS says, tables are printed and nothing fails."""
+    outcome = run(*PRINTING[name], folder=tmp_path, COLUMNS=columns)
+    said(outcome)
+    assert outcome.returncode == (1 if name in NOT_MET else 0)
+    assert outcome.stdout
