@@ -28,7 +28,7 @@ def test_a_limit_on_the_size_of_files(name, tmp_path):
         resource.setrlimit(resource.RLIMIT_FSIZE, (2048, 2048))
 
     outcome = run(*WRITING[name], folder=tmp_path, before=limit)
-    refused = {  # a PDF is prepared in the folder for temporary files, which comes first
+    refused = {  # a PDF is prepared first, in the folder for temporary files
         "paper": "the folder for temporary files (File too large)",
     }.get(name, "the system refused: File too large")
     assert refused in said(outcome)
