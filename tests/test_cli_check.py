@@ -463,6 +463,23 @@ class TestSave:
         assert moved.code == 1
         assert f"{KEY}: 0.04 deg/h -> 0.0404 deg/h" in moved.out
 
+    @pytest.mark.parametrize(
+        "args",
+        [
+            ("--method", "monte-carlo", "--interval", "shortest"),
+            ("--method", "simulation", "--trials", "3"),
+            ("--method", "monte-carlo", "--trials", "5000", "--only", "bias_stability"),
+            ("--sobol", "--samples", "32", "--coverage", "99 %"),
+        ],
+        ids=" ".join,
+    )
+    def test_other_methods(self, folder, args):
+        """Adaptive trials, simulation, one source alone, indices: stored, and hold."""
+        run = call("check", "--save", "m.json", "imu.yaml", *args)
+        assert run.code == 0, run.err
+        assert any(n.is_sampled for n in stored(folder / "m.json").snapshot.numbers)
+        assert call("check", "m.json").code == 0
+
     def test_a_variant_that_is_new(self, folder):
         """A comparison of a file takes all its variants: a new one is a move."""
         more = DEVICE + "variants:\n  A: {notes: one}\n"

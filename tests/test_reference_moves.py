@@ -14,7 +14,7 @@ from budget.report.reference.tables import move_table
 from budget.studies.reference.moves import FALSE_ALARM, find_moves, probability_of
 from budget.studies.reference.records import EXACT, Key, Number, Snapshot, Word
 
-PAIRS = 40
+PAIRS = 30
 TRIALS = 2000
 
 
@@ -42,7 +42,7 @@ class TestSeeds:
     """Another seed is no move."""
 
     def test_no_pair_of_seeds_moves(self, seeds):
-        """At the level of the check, 40 pairs of seeds give no move at all."""
+        """At the level of the check, 30 pairs of seeds give no move at all."""
         assert FALSE_ALARM == 1e-4
         for one, other in zip(seeds[::2], seeds[1::2], strict=True):
             assert find_moves(one, other) == ()
