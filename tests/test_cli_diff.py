@@ -228,7 +228,7 @@ class TestReferences:
             (folder / "imu.yaml").write_text(BETTER)
         run = call("diff", "a.json", "b.json")
         assert run.code == 0
-        assert "Gyro, utilisation\n  imu.yaml" in run.out
+        assert "gyro, utilisation\n  imu.yaml" in run.out
 
 
 @pytest.mark.usefixtures("folder")

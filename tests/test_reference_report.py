@@ -61,9 +61,9 @@ def test_axes_that_say_the_same_are_one_row():
 @pytest.mark.parametrize(
     ("subject", "title", "label"),
     [
-        ("hg4930.yaml#C gyro.bias.x", "Hg4930.yaml#C gyro bias, u [deg/h]", "x"),
-        ("hg4930.yaml#C gyro", "Gyro, u [deg/h]", "hg4930.yaml#C"),
-        ("my imu.yaml gyro", "Gyro, u [deg/h]", "my imu.yaml"),
+        ("hg4930.yaml#C gyro.bias.x", "hg4930.yaml#C gyro bias, u [deg/h]", "x"),
+        ("hg4930.yaml#C gyro", "gyro, u [deg/h]", "hg4930.yaml#C"),
+        ("my imu.yaml gyro", "gyro, u [deg/h]", "my imu.yaml"),
         ("gyro.bias_stability", "Gyro, u [deg/h]", "bias stability"),
         ("gyro", "Gyro, u [deg/h]", ""),
     ],

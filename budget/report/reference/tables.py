@@ -222,7 +222,9 @@ def _title(move: Move) -> str:
         name = output_title if is_output else source_title
         quantity = f"{quantity} {name(move.key.partner)}"
     unit = f" [{move.unit}]" if move.unit not in {"", "1"} else ""
-    return f"{group[:1].upper()}{group[1:]}, {quantity}{unit}"
+    # The name of a file stays as it is.
+    title = group if " " in move.key.subject else group[:1].upper() + group[1:]
+    return f"{title}, {quantity}{unit}"
 
 
 def _split(subject: str) -> tuple[str, str]:
