@@ -55,7 +55,7 @@ def environment(**more):
     return {name: text for name, text in every.items() if text is not None}
 
 
-def run(*args, folder, streams="", before=None, user=None, **more):
+def run(*args, folder, streams="", before=None, **more):
     """Run a command in a folder; `streams` redirects."""
     words = [*BUDGET, *map(str, args)]
     if streams:
@@ -67,8 +67,6 @@ def run(*args, folder, streams="", before=None, user=None, **more):
         capture_output=True,
         check=False,
         preexec_fn=before,
-        user=user,
-        group=user,
         timeout=PATIENCE,
     )
 
