@@ -303,8 +303,8 @@ class TestRefused:
         assert "is larger than 65536 bytes" in refused(path, signed(content))
 
     @pytest.mark.parametrize("text", ["", "name: [", "limits: {}", "gyro: {}", "- 1"])
-    def test_a_stored_text_that_is_no_device(self, path, text):
-        """A stored input that cannot be read is told with its place; exit code 2."""
+    def test_a_stored_text_that_cannot_be_read(self, path, text):
+        """It only explains: the check goes on, and says that nothing explains."""
         content = json.loads(path.read_bytes())
         content["inputs"][0] |= {
             "text": text.split("\n"),
@@ -312,6 +312,14 @@ class TestRefused:
         }
         path.write_text(signed(content), encoding="utf-8")
         run = call("check", path)
+        assert run.code == 0
+        assert "stored inputs read when stored -> not read by this" in run.out
+        device = path.with_name("imu.yaml")
+        device.write_text(DEVICE.replace("0.05 deg/h", "0.06 deg/h"))
+        run = call("check", path)
+        assert run.code == 1
+        assert "tool: stored inputs: read when stored -> not read by this" in run.out
+        run = call("diff", path, device)
         assert run.code == 2
         assert "stored imu.yaml:1:" in run.err
 

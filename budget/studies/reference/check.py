@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from budget.errors import CallError
+from budget.errors import BudgetError, CallError
 from budget.studies.reference.explain import (
     Side,
     explain,
@@ -15,14 +15,28 @@ from budget.studies.reference.explain import (
 from budget.studies.reference.jobs import check_asked, compute
 from budget.studies.reference.moves import find_moves
 from budget.studies.reference.parts import present_parts, stored_parts
-from budget.studies.reference.records import Checked, Difference, Reference
+from budget.studies.reference.records import (
+    TOOL,
+    Change,
+    Checked,
+    Difference,
+    Reference,
+)
 from budget.studies.reference.store import present_versions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from budget.studies.reference.records import Asked, StoredInput
+    from budget.studies.reference.records import Asked, Part, StoredInput
+
+# What takes the place of causes where the stored inputs cannot be read.
+_UNREADABLE = Change(
+    where=TOOL,
+    key="stored inputs",
+    before="read when stored",
+    after="not read by this version",
+)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -87,8 +101,13 @@ def check(
     moves = find_moves(reference.snapshot, snapshot)
     stored = reference.snapshot
     versions = present_versions()
-    then = stored_parts(reference.inputs, reference=name, job=job)
-    if moves:
+    then = _parts_then(reference, name)
+    if then is None:
+        changes: tuple[Change, ...] = (
+            _UNREADABLE,
+            *version_changes(reference.versions, versions),
+        )
+    elif moves:
         told = explain(
             job,
             Side(parts=then, asked=asked, snapshot=stored, versions=reference.versions),
@@ -109,6 +128,17 @@ def check(
         moves=moves,
         changes=changes,
     )
+
+
+def _parts_then(reference: Reference, name: str) -> tuple[Part, ...] | None:
+    """Return the stored inputs; None where this version reads them no longer.
+
+    They only explain: that they cannot be read stops no check.
+    """
+    try:
+        return stored_parts(reference.inputs, reference=name, job=reference.job)
+    except BudgetError:
+        return None
 
 
 def stored_side(reference: Reference, *, name: str) -> NamedSide:
