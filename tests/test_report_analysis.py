@@ -154,6 +154,22 @@ def test_meeting_report_says_the_margin():
     )
 
 
+@pytest.mark.parametrize("required", [True, False])
+def test_page_one_says_that_sources_were_left_out(required):
+    """A verdict on chosen sources alone says so, and so does every running head."""
+    budget = make_budget()
+    chosen = replace(budget.settings, only=("gyro.bias_stability", "sample_noise"))
+    budget = replace(budget, settings=chosen)
+    report = document(budget, assessment=make_assessment(budget) if required else None)
+
+    assert report.running_head.endswith(", chosen sources alone")
+    assert say(report.summary).startswith(
+        "Only these sources are counted: gyro bias stability, sample noise. All other "
+        "lines are set to zero in this run, so this is not the budget of the whole "
+        "device. "
+    )
+
+
 def test_causes_are_ranked_by_what_they_do_to_the_limits():
     """With a requirement the causes in groups beyond their limits stand first."""
     items = section(failing(), "causes").blocks[0].items

@@ -12,7 +12,16 @@ from budget.report.analysis.wording import (
     first_up,
     value,
 )
-from budget.report.blocks import Card, Cell, Column, Paragraph, RowGroup, Section, Table
+from budget.report.blocks import (
+    Card,
+    Cell,
+    Column,
+    Paragraph,
+    RowGroup,
+    Run,
+    Section,
+    Table,
+)
 from budget.report.tables import (
     Number,
     output_title,
@@ -40,34 +49,22 @@ SPARE = 0.01  # of the limit [1]; a margin below it is no margin to speak of
 
 
 def headline(budget: Budget, assessment: Assessment | None) -> str:
-    """Return the answer in one line: 'FAILS navigation grade'."""
+    """Return the answer in one line: 'FAILS navigation grade'.
+
+    It stands on every printed page, so it says where sources were left out.
+    """
+    part = ", chosen sources alone" if budget.settings.only else ""
     if assessment is None:
-        return (
-            f"Error budget, U at {print_coverage(budget.settings.coverage)} % coverage"
-        )
+        coverage = print_coverage(budget.settings.coverage)
+        return f"Error budget, U at {coverage} % coverage{part}"
     given = {sensor.verdict for sensor in assessment.sensors}
     overall = next(word for word in SEVERITY if word in given)
-    return f"{VERDICTS[overall]} {assessment.requirement}"
+    return f"{VERDICTS[overall]} {assessment.requirement}{part}"
 
 
 def summary(budget: Budget, assessment: Assessment | None) -> Words:
     """Return the answer in a sentence or two: margin, and what errors are."""
-    basis = _basis(budget.settings)
-    if assessment is None:
-        counted = first_up(REFERENCES[budget.settings.reference])
-        left = "No requirement was given: this is what the calibration leaves."
-        return (f"{left} {counted}.",)
-    total = len(assessment.outputs)
-    beyond = sum(not row.is_within for row in assessment.outputs)
-    worst = max(row.utilisation for row in assessment.outputs)
-    if beyond:
-        by = print_utilisation(worst - 1.0)
-        found = f"{beyond} of {total} required outputs exceed their limits, by up to "
-        return (f"{found}{by} of the limit. ", basis)
-    found = f"All {total} required outputs stay within their limits"
-    if 1.0 - worst >= SPARE:
-        found += f", with {print_utilisation(1.0 - worst)} of the nearest one to spare"
-    return (f"{found}. ", basis)
+    return (*_left_out(budget.settings), *_margin(budget, assessment))
 
 
 def verdict_cards(budget: Budget, assessment: Assessment) -> tuple[Card, ...]:
@@ -144,6 +141,38 @@ def largest_error(budget: Budget, row: OutputAssessment) -> Number:
         resolution=row.output.resolution / scale,
     )
     return Number(text=text, exact=error)
+
+
+def _left_out(settings: Settings) -> Words:
+    """Say that sources were left out, where they were."""
+    if not settings.only:
+        return ()
+    only = ", ".join(map(output_title, settings.only))
+    text = (
+        f"Only these sources are counted: {only}. All other lines are set to zero in "
+        "this run, so this is not the budget of the whole device. "
+    )
+    return (Run(text=text, strong=True),)
+
+
+def _margin(budget: Budget, assessment: Assessment | None) -> Words:
+    """Return by how much limits are held or exceeded, and what errors are."""
+    basis = _basis(budget.settings)
+    if assessment is None:
+        counted = first_up(REFERENCES[budget.settings.reference])
+        left = "No requirement was given: this is what the calibration leaves."
+        return (f"{left} {counted}.",)
+    total = len(assessment.outputs)
+    beyond = sum(not row.is_within for row in assessment.outputs)
+    worst = max(row.utilisation for row in assessment.outputs)
+    if beyond:
+        by = print_utilisation(worst - 1.0)
+        found = f"{beyond} of {total} required outputs exceed their limits, by up to "
+        return (f"{found}{by} of the limit. ", basis)
+    found = f"All {total} required outputs stay within their limits"
+    if 1.0 - worst >= SPARE:
+        found += f", with {print_utilisation(1.0 - worst)} of the nearest one to spare"
+    return (f"{found}. ", basis)
 
 
 def _verdict_card(
