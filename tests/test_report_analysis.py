@@ -325,6 +325,39 @@ def test_formula_of_the_paper_is_shown_where_it_is_used():
     assert "Gyro bias, eq. (4) as printed" in lines(document(formulas="paper"))
 
 
+def test_letters_of_the_formulas_are_named():
+    """A letter that a formula uses is explained: matrix, latitude, K of a walk."""
+    walk = replace(make_device().gyro.lines[0], name="rate_random_walk")
+    gyro = replace(make_device().gyro, lines=(*make_device().gyro.lines, walk))
+    report = document(device=replace(make_device(), gyro=gyro))
+    said = " ".join(lines(section(report, "method")))
+    notes = {e.number for e in find(report, Equation)}
+
+    for words in (
+        *("\u0394T the matrix of them", "I the unit matrix", "g gravity"),
+        *("at latitude \u03c6", "number of pulses a second over the azimuths"),
+        "number of pulses a second of axis i",
+    ):
+        assert words in said
+    assert {
+        "random walk K from t = 0",
+        "first-order Gauss-Markov, \u03c3 and correlation time \u03c4",
+        "white per sample, \u03c3 at rate f",
+    } <= notes
+
+
+@pytest.mark.parametrize("method", ["gum", "monte-carlo"])
+def test_the_formulas_claim_no_check(method):
+    """What is held against Monte Carlo is said where it was, not with the formulas."""
+    outputs = tuple(replace(row, validation=None) for row in make_budget().outputs)
+    budget = make_budget(outputs=outputs)
+    budget = replace(budget, settings=replace(budget.settings, method=method))
+    report = document(budget)
+
+    assert "validity" not in names(report)
+    assert "against Monte Carlo" not in " ".join(lines(section(report, "method")))
+
+
 def test_every_parameter_has_its_formula():
     """24 parameters: 9 and one vector equation of the gyro, 12 of the accelerometer."""
     panels = [
@@ -341,9 +374,9 @@ def test_noise_formulas_are_those_of_the_lines_given():
     """Processes that no data sheet gives have no formula."""
     notes = {e.number for e in find(section(example(), "method"), Equation)}
 
-    assert "first-order Gauss-Markov" in notes
-    assert "white per sample, rate f" in notes
-    assert "random walk from t = 0" not in notes
+    assert "first-order Gauss-Markov, \u03c3 and correlation time \u03c4" in notes
+    assert "white per sample, \u03c3 at rate f" in notes
+    assert "random walk K from t = 0" not in notes
 
 
 def test_provenance_names_the_inputs():

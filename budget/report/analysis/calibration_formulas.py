@@ -52,7 +52,7 @@ FACE_ANGLES = (
 DELTA, EPSILON, NABLA, OMEGA, PHI = "\u03b4", "\u03b5", "\u2207", "\u03c9", "\u03c6"
 MINUS, PLUS = "\N{MINUS SIGN}", "+"
 TILT = line(upright("\u0394"), "T")
-MEAN_COUNT = fraction(Mean(base=Letter(text="N")), Letter(text="K"))
+MEAN_OUTPUT = fraction(Mean(base=Letter(text="N")), Letter(text="K"))
 MEAN_RATE = Mean(base=Letter(text=OMEGA))
 TRANSPOSED_TILT = line(
     upright("\u0394"), Sup(base=Letter(text="T"), exponent=upright("T"))
@@ -67,10 +67,16 @@ def notation() -> Words:
         " is a scale factor, ",
         Letter(text=DELTA),
         " a mounting angle, ",
+        TILT,
+        " the matrix of them in its eq. (1), ",
         Letter(text=EPSILON),
         " and ",
         Letter(text=NABLA),
-        " the bias of gyro and accelerometer.",
+        " the bias of gyro and accelerometer, ",
+        Letter(text="I"),
+        " the unit matrix, ",
+        Letter(text="g"),
+        " gravity.",
     )
 
 
@@ -104,21 +110,23 @@ def gyro_bias_panel(formulas: str) -> Panel:
     identity = Letter(text="I")
     corrected = equals(
         Letter(text=EPSILON),
-        line(MEAN_COUNT, sign(MINUS), brackets(identity, sign(PLUS), TILT), MEAN_RATE),
+        line(MEAN_OUTPUT, sign(MINUS), brackets(identity, sign(PLUS), TILT), MEAN_RATE),
     )
     printed = line(
         brackets(identity, sign(PLUS), TRANSPOSED_TILT),
-        MEAN_COUNT,
+        MEAN_OUTPUT,
         sign(MINUS),
         MEAN_RATE,
     )
     letters: Words = (
         Mean(base=Letter(text="N")),
-        " is the mean count over the azimuths, ",
+        " is the mean number of pulses a second over the azimuths, ",
         MEAN_RATE,
         " the mean earth rate there in body axes, (0, 0, ",
         line(OMEGA, upright("sin"), PHI),
-        ") where they balance. ",
+        ") at latitude ",
+        Letter(text=PHI),
+        " where they balance. ",
     )
     if formulas == "paper":
         words: Words = (
@@ -168,8 +176,9 @@ def accelerometer_panel() -> Panel:
         sub("N", "i"),
         brackets("j"),
         (
-            ": mean count of axis i over the two dwells with z up (j = 1), z down (2), "
-            "x up (3), x down (4), y up (5), y down (6). The paper prints "
+            ": mean number of pulses a second of axis i over the two dwells with z up "
+            "(j = 1), z down (2), x up (3), x down (4), y up (5), y down (6). The "
+            "paper prints "
         ),
         sub(DELTA, "yz"),
         " with the counts of x, and ",
@@ -193,7 +202,7 @@ def _panel(title: str, words: Words, equations: Sequence[Math]) -> Panel:
 
 
 def _faces(axis: str, face: int, operator: str) -> Math:
-    """Return the mean counts of one face and of its opposite, joined by a sign."""
+    """Return the mean outputs of one face and of its opposite, joined by a sign."""
     up, down = (
         line(sub("N", axis), brackets(upright(str(place))))
         for place in (face, face + 1)

@@ -70,8 +70,8 @@ def law_panel() -> Panel:
         U_X,
         (
             ": covariance of the inputs; an input that is not normal adds its fourth "
-            "moment. JCGM 100:2008, eq. (13) and the note to 5.1.2. The interval ends "
-            "are held against Monte Carlo as JCGM 101:2008, 8.1 asks."
+            "moment. JCGM 100:2008, eq. (13) and the note to 5.1.2, without the third "
+            "derivatives of that note."
         ),
     )
     return _panel("Law of propagation", words, [(mean, ""), (covariance, "")])
@@ -103,7 +103,10 @@ def noise_panel(lines: AbstractSet[str]) -> Panel | None:
         found.append((fraction(_square("N"), length), "white, density N"))
     if "sample_noise" in lines:
         found.append(
-            (fraction(_square(SIGMA), line("f", length)), "white per sample, rate f")
+            (
+                fraction(_square(SIGMA), line("f", length)),
+                f"white per sample, {SIGMA} at rate f",
+            )
         )
     if "bias_stability" in lines:
         ratio = fraction(length, Letter(text=TAU))
@@ -120,13 +123,14 @@ def noise_panel(lines: AbstractSet[str]) -> Panel | None:
             ),
             brackets(ratio, sign(MINUS), upright("1"), sign(PLUS), decay),
         )
-        found.append((gauss_markov, "first-order Gauss-Markov"))
+        note = f"first-order Gauss-Markov, {SIGMA} and correlation time {TAU}"
+        found.append((gauss_markov, note))
     if lines & {"rate_random_walk", "acceleration_random_walk"}:
         walk = line(
             _square("K"),
             brackets("s", sign(PLUS), fraction(length, upright("3"))),
         )
-        found.append((walk, "random walk from t = 0"))
+        found.append((walk, "random walk K from t = 0"))
     if not found:
         return None
     words: Words = (
