@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import fields, is_dataclass
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 from budget.report.blocks import Run
@@ -174,5 +174,5 @@ def _tree(math: Math) -> dict[str, Any]:
         if isinstance(value, tuple):
             plain[entry.name] = [_tree(part) for part in value]
         else:
-            plain[entry.name] = _tree(value) if is_dataclass(value) else value
+            plain[entry.name] = value if isinstance(value, str | bool) else _tree(value)
     return plain
