@@ -477,7 +477,7 @@ def test_part_beyond_the_limit_is_that_of_the_normal_law():
     assert_allclose(part_beyond(make_density(1e-9)), 1.0, rtol=1e-6)
 
 
-def test_density_title_says_how_often_the_limit_is_passed():
+def test_density_title_says_how_often_the_limit_is_exceeded():
     """The finding is a share of the trials, 'none' where there is none."""
     titles = [
         figures.density_title(make_density(limit), coverage=0.95)
@@ -485,8 +485,8 @@ def test_density_title_says_how_often_the_limit_is_passed():
     ]
 
     assert titles == [
-        "Gyro bias z passes its limit in 5 % of the trials",
-        "Gyro bias z passes its limit in none of 100 000 trials",
+        "Gyro bias z exceeds its limit in 5 % of the trials",
+        "Gyro bias z exceeds its limit in none of 100 000 trials",
         "Gyro bias z: 95 % of the errors lie between -0.098 and 0.098 deg/h",
     ]
 

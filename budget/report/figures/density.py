@@ -112,7 +112,7 @@ def density_step(density: Density, *, coverage: float) -> Figure:
 
 
 def density_title(density: Density, *, coverage: float) -> str:
-    """State the finding: how often the limit is passed, or where the errors lie."""
+    """State the finding: how often the limit is exceeded, or where the errors lie."""
     name = capital(output_title(density.output.name))
     if density.limit is None:
         low, high = (_round(density, end) for end in density.interval_mc)
@@ -123,9 +123,9 @@ def density_title(density: Density, *, coverage: float) -> str:
     beyond = part_beyond(density)
     if beyond == 0.0:
         return (
-            f"{name} passes its limit in none of {print_count(density.trials)} trials"
+            f"{name} exceeds its limit in none of {print_count(density.trials)} trials"
         )
-    return f"{name} passes its limit in {print_share(beyond)} of the trials"
+    return f"{name} exceeds its limit in {print_share(beyond)} of the trials"
 
 
 def density_alt(density: Density, *, coverage: float) -> str:
