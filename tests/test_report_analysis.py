@@ -471,13 +471,30 @@ def test_what_if_says_where_the_report_does_not_stand_on_the_law():
     budget = make_budget()
     first = budget.outputs[0]
     refused = replace(first, validation=replace(first.validation, holds=False))
-    doubtful = document(replace(budget, outputs=(refused, *budget.outputs[1:])))
+    doubted = replace(budget, outputs=(refused, *budget.outputs[1:]))
+    wanted = load_requirement(TACTICAL)
+    evidence = gather_evidence(
+        replace(budget, settings=replace(budget.settings, reference=wanted.reference)),
+        (make_device(),),
+        procedure=make_procedure(),
+        requirement=wanted,
+    )
+    doubtful = document(doubted)
+    judged = document(doubted, evidence=evidence)
     settings = replace(budget.settings, method="monte-carlo", trials=1000)
     drawn = document(replace(budget, settings=settings))
 
-    assert "The law failed its check for gyro scale factor x: there" in " ".join(
+    failed = "The law failed its check for gyro scale factor x: there"
+    assert f"{failed} the numbers of this section are in doubt." in " ".join(
         lines(section(doubtful, "what-if"))
     )
+    assert f"{failed} the verdict on page one stands on Monte Carlo." in " ".join(
+        lines(section(judged, "what-if"))
+    )
+    assert say(doubtful.cards[0].lines[-1]) == (
+        "In doubt: the law failed its check on x."
+    )
+    assert not any("doubt" in say(line) for line in doubtful.cards[1].lines)
     assert "The budget itself is by monte-carlo." in " ".join(
         lines(section(drawn, "what-if"))
     )

@@ -234,7 +234,15 @@ def _group_card(group: GroupTable) -> Card:
     causes = group.causes
     if causes != "no spread":
         causes += " of the variance"
-    return Card(title=first_up(group.title), lines=((*first, f" ({where})"), (causes,)))
+    lines: list[Words] = [(*first, f" ({where})"), (causes,)]
+    refused = [
+        row.axis
+        for row in group.rows
+        if row.check is not None and row.check.word == "fails"
+    ]
+    if refused:
+        lines.append((f"In doubt: the law failed its check on {', '.join(refused)}.",))
+    return Card(title=first_up(group.title), lines=tuple(lines))
 
 
 def _used(row: OutputAssessment) -> Number:

@@ -48,7 +48,7 @@ def what_if_section(
     )
     if required:
         text += " The part of the limit is the largest of the sensor's outputs."
-    text += _departures(budget)
+    text += _departures(budget, required=required)
     heads = [HEADS[step.factor] for step in rows[0].steps] if rows else []
     columns = (
         Column(head="source", weight=2.0),
@@ -89,7 +89,7 @@ def what_if_section(
     )
 
 
-def _departures(budget: Budget) -> str:
+def _departures(budget: Budget, *, required: bool) -> str:
     """Say where the rest of the report does not stand on the law."""
     if budget.settings.method != "gum":
         return f" The budget itself is by {budget.settings.method}."
@@ -100,10 +100,12 @@ def _departures(budget: Budget) -> str:
     ]
     if not refused:
         return ""
-    return (
-        f" The law failed its check for {', '.join(refused)}: there the verdict on "
-        "page one stands on Monte Carlo."
+    instead = (
+        "the verdict on page one stands on Monte Carlo"
+        if required
+        else "the numbers of this section are in doubt"
     )
+    return f" The law failed its check for {', '.join(refused)}: there {instead}."
 
 
 def _row(row: SourceSteps, *, required: bool) -> tuple[Cell, ...]:
