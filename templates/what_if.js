@@ -45,14 +45,19 @@ function evaluate(model, factors) {
   return { outputs, sensors: judge(model, outputs) };
 }
 
-/** The verdict on each sensor of which something is required. */
+/** A number without what the rounding of doubles makes of it: ties stay ties. */
+function settled(value) {
+  return Number(value.toPrecision(9));
+}
+
+/** The verdict on each sensor of which something is required; of ties the first. */
 function judge(model, rows) {
   const verdicts = [];
   for (const sensor of model.sensors) {
     let worst = null;
     model.outputs.forEach((output, k) => {
       if (rows[k].utilisation === null || !output.name.startsWith(`${sensor.name}.`)) return;
-      if (worst === null || rows[k].utilisation > rows[worst].utilisation) worst = k;
+      if (worst === null || settled(rows[k].utilisation) > settled(rows[worst].utilisation)) worst = k;
     });
     if (worst === null) continue;
     const utilisation = rows[worst].utilisation;
@@ -100,11 +105,13 @@ function signed(text) {
   return text.replace("-", "\u2212");
 }
 
-/** A part of a whole in per cent, with one decimal below a hundred. */
+/** A part of a whole in per cent, one decimal; 100 stands only where it is the whole. */
 function perCent(part) {
   const value = 100 * part;
   if (value > 0 && value < 0.05) return "<0.1 %";
-  return `${value >= 99.95 ? value.toFixed(0) : value.toFixed(1)} %`;
+  const text = value.toFixed(value >= 99.95 ? 0 : 1);
+  if (text !== "100" || Math.abs(value - 100) < 1e-7) return `${text} %`;
+  return value < 100 ? ">99.9 %" : ">100 %";
 }
 
 /** Make an element with attributes and what is in it; texts are set as text only. */

@@ -196,6 +196,38 @@ def test_missing_line_makes_a_pass_undecidable(browser, tmp_path):
         assert "Gyro: FAILS" in said.inner_text()
 
 
+def test_of_outputs_alike_the_first_is_the_worst(browser, path):
+    """A difference of rounding does not make the page name another output."""
+    model = {
+        "sensors": [{"name": "gyro", "missing": []}],
+        "outputs": [{"name": f"gyro.bias.{axis}"} for axis in "xyz"],
+    }
+    used = (0.5, 0.5 * (1.0 + 1e-15), 0.4)
+    rows = [{"utilisation": part} for part in used]
+    with opened(browser, path) as (page, _):
+        (found,) = page.evaluate("([m, rows]) => judge(m, rows)", [model, rows])
+
+    assert used[1] > used[0]
+    assert found["worst"] == 0
+
+
+@pytest.mark.parametrize(
+    ("part", "text"),
+    [
+        (0.9996, ">99.9 %"),
+        (1.0 - 1e-12, "100 %"),
+        (1.0003, ">100 %"),
+        (1.006, "101 %"),
+        (0.9994, "99.9 %"),
+        (0.0004, "<0.1 %"),
+    ],
+)
+def test_a_hundred_per_cent_is_the_whole(browser, path, part, text):
+    """Neither a share nor a part of a limit is rounded to a hundred per cent."""
+    with opened(browser, path) as (page, _):
+        assert page.evaluate("(part) => perCent(part)", part) == text
+
+
 def test_sliders_without_a_requirement_show_uncertainties(browser, tmp_path):
     """Without limits there are no columns of utilisation and no verdict."""
     model = what_if(device()).to_dict()
