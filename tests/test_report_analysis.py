@@ -290,7 +290,7 @@ def test_columns_in_which_nothing_stands_are_left_out():
     table = section(document(device=device), "inputs").blocks[0].blocks[1]
 
     assert [column.head for column in table.columns] == [
-        *("line", "as printed, meaning", "standard uncertainty, distribution")
+        *("line", "as printed, meaning", "u, distribution")
     ]
 
 

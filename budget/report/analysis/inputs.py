@@ -76,7 +76,7 @@ def _lines_table(sensor: Sensor, assumptions: Sequence[str]) -> Table:
         columns=(
             Column(head="line", weight=1.4),
             Column(head="as printed, meaning", weight=1.2),
-            Column(head="standard uncertainty, distribution", weight=1.6),
+            Column(head="u, distribution", weight=3.0),
             Column(head="condition", weight=1.6),
             Column(head="source", weight=1.2),
             Column(head="assumed", weight=1.6),
