@@ -88,6 +88,19 @@ def test_what_needs_limits_says_so(tmp_path, option, words):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("option", [("--allocate",), ("--compare", "zhao-2019")])
+def test_a_report_holds_one_budget(tmp_path, option):
+    """What counts every source is refused beside --only, which leaves some out."""
+    run = call(
+        *("report", "--requirement", TACTICAL, "--only", "bias_stability"),
+        *(*option, "-o", tmp_path / "x.html"),
+    )
+
+    assert run.code == 2
+    assert "two budgets" in run.err
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_provenance_quotes_the_command(tmp_path):
     """The command stands in the page: base names, no outputs, no workers."""
     page = tmp_path / "x.html"

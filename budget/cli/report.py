@@ -94,7 +94,9 @@ def report(
         *output,
         inputs=[*(devices or ()), *(compare or ()), procedure, requirement],
     )
-    _check_requirement(requirement, allocate=allocate, compare=bool(compare))
+    _check_extras(
+        requirement, allocate=allocate, compare=bool(compare), only=bool(only)
+    )
     loaded = options.load_devices(devices)
     how = load_procedure(procedure)
     wanted = None if requirement is None else load_requirement(requirement)
@@ -164,15 +166,16 @@ def report(
             sys.stdout.write(on_stdout)
 
 
-def _check_requirement(
-    requirement: Path | None, *, allocate: bool, compare: bool
+def _check_extras(
+    requirement: Path | None, *, allocate: bool, compare: bool, only: bool
 ) -> None:
-    """Refuse what needs limits where there are none.
+    """Refuse what needs limits or every source, where they are not there.
 
     Raises
     ------
     CallError
-        There is no requirement to share out or to compare against.
+        There is no requirement to share out or to compare against, or sources are
+        left out of the budget that allocation and comparison would count.
     """
     from budget.errors import CallError
 
@@ -186,6 +189,11 @@ def _check_requirement(
     ]
     if wants and requirement is None:
         raise CallError(f"{' and '.join(wants)}: give them with --requirement")
+    if wants and only:
+        raise CallError(
+            "--only counts some sources, --allocate and --compare count all of them: "
+            "one report would hold two budgets; write two"
+        )
 
 
 def _load_others(names: list[str]) -> tuple[Device, ...]:

@@ -88,11 +88,6 @@ def comparison_document(
     found = tables(comparison)
     several = len(comparison.procedures) > 1
     number = len({one.place for one in comparison.devices})
-    said = (
-        "Each required sensor has a device that meets."
-        if comparison.is_met
-        else "A required sensor has no device that meets."
-    )
     sections = [
         _overview(found),
         _remarks(comparison, on_first_page=True),
@@ -119,7 +114,7 @@ def comparison_document(
             f"procedure{'s' if several else ''} {', '.join(comparison.procedures)}",
         ),
         headline=_headline(comparison),
-        summary=(f"{said} {_basis(comparison)}",),
+        summary=(f"{_answer(comparison)} {_basis(comparison)}",),
         cards=tuple(_card(table, several=several) for table in found),
         sections=tuple(sections),
         json=to_json(comparison),
@@ -147,7 +142,8 @@ def comparison_sections(comparison: Comparison) -> tuple[Section, ...]:
         name="comparison",
         title=f"Comparison against {comparison.requirement}",
         blocks=(
-            Paragraph(words=(Run(text=_headline(comparison), strong=True),)),
+            # No headline here: 'MET' would be read as a verdict on the report's device.
+            Paragraph(words=(Run(text=_answer(comparison), strong=True),)),
             Paragraph(words=(_basis(comparison),), small=True),
             Listing(
                 items=tuple((capital(line),) for line in verdict_lines(found)),
@@ -171,6 +167,13 @@ def comparison_sections(comparison: Comparison) -> tuple[Section, ...]:
 def _headline(comparison: Comparison) -> str:
     """State the answer in one line."""
     return ("MET: " if comparison.is_met else "NOT MET: ") + comparison.requirement
+
+
+def _answer(comparison: Comparison) -> str:
+    """State the answer in a sentence."""
+    if comparison.is_met:
+        return "Each required sensor has a device that meets."
+    return "A required sensor has no device that meets."
 
 
 def _basis(comparison: Comparison) -> str:
