@@ -277,3 +277,12 @@ def test_interrupt_writes_nothing(tmp_path):
     assert (run.returncode, out) == (130, "")
     assert "Traceback" not in err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_name_gives_the_terminal_no_orders(tmp_path):
+    """Control characters and changes of direction in a name are shown as escapes."""
+    run = call("analyze", tmp_path / "a\x1b[2J\u202eb.yaml")
+
+    assert run.code == 2
+    assert "a\\x1b[2J\\u202eb.yaml" in run.err
+    assert "\x1b" not in run.err

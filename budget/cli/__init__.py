@@ -21,7 +21,7 @@ from budget.cli.devices import devices
 from budget.cli.diff import diff
 from budget.cli.paper import paper
 from budget.cli.report import report
-from budget.cli.streams import drop_output, prepare_streams
+from budget.cli.streams import drop_output, prepare_streams, without_controls
 from budget.errors import BudgetError
 from budget.version import __version__
 
@@ -148,5 +148,5 @@ def _end(number: int, _: FrameType | None) -> NoReturn:
 
 def _stop(message: str) -> NoReturn:
     """Say what is wrong and end."""
-    sys.stderr.write(f"{message}\n")
+    sys.stderr.write(f"{without_controls(message)}\n")
     raise SystemExit(EXIT_BAD_INPUT) from None

@@ -5,9 +5,14 @@ from __future__ import annotations
 import codecs
 import io
 import os
+import re
 import sys
 from typing import TextIO
 
+# C0 without tab and line feed, DEL and C1, line separators, changes of direction.
+CONTROL = re.compile(
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069]"
+)
 ESCAPE = "budget-escape"  # name of our way with characters that a stream cannot take
 
 
@@ -39,6 +44,14 @@ def prepare_streams() -> None:
             sys.stdout.reconfigure(errors=ESCAPE)
         else:
             sys.stdout.reconfigure(encoding="utf-8", errors=ESCAPE, newline="\n")
+
+
+def without_controls(text: str) -> str:
+    """Write control characters and changes of direction as escapes.
+
+    The name of a file can hold them; a terminal would obey.
+    """
+    return CONTROL.sub(lambda found: ascii(found[0])[1:-1], text)
 
 
 def _nowhere() -> TextIO:
