@@ -14,7 +14,7 @@ from budget.physics.calibration import calibration_problem
 from budget.problem import Group, Output, Problem
 from budget.spec.device import read_device
 from budget.spec.procedure import read_procedure
-from budget.studies.reference.sampling import standard_errors
+from budget.studies.reference.sampling import SHAPE_TRIALS, standard_errors
 
 SEEDS = 300
 TRIALS = 4000
@@ -69,6 +69,17 @@ def test_standard_errors_of_moments_are_what_seeds_do(problem, runs):
     # Control: the formula for a normal output, u/sqrt(2n), is far off for a product.
     normal = np.mean(u, axis=0) / np.sqrt(2.0 * TRIALS)
     assert normal[1] < 0.6 * spread(u)[1]
+
+
+def test_heavy_tails_have_few_degrees_of_freedom(problem):
+    """A normal's u is sure, m/3; a product's is not, for its kurtosis is not."""
+    told = standard_errors(problem, trials=10**6, coverage=0.95)
+    flat, product, square = told.u_degrees_of_freedom
+
+    # Of a product of two normals, k = 9, the influence has the variance
+    # 105^2 - 9^2 - 4 k (225 - 9) + 4 k^2 8 = 5760 from its moments 9, 225, 11025.
+    assert_allclose(product, 2.0 * 64.0 * SHAPE_TRIALS / 5760.0, rtol=0.8)
+    assert square < product < flat
 
 
 def test_standard_errors_of_correlations_are_what_seeds_do(problem, runs):

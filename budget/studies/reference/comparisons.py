@@ -98,9 +98,10 @@ def _device_numbers(
     for one in row.outputs:
         name, scale = f"{device}{one.output.name}", one.output.si_per_unit
         place = None if errors is None else errors.places[one.output.name]
-        spread = end = None
+        spread = end = degrees = None
         if errors is not None and place is not None:
             spread = float(errors.of.u[place]) / scale
+            degrees = float(errors.of.u_degrees_of_freedom[place])
             end = float(errors.of.end[place]) / scale
             ends.append(end * scale / one.limit)
         yield Number(
@@ -109,7 +110,7 @@ def _device_numbers(
             value=one.standard_uncertainty / scale,
             floor=one.output.resolution / scale,
             standard_error=spread,
-            degrees_of_freedom=None if errors is None else errors.of.degrees_of_freedom,
+            degrees_of_freedom=degrees,
         )
         yield Number(
             key=Key(subject=name, quantity="largest_error"),

@@ -152,14 +152,18 @@ def _output_numbers(
     scale = row.output.si_per_unit
     sure = dict.fromkeys(("mean", "u", "low", "high"), _EXACT)
     if errors is not None:
+        freedom = {
+            "mean": errors.degrees_of_freedom,
+            "u": float(errors.u_degrees_of_freedom[k]),
+            "low": errors.end_degrees_of_freedom,
+            "high": errors.end_degrees_of_freedom,
+        }
         sure = {
             name: _Sure(
                 standard_error=float(getattr(errors, name)[k]) / scale,
-                degrees_of_freedom=errors.end_degrees_of_freedom
-                if name in {"low", "high"}
-                else errors.degrees_of_freedom,
+                degrees_of_freedom=degrees,
             )
-            for name in sure
+            for name, degrees in freedom.items()
         }
     for quantity, value, name in (
         ("mean", row.mean, "mean"),

@@ -38,7 +38,9 @@ class StandardErrors:
     correlation : ndarray, shape (n_out, n_out)
         Of the correlation coefficients [1].
     degrees_of_freedom : float
-        Of mean, u and correlation.
+        Of mean and correlation.
+    u_degrees_of_freedom : ndarray, shape (n_out,)
+        Of u: fewer for heavy tails, whose kurtosis is hard to tell.
     end_degrees_of_freedom : float
         Of the ends.
     """
@@ -49,6 +51,7 @@ class StandardErrors:
     high: Array
     correlation: Array
     degrees_of_freedom: float
+    u_degrees_of_freedom: Array
     end_degrees_of_freedom: float
 
     @property
@@ -95,6 +98,7 @@ def standard_errors(
         high=ends[:, 1],
         correlation=_correlation_spread(z) / sqrt(trials),
         degrees_of_freedom=trials - 1.0,
+        u_degrees_of_freedom=np.minimum(_kurtosis_freedom(z, kurtosis), trials - 1.0),
         end_degrees_of_freedom=freedom,
     )
 
@@ -152,6 +156,21 @@ def _batch_errors(values: Array, trials: int, coverage: float) -> tuple[Array, f
     )
     scale = (size / trials) ** (1.0 / 3.0)
     return ends.std(axis=0, ddof=1) * scale, BATCHES - 1.0
+
+
+def _kurtosis_freedom(z: Array, kurtosis: Array) -> Array:
+    """Return the degrees of freedom of kurtosis - 1, as a variance has them, (n_out,).
+
+    The influence of one trial on the kurtosis k is z^4 - k - 2 k (z^2 - 1), and v
+    degrees of freedom go with a relative variance of 2/v.
+    """
+    k = kurtosis[:, None]
+    influence = z**4 - k - 2.0 * k * (z**2 - 1.0)
+    variance = (influence**2).mean(axis=1) / z.shape[1]
+    # A coin, +-1, has kurtosis 1 and no spread at all.
+    known = (variance > 0.0) & (kurtosis > 1.0)
+    free = 2.0 * (kurtosis - 1.0) ** 2 / np.where(known, variance, 1.0)
+    return np.asarray(np.where(known, np.maximum(free, 1.0), np.inf))
 
 
 def _correlation_spread(z: Array) -> Array:
