@@ -84,6 +84,36 @@ def test_a_verdict_stands_on_an_interval_that_passed_its_check(
     assert (by_law > limit_ug) == (verdict == "meets")
 
 
+@pytest.mark.parametrize(
+    ("method", "digits", "limit", "advised"),
+    [
+        ("gum", 1, 2.0, True),
+        ("monte-carlo", 1, 2.0, True),
+        ("monte-carlo", 2, 2.0, False),
+        ("monte-carlo", 1, 4.0, False),
+    ],
+)
+def test_near_a_limit_two_digits_are_advised(method, digits, limit, advised):
+    """Within 5 % of a limit the advice goes to all but trials to two digits."""
+    gyro = sensor("gyro", {"bias_repeatability": DEG_PER_HOUR})
+    dev = device(gyro)
+    requirement = Requirement(
+        name="r",
+        coverage=0.95,
+        reference="nominal",
+        limits=(Limit(output="gyro.bias.x", limit=limit * DEG_PER_HOUR, printed="l"),),
+        caps=(),
+        assumptions=(),
+        origin=NOWHERE,
+    )
+    result = analyze(
+        dev, procedure=procedure(), method=method, digits=digits, validate=False
+    )
+    (row,) = assess(result, requirement, (dev,)).sensors
+
+    assert bool(row.advice) == advised
+
+
 @pytest.mark.parametrize("v", [1, 2, 3, 5, 18, 39])
 def test_one_input_keeps_its_degrees_of_freedom(v):
     """A single t input of v degrees of freedom has the coverage factor t(v)."""

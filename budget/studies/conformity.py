@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from budget.results import Budget, OutputBudget
     from budget.spec.records import Device, Limit, Requirement, Sensor
 
-NEAR = (0.95, 1.05)  # utilisations that the law, checked to one digit, leaves open
+NEAR = (0.95, 1.05)  # utilisations that one sure digit of u leaves open
 NEAR_ADVICE = "near the limit: --method monte-carlo --digits 2 makes it sure"
 
 
@@ -108,8 +108,10 @@ def _judge(
     if not own:
         return None
     worst = worst_of(own)
-    # The law is checked to one digit of u: that near to a limit it cannot decide.
-    near = budget.settings.method == "gum" and NEAR[0] <= worst.utilisation <= NEAR[1]
+    # The law is checked, and trials are made, to one digit of u: that near to a limit
+    # they cannot decide. Only trials made to two digits can.
+    is_sure = budget.settings.method == "monte-carlo" and budget.settings.digits > 1
+    near = not is_sure and NEAR[0] <= worst.utilisation <= NEAR[1]
     if not worst.is_within:
         verdict = "fails"
     elif sensor.expected_missing:
