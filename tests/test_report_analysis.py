@@ -129,6 +129,21 @@ def test_failing_report_says_by_what_and_why():
     assert "Because: bias repeatability 67 %, bias stability 31 %, rest 2 %" in words
 
 
+@pytest.mark.parametrize(
+    ("beyond", "text"), [(0.002, "0.2 %"), (1e-6, "<0.1 %"), (0.03, "3 %")]
+)
+def test_limits_are_never_exceeded_by_nothing(beyond, text):
+    """A limit that is exceeded by little is not said to be exceeded by 0 %."""
+    budget = make_budget()
+    z = budget.output("gyro.bias.z")
+    limit = z.largest_error / z.output.si_per_unit / (1.0 + beyond)
+    report = document(
+        budget, assessment=make_assessment(budget, {"gyro.bias": ("limit", limit)})
+    )
+
+    assert f"exceed their limits, by up to {text} of the limit. " in say(report.summary)
+
+
 def test_undecidable_report_names_what_is_missing():
     """A sensor that would meet says which line its verdict waits for."""
     budget = make_budget(outputs=make_outputs("accelerometer", ACCELEROMETER))

@@ -27,6 +27,7 @@ from budget.report.tables import (
     output_title,
     print_causes,
     print_coverage,
+    print_share,
     print_utilisation,
     round_value,
     source_title,
@@ -166,7 +167,7 @@ def _margin(budget: Budget, assessment: Assessment | None) -> Words:
     beyond = sum(not row.is_within for row in assessment.outputs)
     worst = max(row.utilisation for row in assessment.outputs)
     if beyond:
-        by = print_utilisation(worst - 1.0)
+        by = _print_excess(worst - 1.0)
         found = f"{beyond} of {total} required outputs exceed their limits, by up to "
         return (f"{found}{by} of the limit. ", basis)
     found = f"All {total} required outputs stay within their limits"
@@ -243,6 +244,11 @@ def _group_card(group: GroupTable) -> Card:
     if refused:
         lines.append((f"In doubt: the law failed its check on {', '.join(refused)}.",))
     return Card(title=first_up(group.title), lines=tuple(lines))
+
+
+def _print_excess(part: float) -> str:
+    """Print by how much a limit is exceeded, in parts of it; never 0."""
+    return print_share(part) if part < SPARE else print_utilisation(part)
 
 
 def _used(row: OutputAssessment) -> Number:
