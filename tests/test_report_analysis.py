@@ -282,6 +282,14 @@ def test_inputs_show_the_data_sheet():
     assert ("2 arcsec", "max") in notes
 
 
+def test_a_note_that_ends_with_a_stop_gets_no_second_one():
+    """What a file says of the device is joined by semicolons and ends once."""
+    device = replace(make_device(), vendor="A. Maker", notes="Out of date.", source="")
+    said = lines(section(document(device=device), "inputs"))
+
+    assert any(text.endswith("Vendor A. Maker; notes Out of date.") for text in said)
+
+
 def test_inputs_show_what_was_assumed_of_each_line():
     """An assumption stands in the row of its line, that of one axis with its name."""
     device = replace(

@@ -131,7 +131,7 @@ def _about(device: Device) -> Iterator[Panel]:
     blocks: list[Block] = []
     if device.figures:
         blocks.append(without_empty(_figures_table(device)))
-    said = [(label, getattr(device, label)) for label in ABOUT]
+    said = [(label, getattr(device, label).rstrip(" .")) for label in ABOUT]
     lines = "; ".join(f"{label} {text}" for label, text in said if text)
     if lines:
         blocks.append(Paragraph(words=(f"{first_up(lines)}.",), small=True))
