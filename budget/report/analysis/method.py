@@ -55,9 +55,10 @@ def method_section(
     sensors: Collection[str],
 ) -> Section:
     """Return settings, formulas and references; of the sensors that are there."""
-    panels: list[Block] = [Pairs(rows=_settings_rows(settings))]
-    calibration: list[Block] = [Paragraph(words=notation())]
-    panels += calibration
+    panels: list[Block] = [
+        Pairs(rows=_settings_rows(settings)),
+        Paragraph(words=notation()),
+    ]
     if "gyro" in sensors:
         panels += [turns_panel(), gyro_bias_panel(procedure.formulas)]
     if "accelerometer" in sensors:
