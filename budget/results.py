@@ -67,6 +67,14 @@ class Validation:
     interval: tuple[float, float]  # the Monte Carlo one [same]
     reached: float  # what Monte Carlo itself has settled to [same]
 
+    @property
+    def word(self) -> str:
+        """'holds', 'fails', or 'unsettled' where the trials were too few to tell."""
+        if self.holds:
+            return "holds"
+        difference = max(self.difference_low, self.difference_high)
+        return "fails" if difference > self.tolerance else "unsettled"
+
 
 @dataclass(frozen=True, kw_only=True)
 class OutputBudget:

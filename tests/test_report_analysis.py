@@ -515,7 +515,7 @@ def test_what_if_says_where_the_report_does_not_stand_on_the_law():
         lines(section(judged, "what-if"))
     )
     assert say(doubtful.cards[0].lines[-1]) == (
-        "In doubt: the law failed its check on x."
+        "In doubt: the law is not confirmed on x."
     )
     assert not any("doubt" in say(line) for line in doubtful.cards[1].lines)
     assert "The budget itself is by monte-carlo." in " ".join(

@@ -256,12 +256,13 @@ def test_lopsided_interval_is_seen():
     assert not any(row.is_centred for group in skewed for row in group.rows)
 
 
-def test_validation_names_the_axis_that_fails():
-    """A law that fails against Monte Carlo says where and by how much."""
+@pytest.mark.parametrize(("low", "word"), [(0.011, "fails"), (0.004, "unsettled")])
+def test_validation_names_the_axis_that_fails(low, word):
+    """A law that fails says where; one within the tolerance is not said to fail."""
     check = Validation(
         trials=230_000,
         holds=False,
-        difference_low=0.011,
+        difference_low=low,
         difference_high=0.002,
         tolerance=0.005,
         reached=0.001,
@@ -279,9 +280,11 @@ def test_validation_names_the_axis_that_fails():
     table = group_tables(make_budget(outputs=(output,)))[0]
 
     assert table.validation == (
-        "against Monte Carlo with 230 000 trials: fails, "
-        "x differs by 0.011 deg/h, tolerance 0.0050"
+        f"against Monte Carlo with 230 000 trials: x {word}: "
+        f"difference {table.rows[0].check.low.text} deg/h, tolerance 0.0050"
     )
+    assert table.rows[0].check.word == word
+    assert table.rows[0].check.low.exact == low
 
 
 def test_points_are_in_line():

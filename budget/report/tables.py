@@ -39,7 +39,7 @@ class CheckCell:
     low: Number  # difference of the lower interval ends
     high: Number  # of the upper ones
     tolerance: Number
-    word: str  # 'holds' or 'fails'
+    word: str  # 'holds', 'fails' or 'unsettled'
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -319,8 +319,7 @@ def _check_cell(row: OutputBudget) -> CheckCell | None:
         Number(text=round_uncertainty(x), exact=x)
         for x in (size / row.output.si_per_unit for size in sizes)
     )
-    word = "holds" if check.holds else "fails"
-    return CheckCell(low=low, high=high, tolerance=tolerance, word=word)
+    return CheckCell(low=low, high=high, tolerance=tolerance, word=check.word)
 
 
 def _source_cell(row: OutputBudget, source: str) -> SourceCell:
@@ -352,11 +351,12 @@ def _validation(outputs: tuple[OutputBudget, ...], digits: int) -> str:
             scale = row.output.si_per_unit
             worse = max(check.difference_low, check.difference_high) / scale
             misses.append(
-                f"{row.axis} differs by {round_uncertainty(worse)} {row.output.unit}, "
-                f"tolerance {round_uncertainty(check.tolerance / scale)}"
+                f"{row.axis} {check.word}: difference {round_uncertainty(worse)} "
+                f"{row.output.unit}, tolerance "
+                f"{round_uncertainty(check.tolerance / scale)}"
             )
     if misses:
-        return f"against Monte Carlo with {trials} trials: fails, {'; '.join(misses)}"
+        return f"against Monte Carlo with {trials} trials: {'; '.join(misses)}"
     sure = "one digit" if digits == 1 else f"{digits} digits"
     return (
         f"against Monte Carlo with {trials} trials: "

@@ -138,7 +138,7 @@ def _check_rows(checks: Sequence[CheckCell], unit: str) -> RowGroup:
             (Cell(text="tolerance"), *(cell(c.tolerance) for c in checks)),
             (
                 Cell(text="the law"),
-                *(Cell(text=c.word, strong=c.word == "fails") for c in checks),
+                *(Cell(text=c.word, strong=c.word != "holds") for c in checks),
             ),
         ),
     )

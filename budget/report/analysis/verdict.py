@@ -239,10 +239,10 @@ def _group_card(group: GroupTable) -> Card:
     refused = [
         row.axis
         for row in group.rows
-        if row.check is not None and row.check.word == "fails"
+        if row.check is not None and row.check.word != "holds"
     ]
     if refused:
-        lines.append((f"In doubt: the law failed its check on {', '.join(refused)}.",))
+        lines.append((f"In doubt: the law is not confirmed on {', '.join(refused)}.",))
     return Card(title=first_up(group.title), lines=tuple(lines))
 
 

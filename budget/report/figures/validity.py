@@ -41,10 +41,8 @@ class Check:
 
     @property
     def word(self) -> str:
-        """Whether the law holds; 'unsettled' where the trials were too few to tell."""
-        if self.validation.holds:
-            return "holds"
-        return "fails" if self.worst > 1.0 else "unsettled"
+        """Whether the law holds."""
+        return self.validation.word
 
 
 def validity_picture(budget: Budget, sensor: str) -> Picture | None:
