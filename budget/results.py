@@ -330,9 +330,22 @@ class SensorAssessment:
 
 
 @dataclass(frozen=True, kw_only=True)
+class CapAssessment:
+    """What one device costs, weighs or draws against a cap; it decides no verdict."""
+
+    device: str
+    merit: str  # 'price', 'mass' or 'power'
+    cap: str  # as the requirement file gives it
+    given: str  # as the device file gives it; '' where it does not
+    is_within: bool | None  # None where nobody can tell
+
+
+@dataclass(frozen=True, kw_only=True)
 class Assessment:
     """A budget held against a requirement."""
 
     requirement: str  # its name
     outputs: tuple[OutputAssessment, ...]
     sensors: tuple[SensorAssessment, ...]
+    not_there: tuple[str, ...] = ()  # sensors with limits that no device has
+    caps: tuple[CapAssessment, ...] = ()

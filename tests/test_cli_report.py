@@ -54,6 +54,47 @@ def test_one_unwritable_place_leaves_nothing(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    "outputs",
+    [
+        ("-o", "a.html", "--json", "a.html"),
+        ("-o", "a.html", "-o", "b/../a.html"),
+        ("-o", "a.pdf", "--json", "c.json", "--csv", "c.json"),
+    ],
+)
+def test_two_outputs_in_one_file_are_refused(tmp_path, monkeypatch, outputs):
+    """However it is spelt, one file takes one output: else one would be lost."""
+    (tmp_path / "b").mkdir()
+    monkeypatch.chdir(tmp_path)
+    run = call("report", "--no-validate", *outputs)
+
+    assert run.code == 2
+    assert "two outputs would be written to this one file" in run.err
+    assert [path.name for path in tmp_path.iterdir()] == ["b"]
+
+
+def test_chinese_names_make_no_noise(tmp_path):
+    """A name beyond the font of the figures is no warning where it can be shown."""
+    device = tmp_path / "g.yaml"
+    device.write_text(GYRO.replace("name: g", 'name: "赵明"'), encoding="utf-8")
+    run = start(
+        *("report", "g.yaml", "--compare", "zhao-2019", "--requirement", "r.yaml"),
+        *("--no-validate", "-o", "x.html"),
+        cwd=tmp_path,
+    )
+    assert run.code == 2  # there is no such requirement: not a word of fonts
+    (tmp_path / "r.yaml").write_text(
+        "name: r\nlimits: {gyro: {bias: 9 deg/h}}\n", encoding="utf-8"
+    )
+    run = start(
+        *("report", "g.yaml", "--compare", "zhao-2019", "--requirement", "r.yaml"),
+        *("--no-validate", "-o", "x.html"),
+        cwd=tmp_path,
+    )
+
+    assert run.err == "x.html: written\n"
+
+
 def test_allocation_and_comparison_go_with_it(tmp_path):
     """Their sections stand in the page, their numbers in the page's and the JSON."""
     page, file = tmp_path / "x.html", tmp_path / "x.json"

@@ -105,7 +105,8 @@ def test_script_beside_them_says_which_country_han_is_of(text, country):
         ("a\u202eb\u202c", "aU+202EbU+202C"),
         ("a\u2066b", "aU+2066b"),
         ("a\U0001f9eab", "aU+1F9EAb"),
-        ("\u8d75\u0301x", "U+8D75U+0301x"),
+        ("\u8d75\u0301x", "U+8D75 U+0301x"),
+        ("\U0001f6f0\ufe0f\U0001f9eab", "U+1F6F0 U+1F9EAb"),
         ("a\u20ddb", "aU+20DDb"),
     ],
 )

@@ -25,6 +25,7 @@ from budget.report.analysis.inputs import print_by_axis
 from budget.report.blocks import Cell, Equation, Paragraph, Picture, Section, Sliders
 from budget.report.tables import group_tables, output_title
 from budget.resources import shipped
+from budget.results import CapAssessment
 from budget.spec import load_requirement
 from budget.studies.evidence import gather_evidence
 
@@ -85,6 +86,7 @@ def test_every_section_of_a_full_report_is_there():
     assert names(failing()) == [
         *("overview", "causes", "gaps", "limits", "inputs", "procedure", "budget"),
         *("what-if", "coupling", "validity", "distributions", "method", "provenance"),
+        "sign-off",
     ]
 
 
@@ -443,7 +445,10 @@ def test_embedded_document_is_the_budget_and_its_extras():
         sections=(
             Section(name="allocation", title="A", blocks=(Paragraph(words=("x",)),)),
         ),
-        inputs=(replace(budget.inputs[0], role="catalogue"), budget.inputs[1]),
+        inputs=(
+            replace(budget.inputs[0], role="catalogue", name="other.yaml"),
+            budget.inputs[1],
+        ),
     )
     report = document(budget, extras=(extra,))
     found = json.loads(report.json)
@@ -452,7 +457,7 @@ def test_embedded_document_is_the_budget_and_its_extras():
     assert found["allocation"] == {"feasible": True}
     assert names(report).index("allocation") == names(report).index("method") - 1
     assert [row[0] for row in rows(section(report, "provenance"))] == [
-        *("device", "procedure", "catalogue")
+        *("device", "procedure", "allocation, catalogue")
     ]
 
 
@@ -521,3 +526,86 @@ def test_what_if_says_where_the_report_does_not_stand_on_the_law():
     assert "The budget itself is by monte-carlo." in " ".join(
         lines(section(drawn, "what-if"))
     )
+
+
+def test_a_sensor_that_is_limited_but_absent_is_said_first():
+    """The headline says what was judged alone, the summary what was not."""
+    budget = make_budget(outputs=make_outputs("gyro", GYRO))
+    assessment = replace(make_assessment(budget), not_there=("accelerometer",))
+    report = document(
+        budget,
+        assessment=assessment,
+        device=replace(make_device(), accelerometer=None),
+        evidence=example_evidence(gyro_only=True),
+    )
+
+    assert report.headline == "FAILS tactical grade, gyro alone"
+    assert say(report.summary).startswith(
+        "Nothing is said of the accelerometer, which the requirement limits too"
+    )
+
+
+def test_caps_stand_with_the_limits():
+    """Each cap stands with what the device file gives, known or not."""
+    budget = make_budget()
+    caps = tuple(
+        CapAssessment(
+            device="IMU", merit=merit, cap=cap, given=given, is_within=is_within
+        )
+        for merit, cap, given, is_within in (
+            ("price", "2 EUR", "", None),
+            ("mass", "1 kg", "2 kg", False),
+        )
+    )
+    report = document(budget, assessment=replace(make_assessment(budget), caps=caps))
+
+    assert rows(section(report, "limits"))[-2:] == [
+        ("price", "2 EUR", "IMU", "not given", "not known"),
+        ("mass", "1 kg", "IMU", "2 kg", "beyond"),
+    ]
+
+
+def test_limits_stand_by_group():
+    """Rows that are sorted have one unit: a group of rows for each parameter."""
+    (table,) = section(failing(), "limits").blocks[1:]
+
+    assert [group.title for group in table.groups] == [
+        *("gyro scale factor", "gyro mounting angle", "gyro bias"),
+        *("accelerometer scale factor", "accelerometer mounting angle"),
+        "accelerometer bias",
+    ]
+
+
+def test_assumptions_are_written_in_words():
+    """The key before an assumption is no key to a reader of page one."""
+    panels = section(example(), "gaps").blocks[0].blocks
+
+    assert [say(item) for item in panels[1].blocks[0].items] == [
+        "Gyro bias stability: the correlation time of 300 s is the file's own",
+        "Gravity at latitude 34.2394 deg is normal gravity, 9.7966933 m/s^2",
+    ]
+
+
+def test_number_and_lines_to_sign():
+    """A report number stands under the title; three lines wait for signatures."""
+    report = document(number="TH-2026-17")
+
+    assert report.facts[0] == "report TH-2026-17"
+    assert [row[0] for row in rows(section(report, "sign-off"))] == [
+        *("prepared", "checked", "approved")
+    ]
+    assert not any("report" in fact for fact in example().facts)
+
+
+def test_warnings_of_other_studies_reach_page_one():
+    """What an allocation warns of is not only said in its own section."""
+    extra = Extra(
+        key="allocation",
+        content={},
+        sections=(),
+        inputs=(),
+        warnings=("limits cannot be met",),
+    )
+    panels = section(document(extras=(extra,)), "gaps").blocks[0].blocks
+
+    assert ("allocation: limits cannot be met",) in panels[2].blocks[0].items

@@ -55,7 +55,7 @@ def render_pages(document: Document, paths: Sequence[Path]) -> dict[Path, str | 
                 typer.echo(
                     f"warning: {path}: no font on this machine has {names}; the code "
                     "points stand in their place. Install a font that has them, as "
-                    "Noto Sans CJK for Chinese, and write the report again",
+                    "Noto Sans CJK has Chinese, and write the report again",
                     err=True,
                 )
         files[path] = made[suffix]

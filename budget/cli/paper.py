@@ -40,10 +40,9 @@ def paper(
     from budget.report.paper.terminal import paper_text
     from budget.studies.paper.study import reproduce
 
-    check_destinations(json, csv)
+    check_destinations(json, csv, *(output or ()))
     pages = output or []
     check_suffixes(pages)
-    _check_twice([*(path for path in (json, csv) if path is not None), *pages])
     study = reproduce()
     documents = [(json, to_json), (csv, to_csv)]
     on_stdout = [render for path, render in documents if path == options.STDOUT]
@@ -64,15 +63,3 @@ def paper(
             from rich.console import Console
 
             sys.stdout.write(paper_text(study, width=Console().width))
-
-
-def _check_twice(paths: list[Path]) -> None:
-    """Refuse two documents in one file, before anything is computed."""
-    from budget.errors import CallError
-
-    twice = sorted({str(path) for path in paths if paths.count(path) > 1})
-    if twice:
-        raise CallError(
-            f"{', '.join(twice)}: two outputs would be written to this one file, "
-            "expected a file for each; give them different names"
-        )

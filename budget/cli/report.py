@@ -61,6 +61,12 @@ def report(
             help="Add what each line may be to meet the requirement (proportional).",
         ),
     ] = False,
+    number: Annotated[
+        str,
+        typer.Option(
+            metavar="TEXT", help="Number of the report, printed under its title."
+        ),
+    ] = "",
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
 ) -> None:
@@ -149,6 +155,7 @@ def report(
             extras=extras,
             command_line=command_line(context),
             date=date,
+            number=number,
         )
         files = render_pages(document, output)
         shop.progress("figures and pages", 1, 1)
@@ -245,6 +252,7 @@ def _allocate(
         content=to_document(found),
         sections=(allocation_section(found),),
         inputs=found.inputs,
+        warnings=found.warnings,
     )
 
 
@@ -278,4 +286,5 @@ def _compare(
         content=to_dict(found),
         sections=comparison_sections(found),
         inputs=found.inputs,
+        warnings=found.warnings,
     )

@@ -10,7 +10,7 @@ in its place: 'U+8D75'.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from html import escape
 from itertools import groupby
@@ -123,13 +123,24 @@ class Lettering:
         return frozenset(c for piece in self.pieces(text) for c in piece.lost)
 
     def pieces(self, text: str) -> Iterator[Piece]:
-        """Cut a text into letters with their marks, each with a font that has them."""
+        """Cut a text into letters with their marks, each with a font that has them.
+
+        Code points that stand for neighbours are kept apart by a blank.
+        """
+        before = ""
         for found in RUNS.finditer(text):
             if found["plain"]:
                 yield Piece(text=found["plain"])
-            else:
-                for cluster in clusters(found["other"]):
-                    yield from self._show(cluster)
+                before = ""
+                continue
+            for cluster in clusters(found["other"]):
+                for piece in self._show(cluster):
+                    yield (
+                        replace(piece, text=f" {piece.text}")
+                        if (before and piece.lost)
+                        else piece
+                    )
+                    before = piece.lost
 
     def _show(self, cluster: str) -> Iterator[Piece]:
         """Yield a character and its marks, or their code points."""
@@ -139,10 +150,11 @@ class Lettering:
         elif len(cluster) == 1:
             yield Piece(text=name_character(cluster), lost=cluster)
         else:
-            # No one font has the letter and its marks: each by itself.
+            # No one font has the letter and its marks: each by itself, but for marks
+            # that only say how the letter would look.
             yield from self._show(cluster[0])
-            marks = cluster[1:]
-            yield Piece(text="".join(map(name_character, marks)), lost=marks)
+            for mark in INVISIBLE.sub("", cluster[1:]):
+                yield Piece(text=name_character(mark), lost=mark)
 
     def _find(self, cluster: str) -> int | None:
         """Return the place of the first font with a character and all its marks."""

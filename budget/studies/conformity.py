@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING
 from budget.errors import CallError
 from budget.results import (
     Assessment,
+    CapAssessment,
     OutputAssessment,
     SensorAssessment,
     worst_of,
 )
+from budget.studies.comparison.figures_of_merit import over_cap, read_amount
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -80,6 +82,35 @@ def assess(
         requirement=requirement.name,
         outputs=outputs,
         sensors=tuple(verdict for verdict in verdicts if verdict is not None),
+        not_there=limited_but_absent(requirement, sensors),
+        caps=tuple(
+            _cap(device, merit, cap)
+            for merit, cap in requirement.caps
+            for device in devices
+        ),
+    )
+
+
+def limited_but_absent(
+    requirement: Requirement, sensors: Sequence[Sensor]
+) -> tuple[str, ...]:
+    """Return the kinds of sensor that a requirement limits and no device has."""
+    limited = dict.fromkeys(r.output.partition(".")[0] for r in requirement.limits)
+    present = {sensor.kind for sensor in sensors}
+    return tuple(kind for kind in limited if kind not in present)
+
+
+def _cap(device: Device, merit: str, cap: str) -> CapAssessment:
+    """Hold what a device costs, weighs or draws against a cap."""
+    given = str(getattr(device, merit))
+    have, most = read_amount(merit, given), read_amount(merit, cap)
+    comparable = have is not None and most is not None and have.unit == most.unit
+    return CapAssessment(
+        device=device.name,
+        merit=merit,
+        cap=cap,
+        given=given,
+        is_within=not over_cap(merit, given, cap) if comparable else None,
     )
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, replace
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +13,7 @@ from budget.report.analysis.groups import budget_section
 from budget.report.analysis.inputs import inputs_section
 from budget.report.analysis.method import method_section
 from budget.report.analysis.procedure import print_degrees, procedure_section
-from budget.report.analysis.provenance import provenance_section
+from budget.report.analysis.provenance import provenance_section, sign_off_section
 from budget.report.analysis.verdict import (
     group_cards,
     headline,
@@ -33,7 +34,7 @@ from budget.report.blocks import (
 )
 from budget.report.document import to_json
 from budget.report.not_given import not_given_lines
-from budget.report.tables import group_tables
+from budget.report.tables import group_tables, output_title
 from budget.studies.one_at_a_time import one_at_a_time
 from budget.version import __version__
 
@@ -60,13 +61,16 @@ class Extra:
         Those numbers.
     sections : tuple of Section
     inputs : tuple of InputFile
-        What it depends on.
+        What it depends on; the device of the report is called so, others by the key.
+    warnings : tuple of str
+        What a reader of page one must know of it.
     """
 
     key: str
     content: Mapping[str, Any]
     sections: tuple[Section, ...]
     inputs: tuple[InputFile, ...]
+    warnings: tuple[str, ...] = ()
 
 
 def report_document(
@@ -79,6 +83,7 @@ def report_document(
     extras: Sequence[Extra] = (),
     command_line: str,
     date: str,
+    number: str = "",
 ) -> Document:
     """Put a budget and what stands behind it into one document.
 
@@ -100,6 +105,8 @@ def report_document(
         What makes the report again; without output names.
     date : str
         Year-month-day.
+    number : str
+        Of the report, as the one who files it counts; '' for none.
 
     Returns
     -------
@@ -115,7 +122,7 @@ def report_document(
     found: list[Section | None] = [
         _overview(groups, assessment),
         _causes(rank_causes(groups, devices, assessment)),
-        _gaps(budget),
+        _gaps(budget, extras),
         None if assessment is None else limits_section(budget, assessment),
         inputs_section(devices),
         procedure_section(
@@ -130,18 +137,20 @@ def report_document(
         *(section for extra in extras for section in extra.sections),
         method_section(budget.settings, procedure, devices, sensors),
         provenance_section(
-            tuple(
-                dict.fromkeys(chain(budget.inputs, *(extra.inputs for extra in extras)))
-            ),
+            (*budget.inputs, *_further_inputs(budget, extras)),
             budget.settings,
             version=__version__,
             command_line=command_line,
         ),
+        sign_off_section(),
     ]
     return Document(
         kind="report",
         title=budget.title,
-        facts=(f"procedure {procedure.name}, latitude {latitude} deg",),
+        facts=(
+            *((f"report {number}",) if number else ()),
+            f"procedure {procedure.name}, latitude {latitude} deg",
+        ),
         headline=headline(budget, assessment),
         summary=summary(budget, assessment),
         cards=cards,
@@ -150,6 +159,18 @@ def report_document(
         date=date,
         version=__version__,
     )
+
+
+def _further_inputs(budget: Budget, extras: Sequence[Extra]) -> tuple[InputFile, ...]:
+    """Return the files that only the further studies depend on, named by them."""
+    known = {(file.name, file.sha256) for file in budget.inputs}
+    further = [
+        replace(file, role=f"{extra.key}, {file.role}")
+        for extra in extras
+        for file in extra.inputs
+        if (file.name, file.sha256) not in known
+    ]
+    return tuple(dict.fromkeys(further))
 
 
 def _overview(
@@ -200,8 +221,12 @@ def _cause_words(cause: Cause) -> Words:
     return tuple(words)
 
 
-def _gaps(budget: Budget) -> Section:
+def _gaps(budget: Budget, extras: Sequence[Extra]) -> Section:
     """Return what is not given, what is assumed, and what to beware of."""
+    warnings = chain(
+        budget.warnings,
+        (f"{extra.key}: {text}" for extra in extras for text in extra.warnings),
+    )
     missing = not_given_lines(budget.not_given, budget.settings.reference)
     lists = (
         (
@@ -209,8 +234,12 @@ def _gaps(budget: Budget) -> Section:
             [f"{first_up(line)}." for line in missing],
             "Every line that the model knows is given.",
         ),
-        ("Assumptions", budget.assumptions, "None beyond what the files say."),
-        ("Warnings", budget.warnings, "None."),
+        (
+            "Assumptions",
+            [first_up(_in_words(text)) for text in budget.assumptions],
+            "None beyond what the files say.",
+        ),
+        ("Warnings", warnings, "None."),
     )
     return Section(
         name="gaps",
@@ -228,6 +257,13 @@ def _gaps(budget: Budget) -> Section:
         ),
         on_first_page=True,
     )
+
+
+def _in_words(assumption: str) -> str:
+    """Write the key that an assumption begins with as words."""
+    key, colon, note = assumption.partition(": ")
+    is_key = re.fullmatch(r"[a-z_.]+", key) is not None
+    return f"{output_title(key)}{colon}{note}" if is_key else assumption
 
 
 def _coupling(evidence: Evidence, sensors: Sequence[str]) -> Section | None:

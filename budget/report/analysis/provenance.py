@@ -73,3 +73,28 @@ def provenance_section(
             Paragraph(words=(WHERE_EXACT,), small=True),
         ),
     )
+
+
+def sign_off_section() -> Section:
+    """Return the lines on which those who answer for a report sign it."""
+    blank = Cell(text="\N{NO-BREAK SPACE}", note="\N{NO-BREAK SPACE}")
+    table = Table(
+        name="signatures",
+        caption="Lines to be signed: prepared, checked, approved",
+        columns=(
+            Column(head="", weight=0.6),
+            Column(head="name", weight=1.5),
+            Column(head="date", weight=0.7),
+            Column(head="signature", weight=1.8),
+        ),
+        groups=(
+            RowGroup(
+                rows=tuple(
+                    (Cell(text=role), blank, blank, blank)
+                    for role in ("prepared", "checked", "approved")
+                )
+            ),
+        ),
+        is_wide=True,
+    )
+    return Section(name="sign-off", title="Sign-off", blocks=(table,))

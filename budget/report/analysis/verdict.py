@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import groupby
 from typing import TYPE_CHECKING
 
 from budget.report.analysis.wording import (
@@ -36,7 +37,7 @@ from budget.report.tables import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.report.blocks import Words
+    from budget.report.blocks import Block, Words
     from budget.report.tables import GroupTable
     from budget.results import (
         Assessment,
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
         Settings,
     )
 
+CAP_HEADS = ("cap, which decides no verdict", "at most", "device", "given", "")
 SPARE = 0.01  # of the limit [1]; a margin below it is no margin to speak of
 
 
@@ -60,12 +62,22 @@ def headline(budget: Budget, assessment: Assessment | None) -> str:
         return f"Error budget, U at {coverage} % coverage{part}"
     given = {sensor.verdict for sensor in assessment.sensors}
     overall = next(word for word in SEVERITY if word in given)
+    if assessment.not_there:
+        present = " and ".join(sensor.sensor for sensor in assessment.sensors)
+        part = f", {present} alone{part}"
     return f"{VERDICTS[overall]} {assessment.requirement}{part}"
 
 
 def summary(budget: Budget, assessment: Assessment | None) -> Words:
     """Return the answer in a sentence or two: margin, and what errors are."""
-    return (*_left_out(budget.settings), *_margin(budget, assessment))
+    absent: Words = ()
+    if assessment is not None and assessment.not_there:
+        text = (
+            f"Nothing is said of the {' and '.join(assessment.not_there)}, which the "
+            "requirement limits too: no device with one was given. "
+        )
+        absent = (text,)
+    return (*_left_out(budget.settings), *absent, *_margin(budget, assessment))
 
 
 def verdict_cards(budget: Budget, assessment: Assessment) -> tuple[Card, ...]:
@@ -85,49 +97,83 @@ def group_cards(groups: Sequence[GroupTable]) -> tuple[Card, ...]:
 def limits_section(budget: Budget, assessment: Assessment) -> Section:
     """Return every required output against its limit, as a table."""
     coverage = print_coverage(budget.settings.coverage)
-    rows = []
-    for row in assessment.outputs:
-        error = largest_error(budget, row)
-        used = _used(row)
-        strong = not row.is_within
-        word = "within" if row.is_within else "beyond"
-        if row.by_monte_carlo:
-            word += ", by Monte Carlo"
-        rows.append(
-            (
-                Cell(text=output_title(row.output.name), strong=strong),
-                Cell(text=error.text, exact=error.exact, strong=strong),
-                Cell(text=row.output.unit, strong=strong),
-                Cell(text=row.printed_limit, strong=strong),
-                Cell(
-                    text=used.text.removesuffix(" %"),
-                    exact=used.exact,
-                    strong=strong,
-                    share=min(row.utilisation, 1.0),
-                ),
-                Cell(text=word, strong=strong),
-            )
+    groups = tuple(
+        RowGroup(
+            title=output_title(name),
+            rows=tuple(_limit_row(budget, row) for row in outputs),
         )
+        for name, outputs in groupby(
+            assessment.outputs, key=lambda row: row.output.name.rpartition(".")[0]
+        )
+    )
     table = Table(
         name="limits-table",
         caption=f"Largest errors against the limits of {assessment.requirement}",
         columns=(
-            Column(head="output", weight=2.0),
+            Column(head="axis"),
             Column(head="largest error", kind="number"),
             Column(head="", kind="unit"),
             Column(head="limit", kind="text"),
             Column(head="of the limit [%]", kind="number"),
             Column(head="verdict"),
         ),
-        groups=(RowGroup(rows=tuple(rows)),),
+        groups=groups,
         searchable=True,
     )
     text = (
         f"{first_up(assessment.requirement)}. A limit is on the absolute error: the "
         f"largest absolute end of the {coverage} % interval is held against it."
     )
-    return Section(
-        name="limits", title="Limits", blocks=(Paragraph(words=(text,)), table)
+    blocks: tuple[Block, ...] = (Paragraph(words=(text,)), table)
+    if assessment.caps:
+        blocks += (_caps_table(assessment),)
+    return Section(name="limits", title="Limits", blocks=blocks)
+
+
+def _limit_row(budget: Budget, row: OutputAssessment) -> tuple[Cell, ...]:
+    """Return one required output against its limit."""
+    error = largest_error(budget, row)
+    used = _used(row)
+    strong = not row.is_within
+    word = "within" if row.is_within else "beyond"
+    if row.by_monte_carlo:
+        word += ", by Monte Carlo"
+    return (
+        Cell(text=row.output.name.rpartition(".")[2], strong=strong),
+        Cell(text=error.text, exact=error.exact, strong=strong),
+        Cell(text=row.output.unit, strong=strong),
+        Cell(text=row.printed_limit, strong=strong),
+        Cell(
+            text=used.text.removesuffix(" %"),
+            exact=used.exact,
+            strong=strong,
+            share=min(row.utilisation, 1.0),
+        ),
+        Cell(text=word, strong=strong),
+    )
+
+
+def _caps_table(assessment: Assessment) -> Table:
+    """Return what the devices cost, weigh and draw against the caps."""
+    words = {True: "within", False: "beyond", None: "not known"}
+    return Table(
+        name="caps",
+        caption="Price, mass and power against their caps; they decide no verdict",
+        columns=tuple(Column(head=head) for head in CAP_HEADS),
+        groups=(
+            RowGroup(
+                rows=tuple(
+                    (
+                        Cell(text=cap.merit),
+                        Cell(text=cap.cap),
+                        Cell(text=cap.device),
+                        Cell(text=cap.given or "not given"),
+                        Cell(text=words[cap.is_within], strong=cap.is_within is False),
+                    )
+                    for cap in assessment.caps
+                )
+            ),
+        ),
     )
 
 

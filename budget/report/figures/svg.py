@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 from typing import TYPE_CHECKING
+from warnings import catch_warnings, filterwarnings
 
 from budget.report.figures.style import STYLE
 
@@ -21,7 +22,9 @@ def to_svg(figure: Figure, *, name: str) -> str:
     from matplotlib import rc_context
 
     file = io.StringIO()
-    with rc_context(STYLE):
+    with rc_context(STYLE), catch_warnings():
+        # Texts stay texts: who shows the figure has other fonts, or says what it lacks.
+        filterwarnings("ignore", message=r"Glyph \d+ .* missing from")
         figure.savefig(
             file,
             format="svg",
