@@ -35,6 +35,7 @@ from budget.report.typeset import typeset
 from budget.studies.comparison.records import Ahead, Probability, Remedy
 
 BOTH = ("gyro", "accelerometer")
+DATE = "2026-01-01"
 
 
 @pytest.fixture(scope="module")
@@ -251,9 +252,6 @@ def test_words_beside_figures_have_the_numbers(comparison):
     ):
         assert "good" in text
         assert "%" in text
-
-
-DATE = "2026-01-01"
 
 
 @pytest.fixture(scope="module")

@@ -48,6 +48,8 @@ def to_dict(comparison: Comparison) -> dict[str, Any]:
         "requirement": comparison.requirement,
         "procedures": list(comparison.procedures),
         "met": comparison.is_met,
+        "caps": dict(comparison.caps),
+        "not_compared": list(comparison.not_compared),
         "inputs": [asdict(file) for file in comparison.inputs],
         "settings": asdict(comparison.settings),
         "devices": [
@@ -137,6 +139,7 @@ def _device(one: DeviceVerdict, rank: str) -> dict[str, Any]:
         "mass": one.mass,
         "power": one.power,
         "over_caps": list(one.over_caps),
+        "unknown_caps": [asdict(unknown) for unknown in one.unknown_caps],
         "advice": one.advice,
         "trials": one.trials,
         "outputs": [_output(output) for output in one.outputs],

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from budget.report.analysis.provenance import provenance_section
-from budget.report.analysis.wording import REFERENCES
 from budget.report.blocks import (
     Abreast,
     Card,
@@ -30,24 +29,28 @@ from budget.report.comparison.table_blocks import (
     ranking_note,
     ranking_table,
 )
-from budget.report.comparison.tables import (
-    PAIRS_SHOWN,
-    PER_CENT,
+from budget.report.comparison.tables import PAIRS_SHOWN, PER_CENT, tables
+from budget.report.comparison.utilisation_map import map_picture
+from budget.report.comparison.wording import (
     advice_lines,
+    answer,
+    basis,
     best_of,
     cap_lines,
+    headline,
     missing_effects,
-    tables,
+    not_compared_lines,
+    undecidable_lines,
+    unknown_cap_lines,
     verdict_lines,
 )
-from budget.report.comparison.utilisation_map import map_picture
 from budget.report.figures.picture import capital
-from budget.report.tables import print_coverage, settings_lines, words
+from budget.report.tables import settings_lines, words
 from budget.studies.comparison.figures_of_merit import MERITS
 from budget.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Sequence
 
     from budget.report.blocks import Block, Picture, Words
     from budget.report.comparison.tables import Table
@@ -113,8 +116,8 @@ def comparison_document(
         facts=(
             f"procedure{'s' if several else ''} {', '.join(comparison.procedures)}",
         ),
-        headline=_headline(comparison),
-        summary=(f"{_answer(comparison)} {_basis(comparison)}",),
+        headline=headline(comparison),
+        summary=(f"{answer(comparison)} {basis(comparison)}",),
         cards=tuple(_card(table, several=several) for table in found),
         sections=tuple(sections),
         json=to_json(comparison),
@@ -138,21 +141,24 @@ def comparison_sections(comparison: Comparison) -> tuple[Section, ...]:
     """
     found = tables(comparison)
     several = len(comparison.procedures) > 1
-    answer = Section(
+    first = Section(
         name="comparison",
         title=f"Comparison against {comparison.requirement}",
         blocks=(
             # No headline here: 'MET' would be read as a verdict on the report's device.
-            Paragraph(words=(Run(text=_answer(comparison), strong=True),)),
-            Paragraph(words=(_basis(comparison),), small=True),
+            Paragraph(words=(Run(text=answer(comparison), strong=True),)),
+            Paragraph(words=(basis(comparison),), small=True),
             Listing(
-                items=tuple((capital(line),) for line in verdict_lines(found)),
+                items=tuple(
+                    (capital(line),)
+                    for line in (*verdict_lines(found), *not_compared_lines(comparison))
+                ),
                 empty="No device has a required sensor.",
             ),
         ),
     )
     return (
-        answer,
+        first,
         *_procedures(comparison, found),
         *(
             _devices(table, place, with_margins=True, several=several)
@@ -162,25 +168,6 @@ def comparison_sections(comparison: Comparison) -> tuple[Section, ...]:
         *_missing(comparison),
         _remarks(comparison, on_first_page=False),
     )
-
-
-def _headline(comparison: Comparison) -> str:
-    """State the answer in one line."""
-    return ("MET: " if comparison.is_met else "NOT MET: ") + comparison.requirement
-
-
-def _answer(comparison: Comparison) -> str:
-    """State the answer in a sentence."""
-    if comparison.is_met:
-        return "Each required sensor has a device that meets."
-    return "A required sensor has no device that meets."
-
-
-def _basis(comparison: Comparison) -> str:
-    """Say what the errors are."""
-    settings = comparison.settings
-    coverage = print_coverage(settings.coverage)
-    return f"Errors at {coverage} % coverage; {REFERENCES[settings.reference]}."
 
 
 def _card(table: Table, *, several: bool) -> Card:
@@ -231,37 +218,23 @@ def _remarks(comparison: Comparison, *, on_first_page: bool) -> Section:
     """Return what to beware of: warnings, advice, caps, and verdicts left open."""
     lines = (
         *comparison.warnings,
-        *_undecidable(comparison),
+        *undecidable_lines(comparison),
         *advice_lines(comparison),
         *(f"Over a cap: {line}" for line in cap_lines(comparison)),
+        *(f"Cap on {line}" for line in unknown_cap_lines(comparison)),
     )
+    said = "no cap is exceeded" if comparison.caps else "the requirement sets no cap"
     return Section(
         name="remarks",
         title="What to beware of",
         blocks=(
             Listing(
                 items=tuple((capital(line),) for line in lines),
-                empty="No verdict hangs on a missing line, and no cap is exceeded.",
+                empty=f"No verdict hangs on a missing line, and {said}.",
             ),
         ),
         on_first_page=on_first_page,
     )
-
-
-def _undecidable(comparison: Comparison) -> Iterator[str]:
-    """Say of each sensor how many devices would meet, were nothing missing."""
-    for sensor in comparison.required:
-        names = {
-            one.name
-            for one in comparison.devices
-            if one.sensor == sensor and one.verdict == "undecidable"
-        }
-        if names:
-            verb = "lacks a line" if len(names) == 1 else "lack lines"
-            yield (
-                f"{len(names)} {sensor} device{'' if len(names) == 1 else 's'} would "
-                f"meet, but {verb} that a verdict needs: undecidable"
-            )
 
 
 def _missing(comparison: Comparison) -> tuple[Section, ...]:

@@ -18,8 +18,9 @@ from budget.report.tables import output_title, print_given, words
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.report.comparison.tables import MissingEffect, Row
+    from budget.report.comparison.tables import Row
     from budget.report.comparison.tables import Table as Devices
+    from budget.report.comparison.wording import MissingEffect
     from budget.studies.comparison.records import Comparison, Pair, RequiredOutput
 
 LONG = 8  # rows from which a table is worth searching

@@ -133,15 +133,6 @@ class SideRow:
     cells: tuple[str, ...]
 
 
-@dataclass(frozen=True, kw_only=True)
-class MissingEffect:
-    """What is put in the place of the expected lines that some devices lack."""
-
-    sensor: str
-    devices: tuple[str, ...]
-    effect: str  # 'bias stability 24 deg/h (of NAME)', or that nothing is known
-
-
 def find_column(name: str) -> Column:
     """Return the column of that key or head.
 
@@ -283,43 +274,6 @@ def print_factor(remedy: Remedy) -> str:
     return print_three(remedy.factor)
 
 
-def missing_effects(comparison: Comparison) -> tuple[MissingEffect, ...]:
-    """Return what the column 'at worst' puts in the place of lines not given.
-
-    Of devices that do not fail in any case; those with the same lines in one.
-    """
-    names: dict[tuple[str, tuple[str, ...], tuple[str, ...]], list[str]] = {}
-    for one in comparison.devices:
-        if one.missing is not None and one.verdict != "fails":
-            key = (one.sensor, one.missing.lines, one.missing.assumed)
-            names.setdefault(key, []).append(one.name)
-    found = []
-    for (sensor, lines, assumed), devices in names.items():
-        if len(assumed) < len(lines):
-            effect = (
-                f"{', '.join(source_title(name) for name in lines)} not given, and no "
-                "device of the catalogue gives them all"
-            )
-        else:
-            effect = ", ".join(
-                words(text.removeprefix(f"{sensor}.")) for text in assumed
-            )
-        found.append(
-            MissingEffect(
-                sensor=sensor, devices=tuple(dict.fromkeys(devices)), effect=effect
-            )
-        )
-    return tuple(found)
-
-
-def missing_lines(comparison: Comparison) -> tuple[str, ...]:
-    """Say the same in lines: 'gyro, NAME: bias stability 24 deg/h (of OTHER)'."""
-    return tuple(
-        f"{row.sensor}, {', '.join(row.devices)}: {row.effect}"
-        for row in missing_effects(comparison)
-    )
-
-
 def print_worst_case(missing: MissingLines | None) -> str:
     """Print what the missing lines could do at worst: '198 fails', or '?'."""
     if missing is None:
@@ -328,45 +282,3 @@ def print_worst_case(missing: MissingLines | None) -> str:
         return "?"
     text = print_parts(missing.utilisation, (missing.utilisation,) * 2)[0]
     return f"{text} {missing.verdict}"
-
-
-def advice_lines(comparison: Comparison) -> tuple[str, ...]:
-    """Return the advice there is, each once, with the devices that it is for."""
-    names: dict[str, list[str]] = {}
-    for one in comparison.devices:
-        if one.advice:
-            names.setdefault(one.advice, []).append(f"{one.name} ({one.sensor})")
-    return tuple(
-        f"{', '.join(dict.fromkeys(of))}: {advice}" for advice, of in names.items()
-    )
-
-
-def cap_lines(comparison: Comparison) -> tuple[str, ...]:
-    """Say which devices exceed a cap; a cap sets no verdict."""
-    return tuple(
-        dict.fromkeys(
-            f"{one.name}: {text}"
-            for one in comparison.devices
-            for text in one.over_caps
-        )
-    )
-
-
-def best_of(table: Table) -> Row | None:
-    """Return the best device that meets, None where none does."""
-    meets = [row for row in table.rows if row.of.verdict == "meets"]
-    return min(meets, key=COLUMNS[0].order, default=None)
-
-
-def verdict_lines(found: Sequence[Table]) -> tuple[str, ...]:
-    """Say for each sensor and procedure who is best, or that nobody meets."""
-    several = len({table.procedure for table in found}) > 1
-    lines = []
-    for table in found:
-        place = f"{table.sensor}, {table.procedure}" if several else table.sensor
-        best = best_of(table)
-        said = "no device meets"
-        if best is not None:
-            said = f"{best.device} is best, {best.utilisation} % of the limit"
-        lines.append(f"{place}: {said} ({table.counts})")
-    return tuple(lines)

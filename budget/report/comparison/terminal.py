@@ -7,13 +7,17 @@ from typing import TYPE_CHECKING
 from budget.report.comparison.tables import (
     COLUMNS,
     PAIRS_SHOWN,
-    advice_lines,
-    cap_lines,
-    missing_lines,
     print_parts,
     print_probability,
     side_by_side,
     tables,
+)
+from budget.report.comparison.wording import (
+    advice_lines,
+    cap_lines,
+    missing_lines,
+    not_compared_lines,
+    unknown_cap_lines,
     verdict_lines,
 )
 from budget.report.tables import align_decimals, settings_lines
@@ -73,7 +77,7 @@ def render_comparison(
     page.line(f"Against {comparison.requirement}", style="bold")
     found = tables(comparison, sort=sort)
     several = len(comparison.procedures) > 1
-    for text in verdict_lines(found):
+    for text in (*verdict_lines(found), *not_compared_lines(comparison)):
         page.paragraph(text, first="- ")
     for sensor in comparison.required if several else ():
         page.line()
@@ -88,6 +92,7 @@ def render_comparison(
         ("In the place of missing lines", missing_lines(comparison)),
         ("Advice", advice_lines(comparison)),
         ("Over a cap", cap_lines(comparison)),
+        ("Not known whether over a cap", unknown_cap_lines(comparison)),
         ("Warnings", comparison.warnings),
     ):
         if lines:

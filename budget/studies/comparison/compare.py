@@ -14,13 +14,14 @@ from budget.studies.comparison.candidates import (
     bound_missing,
     candidate,
 )
-from budget.studies.comparison.figures_of_merit import MERITS, over_cap
+from budget.studies.comparison.figures_of_merit import MERITS, is_known, over_cap
 from budget.studies.comparison.judging import Finding, How, judge_all
 from budget.studies.comparison.ranking import pair_up, rank
 from budget.studies.comparison.records import (
     Comparison,
     DeviceVerdict,
     RequiredOutput,
+    UnknownCap,
 )
 from budget.studies.progress import stage
 
@@ -142,6 +143,8 @@ def compare(
             formulas=", ".join(dict.fromkeys(p.formulas for p in procedures)),
             normals_per_trial=max(c.problem.normals_per_trial for c in candidates),
         ),
+        caps=requirement.caps,
+        not_compared=_not_compared(devices, requirement),
         devices=ranked,
         pairs=pair_up(ranked) if pairs else (),
         assumptions=tuple(
@@ -231,6 +234,12 @@ def _verdict(
             if merit in MERITS
             and (text := over_cap(merit, getattr(device, merit), cap))
         ),
+        unknown_caps=tuple(
+            UnknownCap(merit=merit, cap=cap, text=text)
+            for merit, cap in requirement.caps
+            if merit in MERITS
+            and not is_known(merit, text := getattr(device, merit), cap)
+        ),
         advice="near the limit: use --method monte-carlo" if near else "",
         batches=result.batches,
     )
@@ -247,16 +256,17 @@ def _warnings(
     twice = [name for name, n in Counter(d.name for d in devices).items() if n > 1]
     if twice:
         found.append(f"devices of the same name: {', '.join(sorted(twice))}")
-    limited = {limit.output.split(".")[0] for limit in requirement.limits}
+    limited = _limited(requirement)
     present = {sensor.kind for device in devices for sensor in device.sensors}
     found += [
-        f"{requirement.name} has no limit for a {kind}, which some devices have: "
-        "it is not compared"
-        for kind in sorted(present - limited)
+        f"the requirement has no limit for the {kind}, which some devices have: it is "
+        "not compared"
+        for kind in sorted(present - set(limited))
     ]
     found += [
-        f"{requirement.name} limits a {kind}, which no device here has: not compared"
-        for kind in sorted(limited - present)
+        f"the requirement limits the {kind}, which no device here has: its limits are "
+        "not judged"
+        for kind in _not_compared(devices, requirement)
     ]
     impossible = {name for finding in findings for name in finding.impossible}
     found += [
@@ -274,6 +284,21 @@ def _warnings(
         for device, names in doubts.items()
     ]
     return tuple(found)
+
+
+def _limited(requirement: Requirement) -> tuple[str, ...]:
+    """Return the sensors that have limits, in their order."""
+    return tuple(
+        dict.fromkeys(limit.output.split(".")[0] for limit in requirement.limits)
+    )
+
+
+def _not_compared(
+    devices: Sequence[Device], requirement: Requirement
+) -> tuple[str, ...]:
+    """Return the sensors that have limits, and that no device has."""
+    present = {sensor.kind for device in devices for sensor in device.sensors}
+    return tuple(kind for kind in _limited(requirement) if kind not in present)
 
 
 def _inputs(

@@ -51,8 +51,14 @@ def over_cap(merit: str, text: str, cap: str) -> str:
     """Say by how much a device exceeds a cap; '' where it does not, or nobody knows."""
     have, most = read_amount(merit, text), read_amount(merit, cap)
     if have is None or most is None or have.unit != most.unit:
-        return ""
+        return ""  # is_known tells the two apart
     return f"{merit} {text}, at most {cap}" if have.value > most.value else ""
+
+
+def is_known(merit: str, text: str, cap: str) -> bool:
+    """Whether a maker's text can be held against a cap."""
+    have, most = read_amount(merit, text), read_amount(merit, cap)
+    return have is not None and most is not None and have.unit == most.unit
 
 
 def front(points: Sequence[tuple[float, Amount | None]]) -> tuple[bool, ...]:

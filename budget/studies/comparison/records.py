@@ -76,6 +76,15 @@ class Ahead:
 
 
 @dataclass(frozen=True, kw_only=True)
+class UnknownCap:
+    """A cap that nobody can say of a device whether it is exceeded."""
+
+    merit: str  # 'price', 'mass', 'power'
+    cap: str  # as the requirement gives it
+    text: str  # of the maker, which cannot be held against it; '' where there is none
+
+
+@dataclass(frozen=True, kw_only=True)
 class DeviceVerdict:
     """One sensor of one device under one procedure, held against the requirement."""
 
@@ -99,6 +108,7 @@ class DeviceVerdict:
     mass: str
     power: str
     over_caps: tuple[str, ...]  # 'mass 140 g, at most 100 g'
+    unknown_caps: tuple[UnknownCap, ...]
     advice: str
     ahead: Ahead | None = None  # of the next one with the same verdict
     on_front: tuple[str, ...] = ()  # 'price', 'mass', 'power' it is Pareto-best in
@@ -130,6 +140,8 @@ class Comparison:
     procedures: tuple[str, ...]
     inputs: tuple[InputFile, ...]
     settings: Settings
+    caps: tuple[tuple[str, str], ...]  # of the requirement: ('mass', '2 kg')
+    not_compared: tuple[str, ...]  # sensors that have limits and no candidate
     devices: tuple[DeviceVerdict, ...]
     pairs: tuple[Pair, ...]
     assumptions: tuple[str, ...]

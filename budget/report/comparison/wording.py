@@ -1,0 +1,186 @@
+"""A comparison in words: the answer, what it leaves open, and what to beware of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from budget.report.analysis.wording import REFERENCES
+from budget.report.comparison.tables import COLUMNS
+from budget.report.tables import print_coverage, source_title, words
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from budget.report.comparison.tables import Row, Table
+    from budget.studies.comparison.records import Comparison
+
+
+@dataclass(frozen=True, kw_only=True)
+class MissingEffect:
+    """What is put in the place of the expected lines that some devices lack."""
+
+    sensor: str
+    devices: tuple[str, ...]
+    effect: str  # 'bias stability 24 deg/h (of NAME)', or that nothing is known
+
+
+def headline(comparison: Comparison) -> str:
+    """State the answer in one line."""
+    verdict = "MET" if comparison.is_met else "NOT MET"
+    if comparison.not_compared:  # 'MET' alone would speak for what nobody judged
+        verdict += f" for the {' and the '.join(comparison.required)}"
+    return f"{verdict}: {comparison.requirement}"
+
+
+def answer(comparison: Comparison) -> str:
+    """State the answer in a sentence."""
+    if not comparison.not_compared:
+        if comparison.is_met:
+            return "Each required sensor has a device that meets."
+        return "A required sensor has no device that meets."
+    has = "has a" if comparison.is_met else "has no"
+    return (
+        f"The {' and the '.join(comparison.required)} {has} device that meets; the "
+        f"limits for the {' and the '.join(comparison.not_compared)} are not judged: "
+        "no device here has one."
+    )
+
+
+def basis(comparison: Comparison) -> str:
+    """Say what the errors are."""
+    settings = comparison.settings
+    coverage = print_coverage(settings.coverage)
+    return f"Errors at {coverage} % coverage; {REFERENCES[settings.reference]}."
+
+
+def verdict_lines(found: Sequence[Table]) -> tuple[str, ...]:
+    """Say for each sensor and procedure who is best, or that nobody meets."""
+    several = len({table.procedure for table in found}) > 1
+    lines = []
+    for table in found:
+        place = f"{table.sensor}, {table.procedure}" if several else table.sensor
+        best = best_of(table)
+        said = "no device meets"
+        if best is not None:
+            said = f"{best.device} is best, {best.utilisation} % of the limit"
+        lines.append(f"{place}: {said} ({table.counts})")
+    return tuple(lines)
+
+
+def best_of(table: Table) -> Row | None:
+    """Return the best device that meets, None where none does."""
+    meets = [row for row in table.rows if row.of.verdict == "meets"]
+    return min(meets, key=COLUMNS[0].order, default=None)
+
+
+def not_compared_lines(comparison: Comparison) -> tuple[str, ...]:
+    """Say of which sensors limits are judged for no device."""
+    return tuple(
+        f"{sensor}: limits not judged, no device here has one"
+        for sensor in comparison.not_compared
+    )
+
+
+def undecidable_lines(comparison: Comparison) -> Iterator[str]:
+    """Say of each sensor how many devices would meet, were nothing missing."""
+    for sensor in comparison.required:
+        names = {
+            one.name
+            for one in comparison.devices
+            if one.sensor == sensor and one.verdict == "undecidable"
+        }
+        if names:
+            verb = "lacks a line" if len(names) == 1 else "lack lines"
+            yield (
+                f"{len(names)} {sensor} device{'' if len(names) == 1 else 's'} would "
+                f"meet, but {verb} that a verdict needs: undecidable"
+            )
+
+
+def missing_effects(comparison: Comparison) -> tuple[MissingEffect, ...]:
+    """Return what the column 'at worst' puts in the place of lines not given.
+
+    Of devices that do not fail in any case; those with the same lines in one.
+    """
+    names: dict[tuple[str, tuple[str, ...], tuple[str, ...]], list[str]] = {}
+    for one in comparison.devices:
+        if one.missing is not None and one.verdict != "fails":
+            key = (one.sensor, one.missing.lines, one.missing.assumed)
+            names.setdefault(key, []).append(one.name)
+    found = []
+    for (sensor, lines, assumed), devices in names.items():
+        if len(assumed) < len(lines):
+            effect = (
+                f"{', '.join(source_title(name) for name in lines)} not given, and no "
+                "device of the catalogue gives them all"
+            )
+        else:
+            effect = ", ".join(
+                words(text.removeprefix(f"{sensor}.")) for text in assumed
+            )
+        found.append(
+            MissingEffect(
+                sensor=sensor, devices=tuple(dict.fromkeys(devices)), effect=effect
+            )
+        )
+    return tuple(found)
+
+
+def missing_lines(comparison: Comparison) -> tuple[str, ...]:
+    """Say the same in lines: 'gyro, NAME: bias stability 24 deg/h (of OTHER)'."""
+    return tuple(
+        f"{row.sensor}, {', '.join(row.devices)}: {row.effect}"
+        for row in missing_effects(comparison)
+    )
+
+
+def advice_lines(comparison: Comparison) -> tuple[str, ...]:
+    """Return the advice there is, each once, with the devices that it is for."""
+    names: dict[str, list[str]] = {}
+    for one in comparison.devices:
+        if one.advice:
+            names.setdefault(one.advice, []).append(f"{one.name} ({one.sensor})")
+    return tuple(
+        f"{', '.join(dict.fromkeys(of))}: {advice}" for advice, of in names.items()
+    )
+
+
+def cap_lines(comparison: Comparison) -> tuple[str, ...]:
+    """Say which devices exceed a cap; a cap sets no verdict."""
+    return tuple(
+        dict.fromkeys(
+            f"{one.name}: {text}"
+            for one in comparison.devices
+            for text in one.over_caps
+        )
+    )
+
+
+def unknown_cap_lines(comparison: Comparison) -> tuple[str, ...]:
+    """Say of each cap of which devices nobody knows whether they exceed it.
+
+    'mass, at most 2 kg: not given for NAME, OTHER', 'price, ...: given for no device'.
+    """
+    number = len({one.place for one in comparison.devices})
+    lines = []
+    for merit, cap in comparison.caps:
+        texts = {  # one for both sensors of a device, under every procedure
+            one.place: (one.name, unknown.text)
+            for one in comparison.devices
+            for unknown in one.unknown_caps
+            if unknown.merit == merit
+        }
+        if not texts:
+            continue
+        named = [
+            f"{name} ({text!r}, which cannot be held against it)" if text else name
+            for name, text in texts.values()
+        ]
+        given = any(text for _, text in texts.values())
+        said = f"not {'known' if given else 'given'} for "
+        said += ", ".join(dict.fromkeys(named))
+        if len(texts) == number > 1 and not given:
+            said = "given for no device"
+        lines.append(f"{merit}, at most {cap}: {said}")
+    return tuple(lines)
