@@ -10,9 +10,10 @@ far, Python, imports and the files before included: more than the one file needs
 from __future__ import annotations
 
 import json
-import resource
+import re
 import sys
 import time
+from pathlib import Path
 
 from budget.errors import SpecError
 from budget.spec import validate
@@ -31,6 +32,15 @@ def check(name):
     return time.perf_counter() - begun, issues
 
 
+def peak():
+    """Return the most memory that this program has held [byte].
+
+    The kernel's ru_maxrss would count what its parent held when it was started.
+    """
+    status = Path("/proc/self/status").read_text(encoding="ascii")
+    return int(re.search(r"VmHWM:\s+(\d+) kB", status)[1]) * 1024
+
+
 def main():
     """Check the files named on the command line."""
     validate("zhao-2019")  # the imports and the units are no part of the check
@@ -38,8 +48,7 @@ def main():
         seconds, issues = check(name)
         if seconds > QUICK:
             seconds = min(seconds, check(name)[0], check(name)[0])
-        peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024  # Linux: kB
-        cost = {"file": name, "seconds": seconds, "bytes": peak, "issues": issues}
+        cost = {"file": name, "seconds": seconds, "bytes": peak(), "issues": issues}
         sys.stdout.write(f"{json.dumps(cost)}\n")
         sys.stdout.flush()
 
