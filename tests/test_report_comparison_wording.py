@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 
 import pytest
 from comparison_examples import compared, paper_device, requirement
-from document_text import find, lines, section
+from document_text import find, lines, rows, section
 from rich.console import Console
 
 from budget.report.blocks import Listing
 from budget.report.comparison.document import to_dict
 from budget.report.comparison.page import comparison_document, comparison_sections
 from budget.report.comparison.terminal import render_comparison
-from budget.report.comparison.wording import unknown_cap_lines
+from budget.report.comparison.wording import computed_apart, unknown_cap_lines
 
 BOTH = ("gyro", "accelerometer")
 DATE = "2026-01-01"
@@ -97,3 +98,60 @@ def test_limits_of_a_sensor_that_no_device_has_are_not_met():
         assert "are not judged" in text
     assert "limits the accelerometer" in " ".join(lines(section(document, "remarks")))
     assert to_dict(found)["not_compared"] == ["accelerometer"]
+
+
+def test_sections_in_a_report_say_how_they_were_computed():
+    """Method, trials and seed stand there, and that page one can differ a little."""
+    found = compared([paper_device(times=0.5)], seed=7)
+    first, *_ = comparison_sections(found)
+    text = " ".join(lines(first))
+
+    assert "95 % coverage" in text
+    assert "by Monte Carlo (JCGM 101) with 20 000 trials of each device, seed 7" in text
+    assert "can differ from those of page one in the last digits" in text
+
+
+def test_more_trials_of_open_verdicts_are_said():
+    """Where a device got more trials than all had, the most are named."""
+    found = compared([paper_device(times=0.5)])
+    (one,) = found.devices
+    more = replace(found, devices=(replace(one, trials=80_000),))
+
+    assert "up to 80 000 where" in computed_apart(more)
+    assert "up to" not in computed_apart(found)
+
+
+def test_a_comparison_by_the_law_claims_no_trials():
+    """By gum the sentence names the law, and no trials."""
+    text = computed_apart(compared([paper_device(times=0.5)], method="gum"))
+
+    assert "by the law of propagation of uncertainty (JCGM 100), seed 0" in text
+    assert "trials" not in text
+
+
+def test_assumptions_of_compared_devices_stand_in_the_report():
+    """Alike assumptions are one row; figures and devices are gathered in it."""
+    found = compared([paper_device(f"d{n}", times=0.5) for n in range(3)], method="gum")
+    assumed = replace(
+        found,
+        assumptions=tuple(
+            f"d{n}: gyro.{line}: 'typical' taken as 1 sigma"
+            for n in range(3)
+            for line in ("bias_stability", "angle_random_walk")
+        ),
+    )
+    part = section_of(comparison_sections(assumed), "comparison-assumptions")
+
+    assert rows(part) == [
+        (
+            "gyro bias stability, gyro angle random walk",
+            "'typical' taken as 1 sigma",
+            "all 3 devices",
+        )
+    ]
+
+
+def section_of(parts, name):
+    """Return the section of that name."""
+    (found,) = (part for part in parts if part.name == name)
+    return found

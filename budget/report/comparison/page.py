@@ -37,6 +37,7 @@ from budget.report.comparison.wording import (
     basis,
     best_of,
     cap_lines,
+    computed_apart,
     headline,
     missing_effects,
     not_compared_lines,
@@ -101,7 +102,7 @@ def comparison_document(
         ),
         *_pairs(comparison),
         *_missing(comparison),
-        _assumptions(comparison),
+        _assumptions(comparison, in_report=False),
         _method(comparison),
         provenance_section(
             comparison.inputs,
@@ -137,7 +138,8 @@ def comparison_sections(comparison: Comparison) -> tuple[Section, ...]:
     Returns
     -------
     tuple of Section
-        The answer, the devices sensor by sensor, pairs, and what to beware of.
+        The answer and how it was computed, the devices sensor by sensor, pairs, what
+        the files leave to be assumed, and what to beware of.
     """
     found = tables(comparison)
     several = len(comparison.procedures) > 1
@@ -147,7 +149,10 @@ def comparison_sections(comparison: Comparison) -> tuple[Section, ...]:
         blocks=(
             # No headline here: 'MET' would be read as a verdict on the report's device.
             Paragraph(words=(Run(text=answer(comparison), strong=True),)),
-            Paragraph(words=(basis(comparison),), small=True),
+            Paragraph(
+                words=(f"{basis(comparison)} {computed_apart(comparison)}",),
+                small=True,
+            ),
             Listing(
                 items=tuple(
                     (capital(line),)
@@ -166,6 +171,7 @@ def comparison_sections(comparison: Comparison) -> tuple[Section, ...]:
         ),
         *_pairs(comparison),
         *_missing(comparison),
+        _assumptions(comparison, in_report=True),
         _remarks(comparison, on_first_page=False),
     )
 
@@ -341,14 +347,16 @@ def _pairs(comparison: Comparison) -> tuple[Section, ...]:
     )
 
 
-def _assumptions(comparison: Comparison) -> Section:
-    """Return what the files leave to be assumed."""
+def _assumptions(comparison: Comparison, *, in_report: bool) -> Section:
+    """Return what the files leave to be assumed; a report has a section of its own."""
+    name = "comparison-assumptions" if in_report else "assumptions"
     blocks: tuple[Block, ...] = (
-        (assumptions_table(comparison),)
+        (assumptions_table(comparison, f"{name}-table"),)
         if comparison.assumptions
         else (Paragraph(words=("None: the files say all that is needed.",)),)
     )
-    return Section(name="assumptions", title="Assumptions", blocks=blocks)
+    title = "Assumptions of the compared devices" if in_report else "Assumptions"
+    return Section(name=name, title=title, blocks=blocks)
 
 
 def _method(comparison: Comparison) -> Section:

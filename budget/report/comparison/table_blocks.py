@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from budget.studies.comparison.records import Comparison, Pair, RequiredOutput
 
 LONG = 8  # rows from which a table is worth searching
+FEW = 2  # devices that are named, even where they are all
 DASH = "\N{EN DASH}"  # a factor that is not there
 
 
@@ -185,7 +186,7 @@ def procedures_table(
     )
 
 
-def assumptions_table(comparison: Comparison) -> Table:
+def assumptions_table(comparison: Comparison, name: str) -> Table:
     """Return what the files leave to be assumed, alike ones in one row.
 
     An assumption reads 'device: figure: what is assumed'; those of a procedure or of
@@ -198,8 +199,11 @@ def assumptions_table(comparison: Comparison) -> Table:
         rest = text.removeprefix(f"{device}: ") if device else text
         figure, _, assumed = rest.partition(": ")
         gathered.setdefault((figure, assumed), []).append(device)
+    alike: dict[tuple[str, tuple[str, ...]], list[str]] = {}
+    for (figure, assumed), devices in gathered.items():
+        alike.setdefault((assumed, tuple(devices)), []).append(figure)
     return Table(
-        name="assumptions-table",
+        name=name,
         caption="Assumptions in the files",
         columns=(
             Column(head="figure", weight=1.2),
@@ -210,16 +214,16 @@ def assumptions_table(comparison: Comparison) -> Table:
             RowGroup(
                 rows=tuple(
                     (
-                        Cell(text=words(figure.replace(".", " "))),
+                        Cell(text=", ".join(map(_figure, figures))),
                         Cell(text=assumed),
-                        Cell(text=", ".join(filter(None, devices))),
+                        Cell(text=_owners(devices, len(names))),
                     )
-                    for (figure, assumed), devices in gathered.items()
+                    for (assumed, devices), figures in alike.items()
                 )
             ),
         ),
         is_wide=True,
-        searchable=len(gathered) >= LONG,
+        searchable=len(alike) >= LONG,
     )
 
 
@@ -248,6 +252,19 @@ def missing_table(effects: Sequence[MissingEffect]) -> Table:
         is_wide=True,
         searchable=len(effects) >= LONG,
     )
+
+
+def _figure(name: str) -> str:
+    """Name a figure of a file: 'gyro bias stability'."""
+    return words(name.replace(".", " "))
+
+
+def _owners(devices: Sequence[str], number: int) -> str:
+    """Name the devices that an assumption is of; many that are all, as such."""
+    named = [name for name in devices if name]
+    if len(named) == number > FEW:
+        return f"all {number} devices"
+    return ", ".join(named)
 
 
 def _output_head(name: str) -> str:

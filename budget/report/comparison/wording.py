@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from budget.report.analysis.wording import REFERENCES
 from budget.report.comparison.tables import COLUMNS
-from budget.report.tables import print_coverage, source_title, words
+from budget.report.tables import print_count, print_coverage, source_title, words
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -52,6 +52,24 @@ def basis(comparison: Comparison) -> str:
     settings = comparison.settings
     coverage = print_coverage(settings.coverage)
     return f"Errors at {coverage} % coverage; {REFERENCES[settings.reference]}."
+
+
+def computed_apart(comparison: Comparison) -> str:
+    """Say how a comparison inside a report was computed, and why numbers differ."""
+    settings = comparison.settings
+    how = "by the law of propagation of uncertainty (JCGM 100)"
+    if settings.trials is not None:
+        how = (
+            f"by Monte Carlo (JCGM 101) with {print_count(settings.trials)} trials of "
+            "each device"
+        )
+        most = max(one.trials or 0 for one in comparison.devices)
+        if most > settings.trials:
+            how += f", up to {print_count(most)} where a verdict or a rank was open"
+    return (
+        f"Computed apart from page one, {how}, seed {settings.seed}, so its numbers "
+        "can differ from those of page one in the last digits."
+    )
 
 
 def verdict_lines(found: Sequence[Table]) -> tuple[str, ...]:
