@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 import shutil
 from pathlib import Path
 from time import process_time
@@ -121,7 +122,7 @@ class TestMoved:
         ]
         assert "1 reference: 0 hold, 1 moved" in run.out
 
-    @pytest.mark.parametrize("width", ["80", "120"])
+    @pytest.mark.parametrize("width", ["40", "80", "120"])
     def test_fits(self, folder, width):
         """No line is longer than the terminal is wide."""
         rewrite(folder, WORSE.replace("37 ppm", "70 ppm"))
@@ -152,6 +153,7 @@ class TestMoved:
             "before": "0.04 deg/h",
             "after": "0.0404 deg/h",
             "acts": True,
+            "is_text": False,
         }
         (u,) = (
             row
@@ -246,20 +248,40 @@ class TestMoved:
         assert said in flat(run.out)
         assert "gyro.angle_random_walk" in run.out
 
-    def test_a_key_that_cannot_be_tried_alone(self, folder):
-        """Two keys that only go together are named, and the one is marked."""
+    def test_keys_of_one_figure_are_tried_together(self, folder):
+        """Two keys of a figure, of which one alone is refused, are one change."""
         sigma = DEVICE.replace("correlation_time: 300 s", "meaning: 2 sigma")
         store(folder, sigma)
+        # With 2 sigma an Allan minimum is refused.
         rewrite(folder, sigma.replace("meaning: 2 sigma", "definition: allan_minimum"))
-        run = call("check", "ref.json")
+        document = call("check", "ref.json", "--json", "-").document
+
+        (change,) = document["references"][0]["changes"]
+        assert change == {
+            "where": "device imu.yaml",
+            "key": KEY,
+            "before": "{value: 0.04 deg/h, meaning: 2 sigma}",
+            "after": "{value: 0.04 deg/h, definition: allan_minimum}",
+            "acts": True,
+            "is_text": False,
+        }
+        assert {row["because"] for row in document["moved"]} == {f"{KEY} 100 %"}
+
+    def test_a_key_that_cannot_be_tried_alone(self, folder):
+        """Two keys that only go together are named, and the one is marked."""
+        how = folder / "how.yaml"
+        how.write_text("name: how\nsample_rate: 100 Hz\ngyro: {dwell: 300 s}\n")
+        save = call("check", "--save", "p.json", "imu.yaml", "--procedure", "how.yaml")
+        assert save.code == 0, save.err
+        # A window of 5 ms holds no sample at 100 Hz.
+        how.write_text("name: how\nsample_rate: 1 kHz\ngyro: {dwell: 5 ms}\n")
+        run = call("check", "p.json")
 
         assert run.code == 1
         said = flat(run.out)
-        assert f"{KEY}.meaning: 2 sigma -> (not there)" in said
-        # With 2 sigma an Allan minimum is refused.
-        assert (
-            "definition: (not there) -> allan_minimum (cannot be tried alone)" in said
-        )
+        assert "gyro.dwell: 300 s -> 5 ms (cannot be tried alone)" in said
+        row = re.search(r"(?m)^  all .*", run.out[run.out.index("Gyro bias, u") :])[0]
+        assert "together: 100 %" in row
 
     @pytest.mark.usefixtures("folder")
     def test_another_version_of_the_tool(self, monkeypatch):

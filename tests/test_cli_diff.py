@@ -113,9 +113,9 @@ class TestDevices:
         """FILE#VARIANT and bare names; many keys are counted, not all listed."""
         run = call("diff", "zhao-2019", "hg4930#C")
         assert run.code == 0
-        assert "gyro.errors.mounting_repeatability: 2 arcsec -> 750 μrad" in " ".join(
-            run.out.split()
-        )
+        said = " ".join(run.out.split())
+        key = "gyro.errors.mounting_repeatability"
+        assert f"{key}: 2 arcsec -> {{value: 750 μrad, meaning: 1 sigma}}" in said
         assert "more that move no number, in --json" in run.out
         assert "  x 77  " in run.out
 
@@ -143,12 +143,61 @@ class TestDevices:
         (causes,) = {tuple(c["change"] for c in r["causes"]) for r in document["moved"]}
         assert len(causes) == 1
 
-    @pytest.mark.parametrize("width", ["80", "120"])
+    def test_two_keys_that_act_together(self, folder):
+        """A half-width with its shape is one change, and it is the whole cause."""
+        figure = "{value: 0.05 deg/h, meaning: max, distribution: triangular}"
+        text = DEVICE.replace("repeatability: 0.05 deg/h", f"repeatability: {figure}")
+        (folder / "max.yaml").write_text(text, encoding="utf-8")
+        run = call("diff", "imu.yaml", "max.yaml")
+
+        said = " ".join(run.out.split())
+        assert f"1 device: gyro.errors.bias_repeatability: 0.05 deg/h -> {figure}" in (
+            said
+        )
+        assert "number)" not in said
+        rows = run.out[run.out.index("because") :].splitlines()
+        assert rows[2].split()[0] == "all"
+        assert rows[2].split()[-1] == "1"
+
+    def test_a_value_in_the_place_of_an_axis(self, folder):
+        """One value for an axis of its own explains that axis too."""
+        own = "bias_repeatability: {value: 50 ug, axes: {z: 80 ug}}"
+        line = "bias_repeatability: 37 ug"
+        for name, figure in (("a", own), ("b", "bias_repeatability: 500 ug")):
+            text = DEVICE.replace(line, figure)
+            (folder / f"{name}.yaml").write_text(text, encoding="utf-8")
+        document = call("diff", "a.yaml", "b.yaml", "--json", "-").document
+
+        for axis in "xyz":
+            row = row_of(document, f"accelerometer.bias.{axis}", U)
+            (cause,) = row["causes"]
+            assert_allclose(cause["amount"], row["difference"], rtol=1e-9)
+            assert row["together"] is None
+            assert row["because"] == "accelerometer.errors.bias_repeatability 100 %"
+
+    def test_what_the_parts_leave_is_done_together(self):
+        """Parts and what they do together add up to the difference."""
+        document = call("diff", "imu.yaml", "better.yaml", "--json", "-").document
+        row = row_of(document, "gyro.bias.y", U)
+
+        amounts = [cause["amount"] for cause in row["causes"]]
+        assert_allclose(sum(amounts) + row["together"], row["difference"], rtol=1e-9)
+        part = round(100.0 * row["together"] / row["difference"])
+        assert part > 3  # less is not worth a word
+        assert row["because"].endswith(f"; together {part} %")
+        run = call("diff", "imu.yaml", "better.yaml")
+        assert f"together: {part} %" in run.out
+        assert "together: what all changes do at once" in " ".join(run.out.split())
+
+    @pytest.mark.parametrize("width", ["40", "80", "120"])
     def test_fits(self, folder, width):
         """No line is longer than the terminal is wide."""
         run = start("diff", "zhao-2019", "stim300#5g", cwd=folder, COLUMNS=width)
         assert run.code == 0
         assert max(map(len, run.out.splitlines())) <= int(width)
+        # However narrow, the same numbers.
+        for text in ("0.056", "4.018", "x 71"):
+            assert text in run.out.split("Gyro bias, u")[1].splitlines()[1]
 
     def test_csv(self):
         """One row for each difference, in the same order as the JSON document."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from numpy.testing import assert_allclose
@@ -12,13 +14,17 @@ from budget.spec.composer import compose
 from budget.spec.device import read_device
 from budget.spec.tree import Document, plain
 from budget.studies.reference.exchange import (
+    FIGURE_TEXTS,
+    TEXTS,
     differences,
     effective,
     exchange,
-    show,
+    is_text,
+    show_change,
 )
 from budget.units import DEG_PER_HOUR
 
+FILES = Path(__file__).resolve().parent.parent / "docs" / "files.md"
 VARIANTS = """\
 name: Family
 abstract: true
@@ -46,7 +52,7 @@ def changed(before, after, **variants):
     """Return (key, before, after) of every difference."""
     one = document(before, variants.get("one", ""))
     other = document(after, variants.get("other", ""))
-    return [(c.path, show(c.before), show(c.after)) for c in differences(one, other)]
+    return [(c.path, *show_change(c)) for c in differences(one, other)]
 
 
 @pytest.mark.parametrize("variant", ["A", "B"])
@@ -114,7 +120,7 @@ def test_exchanged_one_by_one_the_file_becomes_the_other():
     here, there = document(DEVICE), document(after)
     changes = differences(here, there)
 
-    assert len(changes) == 6
+    assert len(changes) == 5  # the two angles are of one figure
     for change in changes:
         alone = exchange(here, change)
         (only,) = differences(here, alone)
@@ -122,6 +128,81 @@ def test_exchanged_one_by_one_the_file_becomes_the_other():
     for change in changes:
         here = exchange(here, change)
     assert plain(here.root) == plain(there.root)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "shown"),
+    [
+        (
+            "1 deg/h",
+            "{value: 1 deg/h, meaning: max, distribution: triangular}",
+            ("1 deg/h", "{value: 1 deg/h, meaning: max, distribution: triangular}"),
+        ),
+        (
+            "{value: 5 deg/h, meaning: max, axes: {z: 8 deg/h}}",
+            "{value: 6 deg/h, meaning: max}",
+            ("{value: 5 deg/h, axes: {z: 8 deg/h}}", "6 deg/h"),
+        ),
+        (
+            "{value: 5 deg/h, axes: {x: 7 deg/h, z: 8 deg/h}}",
+            "{value: 5 deg/h, axes: {x: 6 deg/h, z: 9 deg/h}}",
+            (
+                "{value: 5 deg/h, axes: {x: 7 deg/h, z: 8 deg/h}}",
+                "{value: 5 deg/h, axes: {x: 6 deg/h, z: 9 deg/h}}",
+            ),
+        ),
+    ],
+)
+def test_keys_of_one_figure_are_one_change(before, after, shown):
+    """Keys of a figure that change together are exchanged and shown together."""
+    one, other = (
+        document(f"gyro: {{errors: {{bias_repeatability: {figure}}}}}\n")
+        for figure in (before, after)
+    )
+    (change,) = differences(one, other)
+
+    assert (change.path, *show_change(change)) == (
+        "gyro.errors.bias_repeatability",
+        *shown,
+    )
+    assert plain(exchange(one, change).root) == plain(other.root)
+
+
+def test_a_text_of_a_figure_stands_alone():
+    """A condition moves no number: it is no part of what changes a figure."""
+    one = document("gyro: {errors: {bias_repeatability: 1 deg/h}}\n")
+    long = "{value: 1 deg/h, condition: warm, meaning: max, distribution: arcsine}"
+    other = document(f"gyro: {{errors: {{bias_repeatability: {long}}}}}\n")
+    text, figure = sorted(differences(one, other), key=lambda c: -len(c.steps))
+
+    assert text.steps[3:] == ("condition",)
+    assert is_text("device", text.steps)
+    assert not is_text("device", figure.steps)
+    assert figure.keys == ("meaning", "distribution")
+    assert (
+        "condition"
+        not in plain(exchange(one, figure).root)["gyro"]["errors"]["bias_repeatability"]
+    )
+
+
+def test_texts_are_those_of_the_docs():
+    """The keys that by design move no number are those that docs/files.md lists."""
+    _, _, table = FILES.read_text(encoding="utf-8").partition(
+        "### Keys that move no number"
+    )
+    rows: dict[str, set[str]] = {}
+    for where, keys in re.findall(r"(?m)^\| ([a-z ]+) \| (`.*) \|$", table)[:7]:
+        rows.setdefault(where, set()).update(re.findall("`([a-z_]+)`", keys))
+    every = rows["every file"]
+    named = every | rows["every file but costs"]
+
+    assert {
+        "device": named | rows["device"],
+        "procedure": named,
+        "requirement": named | rows["requirement"],
+        "costs": every,
+    } == TEXTS
+    assert rows["a figure"] == FIGURE_TEXTS
 
 
 def test_an_exchange_leaves_the_file_it_was_made_of():

@@ -138,15 +138,64 @@ def test_causes(amounts, text):
     assert len(cause_texts(one)) == len(amounts)
 
 
+@pytest.mark.parametrize(
+    ("amounts", "together", "text"),
+    [
+        ((0.01, 0.006), 0.004, "1: 50 %, 2: 30 %, together: 20 %"),
+        ((0.03, 0.0), -0.01, "1: 150 %, together: -50 %"),
+        ((0.01, 0.005, 0.003), 0.002, "1: 50 %, 2: 25 %, ..., together: 10 %"),
+        ((0.02,), 0.0005, "1"),  # 2.5 %: parts of an uncertainty never add up quite
+        ((), 0.02, "together: 100 %"),
+    ],
+)
+def test_what_parts_leave(amounts, together, text):
+    """What the changes do at once beyond their parts is said, above a few per cent."""
+    causes = tuple(Cause(change=k, amount=a) for k, a in enumerate(amounts))
+    table = move_table([move(causes=causes, together=together)])
+    (group,) = table.groups
+    assert group.rows[0].because == text
+    assert table.has_together == ("together" in text)
+
+
+@pytest.mark.parametrize(
+    ("moved", "key", "note"),
+    [
+        (True, "gyro.turns", " (alone moves no number)"),
+        (False, "gyro.turns", " (moves no number)"),
+        (True, "notes", " (moves no number)"),
+    ],
+)
+def test_a_change_that_does_nothing_alone(moved, key, note):
+    """Where numbers moved, only a text is said to move none with another change."""
+    change = Change(
+        where="device a.yaml",
+        key=key,
+        before="1",
+        after="2",
+        acts=False,
+        is_text=key == "notes",
+    )
+    assert change_lines([change], moved=moved) == (f"{change}{note}",)
+    *_, last = change_lines([change] * (MOST_IDLE + 1), moved=moved)
+    assert ("alone" in last) == ("alone" in note)
+
+
 def test_changes_without_effect_are_counted():
     """All that act are named, of the others a dozen."""
     acting = Change(
         where="device a.yaml", key="k", before="1 s", after="2 s", acts=True
     )
-    idle = Change(where="device a.yaml", key="n", before="", after="x", acts=False)
-    lines = change_lines([acting, *[idle] * (MOST_IDLE + 5)])
+    idle = Change(
+        where="device a.yaml",
+        key="notes",
+        before="",
+        after="x",
+        acts=False,
+        is_text=True,
+    )
+    lines = change_lines([acting, *[idle] * (MOST_IDLE + 5)], moved=True)
 
     assert lines[0] == "device a.yaml: k: 1 s -> 2 s"
-    assert lines[1] == "device a.yaml: n: (not there) -> x (moves no number)"
+    assert lines[1] == "device a.yaml: notes: (not there) -> x (moves no number)"
     assert lines[-1] == "and 5 more that move no number, in --json"
     assert len(lines) == MOST_IDLE + 2

@@ -8,7 +8,7 @@ import json
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from budget.report.reference.tables import cause_texts
+from budget.report.reference.tables import TOGETHER, cause_texts, together_text
 from budget.results import SCHEMA
 
 if TYPE_CHECKING:
@@ -85,6 +85,9 @@ def difference_csv(difference: Difference) -> str:
 
 def _move(move: Move, changes: Sequence[Change]) -> dict[str, Any]:
     """Return one entry of `moved`."""
+    because = [f"{changes[k - 1].key} {part}" for k, part in cause_texts(move)]
+    if together := together_text(move):
+        because.append(f"{TOGETHER} {together}")
     return {
         **asdict(move.key),
         "unit": move.unit,
@@ -98,9 +101,8 @@ def _move(move: Move, changes: Sequence[Change]) -> dict[str, Any]:
             {"change": str(changes[cause.change]), "amount": cause.amount}
             for cause in move.causes
         ],
-        "because": "; ".join(
-            f"{changes[k - 1].key} {part}" for k, part in cause_texts(move)
-        ),
+        "together": move.together,
+        "because": "; ".join(because),
     }
 
 

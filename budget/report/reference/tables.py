@@ -40,8 +40,12 @@ PLAIN = (-4, 7)  # decimal exponents that are written without one
 AXES = {3, 6}  # how many axes a parameter has
 AXIS = 3  # letters that no name of an axis has
 ALL = "100 %"
+MOST_PART = 1e300  # beyond it a part in per cent may overflow [1]
+MOST_PERCENT = 100.0  # a part above this [1] is printed to two digits
 NAMED = 2  # causes of one row on a terminal
 LITTLE = 0.005  # of a difference: not worth a word [1]
+FEW = 0.03  # of a difference: what parts need not add up to, without a word [1]
+TOGETHER = "together"
 NONE = "-"
 
 
@@ -81,6 +85,7 @@ class MoveTable:
     rest: int
     has_standard_errors: bool
     has_tolerances: bool
+    has_together: bool
 
 
 def move_table(moves: Sequence[Move]) -> MoveTable:
@@ -107,24 +112,33 @@ def move_table(moves: Sequence[Move]) -> MoveTable:
         rest=len(counted) - len(chosen),
         has_standard_errors=any(move.is_sampled for move in numbers),
         has_tolerances=any(not move.is_sampled for move in numbers),
+        has_together=any(together_text(move) for move in chosen),
     )
 
 
-def change_lines(changes: Sequence[Change]) -> tuple[str, ...]:
-    """Say each change; of those that move nothing only the first, and how many."""
+def change_lines(changes: Sequence[Change], *, moved: bool) -> tuple[str, ...]:
+    """Say each change; of those that move nothing only the first, and how many.
+
+    Where a number `moved`, a key that does nothing alone may have done it with another.
+    """
     lines = []
     idle = 0
+    alone = ""
     for change in changes:
         note = ""
         if change.acts is False:
             idle += 1
-            note = " (moves no number)"
+            may = moved and not change.is_text and change.where != TOOL
+            note = " (alone moves no number)" if may else " (moves no number)"
+            if may and idle > MOST_IDLE:
+                alone = "alone "
         elif change.acts is None and change.where != TOOL:
             note = " (cannot be tried alone)"
         if idle <= MOST_IDLE:
             lines.append(f"{change}{note}")
     if idle > MOST_IDLE:
-        lines.append(f"and {idle - MOST_IDLE} more that move no number, in --json")
+        rest = idle - MOST_IDLE
+        lines.append(f"and {rest} more that {alone}move no number, in --json")
     return tuple(lines)
 
 
@@ -137,7 +151,17 @@ def cause_texts(move: Move) -> tuple[tuple[int, str], ...]:
         ((cause.change + 1, cause.amount / difference) for cause in move.causes),
         key=lambda pair: -abs(pair[1]),
     )
-    return tuple((k, _percent(part)) for k, part in parts if abs(part) >= LITTLE)
+    return tuple(
+        (k, _percent(part)) for k, part in parts if LITTLE <= abs(part) < MOST_PART
+    )
+
+
+def together_text(move: Move) -> str:
+    """Return the part of the move that only all changes at once explain, or ''."""
+    if not move.difference or move.together is None:
+        return ""
+    part = move.together / move.difference
+    return _percent(part) if FEW < abs(part) < MOST_PART else ""
 
 
 def print_pair(before: float, after: float) -> tuple[str, str]:
@@ -205,12 +229,15 @@ def _cells(move: Move) -> tuple[str, ...]:
 def _because(move: Move) -> str:
     """Name the changes by their numbers, with their parts where there are several."""
     parts = cause_texts(move)
-    if not parts:
-        return NONE
-    if len(parts) == 1 and parts[0][1] == ALL:
+    together = together_text(move)
+    if len(parts) == 1 and parts[0][1] == ALL and not together:
         return str(parts[0][0])
-    text = ", ".join(f"{k}: {part}" for k, part in parts[:NAMED])
-    return f"{text}, ..." if len(parts) > NAMED else text
+    texts = [f"{k}: {part}" for k, part in parts[:NAMED]]
+    if len(parts) > NAMED:
+        texts.append("...")
+    if together:
+        texts.append(f"{TOGETHER}: {together}")
+    return ", ".join(texts) or NONE
 
 
 def _title(move: Move) -> str:
@@ -246,6 +273,8 @@ def _word(value: float | str | None) -> str:
 
 def _percent(part: float) -> str:
     """Print a part of a difference."""
+    if abs(part) >= MOST_PERCENT:
+        return f"{'-' if part < 0.0 else ''}{_two_digits(100.0 * abs(part))} %"
     return f"{round(100.0 * part)} %"
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import TYPE_CHECKING
 
 from budget.report.reference.tables import (
+    NONE,
     MoveTable,
     change_lines,
     move_table,
@@ -40,15 +42,20 @@ def render_checks(checks: Sequence[Checked], bad: int, console: Console) -> None
     page = Page(console)
     width = max((len(one.name) for one in checks), default=0)
     for one in checks:
-        page.line(f"{one.name:<{width}}  {_verdict(one)}", style=_style(one))
+        text = f"{one.name:<{width}}  {_verdict(one)}"
+        if len(text) <= page.width:
+            page.line(text, style=_style(one))
+        else:
+            _wrap(one.name, page, style=_style(one))
+            _wrap(_verdict(one), page, first=INDENT, style=_style(one))
         own = [change for change in one.changes if change.where != TOOL]
-        for text in change_lines(own) if one.holds else ():
+        for text in change_lines(own, moved=False) if one.holds else ():
             page.paragraph(text, first=f"{INDENT}changed  ")
     moved = {one.name: move_table(one.moves) for one in checks if not one.holds}
     for one in checks:
         if not one.holds:
             page.line()
-            page.line(f"{one.name}: what moved, the largest first", style="bold")
+            _wrap(f"{one.name}: what moved, the largest first", page, style="bold")
             _print_moves("check", one.changes, moved[one.name], page)
     _print_legend(tuple(moved.values()), page, command="check")
     tool = [
@@ -69,17 +76,17 @@ def render_checks(checks: Sequence[Checked], bad: int, console: Console) -> None
         counts.append(f"{bad} cannot be checked")
     number = len(checks) + bad
     noun = "reference" if number == 1 else "references"
-    page.line(f"{number} {noun}: {', '.join(counts)}", style="bold")
+    _wrap(f"{number} {noun}: {', '.join(counts)}", page, style="bold")
 
 
 def render_difference(difference: Difference, console: Console) -> None:
     """Print two budgets side by side, the largest change first."""
     page = Page(console)
-    page.line(f"A  {difference.first}", style="bold")
-    page.line(f"B  {difference.second}", style="bold")
+    for label, name in (("A", difference.first), ("B", difference.second)):
+        _wrap(name, page, first=f"{label}  ", style="bold")
     page.line()
     moved = len(difference.moves)
-    page.line(f"{moved} of {difference.compared} numbers and words differ")
+    page.paragraph(f"{moved} of {difference.compared} numbers and words differ")
     table = move_table(difference.moves)
     _print_moves("diff", difference.changes, table, page)
     _print_legend((table,), page, command="diff")
@@ -106,38 +113,50 @@ def _print_moves(
         page.line()
         page.line("What changed", style="bold")
     width = len(str(len(changes)))
-    for k, text in enumerate(change_lines(changes), start=1):
+    moved = bool(table.groups or table.words)
+    for k, text in enumerate(change_lines(changes, moved=moved), start=1):
         number = "" if text.startswith("and ") else str(k)
-        page.paragraph(text, first=f"{INDENT}{number:>{width}}  ")
+        first = f"{INDENT}{number:>{width}}  "
+        page.paragraph(_breakable(text, page.width - len(first)), first=first)
     if table.words:
         page.line()
     for text in table.words:
-        page.paragraph(text, first=INDENT)
+        page.paragraph(_breakable(text, page.width - GAP), first=INDENT)
     if table.groups:
         page.line()
         _print_groups(command, table.groups, page)
     if table.rest:
-        page.line(f"and {table.rest} more numbers, all in --json")
+        page.paragraph(f"and {table.rest} more numbers, all in --json")
 
 
 def _print_groups(command: str, groups: Sequence[Group], page: Page) -> None:
-    """Print all groups under one head; in a narrow place without the column `by`."""
-    lines = _columns(command, groups, with_times=command == "check")
-    if max(map(len, lines)) > page.width:
-        lines = _columns(command, groups, with_times=False)
+    """Print all groups under one head; the narrower the place, the fewer columns.
+
+    First goes the column `by`, then causes get a line below the row, then labels one
+    above it. Numbers are never cut or wrapped.
+    """
+    columns = ["label", "because"]
+    lines = _columns(command, groups, [*columns, "by"])
+    for narrower in (columns, ["label"], []):
+        if max(map(len, lines)) > page.width:
+            columns = narrower
+            lines = _columns(command, groups, columns)
     page.line(lines[0], style="bold")
-    place = 1
+    rest = iter(lines[1:])
     for group in groups:
-        page.line(group.title, style="underline")
-        for line in lines[place : place + len(group.rows)]:
-            page.line(line)
-        place += len(group.rows)
+        _wrap(group.title, page, style="underline")
+        for row in group.rows:
+            if "label" not in columns and row.label:
+                _wrap(row.label, page, first=INDENT)
+            page.line(next(rest))
+            if "because" not in columns and row.because != NONE:
+                _wrap(row.because, page, first=f"{INDENT}because ")
 
 
 def _columns(
-    command: str, groups: Sequence[Group], *, with_times: bool
+    command: str, groups: Sequence[Group], wanted: Sequence[str]
 ) -> tuple[str, ...]:
-    """Set the rows of all groups under one head."""
+    """Set the rows of all groups under one head, with these columns beside numbers."""
     rows = [row for group in groups for row in group.rows]
     before: list[str] = []
     after: list[str] = []
@@ -149,20 +168,46 @@ def _columns(
         after.extend(texts[1::2])
     heads = ["", *HEADS[command], "change"]
     columns: list[Sequence[str]] = [
-        [f"{INDENT}{row.label}" for row in rows],
+        [f"{INDENT}{row.label}" if "label" in wanted else INDENT for row in rows],
         before,
         after,
         [row.change for row in rows],
     ]
-    if with_times:
+    if "by" in wanted and command == "check":
         heads.append("by")
         columns.append([row.times for row in rows])
-    because = [row.because for row in rows]
-    width = max(len("because"), *(len(text) for text in because))
-    heads.append("because".ljust(width))
-    columns.append([text.ljust(width) for text in because])
+    if "because" in wanted:
+        because = [row.because for row in rows]
+        width = max(len("because"), *(len(text) for text in because))
+        heads.append("because".ljust(width))
+        columns.append([text.ljust(width) for text in because])
     head, lines = set_columns(heads, columns)
     return (head, *lines)
+
+
+def _wrap(text: str, page: Page, *, first: str = "", style: str = "") -> None:
+    """Print a text on as many lines as the page needs for it, words whole."""
+    for line in textwrap.wrap(
+        text,
+        page.width,
+        initial_indent=first,
+        subsequent_indent=" " * len(first),
+        break_long_words=False,
+        break_on_hyphens=False,
+    ):
+        page.line(line, style=style)
+
+
+def _breakable(text: str, room: int) -> str:
+    """Part words that are too long for a line after a dot: the way to a key."""
+    words = []
+    for word in text.split(" "):
+        rest = word
+        while len(rest) > room and (place := rest.rfind(".", 1, room) + 1):
+            words.append(rest[:place])
+            rest = rest[place:]
+        words.append(rest)
+    return " ".join(words)
 
 
 def _print_legend(tables: Sequence[MoveTable], page: Page, *, command: str) -> None:
@@ -174,6 +219,8 @@ def _print_legend(tables: Sequence[MoveTable], page: Page, *, command: str) -> N
         "where it belongs to none. because: numbers of the changes above, with the "
         "part of the difference that each explains alone, by the law."
     )
+    if any(table.has_together for table in tables):
+        text += " together: what all changes do at once beyond the sum of these parts."
     if command == "check" and any(table.has_tolerances for table in tables):
         text += " tol: times the tolerance, 1e-9 relative or rounding."
     if command == "check" and any(table.has_standard_errors for table in tables):

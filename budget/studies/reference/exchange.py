@@ -1,4 +1,8 @@
-"""Two files key by key: what differs, and one of them with a single key exchanged."""
+"""Two files key by key: what differs, and one of them with a single key exchanged.
+
+The keys of one figure of a data sheet (its value, meaning, distribution, axes, ...) say
+one thing together, so they are exchanged together.
+"""
 
 from __future__ import annotations
 
@@ -8,9 +12,26 @@ from typing import TYPE_CHECKING
 from budget.spec.tree import Document, Node, merge, plain
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
 LONGEST = 60  # characters of a value in a message
+LONGEST_FIGURE = 160  # of a figure with several of its keys
+SENSORS = ("gyro", "accelerometer")
+FIGURE = 3  # steps to a figure: sensor, `errors`, line
+VALUE = "value"
+
+# Keys that by design move no number, by the kind of the file; docs/files.md lists them.
+TEXTS = {
+    "device": {
+        *("format", "name", "source", "vendor", "technology", "price", "mass"),
+        *("power", "range", "notes", "figures", "abstract"),
+    },
+    "procedure": {"format", "name"},
+    "requirement": {"format", "name", "caps"},
+    "costs": {"format"},
+}
+FIGURE_TEXTS = {"includes", "horizon", "condition", "source"}
+
 Steps = tuple[str | int, ...]
 
 
@@ -24,16 +45,19 @@ class KeyChange:
         The way to it.
     before, after : Node or None
         None where the key is not there.
+    keys : tuple of str
+        Of a figure of which several keys differ: those; else empty.
     """
 
     steps: Steps
     before: Node | None
     after: Node | None
+    keys: tuple[str, ...] = ()
 
     @property
     def path(self) -> str:
         """The way to it as people read it; the `value` of a figure is the figure."""
-        steps = self.steps[:-1] if self.steps[-1:] == ("value",) else self.steps
+        steps = self.steps[:-1] if self.steps[-1:] == (VALUE,) else self.steps
         text = ""
         for step in steps:
             text += f"[{step}]" if isinstance(step, int) else f".{step}"
@@ -63,8 +87,28 @@ def effective(document: Document, variant: str) -> Document:
 
 
 def differences(before: Document, after: Document) -> tuple[KeyChange, ...]:
-    """Return every key that differs, in the order of the files."""
-    return tuple(_differences(before.root, after.root, ()))
+    """Return every key that differs, in the order of the files.
+
+    Several keys of one figure are one change of that figure: a meaning without the
+    distribution that belongs to it is another figure than either file has.
+    """
+    groups: dict[Steps, list[KeyChange]] = {}
+    for change in _differences(before.root, after.root, ()):
+        steps = change.steps
+        inside = _is_in_figure(steps) and not is_text("device", steps)
+        groups.setdefault(steps[:FIGURE] if inside else steps, []).append(change)
+    return tuple(
+        own[0] if len(own) == 1 else _join(before.root, steps, own)
+        for steps, own in groups.items()
+    )
+
+
+def is_text(role: str, steps: Steps) -> bool:
+    """Whether a key of a file of that role is one that by design moves no number."""
+    return steps[:1] != () and (
+        steps[0] in TEXTS[role]
+        or (_is_in_figure(steps) and not FIGURE_TEXTS.isdisjoint(steps[FIGURE:]))
+    )
 
 
 def exchange(document: Document, change: KeyChange) -> Document:
@@ -72,21 +116,32 @@ def exchange(document: Document, change: KeyChange) -> Document:
     return replace(document, root=_put(document.root, change.steps, change.after))
 
 
-def show(node: Node | None) -> str:
+def show(node: Node | None, *, longest: int = LONGEST) -> str:
     """Write a value as a file would spell it, on one line; '' for none."""
     text = "" if node is None else _flow(node)
-    return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."
+    return text if len(text) <= longest else f"{text[: longest - 3]}..."
+
+
+def show_change(change: KeyChange) -> tuple[str, str]:
+    """Write the value before and after; of a figure its value and what differs."""
+    if not change.keys:
+        return show(change.before), show(change.after)
+    before, after = (
+        show(_only(node, {VALUE, *change.keys}), longest=LONGEST_FIGURE)
+        for node in (change.before, change.after)
+    )
+    return before, after
 
 
 def _long_figures(root: Node) -> Node:
     """Write every figure under `errors` as a mapping."""
-    for sensor in ("gyro", "accelerometer"):
+    for sensor in SENSORS:
         errors = (root.child(sensor) or root).child("errors")
         if errors is None or not isinstance(errors.value, dict):
             continue
         for line, figure in errors.value.items():
             if isinstance(figure.value, str):
-                long = replace(figure, value={"value": figure}, written="")
+                long = replace(figure, value={VALUE: figure}, written="")
                 root = _put(root, (sensor, "errors", line), long)
     return root
 
@@ -108,6 +163,32 @@ def _differences(
         if plain(before) == plain(after):
             return
     yield KeyChange(steps=steps, before=before, after=after)
+
+
+def _is_in_figure(steps: Steps) -> bool:
+    """Whether a key is one of a figure of a data sheet."""
+    return len(steps) > FIGURE and steps[0] in SENSORS and steps[1] == "errors"
+
+
+def _join(root: Node, steps: Steps, changes: Sequence[KeyChange]) -> KeyChange:
+    """Make one change of those of one figure; its texts stay as they are before."""
+    after = root
+    for change in changes:
+        after = _put(after, change.steps, change.after)
+    return KeyChange(
+        steps=steps,
+        before=root.nearest(steps),
+        after=after.nearest(steps),
+        keys=tuple(dict.fromkeys(str(change.steps[FIGURE]) for change in changes)),
+    )
+
+
+def _only(node: Node | None, keys: set[str]) -> Node | None:
+    """Return a figure with these keys alone, in its short form where it has one."""
+    if node is None or not isinstance(node.value, dict):
+        return node
+    own = {key: child for key, child in node.value.items() if key in keys}
+    return own[VALUE] if set(own) == {VALUE} else replace(node, value=own)
 
 
 def _are_records(a: tuple[Node, ...], b: tuple[Node, ...]) -> bool:

@@ -6,13 +6,18 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from budget.errors import BudgetError
-from budget.studies.reference.exchange import differences, exchange, show
+from budget.studies.reference.exchange import (
+    differences,
+    exchange,
+    is_text,
+    show_change,
+)
 from budget.studies.reference.jobs import by_law, compute
 from budget.studies.reference.moves import find_moves
-from budget.studies.reference.records import TOOL, Cause, Change, Move
+from budget.studies.reference.records import EXACT, TOOL, Cause, Change, Move, finite
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from budget.studies.reference.exchange import KeyChange
     from budget.studies.reference.records import Asked, Key, Part, Snapshot
@@ -43,6 +48,7 @@ class _Key:
     """A key of one part that differs."""
 
     part: int  # place among the parts before
+    role: str
     where: str
     change: KeyChange
 
@@ -76,8 +82,8 @@ def explain(job: str, before: Side, after: Side, moves: Sequence[Move]) -> Expla
 
     The side before is computed again with the tool as it is: what that moves is the
     tool's doing. Then its keys are exchanged one at a time for those after, and every
-    result by the law is held against the one without. What the single changes do not
-    add up to is their doing together.
+    result by the law is held against the one without. What all of them do at once, by
+    the law too, beyond the sum of that is their doing together.
 
     Parameters
     ----------
@@ -118,6 +124,9 @@ def explain(job: str, before: Side, after: Side, moves: Sequence[Move]) -> Expla
         asked = replace(before.asked, **{change.key: getattr(after.asked, change.key)})
         alone = _try(job, before.parts, by_law(asked))
         changes[place] = replace(change, acts=_add(causes, place, law, alone))
+    together = _together(
+        causes, law, _try(job, after.parts, by_law(after.asked)), moves
+    )
     changes.extend(versions)
     again = _try(job, before.parts, before.asked)
     if again is not None:
@@ -132,8 +141,12 @@ def explain(job: str, before: Side, after: Side, moves: Sequence[Move]) -> Expla
             # Versions cannot be exchanged: what they moved, they moved together.
             changes[place] = replace(changes[place], acts=None if acts else False)
         _note(causes, first, tool)
-    # What acts comes first, so that a reader meets the numbers that moves refer to.
-    order = sorted(range(len(changes)), key=lambda k: changes[k].acts is False)
+    # What acts comes first, so that a reader meets the numbers that moves refer to;
+    # what by design never does comes last.
+    order = sorted(
+        range(len(changes)),
+        key=lambda k: (changes[k].acts is False, changes[k].is_text),
+    )
     place_of = {old: new for new, old in enumerate(order)}
     return Explanation(
         changes=tuple(changes[k] for k in order),
@@ -144,6 +157,7 @@ def explain(job: str, before: Side, after: Side, moves: Sequence[Move]) -> Expla
                     replace(cause, change=place_of[cause.change])
                     for cause in causes[move.key]
                 ),
+                together=together.get(move.key),
             )
             for move in moves
         ),
@@ -169,6 +183,32 @@ def _note(causes: dict[Key, list[Cause]], place: int, found: Sequence[Move]) -> 
     for move in found:
         if move.key in causes and move.difference is not None:
             causes[move.key].append(Cause(change=place, amount=move.difference))
+
+
+def _together(
+    causes: Mapping[Key, Sequence[Cause]],
+    law: Snapshot | None,
+    both: Snapshot | None,
+    moves: Sequence[Move],
+) -> dict[Key, float]:
+    """Return what all changes do at once beyond the sum of their parts, by the law."""
+    if law is None or both is None:
+        return {}
+    old, new = law.by_key(), both.by_key()
+    found: dict[Key, float] = {}
+    for key in (move.key for move in moves):
+        if key not in old or key not in new or old[key].unit != new[key].unit:
+            continue
+        one, other = old[key], new[key]
+        parts = sum(cause.amount for cause in causes[key])
+        rest = finite(other.value - one.value - parts)
+        rounding = max(
+            EXACT * max(abs(one.value), abs(other.value), abs(parts)),
+            *(one.floor, other.floor),
+        )
+        if rest is not None and abs(rest) > rounding:
+            found[key] = rest
+    return found
 
 
 def _try(job: str, parts: Sequence[Part], asked: Asked) -> Snapshot | None:
@@ -226,6 +266,7 @@ def _keys(
     return [
         _Key(
             part=old,
+            role=before[old].role,
             where=f"{before[old].role} {before[old].name}"
             if before[old].name == after[new].name
             else before[old].role,
@@ -238,11 +279,13 @@ def _keys(
 
 def _as_change(key: _Key) -> Change:
     """Say a change of a key."""
+    before, after = show_change(key.change)
     return Change(
         where=key.where,
         key=key.change.path,
-        before=show(key.change.before),
-        after=show(key.change.after),
+        before=before,
+        after=after,
+        is_text=is_text(key.role, key.change.steps),
     )
 
 

@@ -181,6 +181,7 @@ class Change:
     before: str  # as the file spells it; '' where it was not there
     after: str
     acts: bool | None = None  # on any number, alone; None: it cannot be tried alone
+    is_text: bool = False  # a key that by design moves no number
 
     def __str__(self) -> str:
         """Say it in one line."""
@@ -212,6 +213,9 @@ class Move:
     scale : float or None
         What the size of a difference is measured by, as it was before: the standard
         uncertainty of the output, of what has none the number itself [unit].
+    together : float or None
+        What all changes do at once beyond the sum of what each does alone, by the law
+        [unit]; None where that is nothing, or not known.
     """
 
     key: Key
@@ -222,6 +226,7 @@ class Move:
     times: float | None = None
     scale: float | None = None
     causes: tuple[Cause, ...] = ()
+    together: float | None = None
 
     @property
     def difference(self) -> float | None:
