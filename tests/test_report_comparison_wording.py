@@ -10,7 +10,7 @@ from comparison_examples import compared, paper_device, requirement
 from document_text import find, lines, rows, section
 from rich.console import Console
 
-from budget.report.blocks import Listing
+from budget.report.blocks import Listing, Picture
 from budget.report.comparison.document import to_dict
 from budget.report.comparison.page import comparison_document, comparison_sections
 from budget.report.comparison.terminal import render_comparison
@@ -149,6 +149,50 @@ def test_assumptions_of_compared_devices_stand_in_the_report():
             "all 3 devices",
         )
     ]
+
+
+@pytest.mark.parametrize(
+    ("masses", "said"),
+    [
+        (
+            ("140 g", "0.14 kg", ""),
+            "the 2 devices that give one have the same, 0.14 kg",
+        ),
+        (("140 g", "", ""), "only d0 gives one that can be compared"),
+    ],
+)
+def test_a_front_that_would_show_nothing_is_said_in_words(masses, said):
+    """Points of one mass, as variants have, or a single point make no figure."""
+    devices = [
+        paper_device(f"d{n}", times=0.1 + 0.2 * n, mass=mass, power=f"{n + 1} W")
+        for n, mass in enumerate(masses)
+    ]
+    document = comparison_document(compared(devices, method="gum"), date=DATE)
+    fronts = [p.name for p in find(document, Picture) if p.name.startswith("front")]
+
+    assert fronts == ["front-power-gyro-0"]
+    assert (
+        f"Price: no device gives one that can be compared; mass: {said}."
+        in " ".join(lines(section(document, "devices-gyro-0")))
+    )
+
+
+def test_with_every_front_drawn_nothing_is_said_of_fronts():
+    """Two prices, masses and powers make three figures and no sentence about them."""
+    devices = [
+        paper_device(
+            f"d{n}",
+            times=0.1 + 0.2 * n,
+            price=f"{n + 1} EUR",
+            mass=f"{n + 1} kg",
+            power=f"{n + 1} W",
+        )
+        for n in range(2)
+    ]
+    document = comparison_document(compared(devices, method="gum"), date=DATE)
+
+    assert sum(p.name.startswith("front") for p in find(document, Picture)) == 3
+    assert "No front" not in " ".join(lines(document.sections))
 
 
 def section_of(parts, name):

@@ -9,7 +9,7 @@ from budget.report.comparison.naming import fit_name, plain_ticks
 from budget.report.figures import BLUE, GRID, INK, MUTED, PAPER, SMALL, canvas
 from budget.report.figures.picture import as_picture, capital
 from budget.report.tables import print_given, print_utilisation
-from budget.studies.comparison.figures_of_merit import Amount, read_amount
+from budget.studies.comparison.figures_of_merit import MERITS, Amount, read_amount
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 NAMED = 3  # devices in a title
 NAME = 22  # characters of a name that fit beside a point
-LEAST_POINTS = 2  # that make a scatter
+LEAST_COSTS = 2  # different ones, below which a scatter shows nothing
 
 
 def front_picture(table: Table, merit: str, name: str, data: DataTable) -> Picture:
@@ -55,6 +55,37 @@ def merit_points(table: Table, merit: str) -> list[tuple[Row, Amount]]:
     unit = found[0][1].unit
     same = [pair for pair in found if pair[1].unit == unit]
     return sorted(same, key=lambda pair: (pair[1].value, pair[0].of.utilisation))
+
+
+def no_front(table: Table, merit: str) -> str:
+    """Say why a front would show nothing; '' where it shows something."""
+    points = merit_points(table, merit)
+    if not points:
+        return "no device gives one that can be compared"
+    if len(points) == 1:
+        return f"only {points[0][0].device} gives one that can be compared"
+    if len({amount.value for _, amount in points}) >= LEAST_COSTS:
+        return ""
+    amount = points[0][1]
+    return (
+        f"the {len(points)} devices that give one have the same, "
+        f"{print_given(amount.value)} {amount.unit}"
+    )
+
+
+def no_fronts(table: Table) -> str:
+    """Say in a sentence which fronts are not drawn, and why; '' where all are."""
+    reasons = {merit: no_front(table, merit) for merit in MERITS}
+    missing = [merit for merit in MERITS if reasons[merit]]
+    if not missing:
+        return ""
+    if not any(merit_points(table, merit) for merit in MERITS):
+        return (
+            "No device gives a price, a mass or a power that can be compared: there is "
+            "no front to draw."
+        )
+    said = "; ".join(f"{merit}: {reasons[merit]}" for merit in missing)
+    return f"No front is drawn where it would show nothing. {capital(said)}."
 
 
 def pareto_scatter(table: Table, merit: str) -> Figure:

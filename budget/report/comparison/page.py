@@ -17,7 +17,7 @@ from budget.report.blocks import (
     Section,
 )
 from budget.report.comparison.document import to_json
-from budget.report.comparison.fronts import LEAST_POINTS, front_picture, merit_points
+from budget.report.comparison.fronts import front_picture, no_front, no_fronts
 from budget.report.comparison.margins import margin_picture
 from budget.report.comparison.table_blocks import (
     assumptions_table,
@@ -302,12 +302,8 @@ def _devices(table: Table, place: int, *, with_margins: bool, several: bool) -> 
     ]
     if pictures:
         blocks.append(Abreast(blocks=tuple(pictures)))
-    if not fronts:
-        text = (
-            "No two devices give a price, a mass or a power that can be compared: "
-            "there is no front to draw."
-        )
-        blocks.append(Paragraph(words=(text,), small=True))
+    if why_not := no_fronts(table):
+        blocks.append(Paragraph(words=(why_not,), small=True))
     return Section(
         name=f"devices-{end}",
         title=f"{_devices_heading(table, several=several)}: {table.counts}",
@@ -316,7 +312,7 @@ def _devices(table: Table, place: int, *, with_margins: bool, several: bool) -> 
 
 
 def _fronts(table: Table, end: str) -> list[Picture]:
-    """Return a front for each cost that two devices at least give."""
+    """Return a front for each cost of which there are two different amounts."""
     return [
         front_picture(
             table,
@@ -325,7 +321,7 @@ def _fronts(table: Table, end: str) -> list[Picture]:
             front_table(table, merit, f"{merit}-{end}"),
         )
         for merit in MERITS
-        if len(merit_points(table, merit)) >= LEAST_POINTS
+        if not no_front(table, merit)
     ]
 
 
