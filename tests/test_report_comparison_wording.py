@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from dataclasses import replace
 
 import pytest
@@ -10,9 +11,11 @@ from comparison_examples import compared, paper_device, requirement
 from document_text import find, lines, rows, section
 from rich.console import Console
 
-from budget.report.blocks import Listing, Picture
+from budget.report.blocks import Listing, Picture, Table
 from budget.report.comparison.document import to_dict
+from budget.report.comparison.margins import margin_title
 from budget.report.comparison.page import comparison_document, comparison_sections
+from budget.report.comparison.tables import tables
 from budget.report.comparison.terminal import render_comparison
 from budget.report.comparison.wording import computed_apart, unknown_cap_lines
 
@@ -193,6 +196,49 @@ def test_with_every_front_drawn_nothing_is_said_of_fronts():
 
     assert sum(p.name.startswith("front") for p in find(document, Picture)) == 3
     assert "No front" not in " ".join(lines(document.sections))
+
+
+def titled(*devices):
+    """Return the title of the margins of some devices."""
+    return margin_title(tables(compared(list(devices), method="gum"))[0])
+
+
+def test_the_title_names_no_device_that_lacks_a_line():
+    """Nearly no error, but lines missing: the best is one that can be decided."""
+    bare = paper_device("bare", times=0.01, missing=("bias_stability",))
+    bad = paper_device("bad", times=20.0)
+    good = paper_device("good", times=0.5)
+
+    assert re.fullmatch(
+        r"Gyro: None of 2 meets; the best that can be decided is bad at \d+ % of the "
+        "limit; 1 cannot be decided, lines are missing",
+        titled(bare, bad),
+    )
+    assert titled(bare) == "Gyro: None of 1 can be decided, lines are missing"
+    assert re.fullmatch(
+        r"Gyro: 1 of 2 meets, the best is good at \d+ % of the limit; "
+        "1 cannot be decided, lines are missing",
+        titled(bare, good),
+    )
+    assert titled(bad).startswith("Gyro: None of 1 meets; the least used limit is bad")
+
+
+def test_devices_that_lack_lines_are_marked():
+    """Map, margins and ranking mark the device that lacks a line, and no other."""
+    devices = [
+        paper_device("bare", times=0.01, missing=("bias_stability",)),
+        paper_device("whole", times=0.5),
+    ]
+    document = comparison_document(compared(devices, method="gum"), date=DATE)
+    pictures = {p.name.partition("-")[0]: p for p in find(document, Picture)}
+    ranking = next(t for t in find(document, Table) if t.name.startswith("ranking"))
+
+    for name in ("map", "margins"):
+        assert ">bare *<" in pictures[name].svg
+        assert ">whole<" in pictures[name].svg
+        assert "*: expected lines are missing" in pictures[name].caption
+    notes = {row[0].text: row[0].note for row in ranking.groups[0].rows}
+    assert notes == {"bare": "lines missing", "whole": ""}
 
 
 def section_of(parts, name):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from budget.report.comparison.margins import LEAST, SURE
-from budget.report.comparison.naming import fit_name, plain_ticks
+from budget.report.comparison.naming import explain_mark, mark_name, plain_ticks
 from budget.report.figures import BLUE, GRID, INK, MUTED, PAPER, SMALL, canvas
 from budget.report.figures.picture import as_picture, capital
 from budget.report.tables import print_given, print_utilisation
@@ -36,7 +36,7 @@ def front_picture(table: Table, merit: str, name: str, data: DataTable) -> Pictu
         caption=(
             "Lower left is better. Joined: no other device is better in one and as "
             "good in the other. Hollow: undecided or undecidable. Only devices whose "
-            f"{merit} is known."
+            f"{merit} is known.{explain_mark(table)}"
         ),
         data=data,
     )
@@ -121,7 +121,7 @@ def pareto_scatter(table: Table, merit: str) -> Figure:
     for row, amount in points:
         if merit in row.of.on_front:  # devices in one place share a label
             names.setdefault((amount.value, row.of.utilisation), []).append(
-                fit_name(row.device, NAME)
+                mark_name(row, NAME)
             )
     for (cost, part), own in names.items():
         axes.annotate(

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from budget.report.comparison.naming import SHOWN, fit_name, more_devices, plain_ticks
+from budget.report.comparison.naming import (
+    SHOWN,
+    explain_mark,
+    mark_name,
+    more_devices,
+    plain_ticks,
+)
 from budget.report.figures import BLUE, GRID, INK, MUTED, SMALL, canvas
 from budget.report.figures.picture import as_picture, capital
 from budget.report.tables import print_utilisation
@@ -34,7 +40,7 @@ def margin_picture(table: Table, name: str) -> Picture:
         caption=(
             "Bars start at the limit: to the left is what is left of it. Hollow: "
             "undecided, or undecidable because an expected line is not given."
-            f"{more_devices(table)}"
+            f"{explain_mark(table)}{more_devices(table)}"
         ),
     )
 
@@ -49,7 +55,7 @@ def margin_bars(table: Table) -> Figure:
     parts = [max(row.of.utilisation, LEAST) for row in rows]
     axes.set_xlim(100.0 * min(0.5, *parts) / 1.3, 100.0 * max(2.0, *parts) * 1.3)
     axes.set_ylim(len(rows) - 0.5, -0.5)
-    axes.set_yticks(range(len(rows)), [fit_name(row.device, NAME) for row in rows])
+    axes.set_yticks(range(len(rows)), [mark_name(row, NAME) for row in rows])
     axes.tick_params(axis="y", labelsize=SMALL)
     plain_ticks(axes.xaxis)
     axes.minorticks_off()
@@ -63,16 +69,22 @@ def margin_bars(table: Table) -> Figure:
 
 
 def margin_title(table: Table) -> str:
-    """State the finding: how many meet, and the best of them."""
+    """State the finding: how many meet, and the best of those that can be decided."""
+    sensor = capital(table.sensor)
     meets = [row for row in table.rows if row.of.verdict == "meets"]
+    decided = [row for row in table.rows if row.of.verdict != "undecidable"]
+    lacking = len(table.rows) - len(decided)
     number = f"{len(meets) or 'None'} of {len(table.rows)}"
-    verb = "meet" if len(meets) > 1 else "meets"
-    best = min(meets or table.rows, key=lambda row: row.of.utilisation)
-    part = print_utilisation(best.of.utilisation)
-    named = f"{best.device} at {part} of the limit"
+    if not decided:
+        return f"{sensor}: {number} can be decided, lines are missing"
+    best = min(meets or decided, key=lambda row: row.of.utilisation)
+    named = f"{best.device} at {print_utilisation(best.of.utilisation)} of the limit"
+    lack = f"; {lacking} cannot be decided, lines are missing" if lacking else ""
     if meets:
-        return f"{capital(table.sensor)}: {number} {verb}, the best is {named}"
-    return f"{capital(table.sensor)}: {number} meets; the least used limit is {named}"
+        verb = "meet" if len(meets) > 1 else "meets"
+        return f"{sensor}: {number} {verb}, the best is {named}{lack}"
+    least = "the best that can be decided" if lacking else "the least used limit"
+    return f"{sensor}: {number} meets; {least} is {named}{lack}"
 
 
 def margin_alt(table: Table) -> str:

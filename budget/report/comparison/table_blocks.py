@@ -276,7 +276,11 @@ def _ranked(row: Row, *, intervals: bool, missing: bool) -> tuple[Cell, ...]:
     """Return one row of the ranking."""
     of, meets = row.of, row.verdict == "meets"
     cells = [
-        Cell(text=row.device, strong=meets),
+        Cell(
+            text=row.device,
+            strong=meets,
+            note="lines missing" if row.missing else "",
+        ),
         Cell(text=row.rank, exact=float(row.rank.rstrip("="))),
         Cell(text=row.verdict, strong=meets),
         _utilisation(row),

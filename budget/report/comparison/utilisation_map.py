@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from budget.report.comparison.naming import SHOWN, fit_name, more_devices
+from budget.report.comparison.naming import SHOWN, explain_mark, mark_name, more_devices
 from budget.report.figures import (
     BLUE,
     INK,
@@ -41,6 +41,7 @@ SCALE = 300.0  # width of the scale [pt]
 PALEST, UP_TO_LIMIT, BEYOND, DARKEST = 0.06, 0.40, 0.60, 0.80
 DARKEST_AT = 2.0  # utilisation with the darkest hue [1]
 MOST_PER_CENT = 999.5  # beyond, a cell says >999
+BOTH = 2  # devices that are all there are
 SHORT = {"scale_factor": "SF", "mounting_angle": "angle", "bias": "bias"}
 
 
@@ -54,7 +55,7 @@ def map_picture(table: Table, name: str, data: DataTable) -> Picture:
         tips=map_tips(table),
         caption=(
             "Largest error in % of the limit, devices by outputs, best first; framed "
-            f"and in bold: beyond the limit.{more_devices(table)}"
+            f"and in bold: beyond the limit.{explain_mark(table)}{more_devices(table)}"
         ),
         data=data,
         is_wide=True,
@@ -77,7 +78,7 @@ def utilisation_map(table: Table) -> Figure:
     axes.set_xticks([])
     axes.set_yticks(
         [place + 0.5 for place in range(len(rows))],
-        [fit_name(row.device, NAME) for row in rows],
+        [mark_name(row, NAME) for row in rows],
     )
     axes.tick_params(axis="y", labelsize=SMALL)
     for y, row in enumerate(rows):
@@ -127,7 +128,9 @@ def map_title(table: Table) -> str:
     first = max(dict.fromkeys(worst), key=worst.count)
     number = worst.count(first)
     whole = len(worst)
-    of = f"all {whole} devices" if number == whole else f"{number} of {whole} devices"
+    of = f"{number} of {whole} devices"
+    if number == whole:
+        of = "both devices" if whole == BOTH else f"all {whole} devices"
     if whole == 1:
         return (
             f"{capital(table.sensor)}: the {first} is the tightest for the only device"
