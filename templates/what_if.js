@@ -188,7 +188,7 @@ function sayVerdict(model, result, base, place) {
       ? "" : `; as it is: ${was.verdict}, ${perCent(was.utilisation)}`;
     return make("p", {},
       make("strong", {}, `${now.sensor[0].toUpperCase()}${now.sensor.slice(1)}: ${now.verdict}`),
-      `${missing}. ${model.outputs[now.worst].title} at ${perCent(now.utilisation)} of its limit${before}.`);
+      ` by the law${missing}. ${model.outputs[now.worst].title} at ${perCent(now.utilisation)} of its limit${before}.`);
   }));
   if (!result.sensors.length) place.append(make("p", {}, "No requirement: U of every output, as it is and changed."));
 }

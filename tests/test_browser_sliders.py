@@ -175,7 +175,8 @@ def test_verdict_follows_the_sliders(browser, path):
     assert "Gyro: MEETS" in first
     assert worst.verdict == "fails"
     assert (
-        f"Gyro: FAILS. gyro scale factor x at {100 * worst.utilisation:.0f} %" in then
+        f"Gyro: FAILS by the law. gyro scale factor x at {100 * worst.utilisation:.0f} %"
+        in then
     )
     assert "as it is: MEETS" in then
     assert len(beyond) == 3
@@ -192,7 +193,9 @@ def test_missing_line_makes_a_pass_undecidable(browser, tmp_path):
         first = said.inner_text()
         move(page, "gyro.bias_repeatability", ["End"])
 
-        assert "Gyro: UNDECIDABLE, as angle random walk is not given" in first
+        assert (
+            "Gyro: UNDECIDABLE by the law, as angle random walk is not given" in first
+        )
         assert "Gyro: FAILS" in said.inner_text()
 
 

@@ -20,6 +20,7 @@ from report_examples import (
     make_procedure,
 )
 
+from budget.distributions import TRIANGULAR
 from budget.report.analysis.build import Extra, report_document
 from budget.report.analysis.inputs import print_by_axis
 from budget.report.blocks import Cell, Equation, Paragraph, Picture, Section, Sliders
@@ -27,6 +28,7 @@ from budget.report.tables import group_tables, output_title
 from budget.resources import shipped
 from budget.results import CapAssessment
 from budget.spec import load_requirement
+from budget.spec.records import ANGLES
 from budget.studies.evidence import gather_evidence
 
 TACTICAL = shipped("specs") / "requirements" / "tactical-grade.yaml"
@@ -125,7 +127,7 @@ def test_failing_report_says_by_what_and_why():
     )
     assert gyro.title == "Gyro: FAILS"
     assert (
-        "Worst output: gyro bias z, largest error 0.119 deg/h, limit 0.1 deg/h: "
+        "Worst output: gyro bias z, largest error 0.1194 deg/h, limit 0.1 deg/h: "
         "119 % of the limit."
     ) in words
     assert "Because: bias repeatability 67 %, bias stability 31 %, rest 2 %" in words
@@ -609,3 +611,33 @@ def test_warnings_of_other_studies_reach_page_one():
     panels = section(document(extras=(extra,)), "gaps").blocks[0].blocks
 
     assert ("allocation: limits cannot be met",) in panels[2].blocks[0].items
+
+
+def test_trials_say_what_they_were_for():
+    """The law has no trials of its own; its check and the densities have."""
+    pairs = dict(section(example(), "method").blocks[0].rows)
+
+    assert pairs["trials"] == (
+        (
+            "230 000 to check the law, which makes one digit of u sure; 100 000 for the "
+            "distributions"
+        ),
+    )
+
+
+def test_cause_says_a_distribution_that_its_meaning_does_not():
+    """A half-width that is triangular says so; a uniform one goes without saying."""
+    budget = make_budget()
+    device = make_device()
+    triangular = replace(
+        device.gyro.lines[-1], distributions=(TRIANGULAR,) * len(ANGLES)
+    )
+    lines_of = (*device.gyro.lines[:-1], triangular)
+    changed = replace(device, gyro=replace(device.gyro, lines=lines_of))
+
+    def causes(one):
+        found = section(document(budget, device=one), "causes").blocks[0].items
+        return " ".join(say(item) for item in found)
+
+    assert "(2 arcsec, max)" in causes(device)
+    assert "(2 arcsec, max, triangular)" in causes(changed)

@@ -11,7 +11,7 @@ from budget.report import figures
 from budget.report.analysis.causes import rank_causes
 from budget.report.analysis.groups import budget_section
 from budget.report.analysis.inputs import inputs_section
-from budget.report.analysis.method import method_section
+from budget.report.analysis.method import Trials, method_section
 from budget.report.analysis.procedure import print_degrees, procedure_section
 from budget.report.analysis.provenance import provenance_section, sign_off_section
 from budget.report.analysis.verdict import (
@@ -135,7 +135,9 @@ def report_document(
         _validity(budget, sensors),
         _distributions(budget, evidence),
         *(section for extra in extras for section in extra.sections),
-        method_section(budget.settings, procedure, devices, sensors),
+        method_section(
+            budget.settings, procedure, devices, sensors, _trials(budget, evidence)
+        ),
         provenance_section(
             (*budget.inputs, *_further_inputs(budget, extras)),
             budget.settings,
@@ -158,6 +160,15 @@ def report_document(
         json=to_json(budget, {extra.key: extra.content for extra in extras}),
         date=date,
         version=__version__,
+    )
+
+
+def _trials(budget: Budget, evidence: Evidence) -> Trials:
+    """Count the trials that stand beside those of the method."""
+    checks = [row.validation.trials for row in budget.outputs if row.validation]
+    return Trials(
+        check=max(checks, default=0),
+        densities=max((density.trials for density in evidence.densities), default=0),
     )
 
 

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from budget.results import Assessment
     from budget.spec.records import Device, ErrorLine
 
+SIGMAS = ("1 sigma", "2 sigma", "3 sigma", "rms", "typical")
 CAUSES = 5  # as many as a reader keeps in mind
 
 
@@ -99,10 +100,19 @@ def _weights(
 
 
 def _as_meant(line: ErrorLine) -> str:
-    """'0.06 deg/h, 3 sigma': a figure with its meaning, where not 1 sigma."""
+    """'0.06 deg/h, 3 sigma': a figure with its meaning, where not 1 sigma.
+
+    With its distribution, where that is not the one that the meaning says already.
+    """
     words = [line.printed]
     if line.meaning != "1 sigma":
         words.append(line.meaning)
     if line.definition not in {"", "sigma"}:
         words.append(line.definition.replace("_", " "))
+    usual = "normal" if line.meaning in SIGMAS else "uniform"
+    words += [
+        name
+        for name in dict.fromkeys(d.name for d in line.distributions)
+        if name != usual
+    ]
     return ", ".join(words)

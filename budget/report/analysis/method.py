@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from budget.report.analysis.calibration_formulas import (
@@ -48,15 +49,24 @@ REFERENCE_LIST: tuple[str, ...] = (
 SOBOL_REFERENCE = "SALib: estimators of Sobol' indices after Saltelli et al. 2010"
 
 
+@dataclass(frozen=True, kw_only=True)
+class Trials:
+    """Trials of Monte Carlo beside those of the method itself."""
+
+    check: int  # of the law; 0 where it was not checked
+    densities: int  # 0 where none is drawn
+
+
 def method_section(
     settings: Settings,
     procedure: Procedure,
     devices: Collection[Device],
     sensors: Collection[str],
+    trials: Trials,
 ) -> Section:
     """Return settings, formulas and references; of the sensors that are there."""
     panels: list[Block] = [
-        Pairs(rows=_settings_rows(settings)),
+        Pairs(rows=_settings_rows(settings, trials)),
         Paragraph(words=notation()),
     ]
     if "gyro" in sensors:
@@ -86,18 +96,12 @@ def method_section(
     return Section(name="method", title="Method", blocks=tuple(panels))
 
 
-def _settings_rows(settings: Settings) -> tuple[tuple[str, Words], ...]:
+def _settings_rows(settings: Settings, trials: Trials) -> tuple[tuple[str, Words], ...]:
     """Return what the result depends on besides the files."""
-    trials = "none"
-    if settings.trials is not None:
-        each = settings.normals_per_trial
-        trials = print_count(settings.trials)
-        if each is not None:
-            trials += f" of {each} random numbers each"
     kind = BY_LAW if settings.method == "gum" else INTERVALS[settings.interval]
     rows: list[tuple[str, str]] = [
         ("method", f"{settings.method}: {METHODS[settings.method]}"),
-        ("trials", trials),
+        ("trials", _trials_words(settings, trials)),
         ("seed", str(settings.seed)),
         ("coverage", f"{print_coverage(settings.coverage)} %"),
         ("interval", f"{settings.interval}: {kind}"),
@@ -118,3 +122,19 @@ def _settings_rows(settings: Settings) -> tuple[tuple[str, Words], ...]:
         only = ", ".join(settings.only)
         rows.append(("only", f"{only}; all other lines are set to zero in this run"))
     return tuple((term, (text,)) for term, text in rows)
+
+
+def _trials_words(settings: Settings, trials: Trials) -> str:
+    """Say how many trials there were, and what for."""
+    parts = []
+    if settings.trials is not None:
+        each = settings.normals_per_trial
+        numbers = "" if each is None else f", {each} random numbers each"
+        parts.append(f"{print_count(settings.trials)} for the budget{numbers}")
+    if trials.check:
+        sure = "one digit" if settings.digits == 1 else f"{settings.digits} digits"
+        count = print_count(trials.check)
+        parts.append(f"{count} to check the law, which makes {sure} of u sure")
+    if trials.densities:
+        parts.append(f"{print_count(trials.densities)} for the distributions")
+    return "; ".join(parts) or "none"

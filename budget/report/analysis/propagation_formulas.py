@@ -36,7 +36,7 @@ HELD = (
     "A limit is on the absolute error: what is held against it is the larger of the "
     "two ends, without its sign."
 )
-CALIBRATION = (
+WINDOWS = (
     "The noise of a window enters as its average, a Gaussian quantity with a variance "
     "in closed form; averages of one process over several windows are correlated "
     "accordingly. "
@@ -134,7 +134,7 @@ def noise_panel(lines: AbstractSet[str]) -> Panel | None:
     if not found:
         return None
     words: Words = (
-        CALIBRATION,
+        WINDOWS,
         Letter(text="L"),
         " is the length of a window, ",
         Letter(text="s"),

@@ -178,14 +178,17 @@ def _caps_table(assessment: Assessment) -> Table:
 
 
 def largest_error(budget: Budget, row: OutputAssessment) -> Number:
-    """Round a largest error like its uncertainty, in the unit of the output."""
+    """Round a largest error, in the unit of the output.
+
+    To a digit more than its uncertainty has: beside a limit a reader divides.
+    """
     output = budget.output(row.output.name)
     scale = row.output.si_per_unit
     error = row.largest_error / scale
     text = round_value(
         error,
-        output.standard_uncertainty / scale,
-        resolution=row.output.resolution / scale,
+        output.standard_uncertainty / scale / 10.0,
+        resolution=row.output.resolution / scale / 10.0,
     )
     return Number(text=text, exact=error)
 

@@ -75,11 +75,10 @@ def overview_title(groups: Sequence[GroupTable]) -> str:
     """State the finding: the widest bias of each sensor, or the widest output."""
     chosen = [group for group in groups if group.parameter == "bias"] or groups[:1]
     parts = [
-        f"{group.title} to {group.widest.expanded.text} {group.unit}"
+        f"{group.widest.expanded.text} {group.unit} for the {group.title}"
         for group in chosen
     ]
-    coverage = print_coverage(groups[0].coverage)
-    return f"At {coverage} % the calibration knows the {' and the '.join(parts)}"
+    return f"U{print_coverage(groups[0].coverage)} is {' and '.join(parts)}"
 
 
 def overview_alt(groups: Sequence[GroupTable]) -> str:
