@@ -68,7 +68,7 @@ function filterRows(tables, search) {
   return { shown, all };
 }
 
-/** Let one field search all tables; `/` leads to it, Escape empties it. */
+/** Let one field search tables; `/` leads to it, Escape empties it. */
 function setUpSearch(place, tables) {
   const field = place.querySelector("input");
   const count = place.querySelector("output");
@@ -93,8 +93,10 @@ function setUpSearch(place, tables) {
 }
 
 function setUpPage() {
-  const tables = [...document.querySelectorAll("table[data-searchable]")];
-  tables.forEach(setUpSorting);
+  document.querySelectorAll("table[data-searchable]").forEach(setUpSorting);
+  // Of all tables that lie open; those behind a figure repeat what is beside them.
+  const tables = [...document.querySelectorAll("table[id]")]
+    .filter((table) => !table.closest("details"));
   const place = document.querySelector(".search");
   if (place) setUpSearch(place, tables);
   for (const model of document.querySelectorAll("script.what-if-model")) {

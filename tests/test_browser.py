@@ -180,7 +180,7 @@ def test_texts_are_sorted_as_people_do(browser, path):
 
 
 def test_search_shows_the_rows_with_all_words(browser, path):
-    """`/` leads to the search, rows are counted, Escape shows all again."""
+    """`/` leads to the search of every open table; Escape shows all rows again."""
     with opened(browser, path) as (page, _):
         page.keyboard.press("/")
         page.keyboard.type("first TEN")
@@ -189,7 +189,7 @@ def test_search_shows_the_rows_with_all_words(browser, path):
 
         assert shown.all_inner_texts() == ["a", "b"]
         assert page.locator("#sorted tbody").nth(1).is_hidden()
-        assert count.inner_text() == "2 of 95 rows"
+        assert count.inner_text() == "2 of 106 rows"
         page.keyboard.press("Escape")
         assert shown.count() == 6
         assert count.inner_text() == ""

@@ -174,10 +174,8 @@ def test_verdict_follows_the_sliders(browser, path):
 
     assert "Gyro: MEETS" in first
     assert worst.verdict == "fails"
-    assert (
-        f"Gyro: FAILS by the law. gyro scale factor x at {100 * worst.utilisation:.0f} %"
-        in then
-    )
+    part = f"{100 * worst.utilisation:.0f} %"
+    assert f"Gyro: FAILS by the law. gyro scale factor x at {part}" in then
     assert "as it is: MEETS" in then
     assert len(beyond) == 3
     assert all("beyond" in row for row in beyond)

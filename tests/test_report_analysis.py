@@ -619,8 +619,8 @@ def test_trials_say_what_they_were_for():
 
     assert pairs["trials"] == (
         (
-            "230 000 to check the law, which makes one digit of u sure; 100 000 for the "
-            "distributions"
+            "230 000 to check the law, which makes one digit of u sure; "
+            "100 000 for the distributions"
         ),
     )
 

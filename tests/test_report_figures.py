@@ -218,10 +218,10 @@ def test_utilisation_title_without_failing():
 
 
 def test_utilisation_alt_has_every_number():
-    """The words for the figure hold each output's utilisation, worst group first."""
+    """The words hold each output's utilisation, worst group first, axes in order."""
     alt = utilisation_alt(make_assessment(make_budget()))
 
-    assert "gyro bias: z 119 %, x 112 %, y 112 %; gyro scale factor:" in alt
+    assert "gyro bias: x 112 %, y 112 %, z 119 %; gyro scale factor:" in alt
 
 
 def test_far_exceeded_limits_fit_the_axis():

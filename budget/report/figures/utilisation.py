@@ -160,21 +160,22 @@ def _sensor(row: OutputAssessment) -> str:
 def _by_group(
     assessment: Assessment, sensor: str = ""
 ) -> list[tuple[str, list[OutputAssessment]]]:
-    """Return the outputs by parameter group, the worst group and output first.
+    """Return the outputs by parameter group, the worst group first.
 
-    Those of one sensor have titles without its name.
+    Axes keep their order, which noise would change otherwise. Titles of the groups of
+    one sensor are without its name.
     """
     own = [row for row in assessment.outputs if sensor in {"", _sensor(row)}]
     groups = [
         (
             output_title(name.removeprefix(f"{sensor}.")),
-            sorted(outputs, key=_utilisation, reverse=True),
+            list(outputs),
         )
         for name, outputs in groupby(
             own, key=lambda output: output.output.name.rpartition(".")[0]
         )
     ]
-    return sorted(groups, key=lambda pair: -pair[1][0].utilisation)
+    return sorted(groups, key=lambda pair: -worst_of(pair[1]).utilisation)
 
 
 def _draw_sensor(
@@ -219,11 +220,6 @@ def _draw_sensor(
         fontsize=SMALL,
         color=INK,
     )
-
-
-def _utilisation(output: OutputAssessment) -> float:
-    """Return what outputs are sorted by; those that print alike keep their order."""
-    return round(output.utilisation, 3)
 
 
 def _draw_dot(axes: Axes, place: int, output: OutputAssessment, start: float) -> None:
