@@ -61,7 +61,7 @@ def store(folder, text=DEVICE, *, job="analyze", more=(), name="ref.json", **ask
     inputs = [take_in("device", folder / "imu.yaml", folder)]
     inputs += [take_in("procedure", "zhao-2019", folder)]
     inputs += [take_in(role, one, folder) for role, one in more]
-    reference = make_reference(job, inputs, Asked(**asked), name=name)
+    reference = make_reference(job, inputs, Asked(**asked))
     path = folder / name
     path.write_text(reference_text(reference), encoding="utf-8")
     return path

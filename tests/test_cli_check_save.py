@@ -178,11 +178,13 @@ class TestSave:
         [
             (("imu.yaml", "--kind", "compare"), "needs a requirement"),
             (("imu.yaml", "--kind", "allocate"), "needs a requirement"),
+            (("imu.yaml", "--costs", "costs.yaml"), "1 of role costs, a reference of"),
             (("imu.yaml", "--strategy", "equal"), "--strategy: means nothing"),
             (("imu.yaml", "--kind", "compare", "--only", "x"), "--only: means nothing"),
             (("imu.yaml", "imu.yaml"), "both have a gyro"),
             (("no.yaml",), "no such file"),
             (("imu.yaml#Z",), "no variant 'Z'"),
+            (("hg4930",), "hg4930:20:1: variants: the base is abstract, choose"),
             (("imu.yaml", "--only", "nothing"), "is no source"),
             (("imu.yaml", "--json", "-"), "are for checks"),
             (
@@ -214,6 +216,7 @@ class TestSave:
     )
     def test_bad_calls(self, folder, args, said):
         """Exit code 2, what is wrong, and nothing written."""
+        (folder / "costs.yaml").write_text("costs: {gyro.bias_stability: {p: 2}}\n")
         run = call("check", "--save", "new.json", *args)
 
         assert (run.code, said in run.err) == (2, True), run.err

@@ -290,6 +290,7 @@ class TestBadCalls:
             (("imu.yaml",), "B"),
             (("imu.yaml", "no.yaml"), "no such file"),
             (("imu.yaml", "no.json"), "no such file"),
+            (("imu.yaml", "hg4930"), "\nhg4930:20:1: variants: the base is abstract"),
             (("ref.json", "imu.yaml", "--reference", "nominal"), "has its own"),
             (("imu.yaml", "better.yaml", "--only", "nothing"), "is no source"),
             (("ref.json", "allocate-navigation-grade"), "of kind allocate"),
@@ -302,4 +303,4 @@ class TestBadCalls:
         """What is wrong is said, and nothing is printed."""
         run = call("diff", *args)
         assert (run.code, run.out) == (2, "")
-        assert said in run.err
+        assert said in f"\n{run.err}"

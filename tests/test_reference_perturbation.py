@@ -137,9 +137,7 @@ def references():
                 inside = [
                     replace(i, file=i.file.rpartition("/")[2]) for i in reference.inputs
                 ]
-                law = make_reference(
-                    "analyze", inside, by_law(reference.asked), name=one.shown
-                )
+                law = make_reference("analyze", inside, by_law(reference.asked))
                 base = replace(law, inputs=reference.inputs)
             found[device].append((one.shown, base))
     return found

@@ -158,6 +158,18 @@ def test_what_parts_leave(amounts, together, text):
 
 
 @pytest.mark.parametrize(
+    ("amount", "text"),
+    [(2e300, "-"), (2.0, "1: 1.0e4 %"), (-2e5, "1: -1.0e9 %"), (1e-300, "-")],
+)
+def test_no_part_overflows(amount, text):
+    """A part a thousand times the difference is short; one beyond any is none."""
+    one = move(causes=(Cause(change=0, amount=amount),), together=amount * 1e10)
+    (group,) = move_table([one]).groups
+    assert group.rows[0].because.partition(", ")[0] == text
+    assert len(group.rows[0].because) < 40
+
+
+@pytest.mark.parametrize(
     ("moved", "key", "note"),
     [
         (True, "gyro.turns", " (alone moves no number)"),

@@ -344,6 +344,74 @@ class TestRefused:
         assert run.code in {0, 1, 2}
         assert run.code != 2 or run.err
 
+    @pytest.mark.parametrize(
+        ("job", "keep", "said"),
+        [
+            ("analyze", [0], "0 of role procedure, a reference of kind analyze has 1"),
+            ("analyze", [1], "0 of role device, a reference of kind analyze has 1 or"),
+            ("analyze", [0, 1, 1], "2 of role procedure"),
+            ("compare", [0, 1], "0 of role requirement, a reference of kind compare"),
+            ("allocate", [0, 1], "0 of role requirement"),
+        ],
+    )
+    def test_inputs_that_no_job_has(self, path, job, keep, said):
+        """Every file that a job needs is there, and none too many."""
+        content = json.loads(path.read_bytes()) | {"job": job}
+        content["inputs"] = [content["inputs"][k] for k in keep]
+        assert f"inputs: {said}" in refused(path, signed(content))
+        for args in (("check", path), ("diff", path, path.with_name("imu.yaml"))):
+            run = call(*args)
+            assert (run.code, said in run.err) == (2, True)
+
+    @pytest.mark.parametrize("field", ["value", "floor", "standard_error"])
+    @pytest.mark.parametrize("number", [1e308, -1e308])
+    def test_numbers_that_no_budget_has(self, path, field, number):
+        """What is computed of two numbers of a reference cannot overflow."""
+        content = json.loads(path.read_bytes())
+        content["numbers"][3][field] = number
+        assert f"numbers.3.{field}: input should be" in refused(path, signed(content))
+        run = call("diff", path, path.with_name("imu.yaml"))
+        assert (run.code, run.out) == (2, "")
+
+    @pytest.mark.parametrize("value", [-1e100, 1e-308, 0.0, 1e100])
+    def test_the_largest_numbers_are_compared(self, path, value):
+        """Whatever numbers are allowed, check and diff print how far they moved."""
+        content = json.loads(path.read_bytes())
+        for number in content["numbers"]:
+            number["value"] = value
+        path.write_text(signed(content), encoding="utf-8")
+        device = path.with_name("imu.yaml")
+        device.write_text(DEVICE.replace("0.05 deg/h", "0.06 deg/h"))
+        for args in (("check", path), ("diff", path, device), ("diff", device, path)):
+            for more in ((), ("--json", "-"), ("--csv", "-")):
+                run = call(*args, *more)
+                assert run.code == (1 if args[0] == "check" else 0), run.err
+                assert run.out
+
+    @pytest.mark.parametrize("kind", ["numbers", "words"])
+    def test_a_number_that_stands_twice(self, path, kind):
+        """A result says each number and each word once."""
+        content = json.loads(path.read_bytes())
+        content[kind].append(content[kind][0])
+        assert "stands there 2 times, expected once" in refused(path, signed(content))
+
+    @pytest.mark.parametrize("end", ["", ".yaml"])
+    def test_a_file_name_that_can_be_none(self, path, end):
+        """A name longer than a file system has is a file that is not there."""
+        content = json.loads(path.read_bytes())
+        content["inputs"][0]["file"] = "x" * 300 + end
+        path.write_text(signed(content), encoding="utf-8")
+        run = call("check", path)
+        assert run.code == 2
+        assert "ref.json: its device xxx" in run.err
+
+    def test_more_points_than_a_scramble_has(self, path):
+        """Sobol' points have 30 bits."""
+        content = json.loads(path.read_bytes()) | {"settings": {"samples": 2**62}}
+        assert "settings.samples: input should be less" in refused(
+            path, signed(content)
+        )
+
     def test_settings_of_another_kind(self, path):
         """Settings that mean nothing to the job are refused when it is checked."""
         content = json.loads(path.read_bytes()) | {"settings": {"strategy": "equal"}}

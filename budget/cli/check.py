@@ -198,7 +198,6 @@ def _save(
         kind,
         _take_in(files, path.parent),
         Asked(**given),
-        name=path.name,
         workers=workers,
     )
     write_all({path: reference_text(reference)})

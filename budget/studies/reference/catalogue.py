@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from budget.errors import ReferenceFileError
 from budget.resources import shipped
 from budget.spec.checking import nearest
+from budget.studies.reference.parts import is_there
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -53,7 +54,7 @@ def find_references(names: Sequence[str]) -> tuple[FoundReference, ...]:
 def _find(name: str) -> tuple[FoundReference, ...]:
     """Find what one name stands for."""
     path = Path(name)
-    if _is(path, folder=True):
+    if is_there(path, folder=True):
         inside = tuple(
             FoundReference(path=one, shown=str(one))
             for one in sorted(path.glob(f"*{SUFFIX}"))
@@ -64,7 +65,7 @@ def _find(name: str) -> tuple[FoundReference, ...]:
                 "store one with `budget check --save`"
             )
         return inside
-    if _is(path, folder=False):
+    if is_there(path, folder=False):
         return (FoundReference(path=path, shown=name),)
     there = shipped_references()
     bare = name.removesuffix(SUFFIX)
@@ -76,11 +77,3 @@ def _find(name: str) -> tuple[FoundReference, ...]:
         f"{name}: no such file, expected a reference budget, a folder of them, or a "
         f"shipped one: {', '.join(known) or 'none'}{nearest(bare, known)}"
     )
-
-
-def _is(path: Path, *, folder: bool) -> bool:
-    """Whether there is such a folder or file; a name that cannot be one is none."""
-    try:
-        return path.is_dir() if folder else path.is_file()
-    except (OSError, ValueError):
-        return False

@@ -52,7 +52,6 @@ def make_reference(
     inputs: Sequence[StoredInput],
     asked: Asked,
     *,
-    name: str,
     workers: int = 1,
 ) -> Reference:
     """Compute a reference from its inputs.
@@ -63,7 +62,7 @@ def make_reference(
         Inputs or settings that do not fit together.
     """
     check_asked(job, asked)
-    parts = stored_parts(inputs, reference=name, job=job)
+    parts = stored_parts(inputs, reference="", job=job)
     return Reference(
         job=job,
         inputs=tuple(inputs),
@@ -158,7 +157,7 @@ def computed_side(
     inputs: Sequence[StoredInput], asked: Asked, *, name: str
 ) -> NamedSide:
     """Analyze a device now, as one side of a difference."""
-    parts = stored_parts(inputs, reference=name, job="analyze")
+    parts = stored_parts(inputs, reference="", job="analyze")
     return NamedSide(
         name=name,
         side=Side(

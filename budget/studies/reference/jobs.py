@@ -21,7 +21,7 @@ from budget.studies.comparison.compare import TRIALS, compare
 from budget.studies.conformity import assess
 from budget.studies.reference.comparisons import Compared, comparison_numbers
 from budget.studies.reference.numbers import allocation_numbers, budget_numbers
-from budget.studies.reference.records import JOBS, Asked
+from budget.studies.reference.records import JOBS, Asked, files_fault
 from budget.studies.reference.sampling import standard_errors
 from budget.studies.request import choose_basis, choose_sources, sensors_of
 
@@ -113,17 +113,25 @@ def compute(
     # The matrices are small, threads of BLAS only wait for each other; and with one the
     # order of every sum is the same on any machine.
     with one_blas_thread():
-        if job == "compare":
-            names = [part.name for part in _of("device", parts)]
-            return _compare(records, names, asked, workers)
-        if len(records.procedures) > 1:
+        if job != "compare" and len(records.procedures) > 1:
             raise CallError(
                 f"{len(records.procedures)} procedures were given, a reference of kind "
                 f"{job} takes one; give one, or take --kind compare"
             )
-        if job == "analyze":
+        if job != "analyze" and records.requirement is None:
+            raise CallError(
+                f"a reference of kind {job} needs a requirement; give --requirement "
+                "FILE"
+            )
+        fault = files_fault(job, [part.role for part in parts])
+        if fault:
+            raise CallError(f"found {fault}; give as many, or take another --kind")
+        if job == "analyze" or records.requirement is None:
             return _analyze(records, asked, workers)
-        return _allocate(records, asked)
+        if job == "compare":
+            names = [part.name for part in _of("device", parts)]
+            return _compare(records, records.requirement, names, asked, workers)
+        return _allocate(records, records.requirement, asked)
 
 
 def by_law(asked: Asked) -> Asked:
@@ -181,14 +189,16 @@ def _analyze(records: _Records, asked: Asked, workers: int) -> Snapshot:
 
 
 def _compare(
-    records: _Records, names: list[str], asked: Asked, workers: int
+    records: _Records,
+    requirement: Requirement,
+    names: list[str],
+    asked: Asked,
+    workers: int,
 ) -> Snapshot:
     """Compare devices; names that stand twice are counted."""
-    if records.requirement is None:
-        raise CallError("a comparison needs a requirement; give --requirement FILE")
     comparison = compare(
         records.devices,
-        records.requirement,
+        requirement,
         records.procedures,
         method=asked.method,
         trials=asked.trials or TRIALS,
@@ -203,20 +213,18 @@ def _compare(
     compared = Compared(
         devices=records.devices,
         names=unique,
-        requirement=records.requirement,
+        requirement=requirement,
         procedures=records.procedures,
     )
     return comparison_numbers(comparison, compared)
 
 
-def _allocate(records: _Records, asked: Asked) -> Snapshot:
+def _allocate(records: _Records, requirement: Requirement, asked: Asked) -> Snapshot:
     """Share limits out by the law, without the catalogue."""
-    if records.requirement is None:
-        raise CallError("an allocation needs a requirement; give --requirement FILE")
     (procedure,) = records.procedures
     allocation = allocate(
         *records.devices,
-        requirement=records.requirement,
+        requirement=requirement,
         procedure=procedure,
         strategy=asked.strategy,
         costs=records.costs,

@@ -99,7 +99,7 @@ def present_parts(
     parts: list[Part] = []
     for one in inputs:
         path = _locate(one, folder)
-        if not path.is_file():
+        if not is_there(path, folder=False):
             where = "among the files that ship" if _is_bare(one.file) else "there"
             raise ReferenceFileError(
                 f"{reference}: its {one.role} {one.file} is not {where}; a reference "
@@ -117,10 +117,16 @@ def present_parts(
 def stored_parts(
     inputs: Sequence[StoredInput], *, reference: str, job: str
 ) -> tuple[Part, ...]:
-    """Return the parts as the reference has them. Raises SpecError if it is unsound."""
+    """Return the parts as a reference has them; '' for files that were just read.
+
+    Raises
+    ------
+    SpecError
+        A part is unsound.
+    """
     parts: list[Part] = []
     for one in inputs:
-        shown = f"{reference}, stored {one.file}"
+        shown = f"{reference}, stored {one.file}" if reference else one.file
         root, issues = compose(one.text.removeprefix("\N{BYTE ORDER MARK}"), shown)
         if issues:
             raise all_of(issues)
@@ -134,6 +140,14 @@ def stored_parts(
         )
         parts.extend(_parts(document, one, job))
     return tuple(parts)
+
+
+def is_there(path: Path, *, folder: bool) -> bool:
+    """Whether there is such a folder or file; a name that cannot be one is none."""
+    try:
+        return path.is_dir() if folder else path.is_file()
+    except (OSError, ValueError):
+        return False
 
 
 def digest(text: str) -> str:

@@ -7,12 +7,34 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from budget.spec.tree import Document
 
 JOBS = ("analyze", "compare", "allocate")
 ROLES = ("device", "procedure", "requirement", "costs")
+
+# How many files of each role a job takes: at least, at most (None: any number).
+FILES: Mapping[str, Mapping[str, tuple[int, int | None]]] = {
+    "analyze": {
+        "device": (1, None),
+        "procedure": (1, 1),
+        "requirement": (0, 1),
+        "costs": (0, 0),
+    },
+    "compare": {
+        "device": (1, None),
+        "procedure": (1, None),
+        "requirement": (1, 1),
+        "costs": (0, 0),
+    },
+    "allocate": {
+        "device": (1, None),
+        "procedure": (1, 1),
+        "requirement": (1, 1),
+        "costs": (0, 1),
+    },
+}
 
 TOOL = "tool"  # where a change is that no file made
 
@@ -248,6 +270,22 @@ class Move:
         if self.difference is None or not self.scale:
             return float("inf")
         return abs(self.difference) / self.scale
+
+
+def files_fault(job: str, roles: Sequence[str]) -> str:
+    """Say which files are too few or too many for a job; '' where they are right."""
+    for role, (least, most) in FILES[job].items():
+        found = roles.count(role)
+        if found < least or (most is not None and found > most):
+            allowed = (
+                f"{least} or more"
+                if most is None
+                else " or ".join(map(str, sorted({least, most})))
+            )
+            return (
+                f"{found} of role {role}, a reference of kind {job} has {allowed} of it"
+            )
+    return ""
 
 
 def finite(value: float) -> float | None:

@@ -10,15 +10,16 @@ from __future__ import annotations
 import json
 import platform
 import re
+from collections import Counter
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Any
 
-from pydantic import Field, ValidationError
+from pydantic import ValidationError
 
 from budget.errors import ReferenceFileError
-from budget.spec.fields import Strict
 from budget.spec.reader import MOST_BYTES as LONGEST_INPUT
 from budget.spec.schema import schema_of
+from budget.studies.reference.model import NumberEntry, ReferenceFile, WordEntry
 from budget.studies.reference.parts import digest
 from budget.studies.reference.records import (
     Asked,
@@ -28,6 +29,7 @@ from budget.studies.reference.records import (
     Snapshot,
     StoredInput,
     Word,
+    files_fault,
 )
 from budget.version import __version__
 
@@ -38,84 +40,6 @@ FORMAT = "budget-reference/1"
 NEWEST = 1
 MOST_BYTES = 8 * 1024 * 1024  # forty times the largest that ships
 SHOWN = 3  # faults that one message says
-
-Line = Annotated[str, Field(max_length=400, pattern=r"^[^\x00-\x1f\x7f-\x9f]*$")]
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(allow_inf_nan=False, ge=0.0)]
-Count = Annotated[int, Field(ge=0, lt=2**63)]
-
-
-class InputEntry(Strict):
-    """One input file as it was."""
-
-    role: Literal["device", "procedure", "requirement", "costs"]
-    file: Annotated[Line, Field(min_length=1)] = Field(
-        description="path from the folder of this file, or bare name of a shipped one"
-    )
-    variant: Line = ""
-    sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
-    text: tuple[str, ...] = Field(description="its content, line by line")
-
-
-class SettingsEntry(Strict):
-    """What was asked for besides the files."""
-
-    method: Literal["gum", "monte-carlo", "simulation"] = "gum"
-    trials: Annotated[Count, Field(ge=2)] | None = None
-    max_trials: Annotated[Count, Field(ge=2)] | None = None
-    digits: Annotated[int, Field(ge=1, le=2)] = 1
-    seed: Annotated[int, Field(ge=0)] = 0
-    coverage: Annotated[float, Field(gt=0.0, lt=1.0)] | None = None
-    interval: Literal["symmetric", "shortest"] = "symmetric"
-    reference: Literal["nominal", "as_tested", "next_turn_on"] | None = None
-    only: tuple[Line, ...] = ()
-    samples: Annotated[Count, Field(ge=2)] | None = None
-    strategy: Literal["equal", "proportional", "cost"] | None = None
-    fix: tuple[Line, ...] = ()
-
-
-class NumberEntry(Strict):
-    """One number of the result."""
-
-    subject: Line
-    quantity: Line
-    partner: Line = ""
-    unit: Line
-    value: Finite
-    floor: NotNegative = Field(
-        default=0.0, description="a difference at or below it is rounding"
-    )
-    standard_error: NotNegative | None = Field(
-        default=None, description="of the sampling; unset: no trial touches it"
-    )
-    degrees_of_freedom: Annotated[NotNegative, Field(gt=0.0)] | None = None
-    trials: Annotated[Count, Field(ge=1)] | None = Field(
-        default=None, description="of a proportion"
-    )
-
-
-class WordEntry(Strict):
-    """One word of the result."""
-
-    subject: Line
-    quantity: Line
-    text: Annotated[str, Field(max_length=4000, pattern=r"^[^\x00-\x1f\x7f-\x9f]*$")]
-    rests_on: Line = Field(default="", description="the quantity that decides it")
-
-
-class ReferenceFile(Strict):
-    """A reference budget."""
-
-    format: Literal["budget-reference/1"]
-    checksum: Annotated[str, Field(pattern="^[0-9a-f]{64}$")] = Field(
-        description="SHA-256 of all the rest, as JSON with sorted keys and no spaces"
-    )
-    job: Literal["analyze", "compare", "allocate"]
-    inputs: Annotated[tuple[InputEntry, ...], Field(min_length=1, max_length=1000)]
-    settings: SettingsEntry
-    numbers: tuple[NumberEntry, ...]
-    words: tuple[WordEntry, ...] = ()
-    versions: dict[Line, Line] = Field(description="of the tool and what it stands on")
 
 
 def reference_schema() -> dict[str, Any]:
@@ -234,6 +158,17 @@ def _record(model: ReferenceFile, shown: str) -> Reference:
                 f"{shown}: the stored {one.file} has not the SHA-256 that stands "
                 "beside it; save the reference again"
             )
+    fault = files_fault(model.job, [one.role for one in inputs])
+    if fault:
+        raise ReferenceFileError(f"{shown}: inputs: {fault}; save the reference again")
+    for kind, entries in (("numbers", model.numbers), ("words", model.words)):
+        keys = Counter(_key(one) for one in entries)
+        twice = next((key for key, times in keys.items() if times > 1), None)
+        if twice is not None:
+            raise ReferenceFileError(
+                f"{shown}: {kind}: {twice} stands there {keys[twice]} times, expected "
+                "once; save the reference again"
+            )
     return Reference(
         job=model.job,
         inputs=inputs,
@@ -241,9 +176,7 @@ def _record(model: ReferenceFile, shown: str) -> Reference:
         snapshot=Snapshot(
             numbers=tuple(
                 Number(
-                    key=Key(
-                        subject=one.subject, quantity=one.quantity, partner=one.partner
-                    ),
+                    key=_key(one),
                     unit=one.unit,
                     value=float(one.value),
                     floor=one.floor,
@@ -255,7 +188,7 @@ def _record(model: ReferenceFile, shown: str) -> Reference:
             ),
             words=tuple(
                 Word(
-                    key=Key(subject=one.subject, quantity=one.quantity),
+                    key=_key(one),
                     text=one.text,
                     rests_on=one.rests_on,
                 )
@@ -264,6 +197,12 @@ def _record(model: ReferenceFile, shown: str) -> Reference:
         ),
         versions=tuple(sorted(model.versions.items())),
     )
+
+
+def _key(one: NumberEntry | WordEntry) -> Key:
+    """Return what a number or a word is of."""
+    partner = one.partner if isinstance(one, NumberEntry) else ""
+    return Key(subject=one.subject, quantity=one.quantity, partner=partner)
 
 
 def _read(path: Path, shown: str) -> str:
