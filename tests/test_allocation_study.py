@@ -392,3 +392,34 @@ def test_options_that_contradict_each_other_are_refused():
         allot(bounds=crossed)
     with pytest.raises(CallError, match="no limit for a sensor that is there"):
         allot(replace(ZHAO, gyro=None), wanted=requirement({"gyro.bias": 1.0}))
+
+
+def test_headroom_ends_at_the_ceiling():
+    """Far from any limit a line may go to its default bound, or to --max."""
+    wanted = requirement({"gyro.scale_factor": 0.03, "gyro.bias": 1.0})
+    rows = {row.source: row for row in allot(wanted=wanted).sources}
+    row = rows["gyro.scale_factor_repeatability"]
+    bound = {row.source: 100.0 * row.now}
+    bounded = allot(
+        wanted=wanted, bounds=Bounds(held=frozenset(), most=bound, least={})
+    )
+    (again,) = (r for r in bounded.sources if r.source == row.source)
+
+    assert_allclose(row.headroom.value, 0.01, rtol=1e-12)
+    assert row.headroom.stopped_by is None
+    assert_allclose(again.headroom.value, 100.0 * row.now, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("reference", "counting"), [("as_tested", False), ("next_turn_on", True)]
+)
+def test_a_repeatability_counts_by_the_reference(reference, counting):
+    """As tested it cancels and has no headroom; at the next turn-on it has one."""
+    wanted = requirement({"gyro.scale_factor": 200 * PPM}, reference=reference)
+    rows = {row.source: row for row in allot(wanted=wanted).sources}
+    row = rows["gyro.scale_factor_repeatability"]
+
+    assert row.counts is counting
+    assert (row.headroom is not None) is counting
+    assert row.is_idle is not counting
+    assert not rows["accelerometer.bias_repeatability"].is_idle  # no limit at all

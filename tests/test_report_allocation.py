@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import pytest
 from document_text import find, lines, rows
 
 from budget import load_device, load_requirement
+from budget.report.allocation.headroom import headroom_alt, headroom_title
 from budget.report.allocation.page import allocation_section, figured
+from budget.report.allocation.terminal import allocation_text
+from budget.report.allocation.words import print_headroom
 from budget.report.blocks import Document, Picture, Table
 from budget.report.page import render_page
 from budget.report.typeset import typeset
@@ -128,7 +132,7 @@ def test_what_cannot_be_met_says_what_is_held(impossible):
 
     assert any(head.endswith(", held") for head in heads)
     assert "What would make it feasible" in lines(section)
-    assert {row[2].text for row in lines_table.groups[0].rows} == {"none"}
+    assert {row[2].text for row in lines_table.groups[0].rows} == {"-"}
 
 
 @pytest.mark.parametrize("which", ["allocation", "impossible"])
@@ -168,3 +172,56 @@ def test_a_sensor_without_limits_is_left_as_it_is(allocation):
 
     assert not find(section, Picture)
     assert len(rows(tables_of(section)["allocation-gyro"])) == 5
+
+
+@pytest.fixture(scope="module")
+def as_tested():
+    """Return an allocation where repeatabilities cancel: few lines count."""
+    return allocate(
+        load_device("stim300#5g"),
+        requirement=replace(load_requirement("catalogue-edge"), reference="as_tested"),
+        catalogue=(),
+        validate=False,
+    )
+
+
+def of_sensor(allocation, sensor):
+    """Return the lines of one sensor."""
+    return [r for r in allocation.sources if r.source.startswith(f"{sensor}.")]
+
+
+def test_lines_that_count_nothing_get_no_number(as_tested):
+    """Table, figure and title say that they count nothing, and give no headroom."""
+    table = tables_of(allocation_section(as_tested))["allocation-accelerometer"]
+    own = of_sensor(as_tested, "accelerometer")
+    idle = [row for row in own if row.is_idle]
+    title = headroom_title(own)
+
+    assert {row.source.partition(".")[2] for row in idle} == {
+        "bias_repeatability",
+        "scale_factor_repeatability",
+        "scale_factor_nonlinearity",
+    }
+    for cells, row in zip(table.groups[0].rows, own, strict=True):
+        said = (cells[6].text, cells[7].text)
+        assert (said == ("-", "counts nothing here")) == row.is_idle
+        assert ("counts nothing here" in cells[0].note) == row.is_idle
+        assert (cells[6].exact is None) == row.is_idle
+    assert title.startswith("2 of 2 accelerometer lines that count may grow alone")
+    assert "counts nothing here: bias repeatability, scale" in headroom_alt(own)
+
+
+def test_page_and_terminal_say_headroom_alike(as_tested, impossible):
+    """Number, 'none', dash and what stops a line are the same words in both."""
+    for allocation in (as_tested, impossible):
+        text = allocation_text(allocation, width=200)
+        tables = tables_of(allocation_section(allocation))
+        for sensor in ("gyro", "accelerometer"):
+            part = text.partition(f"{sensor.capitalize()} headroom")[2]
+            printed = [re.split(" {2,}", line) for line in part.splitlines()[2:]]
+            cells = [c for g in tables[f"allocation-{sensor}"].groups for c in g.rows]
+            own = of_sensor(allocation, sensor)
+            for row, words, shown in zip(cells, printed[: len(own)], own, strict=True):
+                up_to, stop = print_headroom(shown)
+                assert (row[6].text, row[7].text) == (up_to, stop)
+                assert (words[2], words[4]) == (up_to, stop.removeprefix("mounting "))

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 COLUMNS = (
     *("sensor", "source", "unit", "status", "now", "allowed", "uncorrected"),
     *("binding_output", "at_ceiling", "at_least", "ceiling", "least"),
-    *("headroom", "stopped_by", "best_offered"),
+    *("headroom", "stopped_by", "best_offered", "counts"),
 )
 
 
@@ -49,6 +49,7 @@ def to_document(allocation: Allocation) -> dict[str, Any]:
                 if source.headroom is None
                 else {"value": row["headroom"], "stopped_by": row["stopped_by"]},
                 "best_offered": row["best_offered"],
+                "counts": row["counts"],
             }
             for row, source in zip(_rows(allocation), allocation.sources, strict=True)
         ],
@@ -170,6 +171,7 @@ def _rows(allocation: Allocation) -> list[dict[str, Any]]:
                 "headroom": None if room is None else size(room.value),
                 "stopped_by": None if room is None else room.stopped_by,
                 "best_offered": size(row.best_offered),
+                "counts": row.counts,
             }
         )
     return rows

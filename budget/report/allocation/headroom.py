@@ -5,10 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from budget.report.allocation.rows import THICK, named_rows
-from budget.report.allocation.words import print_value
+from budget.report.allocation.words import (
+    DIGITS,
+    IDLE,
+    NONE,
+    print_headroom,
+    print_value,
+)
 from budget.report.figures import INK, MUTED, PAPER, SMALL, STYLES
 from budget.report.figures.picture import as_picture
-from budget.report.tables import output_title, print_given, source_title
+from budget.report.tables import print_given, source_title
 from budget.studies.allocation.records import FREE
 
 if TYPE_CHECKING:
@@ -39,7 +45,7 @@ def headroom_picture(rows: Sequence[SourceAllotment]) -> Picture | None:
         tips=headroom_tips(rows),
         caption=(
             "Each line alone, the others as they are now; named is the limit that "
-            "stops it. To the left: it must become better by that much."
+            f"stops it. To the left: it must become better by that much.{_idle(rows)}"
         ),
     )
 
@@ -108,11 +114,10 @@ def headroom_title(rows: Sequence[SourceAllotment]) -> str:
     if not growing:
         return f"No {sensor} line alone may grow"
     most = max(growing, key=_factor)
-    factor = _factor(most)
-    far = "without limit" if factor == float("inf") else f"{factor:.3g} times"
+    that_count = " that count" if any(row.is_idle for row in rows) else ""
     return (
-        f"{len(growing)} of {len(shown)} {sensor} lines may grow alone, "
-        f"{source_title(most.source)} {far}"
+        f"{len(growing)} of {len(shown)} {sensor} lines{that_count} may grow alone, "
+        f"{source_title(most.source)} {print_given(_factor(most), digits=DIGITS)} times"
     )
 
 
@@ -121,12 +126,13 @@ def headroom_alt(rows: Sequence[SourceAllotment]) -> str:
     texts = "; ".join(
         f"{source_title(row.source)} {print_given(_factor(row), digits=3)} times, "
         f"stopped by {_stop(row)}"
-        if 0.0 < _factor(row) < float("inf")
+        if _factor(row) > 0.0
         else f"{source_title(row.source)} {_stop(row)}"
         for row in rows
         if row.headroom is not None
     )
-    return f"{headroom_title(rows)}. Each line alone, the others as now: {texts}."
+    title = headroom_title(rows)
+    return f"{title}. Each line alone, the others as now: {texts}.{_idle(rows)}"
 
 
 def headroom_tips(rows: Sequence[SourceAllotment]) -> dict[str, str]:
@@ -136,9 +142,7 @@ def headroom_tips(rows: Sequence[SourceAllotment]) -> dict[str, str]:
         if row.headroom is None:
             continue
         now = print_value(row.now / row.si_per_unit, row.unit)
-        if row.headroom.value is None:
-            alone = "no limit stops it"
-        elif row.headroom.value:
+        if row.headroom.value:
             value = print_value(row.headroom.value / row.si_per_unit, row.unit)
             alone = f"alone up to {value}, then stopped by {_stop(row)}"
         else:
@@ -153,15 +157,17 @@ def _gid(row: SourceAllotment) -> str:
 
 
 def _factor(row: SourceAllotment) -> float:
-    """Return headroom over present value [1]; infinite where nothing stops it."""
-    if row.headroom is None or row.headroom.value is None:
-        return float("inf")
-    return row.headroom.value / row.now
+    """Return headroom over present value [1], of a line that has one."""
+    return 0.0 if row.headroom is None else row.headroom.value / row.now
 
 
 def _stop(row: SourceAllotment) -> str:
     """Name what stops a line."""
-    if row.headroom is None or row.headroom.stopped_by is None:
-        return "no limit"
-    name = output_title(row.headroom.stopped_by.partition(".")[2])
-    return name if row.headroom.value else f"none: {name}"
+    up_to, stop = print_headroom(row)
+    return f"{NONE}: {stop}" if up_to == NONE else stop
+
+
+def _idle(rows: Sequence[SourceAllotment]) -> str:
+    """Name the lines that are not drawn because they count nothing."""
+    names = ", ".join(source_title(row.source) for row in rows if row.is_idle)
+    return f" Not drawn, as it {IDLE}: {names}." if names else ""

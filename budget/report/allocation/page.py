@@ -7,13 +7,17 @@ from typing import TYPE_CHECKING
 from budget.report.allocation.headroom import headroom_picture
 from budget.report.allocation.waterfall import after_word, waterfall_picture
 from budget.report.allocation.words import (
+    DASH,
     DIGITS,
+    explain_idle,
     headline,
     join_outputs,
     lever_text,
     match_text,
     part_title,
+    print_headroom,
     print_part,
+    print_stop,
     print_used,
     relaxations,
     remarks,
@@ -61,7 +65,6 @@ STRATEGIES = {
     "cost": "the least total cost",
 }
 CLOSEST = 5  # catalogue entries a sensor that are listed where none meets
-NONE = "none"
 PER_CENT = 100.0
 
 
@@ -98,6 +101,8 @@ def allocation_section(allocation: Allocation) -> Section:
         ]
         limits = _limits(allocation, sensor)
         tables: list[Block] = [_lines_table(sensor, rows)]
+        if idle := explain_idle(rows):
+            tables.append(Paragraph(words=(f"{capital(idle)}.",), small=True))
         if limits:
             tables.append(_parts_table(sensor, limits))
         blocks.append(Panel(title=capital(sensor), blocks=tuple(tables)))
@@ -172,39 +177,38 @@ def _line_row(row: SourceAllotment) -> tuple[Cell, ...]:
     """Return one line of a data sheet."""
     room = row.headroom
     changed = row.allowed is not None
+    up_to, stop = print_headroom(row)
     return (
         Cell(text=capital(source_title(row.source)), note=remarks(row)),
         _value(row.now, row),
         _value(row.allowed, row),
         Cell(text=row.unit),
         Cell(
-            text=print_given(row.factor, digits=DIGITS) if changed else NONE,
+            text=print_given(row.factor, digits=DIGITS) if changed else DASH,
             exact=row.factor if changed else None,
         ),
-        Cell(text=_output(row.binding_output)),
-        _value(room.value if room else None, row),
-        Cell(text=_output(room.stopped_by if room else None)),
+        Cell(text=print_stop(row.binding_output)),
+        Cell(
+            text=up_to,
+            exact=room.value / row.si_per_unit if room and room.value else None,
+        ),
+        Cell(text=stop),
     )
 
 
 def _value(value: float | None, row: SourceAllotment) -> Cell:
-    """Return a value in the unit of its line; of none, and of a headroom of 0, no."""
-    if not value and value is not row.now:
-        return Cell(text=NONE)
-    number = (value or 0.0) / row.si_per_unit
+    """Return a value in the unit of its line, a dash for none."""
+    if value is None:
+        return Cell(text=DASH)
+    number = value / row.si_per_unit
     return Cell(text=print_given(number, digits=DIGITS), exact=number)
-
-
-def _output(name: str | None) -> str:
-    """Name an output without its sensor."""
-    return NONE if name is None else output_title(name.partition(".")[2])
 
 
 def _parts_table(sensor: str, limits: Sequence[LimitedOutput]) -> Table:
     """Return what takes how much of the squared limits, now and after."""
     columns = [Column(head="part of the squared limit [%]", weight=1.4)]
     for row in limits:
-        name = _output(row.output.name)
+        name = print_stop(row.output.name)
         columns += [
             Column(head=f"{name}, {word}", kind="number")
             for word in ("now", after_word(row))

@@ -8,13 +8,16 @@ from typing import TYPE_CHECKING
 
 from budget.report.allocation.words import (
     DIGITS,
+    explain_idle,
     headline,
     join_outputs,
     lever_text,
     match_text,
     part_title,
     print_change,
+    print_headroom,
     print_part,
+    print_stop,
     print_used,
     print_value,
     relaxations,
@@ -77,26 +80,8 @@ def allocation_text(allocation: Allocation, *, width: int) -> str:
         rows = [
             row for row in allocation.sources if row.source.startswith(f"{sensor}.")
         ]
-        feasible = all(row.allowed is not None for row in rows)
-        lines += ["", f"{sensor.capitalize()} lines, 1 sigma"]
-        lines += _table(_source_cells(rows, feasible=feasible), width)
-        if feasible and any(row.is_beyond_market for row in rows):
-            lines += _wrap("* nothing in the catalogue is as good", width)
-        if any(row.uncorrected is not None for row in rows):
-            lines += _items(_corrections(rows), width)
         limited = [row for row in allocation.outputs if row.sensor == sensor]
-        if limited:
-            lines += _heading(
-                f"{sensor.capitalize()}: part of each squared limit [%], "
-                + ("now > allowed" if feasible else "now"),
-                width,
-            )
-            lines += _table(_part_cells(limited, feasible=feasible), width)
-            lines += _heading(
-                f"{sensor.capitalize()} headroom: each line alone, the others as now",
-                width,
-            )
-            lines += _table(_headroom_cells(rows), width)
+        lines += _sensor_lines(sensor, rows, limited, width)
     lines += _cost_lines(allocation, width)
     lines += _check_lines(allocation, width)
     if allocation.levers:
@@ -121,6 +106,37 @@ def allocation_text(allocation: Allocation, *, width: int) -> str:
     return "\n".join(line.rstrip() for line in lines) + "\n"
 
 
+def _sensor_lines(
+    sensor: str,
+    rows: Sequence[SourceAllotment],
+    limited: Sequence[LimitedOutput],
+    width: int,
+) -> list[str]:
+    """Write what the lines of one sensor may be, what they take, how far they go."""
+    feasible = all(row.allowed is not None for row in rows)
+    lines = ["", f"{sensor.capitalize()} lines, 1 sigma"]
+    lines += _table(_source_cells(rows, feasible=feasible), width)
+    if feasible and any(row.is_beyond_market for row in rows):
+        lines += _wrap("* nothing in the catalogue is as good", width)
+    if idle := explain_idle(rows):
+        lines += _wrap(idle, width)
+    if any(row.uncorrected is not None for row in rows):
+        lines += _items(_corrections(rows), width)
+    if limited:
+        lines += _heading(
+            f"{sensor.capitalize()}: part of each squared limit [%], "
+            + ("now > allowed" if feasible else "now"),
+            width,
+        )
+        lines += _table(_part_cells(limited, feasible=feasible), width)
+        lines += _heading(
+            f"{sensor.capitalize()} headroom: each line alone, the others as now",
+            width,
+        )
+        lines += _table(_headroom_cells(rows), width)
+    return lines
+
+
 def _source_cells(
     rows: Sequence[SourceAllotment], *, feasible: bool
 ) -> list[list[str]]:
@@ -137,7 +153,7 @@ def _source_cells(
             cell.append(print_given(size, digits=DIGITS) + star)
         cell.append(row.unit.translate(PLAIN))
         if feasible:
-            cell += [print_change(row), _short(row.binding_output)]
+            cell += [print_change(row), _short(print_stop(row.binding_output))]
         cells.append([*cell, mark] if any(marks) else cell)
     return cells
 
@@ -151,11 +167,9 @@ def _mark(row: SourceAllotment) -> str:
     return "least" if row.at_least else ""
 
 
-def _short(name: str | None) -> str:
+def _short(name: str) -> str:
     """Name an output of a sensor that stands above: 'angle xy', 'bias z'."""
-    if name is None:
-        return "-"
-    return output_title(name.partition(".")[2]).removeprefix("mounting ")
+    return name.removeprefix("mounting ")
 
 
 def _part_cells(outputs: Sequence[LimitedOutput], *, feasible: bool) -> list[list[str]]:
@@ -185,20 +199,16 @@ def _headroom_cells(rows: Sequence[SourceAllotment]) -> list[list[str]]:
     """Return head and rows of the headroom table."""
     cells = [["line", "now", "alone up to", "unit", "stopped by"]]
     for row in rows:
-        room = row.headroom
-        if room is None:
+        if row.headroom is None and not row.is_idle:
             continue
-        stop = room.stopped_by
-        up_to = "any" if room.value is None else "none"
-        if room.value:
-            up_to = print_given(room.value / row.si_per_unit, digits=DIGITS)
+        up_to, stop = print_headroom(row)
         cells.append(
             [
                 source_title(row.source),
                 print_given(row.now / row.si_per_unit),
                 up_to,
                 row.unit.translate(PLAIN),
-                "nothing" if stop is None else _short(stop),
+                _short(stop),
             ]
         )
     return cells

@@ -25,6 +25,10 @@ if TYPE_CHECKING:
         SourceAllotment,
     )
 
+DASH = "-"  # nothing to say
+NONE = "none"  # no value would do
+IDLE = "counts nothing here"
+CEILING = "its ceiling"
 DIGITS = 3  # of an allocated value: it is a specification, not a measurement
 
 
@@ -39,8 +43,38 @@ def print_change(row: SourceAllotment) -> str:
     if row.status != FREE or row.allowed is None:
         return "as it is"
     if factor >= 2.0:  # noqa: PLR2004 - from here on a factor reads better
-        return f"x {factor:.3g}"
+        return f"x {print_given(factor, digits=DIGITS)}"
     return f"{100.0 * (factor - 1.0):+.{1 if factor > 0.9 else 0}f} %"  # noqa: PLR2004
+
+
+def print_headroom(row: SourceAllotment) -> tuple[str, str]:
+    """Print how far a source may go alone in the unit of its file, and what stops it.
+
+    'none' is what cannot mend an output that fails without it, a dash that there is
+    nothing to say.
+    """
+    room = row.headroom
+    if room is None:
+        return DASH, IDLE if row.is_idle else DASH
+    up_to = print_given(room.value / row.si_per_unit, digits=DIGITS)
+    stop = CEILING if room.stopped_by is None else print_stop(room.stopped_by)
+    return up_to if room.value else NONE, stop
+
+
+def print_stop(name: str | None) -> str:
+    """Name an output without its sensor; a dash where there is none."""
+    return DASH if name is None else output_title(name.partition(".")[2])
+
+
+def explain_idle(rows: Sequence[SourceAllotment]) -> str:
+    """Name the lines that count nothing and say what that means; '' without any."""
+    names = ", ".join(source_title(row.source) for row in rows if row.is_idle)
+    if not names:
+        return ""
+    return (
+        f"{IDLE}: {names} (under this reference, the other lines as now, less than "
+        "0.1 % of every squared limit even at its ceiling)"
+    )
 
 
 def print_part(part: float | None) -> str:
@@ -80,6 +114,8 @@ def remarks(row: SourceAllotment) -> str:
     found = []
     if row.status != FREE:
         found.append(row.status)
+    if row.is_idle:
+        found.append(IDLE)
     if row.at_ceiling:
         found.append("at its ceiling")
     if row.at_least:

@@ -51,8 +51,8 @@ class LimitedOutput:
 class Headroom:
     """How far one source may go alone, the others as they are."""
 
-    value: float | None  # [SI]; None: no limit stops it
-    stopped_by: str | None  # output; None: no limit stops it
+    value: float  # [SI]; 0: an output that feels it fails even without it
+    stopped_by: str | None  # output; None: its ceiling, no limit before that
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,7 +74,8 @@ class SourceAllotment:
     at_ceiling: bool
     at_least: bool
     binding_output: str | None  # of those at their limits, where it takes most
-    headroom: Headroom | None  # None for what is zero or has no limit
+    counts: bool  # takes a thousandth of a squared limit, at its ceiling at the latest
+    headroom: Headroom | None  # None for what is zero, has no limit or counts nothing
     best_offered: float | None  # least value in the catalogue [SI]
 
     @property
@@ -83,6 +84,11 @@ class SourceAllotment:
         if self.allowed is None or self.now == 0.0:
             return 1.0
         return self.allowed / self.now
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether its sensor has limits, and none of them feels it."""
+        return not self.counts and self.status in {FREE, HELD}
 
     @property
     def is_beyond_market(self) -> bool:

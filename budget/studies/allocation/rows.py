@@ -26,11 +26,13 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from budget.arrays import Array
+    from budget.methods.allocation import Headroom as Room
     from budget.methods.allocation import Task
     from budget.spec.records import Requirement, Sensor
     from budget.studies.allocation.cases import SensorCase
 
 ONE_PERCENT = 0.01  # [1]
+COUNTS = 1e-3  # part of a squared limit from which a source is said to count [1]
 
 
 def limited_outputs(
@@ -86,6 +88,7 @@ def source_allotments(
                 at_ceiling=False,
                 at_least=False,
                 binding_output=None,
+                counts=False,
                 headroom=None,
                 best_offered=offered.get(f"{sensor.kind}.{line.name}"),
             )
@@ -99,7 +102,7 @@ def source_allotments(
         status = case.statuses[g]
         free = status == FREE
         allotted = s is not None and free
-        place = room[g].stopped_by
+        counts = status != ZERO and _counts(task, g)
         rows.append(
             SourceAllotment(
                 source=name,
@@ -122,12 +125,8 @@ def source_allotments(
                 binding_output=_binding_output(task, case.factors, g)
                 if allotted
                 else None,
-                headroom=None
-                if status == ZERO
-                else Headroom(
-                    value=now * room[g].factor if np.isfinite(room[g].factor) else None,
-                    stopped_by=None if place is None else task.law.outputs[place],
-                ),
+                counts=counts,
+                headroom=_headroom(task, room[g], g, now) if counts else None,
                 best_offered=offered.get(name),
             )
         )
@@ -178,6 +177,32 @@ def _parts(task: Task, s: Array) -> Array:
     spread = scale * task.law.variance(s)
     mean = task.utilisation(s) ** 2 - spread
     return np.column_stack([alone, spread - alone.sum(axis=1), np.maximum(mean, 0.0)])
+
+
+def _counts(task: Task, g: int) -> bool:
+    """Whether a source takes something of a limit, at its ceiling at the latest.
+
+    Products with the other sources, as they are now, and the mean are in it.
+    """
+    law = task.law
+    q = max(float(task.high[g]), 1.0) ** 2
+    others = 1.0 - np.eye(len(law.sources))[g]
+    spread = q * (
+        law.first[:, g] + law.second[:, g, g] * q + 2.0 * law.second[:, g] @ others
+    )
+    part = (task.coverage_factor / task.limit) ** 2 * spread
+    shift = np.abs(law.shift[:, g]) * q / task.limit
+    return bool((np.maximum(part, shift) >= COUNTS).any())
+
+
+def _headroom(task: Task, room: Room, g: int, now: float) -> Headroom:
+    """Return how far a source may go alone: to a limit, or to its ceiling before."""
+    ceiling = float(task.high[g])
+    if room.stopped_by is None or room.factor > ceiling:
+        return Headroom(value=now * ceiling, stopped_by=None)
+    return Headroom(
+        value=now * room.factor, stopped_by=task.law.outputs[room.stopped_by]
+    )
 
 
 def _binding_output(task: Task, s: Array, g: int) -> str | None:
