@@ -225,3 +225,31 @@ def test_page_and_terminal_say_headroom_alike(as_tested, impossible):
                 up_to, stop = print_headroom(shown)
                 assert (row[6].text, row[7].text) == (up_to, stop)
                 assert (words[2], words[4]) == (up_to, stop.removeprefix("mounting "))
+
+
+def test_limits_of_a_sensor_not_given_are_said():
+    """Gyros alone against limits for both: headline and remarks name what is left."""
+    found = allocate(
+        load_device("adxrs453"),
+        requirement=load_requirement("catalogue-edge"),
+        catalogue=(),
+        validate=False,
+    )
+    said = (
+        "the requirement limits the accelerometer, which is not given: nothing is "
+        "allocated for it"
+    )
+    text = lines(allocation_section(found))
+
+    assert said in found.warnings
+    assert found.not_allocated == ("accelerometer",)
+    assert text[1].startswith("edge of the catalogue can be met for the gyro; ")
+    assert said in " ".join(allocation_text(found, width=80).split())
+    assert "Remarks on the allocation" in text
+    assert "Warnings" not in text
+
+
+def test_nothing_is_said_of_sensors_that_are_all_given(allocation):
+    """With both sensors the headline speaks for the whole requirement."""
+    assert allocation.not_allocated == ()
+    assert not any("not given: nothing is" in text for text in allocation.warnings)

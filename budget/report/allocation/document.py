@@ -41,6 +41,7 @@ def to_document(allocation: Allocation) -> dict[str, Any]:
             "formulas": allocation.formulas,
         },
         "feasible": allocation.feasible,
+        "not_allocated": list(allocation.not_allocated),
         "sources": [
             {
                 "sensor": row["sensor"],

@@ -117,7 +117,7 @@ def allocation_section(allocation: Allocation) -> Section:
         blocks.append(Panel(title=title, blocks=(_checks_table(allocation.checks),)))
     blocks += _points("The procedure as a lever", map(lever_text, allocation.levers))
     blocks += _shelves(allocation)
-    blocks += _points("Warnings", allocation.warnings)
+    blocks += _points("Remarks on the allocation", allocation.warnings)
     return Section(
         name="allocation", title="What each line may be", blocks=tuple(blocks)
     )

@@ -128,10 +128,13 @@ def remarks(row: SourceAllotment) -> str:
 def headline(allocation: Allocation) -> str:
     """State the finding in one sentence."""
     if allocation.feasible:
+        met = f"{allocation.requirement} can be met"
+        if allocation.not_allocated:  # 'met' alone would speak for what is not there
+            met += f" for the {allocation.outputs[0].sensor}"
         names = join_outputs([row.output.name for row in allocation.binding])
         if not names:
-            return f"{allocation.requirement} can be met; no limit is reached."
-        return f"{allocation.requirement} can be met; at its limit: {names}."
+            return f"{met}; no limit is reached."
+        return f"{met}; at its limit: {names}."
     names = join_outputs([row.output.name for row in allocation.impossible])
     return (
         f"{allocation.requirement} cannot be met: what is held and the procedure "

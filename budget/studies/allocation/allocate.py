@@ -139,6 +139,7 @@ def allocate(
             cases[place] = solved
         if progress is not None:
             progress("error allocation", place + 1, len(cases))
+    missing = _not_allocated(sensors, requirement)
     allotted = tuple(_resized(sensor, cases) for sensor in sensors)
     solved_kinds = {case.sensor.kind for case in cases if case.s is not None}
     return Allocation(
@@ -152,6 +153,7 @@ def allocate(
         formulas=procedure.formulas,
         seed=seed,
         feasible=feasible,
+        not_allocated=missing,
         sources=tuple(
             row
             for sensor in sensors
@@ -181,7 +183,15 @@ def allocate(
             if record is not None
             for text in record.assumptions
         ),
-        warnings=(*warnings, *_warnings(sensors, cases, bounds, costs)),
+        warnings=(
+            *warnings,
+            *(
+                f"the requirement limits the {kind}, which is not given: nothing is "
+                "allocated for it"
+                for kind in missing
+            ),
+            *_warnings(sensors, cases, bounds, costs),
+        ),
     )
 
 
@@ -286,6 +296,15 @@ def _resized(sensor: Sensor, cases: Sequence[SensorCase]) -> Sensor:
         if case.sensor.kind == sensor.kind and case.s is not None:
             return resize(sensor, case.task.law.sources, case.s)
     return sensor
+
+
+def _not_allocated(
+    sensors: Sequence[Sensor], requirement: Requirement
+) -> tuple[str, ...]:
+    """Return the sensors that have limits and are not there."""
+    given = {sensor.kind for sensor in sensors}
+    limited = [limit.output.partition(".")[0] for limit in requirement.limits]
+    return tuple(kind for kind in dict.fromkeys(limited) if kind not in given)
 
 
 def _warnings(

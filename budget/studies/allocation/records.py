@@ -212,6 +212,7 @@ class Allocation:
     formulas: str
     seed: int
     feasible: bool
+    not_allocated: tuple[str, ...]  # sensors that have limits and are not given
     sources: tuple[SourceAllotment, ...]
     outputs: tuple[LimitedOutput, ...]
     checks: tuple[CoverageCheck, ...]
