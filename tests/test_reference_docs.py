@@ -28,19 +28,27 @@ def run(line):
     return call(*words[1:])
 
 
+def make_folder(line):
+    """Run the line that makes the folder of the references."""
+    assert line == "$ mkdir references"
+    Path("references").mkdir()
+
+
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """Provide the README's device, in a folder as a user keeps it, and work there."""
     (device,) = re.findall(r"(?ms)^```yaml\n(.*?)^```$", README)
     (tmp_path / "imu.yaml").write_text(device, encoding="utf-8")
-    (tmp_path / "references").mkdir()
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
 def test_console_examples_run(folder):
     """Every line of the page is exit code 0, in the order of the page."""
-    lines = [line for block in blocks("console") for line in block.splitlines()]
+    first, *lines = [line for block in blocks("console") for line in block.splitlines()]
+    refused = run(lines[0])
+    assert (refused.code, "folder" in refused.err) == (2, True), refused.err
+    make_folder(first)
     assert len(lines) >= 5
     for line in lines:
         outcome = run(line)
@@ -53,13 +61,20 @@ def test_the_job_does_what_the_page_says(folder):
     (job,) = blocks("yaml")
     steps = YAML(typ="safe").load(job)["jobs"]["budgets"]["steps"]
     check = steps[-1]["run"]
-    assert "pip install sins-budget" in steps[-2]["run"]
-    (first, *_) = blocks("console")[0].splitlines()
+    assert steps[0]["with"] == {"submodules": True}
+    assert steps[-2]["run"] == "pip install ./tools/sins-budget"
+    assert "`tools/sins-budget`, a submodule" in PAGE
+    folder_line, first, *_ = blocks("console")[0].splitlines()
+    make_folder(folder_line)
     assert run(first).code == 0
     assert run(check).code == 0
 
     edit, again = blocks("sh")[0].splitlines()
+    before = (folder / "imu.yaml").read_text(encoding="utf-8").splitlines()
     subprocess.run(shlex.split(edit), cwd=folder, check=True)
+    after = (folder / "imu.yaml").read_text(encoding="utf-8").splitlines()
+    (changed,) = (b for a, b in zip(before, after, strict=True) if a != b)
+    assert changed.strip().startswith("bias_stability: {value: 0.0101 deg/h")
     assert again == check
     outcome = run(again)
     assert outcome.code == 1
