@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 from document_text import find, lines, rows
@@ -49,6 +50,11 @@ def tables_of(section):
     return {table.name: table for table in find(section, Table)}
 
 
+def cells_of(table):
+    """Return the rows of a table, group after group."""
+    return [row for group in table.groups for row in group.rows]
+
+
 def in_document(section):
     """Return a document of one section."""
     return Document(
@@ -79,7 +85,8 @@ def test_every_line_has_its_values_in_the_unit_of_the_file(allocation):
     cells = [
         row
         for sensor in ("gyro", "accelerometer")
-        for row in tables[f"allocation-{sensor}"].groups[0].rows
+        for group in tables[f"allocation-{sensor}"].groups
+        for row in group.rows
     ]
 
     assert len(cells) == len(allocation.sources) == 10
@@ -132,7 +139,7 @@ def test_what_cannot_be_met_says_what_is_held(impossible):
 
     assert any(head.endswith(", held") for head in heads)
     assert "What would make it feasible" in lines(section)
-    assert {row[2].text for row in lines_table.groups[0].rows} == {"-"}
+    assert {row[2].text for row in cells_of(lines_table)} == {"-"}
 
 
 @pytest.mark.parametrize("which", ["allocation", "impossible"])
@@ -202,7 +209,7 @@ def test_lines_that_count_nothing_get_no_number(as_tested):
         "scale_factor_repeatability",
         "scale_factor_nonlinearity",
     }
-    for cells, row in zip(table.groups[0].rows, own, strict=True):
+    for cells, row in zip(cells_of(table), own, strict=True):
         said = (cells[6].text, cells[7].text)
         assert (said == ("-", "counts nothing here")) == row.is_idle
         assert ("counts nothing here" in cells[0].note) == row.is_idle
@@ -219,7 +226,7 @@ def test_page_and_terminal_say_headroom_alike(as_tested, impossible):
         for sensor in ("gyro", "accelerometer"):
             part = text.partition(f"{sensor.capitalize()} headroom")[2]
             printed = [re.split(" {2,}", line) for line in part.splitlines()[2:]]
-            cells = [c for g in tables[f"allocation-{sensor}"].groups for c in g.rows]
+            cells = cells_of(tables[f"allocation-{sensor}"])
             own = of_sensor(allocation, sensor)
             for row, words, shown in zip(cells, printed[: len(own)], own, strict=True):
                 up_to, stop = print_headroom(shown)
@@ -253,3 +260,13 @@ def test_nothing_is_said_of_sensors_that_are_all_given(allocation):
     """With both sensors the headline speaks for the whole requirement."""
     assert allocation.not_allocated == ()
     assert not any("not given: nothing is" in text for text in allocation.warnings)
+
+
+def test_numbers_are_in_line_within_one_unit(allocation):
+    """A group of rows has one unit, and neighbours of one unit are one group."""
+    table = tables_of(allocation_section(allocation))["allocation-gyro"]
+    units = [{row[3].text for row in group.rows} for group in table.groups]
+
+    assert all(len(found) == 1 for found in units)
+    assert all(a != b for a, b in pairwise(units))
+    assert any(len(group.rows) > 1 for group in table.groups)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import groupby
+from operator import attrgetter
 from typing import TYPE_CHECKING
 
 from budget.report.allocation.headroom import headroom_picture
@@ -168,7 +170,11 @@ def _lines_table(sensor: str, rows: Sequence[SourceAllotment]) -> Table:
             Column(head="alone up to", kind="number"),
             Column(head="then stopped by"),
         ),
-        groups=(RowGroup(rows=tuple(_line_row(row) for row in rows)),),
+        # Points are in line within a group: across units that would mean nothing.
+        groups=tuple(
+            RowGroup(rows=tuple(_line_row(row) for row in alike))
+            for _, alike in groupby(rows, key=attrgetter("unit"))
+        ),
         is_wide=True,
     )
 
