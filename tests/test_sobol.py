@@ -11,7 +11,7 @@ from SALib.sample import sobol as salib_sample
 from scipy.stats import binom, qmc
 
 from budget.distributions import ARCSINE, NORMAL, TRIANGULAR, UNIFORM
-from budget.errors import ProblemError
+from budget.errors import CallError, ProblemError
 from budget.methods.gum import propagate
 from budget.methods.sobol import (
     _Draws,
@@ -235,3 +235,13 @@ def test_cost_is_known_beforehand():
     problem = ishigami()
     announced = evaluations(problem, 1000, 8)
     assert announced == sobol(problem, samples=1000).evaluations == 5 * 1024 * 8
+
+
+def test_more_points_than_a_machine_keeps_are_refused():
+    """Samples beyond a million a scramble are refused in words, before memory is."""
+    problem = calibration_problem(
+        (paper_gyro(),), procedure(), reference="nominal", only=None
+    )
+
+    with pytest.raises(CallError, match="at the most"):
+        sobol(problem, samples=2**62)

@@ -101,6 +101,7 @@ Samples = Annotated[
     int | None,
     typer.Option(
         min=2,
+        max=2**20,
         metavar="N",
         help="Sobol' points in each of 8 scrambles (2048).",
         show_default=False,

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from budget.problem import Problem
 
 SAMPLES = 2048
+MOST_SAMPLES = 2**20  # of one scramble, kept at once: 1.2 GB for two triads
 SCRAMBLES = 8
 LEAST_SCRAMBLES = 2  # an interval takes a spread
 CONFIDENCE = 0.95  # of the intervals over scrambles
@@ -155,7 +156,14 @@ def sobol(
     ------
     ProblemError
         Nothing varies, or a correlated source would have to be split.
+    CallError
+        Too few samples or scrambles, or more samples than a machine can keep.
     """
+    if samples > MOST_SAMPLES:
+        raise CallError(
+            f"{samples} samples in one scramble: allowed are {MOST_SAMPLES} at the "
+            "most, which are kept at once; take more scrambles for smaller intervals"
+        )
     if scrambles < LEAST_SCRAMBLES or samples < LEAST_SCRAMBLES:
         raise CallError(
             f"{samples} samples in {scrambles} scrambles: allowed are "
