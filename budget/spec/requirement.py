@@ -31,7 +31,7 @@ PARAMETERS = {"scale_factor": AXES, "mounting_angle": ANGLES, "bias": AXES}
 
 
 class Caps(Strict):
-    """What the device may cost; shown beside it, not compared."""
+    """What the device may cost; held against its own; they decide no verdict."""
 
     price: ShortText | None = None
     mass: ShortText | None = None
