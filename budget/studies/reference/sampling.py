@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.methods.execution import BLOCK, draw, one_blas_thread
+from budget.methods.execution import BLOCK
 from budget.methods.intervals import interval_of_values
+from budget.methods.trials import first_trials
 
 if TYPE_CHECKING:
     from budget.arrays import Array
@@ -78,7 +79,7 @@ def standard_errors(
     coverage, interval
         Of its coverage intervals.
     """
-    y = _shape(problem)
+    y = first_trials(problem, trials=SHAPE_TRIALS, seed=SHAPE_SEED)
     mean = y.mean(axis=1)
     centred = y - mean[:, None]
     u = np.sqrt((centred**2).mean(axis=1))
@@ -101,18 +102,6 @@ def standard_errors(
         u_degrees_of_freedom=np.minimum(_kurtosis_freedom(z, kurtosis), trials - 1.0),
         end_degrees_of_freedom=freedom,
     )
-
-
-def _shape(problem: Problem) -> Array:
-    """Return trials of every output, shape (n_out, SHAPE_TRIALS) [SI]."""
-    y = np.empty((len(problem.outputs), SHAPE_TRIALS))
-    x = np.empty((problem.n_inputs, BLOCK))
-    with one_blas_thread():
-        for block, start in enumerate(range(0, SHAPE_TRIALS, BLOCK)):
-            y[:, start : start + BLOCK] = problem.evaluate(
-                draw(problem, SHAPE_SEED, block, x)
-            )
-    return y
 
 
 def _quantile_errors(
