@@ -117,6 +117,14 @@ def test_words_stand_apart():
     assert (table.groups, table.rest) == ((), 0)
 
 
+def test_a_word_of_a_comparison_names_its_device():
+    """A row has the device as its label, a sentence has it in front."""
+    subject, pair = "my imu.yaml gyro", {"before": "meets", "after": "fails"}
+    word = move(subject, "verdict", **pair, unit="", scale=None)
+    text = "my imu.yaml gyro, verdict: meets -> fails"
+    assert move_table([word]).words == (text,)
+
+
 @pytest.mark.parametrize(
     ("amounts", "text"),
     [

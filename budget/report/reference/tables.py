@@ -107,7 +107,7 @@ def move_table(moves: Sequence[Move]) -> MoveTable:
             Group(title=title, rows=_rows(own)) for title, own in groups.items()
         ),
         words=tuple(
-            f"{_title(m)}: {_word(m.before)} -> {_word(m.after)}" for m in spoken
+            f"{_word_title(m)}: {_word(m.before)} -> {_word(m.after)}" for m in spoken
         ),
         rest=len(counted) - len(chosen),
         has_standard_errors=any(move.is_sampled for move in numbers),
@@ -252,6 +252,12 @@ def _title(move: Move) -> str:
     # The name of a file stays as it is.
     title = group if " " in move.key.subject else group[:1].upper() + group[1:]
     return f"{title}, {quantity}{unit}"
+
+
+def _word_title(move: Move) -> str:
+    """Name a word that moved, and the device it is of: 'imu.yaml gyro, verdict'."""
+    _, label = _split(move.key.subject)
+    return f"{label} {_title(move)}" if " " in move.key.subject else _title(move)
 
 
 def _split(subject: str) -> tuple[str, str]:
