@@ -11,7 +11,12 @@ from numpy.testing import assert_allclose
 from reference_examples import DEVICE, snapshot
 
 from budget.report.reference.tables import move_table
-from budget.studies.reference.moves import FALSE_ALARM, find_moves, probability_of
+from budget.studies.reference.moves import (
+    FALSE_ALARM,
+    count_compared,
+    find_moves,
+    probability_of,
+)
 from budget.studies.reference.records import EXACT, Key, Number, Snapshot, Word
 
 PAIRS = 30
@@ -243,3 +248,14 @@ class TestWords:
         meets, fails = (self.word(t, "utilisation") for t in ("meets", "fails"))
         assert find_moves(of(low, words=[meets]), of(near, words=[fails])) == ()
         assert len(find_moves(of(low, words=[meets]), of(high, words=[fails]))) == 2
+
+
+def test_never_more_moves_than_comparisons():
+    """What one side alone has is compared too, as gone or new."""
+    word = Word(key=Key(subject="gyro", quantity="verdict"), text="meets")
+    other = Word(key=Key(subject="accelerometer", quantity="verdict"), text="fails")
+    far = Key(subject="accelerometer.bias.x", quantity="mean")
+    before = of(number(1.0), words=[word])
+    after = of(replace(number(1.0), key=far), number(1.0, quantity="u"), words=[other])
+    assert len(find_moves(before, after)) == 4
+    assert count_compared(before, after) == 4  # the quantity u came later

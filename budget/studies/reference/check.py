@@ -13,7 +13,7 @@ from budget.studies.reference.explain import (
     version_changes,
 )
 from budget.studies.reference.jobs import check_asked, compute
-from budget.studies.reference.moves import find_moves
+from budget.studies.reference.moves import count_compared, find_moves
 from budget.studies.reference.parts import present_parts, stored_parts
 from budget.studies.reference.records import (
     TOOL,
@@ -122,7 +122,7 @@ def check(
     return Checked(
         name=name,
         job=job,
-        compared=len(stored.numbers) + len(stored.words),
+        compared=count_compared(stored, snapshot),
         sampled=sum(number.is_sampled for number in stored.numbers),
         moves=moves,
         changes=changes,
@@ -174,8 +174,8 @@ def compare_sides(
 ) -> Difference:
     """Hold two budgets side by side, the largest change first.
 
-    Largest is by the difference over the standard uncertainty of the output, the
-    larger one of both sides; of a number that belongs to no output over itself.
+    Largest is by the difference over the first side's standard uncertainty of the
+    output; of a number that belongs to no output over itself.
 
     Raises
     ------
@@ -193,7 +193,7 @@ def compare_sides(
         first=first.name,
         second=second.name,
         job=jobs[0],
-        compared=len(a.snapshot.numbers) + len(a.snapshot.words),
+        compared=count_compared(a.snapshot, b.snapshot),
         moves=tuple(sorted(told.moves, key=lambda move: -move.size)),
         changes=told.changes,
     )

@@ -79,6 +79,17 @@ def find_moves(
     return tuple(moves)
 
 
+def count_compared(before: Snapshot, after: Snapshot) -> int:
+    """Return how many numbers and words `find_moves` compares, of either side."""
+    count = 0
+    for old, new in ((before.numbers, after.numbers), (before.words, after.words)):
+        keys = {one.key for one in old}
+        known = {key.quantity for key in keys}
+        keys.update(one.key for one in new if one.key.quantity in known)
+        count += len(keys)
+    return count
+
+
 def probability_of(before: Number, after: Number) -> float:
     """Return how probable a difference as large is between two seeds, two-sided [1].
 
