@@ -88,6 +88,6 @@ class ReferenceFile(Strict):
     job: Literal["analyze", "compare", "allocate"]
     inputs: Annotated[tuple[InputEntry, ...], Field(min_length=1, max_length=1000)]
     settings: SettingsEntry
-    numbers: tuple[NumberEntry, ...]
+    numbers: Annotated[tuple[NumberEntry, ...], Field(min_length=1)]
     words: tuple[WordEntry, ...] = ()
     versions: dict[Line, Line] = Field(description="of the tool and what it stands on")

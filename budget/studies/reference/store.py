@@ -12,6 +12,7 @@ import platform
 import re
 from collections import Counter
 from dataclasses import asdict
+from pathlib import PurePosixPath, PureWindowsPath
 from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
@@ -148,6 +149,11 @@ def _record(model: ReferenceFile, shown: str) -> Reference:
         for one in model.inputs
     )
     for one in inputs:
+        if PurePosixPath(one.file).is_absolute() or PureWindowsPath(one.file).anchor:
+            raise ReferenceFileError(
+                f"{shown}: the input {one.file} has an absolute path, expected one "
+                "from the folder of the reference; save the reference again"
+            )
         if len(one.text) > LONGEST_INPUT:
             raise ReferenceFileError(
                 f"{shown}: the stored {one.file} is larger than {LONGEST_INPUT} bytes, "
