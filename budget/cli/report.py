@@ -86,7 +86,7 @@ def report(
     from budget.report.analysis.build import report_document
     from budget.report.document import to_csv
     from budget.report.files import write_all
-    from budget.spec import load_procedure, load_requirement
+    from budget.spec import load_all, load_procedure, load_requirement
     from budget.studies.analysis import analyze
     from budget.studies.conformity import assess
     from budget.studies.evidence import gather_evidence
@@ -106,7 +106,7 @@ def report(
     loaded = options.load_devices(devices)
     how = load_procedure(procedure)
     wanted = None if requirement is None else load_requirement(requirement)
-    others = _load_others(compare or [])
+    others = load_all(compare or [])
     basis = choose_basis(wanted, coverage=coverage, reference=reference)
     with computing(workers=workers, cluster=cluster) as shop:
         budget = analyze(
@@ -201,29 +201,6 @@ def _check_extras(
             "--only counts some sources, --allocate and --compare count all of them: "
             "one report would hold two budgets; write two"
         )
-
-
-def _load_others(names: list[str]) -> tuple[Device, ...]:
-    """Load the devices to compare with, every variant of each file.
-
-    Raises
-    ------
-    SpecError
-        With the issues of all files.
-    """
-    from budget.errors import Issue, SpecError
-    from budget.spec import load_variants
-
-    devices: list[Device] = []
-    issues: list[Issue] = []
-    for name in names:
-        try:
-            devices.extend(load_variants(name))
-        except SpecError as error:
-            issues.extend(error.issues)
-    if issues:
-        raise SpecError(tuple(issues))
-    return tuple(devices)
 
 
 def _allocate(

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from budget.results import Settings
 
 PLUS, MINUS, PLUS_MINUS = "+", "\N{MINUS SIGN}", "\N{PLUS-MINUS SIGN}"
-SIGMA, TAU, LAMBDA = "\u03c3", "\u03c4", "\u03bb"
+SIGMA, TAU = "\u03c3", "\u03c4"
 HALF = fraction(upright("1"), upright("2"))
 U_X = sub("U", "x")
 HELD = (
