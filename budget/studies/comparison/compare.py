@@ -23,6 +23,7 @@ from budget.studies.comparison.records import (
     RequiredOutput,
     UnknownCap,
 )
+from budget.studies.conformity import NEAR
 from budget.studies.progress import stage
 
 if TYPE_CHECKING:
@@ -36,7 +37,6 @@ LEAST_TRIALS = 2
 METHODS = ("gum", "monte-carlo")
 TRIALS = 100_000
 MAX_TRIALS = 1_600_000  # where more trials stop trying to settle a verdict or a rank
-NEAR = (0.95, 1.05)  # utilisations for which the law alone is a poor judge
 
 
 def compare(

@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from budget.spec.tree import Document
 
 JOBS = ("analyze", "compare", "allocate")
-ROLES = ("device", "procedure", "requirement", "costs")
 
 # How many files of each role a job takes: at least, at most (None: any number).
 FILES: Mapping[str, Mapping[str, tuple[int, int | None]]] = {
@@ -49,7 +48,7 @@ class StoredInput:
     Attributes
     ----------
     role : str
-        One of ROLES.
+        'device', 'procedure', 'requirement' or 'costs'.
     file : str
         Path from the folder of the reference, with '/'; or the bare name of a file
         that ships.
