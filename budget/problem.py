@@ -6,10 +6,10 @@ methods solve them (budget.methods); the published examples are Problems too.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -18,8 +18,11 @@ from budget.distributions import NORMAL, Distribution
 from budget.errors import ProblemError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import ArrayLike
 
+Record = TypeVar("Record")
 Function = Callable[[Array], Array]
 
 # A covariance matrix may miss symmetry and positive semidefiniteness by rounding.
@@ -35,7 +38,7 @@ class Group:
     name : str
         The source, as it stands in budgets.
     mean : ndarray, shape (n,)
-        Best estimates [SI].
+        Best estimates [SI]; lists are taken too, and kept as arrays.
     covariance : ndarray, shape (n, n)
         Covariance within the group [SI squared]; groups are independent.
     distributions : tuple of Distribution, length n
@@ -44,8 +47,8 @@ class Group:
     Raises
     ------
     ProblemError
-        Shapes do not fit, the covariance is no covariance, or inputs that are not
-        normal are correlated.
+        Shapes do not fit, the covariance is no covariance (JCGM 102:2011, 5.2.1: it is
+        positive semidefinite), or inputs that are not normal are correlated.
     """
 
     name: str
@@ -55,8 +58,17 @@ class Group:
 
     def __post_init__(self) -> None:
         """Check the group once, where it enters."""
-        n = self.mean.size
         where = f"input group {self.name!r}"
+        if not isinstance(self.name, str):
+            raise ProblemError(f"{where}: a name is a text")
+        for name in ("mean", "covariance"):  # own copies, that nobody can change
+            array = _numbers(getattr(self, name), f"{where}: {name}").copy()
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
+        object.__setattr__(
+            self, "distributions", _shapes(self.distributions, where=where)
+        )
+        n = self.mean.size
         if self.mean.ndim != 1 or self.covariance.shape != (n, n):
             raise ProblemError(
                 f"{where}: mean has shape {self.mean.shape}, covariance "
@@ -82,10 +94,7 @@ class Group:
                 f"{where}: correlated inputs must be normal; "
                 "put inputs of other shapes into groups without correlation"
             )
-        for name in ("mean", "covariance"):  # own copies, that nobody can change
-            array = np.array(getattr(self, name), dtype=float)
-            array.flags.writeable = False
-            object.__setattr__(self, name, array)
+        _ = self.factor  # says no to a covariance that has none
 
     @classmethod
     def independent(
@@ -94,14 +103,20 @@ class Group:
         *,
         u: ArrayLike,
         mean: ArrayLike = 0.0,
-        distribution: Distribution | tuple[Distribution, ...] = NORMAL,
+        distribution: Distribution | Sequence[Distribution] = NORMAL,
     ) -> Group:
         """Make a group of uncorrelated inputs from standard uncertainties [SI]."""
-        u_x = np.atleast_1d(np.array(u, dtype=float))
+        where = f"input group {name!r}"
+        u_x = np.atleast_1d(_numbers(u, f"{where}: u"))
+        estimate = _numbers(mean, f"{where}: mean")
+        if u_x.ndim != 1 or estimate.shape not in {(), (1,), u_x.shape}:
+            raise ProblemError(
+                f"{where}: u has shape {u_x.shape}, mean {estimate.shape}; expected "
+                "one u for each input, and one mean for each or for all"
+            )
         if (u_x < 0.0).any():
             raise ProblemError(
-                f"input group {name!r}: a standard uncertainty is {u_x.min()}, "
-                "expected 0 or more"
+                f"{where}: a standard uncertainty is {u_x.min()}, expected 0 or more"
             )
         shapes = (
             (distribution,) * u_x.size
@@ -110,9 +125,9 @@ class Group:
         )
         return cls(
             name=name,
-            mean=np.broadcast_to(np.array(mean, dtype=float), u_x.shape).copy(),
+            mean=np.broadcast_to(estimate, u_x.shape),
             covariance=np.diag(u_x**2),
-            distributions=shapes,
+            distributions=_shapes(shapes, where=where),
         )
 
     @property
@@ -152,10 +167,15 @@ class Group:
             return np.asarray(safe[:, None] * np.linalg.cholesky(correlation))
         except np.linalg.LinAlgError:
             values, vectors = np.linalg.eigh(correlation)
-        if values[0] < -ROUNDING * self.size:
+        least = float(values[0])
+        if least < -ROUNDING * self.size:
+            # R of least eigenvalue l < 0: that of (1 - s) I + s R is 1 - s + s l.
             raise ProblemError(
-                f"input group {self.name!r}: the covariance matrix has the negative "
-                f"eigenvalue {values[0]:.3g} (of the correlation matrix)"
+                f"input group {self.name!r}: its correlations contradict each other: "
+                f"the correlation matrix has the eigenvalue {least:.3g}, and those of "
+                "a covariance are 0 or more. Compute it from readings taken together "
+                "(numpy.cov), or make the correlations smaller: all of them times "
+                f"{1.0 / (1.0 - least):.3g} would do"
             )
         return np.asarray(u[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))
 
@@ -208,6 +228,13 @@ class Problem:
 
     def __post_init__(self) -> None:
         """Check names; shapes are checked where the function is first called."""
+        object.__setattr__(self, "groups", _records(self.groups, "groups", Group))
+        object.__setattr__(self, "outputs", _records(self.outputs, "outputs", Output))
+        if not callable(self.function):
+            raise ProblemError(
+                f"the function is {self.function!r}; expected a callable that takes "
+                "inputs (n_inputs, trials) and returns outputs (n_outputs, trials)"
+            )
         if not self.outputs:
             raise ProblemError("a Problem needs at least one output")
         for kind, names in (
@@ -258,9 +285,16 @@ class Problem:
         Raises
         ------
         ProblemError
-            The function returns another shape.
+            The function returns another shape, or no array.
         """
-        y = np.asarray(self.function(x))
+        returned = self.function(x)
+        try:
+            y = np.asarray(returned)
+        except ValueError as error:  # rows of different length
+            raise ProblemError(
+                f"the function returned no array ({error}); return one row for each "
+                "output, as np.stack makes it"
+            ) from error
         expected = (len(self.outputs), x.shape[1])
         if y.shape != expected:
             raise ProblemError(
@@ -268,3 +302,50 @@ class Problem:
                 f"expected {expected}: one row for each output"
             )
         return y
+
+
+def _numbers(given: ArrayLike, where: str) -> Array:
+    """Return what is given as an array of floats.
+
+    Raises
+    ------
+    ProblemError
+        It is none: rows of different length, words, complex numbers.
+    """
+    try:
+        if np.iscomplexobj(given):
+            raise TypeError("complex numbers")  # noqa: TRY301 - told as the others are
+        return np.asarray(given, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise ProblemError(
+            f"{where} is no array of real numbers ({error}); give numbers, all rows of "
+            "one length"
+        ) from error
+
+
+def _shapes(
+    given: Distribution | Sequence[Distribution], *, where: str
+) -> tuple[Distribution, ...]:
+    """Return distributions as a tuple, one alone too."""
+    found = (given,) if isinstance(given, Distribution) else given
+    return _records(found, f"{where}: distributions", Distribution)
+
+
+def _records(
+    given: Iterable[Record], where: str, kind: type[Record]
+) -> tuple[Record, ...]:
+    """Return a sequence as a tuple, all of one class.
+
+    Raises
+    ------
+    ProblemError
+        It holds something else.
+    """
+    alone = isinstance(given, str) or not isinstance(given, Iterable)
+    found: tuple[Any, ...] = (given,) if alone else tuple(given)
+    for item in found:
+        if not isinstance(item, kind):
+            raise ProblemError(
+                f"{where} has {item!r}, expected objects of class {kind.__name__}"
+            )
+    return found

@@ -40,11 +40,106 @@ def test_a_group_that_is_none_is_refused(make, words):
         make()
 
 
-def test_an_indefinite_covariance_is_refused_when_drawn():
-    """Pairwise correlations of -0.9 among three inputs have no factor."""
-    bad = group(np.full((3, 3), -0.9) + 1.9 * np.eye(3))
+def test_an_indefinite_covariance_is_refused_where_it_is_given():
+    """Pairwise correlations of -0.9 among three inputs have the eigenvalue -0.8."""
+    with pytest.raises(ProblemError, match=r"eigenvalue -0\.8.*times 0\.556"):
+        group(np.full((3, 3), -0.9) + 1.9 * np.eye(3))
+
+
+def test_the_remedy_for_an_indefinite_covariance_is_one():
+    """The same correlations times 0.555 are taken, and 0.56 times are not."""
+    group(np.full((3, 3), -0.9 * 0.555) + (1.0 + 0.9 * 0.555) * np.eye(3))
     with pytest.raises(ProblemError, match="eigenvalue"):
-        _ = bad.factor
+        group(np.full((3, 3), -0.9 * 0.56) + (1.0 + 0.9 * 0.56) * np.eye(3))
+
+
+def test_lists_are_taken_as_arrays_and_tuples():
+    """A Problem of lists is that of arrays; one distribution may stand alone."""
+    found = Group(
+        name="x",
+        mean=[1, 2],
+        covariance=[[4, 0], [0, 9]],
+        distributions=[NORMAL, UNIFORM],
+    )
+    assert found.distributions == (NORMAL, UNIFORM)
+    assert_allclose(found.factor, [[2.0, 0.0], [0.0, 3.0]], rtol=0)
+    alone = Group(name="x", mean=[1.0], covariance=[[4.0]], distributions=UNIFORM)
+    assert alone.distributions == (UNIFORM,)
+    several = Group.independent("z", u=[1, 2], mean=[3], distribution=[NORMAL, UNIFORM])
+    assert_allclose(several.mean, [3.0, 3.0], rtol=0)
+    problem = Problem(groups=[found], outputs=[Output(name="y")], function=np.copy)
+    assert (problem.groups, problem.n_inputs) == ((found,), 2)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"mean": ["a"]}, "mean is no array"),
+        ({"mean": [1.0 + 1.0j]}, "mean is no array"),
+        ({"covariance": [[1.0], [1.0, 2.0]]}, "covariance is no array"),
+        ({"mean": 1.0}, "shape"),
+        ({"distributions": ["uniform"]}, "distributions has 'uniform'"),
+        ({"distributions": None}, "distributions has None"),
+        ({"name": 7}, "a name is a text"),
+    ],
+)
+def test_arguments_of_no_meaning_are_refused_in_words(arguments, words):
+    """What is no array, no distribution or no text raises ProblemError."""
+    good = {
+        "name": "x",
+        "mean": [0.0],
+        "covariance": [[1.0]],
+        "distributions": (NORMAL,),
+    }
+    with pytest.raises(ProblemError, match=words):
+        Group(**(good | arguments))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"u": "one"}, "u is no array"),
+        ({"u": [1.0, 2.0], "mean": [1.0, 2.0, 3.0]}, "one mean for each"),
+        ({"u": [[1.0, 2.0]]}, "one u for each"),
+        ({"u": np.nan}, "finite"),
+        ({"u": [1.0, 2.0], "distribution": (UNIFORM,)}, "1 distributions"),
+        ({"u": 1.0, "distribution": "uniform"}, "distributions has 'uniform'"),
+    ],
+)
+def test_independent_inputs_of_no_meaning_are_refused_in_words(arguments, words):
+    """Group.independent raises ProblemError for them too."""
+    with pytest.raises(ProblemError, match=words):
+        Group.independent("x", **arguments)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"groups": ["x"]}, "class Group"),
+        ({"outputs": ["y"]}, "class Output"),
+        ({"function": 3.0}, "callable"),
+    ],
+)
+def test_a_problem_of_other_things_is_refused_in_words(change, words):
+    """Groups, outputs and the function must be such."""
+    good = {
+        "groups": [Group.independent("x", u=1.0)],
+        "outputs": [Output(name="y")],
+        "function": np.copy,
+    }
+    with pytest.raises(ProblemError, match=words):
+        Problem(**(good | change))
+
+
+def test_a_function_that_returns_no_array_is_refused_in_words():
+    """Rows of different length raise ProblemError."""
+    problem = Problem(
+        groups=(Group.independent("x", u=[1.0, 1.0]),),
+        outputs=(Output(name="y"),),
+        function=lambda x: [x[0], x[1][:2]],
+    )
+    with pytest.raises(ProblemError, match="no array"):
+        problem.evaluate(np.zeros((2, 5)))
 
 
 @pytest.mark.parametrize(
