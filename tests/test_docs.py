@@ -10,17 +10,40 @@ from numpy.testing import assert_allclose
 DOCS = Path(__file__).parent.parent / "docs"
 
 
-def test_the_problem_of_ones_own_runs_as_printed(capsys):
-    """The example of docs/problems.md gives Table H.4 of JCGM 100:2008."""
-    text = (DOCS / "problems.md").read_text(encoding="utf-8")
-    (code,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+PROBLEMS = re.findall(
+    r"```python\n(.*?)```",
+    (DOCS / "problems.md").read_text(encoding="utf-8"),
+    re.DOTALL,
+)
+
+
+def run(code):
+    """Run a block of docs/problems.md; return its names."""
     names: dict[str, object] = {}
     exec(compile(code, "problems.md", "exec"), names)  # noqa: S102 - our own text
+    return names
+
+
+def test_the_problem_of_ones_own_runs_as_printed(capsys):
+    """The example of docs/problems.md gives Table H.4 of JCGM 100:2008."""
+    names = run(PROBLEMS[0])
 
     first = capsys.readouterr().out.splitlines()[0]
     u = [float(number) for number in first.strip("[]").split()]
     assert_allclose(u, [0.071, 0.2956, 0.236], rtol=0, atol=1e-3)
     assert_allclose(names["law"].standard_uncertainty, u, rtol=1e-6)
+
+
+def test_the_example_of_shapes_runs_as_printed(capsys):
+    """Law and Monte Carlo of docs/problems.md's four shapes agree on the mean."""
+    names = run(PROBLEMS[1])
+    law, trials = names["law"], names["trials"]
+
+    assert len(capsys.readouterr().out.splitlines()) == 2
+    error = law.mean - trials.mean
+    # x1 x2^2 has E = 10.025 (4 + 1) = 50.1, exactly what the law says.
+    assert_allclose(law.mean, [10.025 * 5.0], rtol=1e-12)
+    assert abs(error[0]) < 5.0 * trials.standard_uncertainty[0] / 1e3
 
 
 def test_the_library_example_runs_as_printed(capsys):

@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 from threadpoolctl import ThreadpoolController
 
-from budget.distributions import NORMAL
+from budget.distributions import LEAST, NORMAL
 from budget.errors import WorkerError
 
 if TYPE_CHECKING:
@@ -37,7 +37,6 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.problem import Group, Problem
 
-LEAST = 2.0**-54  # in place of a uniform number 0, where a normal quantile is infinite
 HEARTBEAT = 5.0  # [s] between looks at whether a cluster still answers
 BLOCK = 4096  # trials; inputs of a block (some 2 MB) stay in the cache
 

@@ -5,11 +5,13 @@ With c the sensitivities, H the second derivatives, U_x the input covariance:
     E[y] - y(x)  = 1/2 tr(H U_x)
     cov(y_k, y_l) = c_k^T U_x c_l + 1/2 tr(H_k U_x H_l U_x) + quartic term ,
 
-JCGM 100:2008, eq. (13) and the note to 5.1.2, for normal inputs; an input of another
-shape adds (kurtosis - 3)/4 H_kii H_lii u_i^4, symmetric shapes nothing else. The third
-derivatives of that note are left out. For a calibration they are of no weight: its
-outputs are products of two sources over (1 + e), and e is far below 1. For a model that
-bends more (x1 x2^2, the sine of a wide angle) they are not, and validation says so.
+JCGM 100:2008, eq. (13) and the note to 5.1.2, for normal inputs. An input of another
+shape adds skewness/2 (c_ki H_lii + c_li H_kii) u_i^3 and
+(kurtosis - 3)/4 H_kii H_lii u_i^4; a group whose inputs are correlated counts as
+jointly normal in the terms of second order, whatever its shapes. The third derivatives
+of that note are left out. For a calibration they are of no weight: its outputs are
+products of two sources over (1 + e), and e is far below 1. For a model that bends more
+(x1 x2^2, the sine of a wide angle) they are not, and validation says so.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.errors import ProblemError
 from budget.methods.jets import expand
 
 if TYPE_CHECKING:
@@ -104,6 +107,11 @@ def propagate(problem: Problem) -> Propagation:
     -------
     Propagation
         [SI units of the outputs].
+
+    Raises
+    ------
+    ProblemError
+        The model bends in an input whose shape has no finite kurtosis.
     """
     taylor = expand(problem.evaluate, problem.mean)
     C, H = taylor.C, taylor.H
@@ -116,15 +124,21 @@ def propagate(problem: Problem) -> Propagation:
     second = 0.5 * np.tensordot(HU, UH, axes=((1, 2), (1, 2)))
     # Per pair of sources: 1/2 sum over i in one, j in the other of (HU)_ij (HU)_ji.
     pair = 0.5 * HU * UH
-    excess = _excess(problem)
+    skew, excess = higher_moments(problem)
     diagonal = np.einsum("kii->ki", H)
+    _refuse_infinite(problem, diagonal, excess)
+    excess = np.where(np.isfinite(excess), excess, 0.0)
+    skew = np.where(np.isfinite(skew), skew, 0.0)
     second += np.einsum("ki,li,i->kl", diagonal, diagonal, excess)
+    leaning = np.einsum("ki,li,i->kl", C, diagonal, 0.5 * skew)
+    second += leaning + leaning.T
 
     alone = np.array(
         [
             np.einsum("ki,ij,kj->k", C[:, rows], block, C[:, rows])
             + pair[:, rows, rows].sum(axis=(1, 2))
             + diagonal[:, rows] ** 2 @ excess[rows]
+            + (C[:, rows] * diagonal[:, rows]) @ skew[rows]
             for rows, block in zip(problem.slices, blocks, strict=True)
         ]
     ).reshape(len(blocks), len(problem.outputs))
@@ -160,13 +174,36 @@ def _effective_degrees_of_freedom(
     return np.where(few, combined / np.where(few, parts, 1.0), np.inf)
 
 
-def _excess(problem: Problem) -> Array:
-    """Return (kurtosis - 3)/4 u^4 of every input, shape (n_in,)."""
-    kurtosis = [d.kurtosis for g in problem.groups for d in g.distributions]
-    u2 = [np.diag(g.covariance) for g in problem.groups]
-    return np.asarray(
-        (np.array(kurtosis) - 3.0) / 4.0 * np.concatenate([np.empty(0), *u2]) ** 2
-    )
+def higher_moments(problem: Problem) -> tuple[Array, Array]:
+    """Return skewness u^3 and (kurtosis - 3)/4 u^4 of every input, each shape (n_in,).
+
+    Both are 0 in groups whose inputs are correlated.
+    """
+    skew, excess = [np.empty(0)], [np.empty(0)]
+    for group in problem.groups:
+        u2 = np.diag(group.covariance)
+        # An infinite moment of what does not vary counts nothing.
+        counts = (u2 > 0.0) & group.is_independent
+        shapes = group.distributions
+        gamma = np.array([d.skewness for d in shapes])
+        kurtosis = np.array([d.kurtosis for d in shapes])
+        skew.append(np.where(counts, gamma, 0.0) * u2**1.5)
+        excess.append(np.where(counts, (kurtosis - 3.0) / 4.0, 0.0) * u2**2)
+    return np.concatenate(skew), np.concatenate(excess)
+
+
+def _refuse_infinite(problem: Problem, diagonal: Array, excess: Array) -> None:
+    """Refuse second-order terms that are infinite, by the name of the source."""
+    infinite = ~np.isfinite(excess) & diagonal.any(axis=0)
+    for group, rows in zip(problem.groups, problem.slices, strict=True):
+        if infinite[rows].any():
+            shape = group.distributions[int(np.argmax(infinite[rows]))].name
+            raise ProblemError(
+                f"input group {group.name!r}: the model is not linear in an input of "
+                f"shape {shape}, whose kurtosis is infinite, and so is the variance "
+                "to second order; take Monte Carlo (budget.sample), or a shape with "
+                "lighter tails"
+            )
 
 
 def _block_diagonal(blocks: list[Array]) -> Array:

@@ -22,7 +22,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.methods.gum import propagate
+from budget.errors import ProblemError
+from budget.methods.gum import higher_moments, propagate
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -140,7 +141,18 @@ def scaled_law(problem: Problem, law: Propagation | None = None) -> ScaledLaw:
     -------
     ScaledLaw
         At s = 1 it is `propagate(problem)`.
+
+    Raises
+    ------
+    ProblemError
+        A shape is skewed, which adds a term in q^(3/2), or has no finite kurtosis.
     """
+    skew, excess = higher_moments(problem)
+    if skew.any() or not np.isfinite(excess).all():
+        raise ProblemError(
+            "the law as a function of the sizes of its sources is for symmetric shapes "
+            "of finite kurtosis; take other shapes, or propagate every size by itself"
+        )
     law = propagate(problem) if law is None else law
     n_out, n_src = len(problem.outputs), len(problem.groups)
     shift = np.zeros((n_out, n_src))
@@ -160,13 +172,11 @@ def scaled_law(problem: Problem, law: Propagation | None = None) -> ScaledLaw:
     for g, (rows, group) in enumerate(zip(problem.slices, problem.groups, strict=True)):
         C = law.C[:, rows]
         curvature = np.einsum("kii->ki", law.H[:, rows, rows])
-        kurtosis = np.array([shape.kurtosis for shape in group.distributions])
-        excess = (kurtosis - 3.0) / 4.0 * np.diag(group.covariance) ** 2
         first[:, g] = np.einsum("ki,ij,kj->k", C, group.covariance, C)
         shift[:, g] = 0.5 * np.einsum("kii->k", HU[:, rows, rows])
         for h, others in enumerate(problem.slices):
             second[:, g, h] = pair[:, rows, others].sum(axis=(1, 2))
-        second[:, g, g] += curvature**2 @ excess
+        second[:, g, g] += curvature**2 @ excess[rows]
     return ScaledLaw(
         sources=tuple(group.name for group in problem.groups),
         outputs=tuple(output.name for output in problem.outputs),

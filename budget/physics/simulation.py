@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.arrays import Array
+from budget.distributions import LEAST
 from budget.earth import ROTATION_RATE
 from budget.errors import CallError
 from budget.physics.formulas import (
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
 
 # Of one window, three axes and a few arrays of that length: some 0.2 GB.
 MOST_SAMPLES = 2_000_000
-LEAST = 2.0**-54  # of a uniform number whose quantile is taken
 NEW_AT_TURN_ON = (
     "bias_repeatability",
     "scale_factor_repeatability",
