@@ -8,7 +8,6 @@ import json
 import re
 import shutil
 from pathlib import Path
-from time import process_time
 
 import pytest
 from command_line import call, start
@@ -48,9 +47,7 @@ class TestShipped:
     @pytest.mark.smoke
     def test_they_hold(self):
         """Without a name all are checked, all hold, each in one line."""
-        begun = process_time()
         run = call("check")
-        took = process_time() - begun
 
         names = [one.shown for one in shipped_references()]
         assert run.code == 0, run.out
@@ -58,8 +55,6 @@ class TestShipped:
         assert [line.split()[0] for line in lines] == names
         assert f"{len(names)} references: {len(names)} hold, 0 moved" in run.out
         assert max(map(len, lines)) <= 80
-        # Far from a minute: 3 s on one core.
-        assert took < 20.0
 
     def test_they_are_what_was_promised(self):
         """Both formulas by three references; three devices; comparison, allocation."""

@@ -6,8 +6,8 @@ import json
 import tempfile
 from pathlib import Path
 
+from fuzz.effort import examples
 from fuzz.grammar import FIXED, NUMBERS, leaves, random_of, replaced, trees, write
-from fuzz.profile import examples
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -6,9 +6,9 @@ import tempfile
 from pathlib import Path
 
 import pytest
+from fuzz.effort import examples
 from fuzz.grammar import Raw, leaves, mappings, replaced, trees, write
 from fuzz.oracle import LOADERS, judge_file, judge_name
-from fuzz.profile import examples
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -8,7 +8,7 @@ from hashlib import sha256
 from pathlib import Path
 
 import pytest
-from fuzz.profile import examples
+from fuzz.effort import examples
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import pi, sqrt
 
+from fuzz.effort import examples
 from fuzz.oracle import LIKES, judge_quantity
-from fuzz.profile import examples
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import time
 
 import pytest
 
@@ -355,45 +354,3 @@ def test_a_file_of_another_kind_names_the_key_that_says_so(tmp_path):
         load_device(path)
     with pytest.raises(SpecError, match="a device file, expected a procedure file"):
         load_procedure(shipped("specs") / "devices" / "zhao-2019.yaml")
-
-
-N = 64 * 1024
-BOMBS = {
-    "open lists": "[" * N,
-    "open mappings": "{a: " * (N // 4),
-    "nested lists": "- " * (N // 2),
-    "nested keys": "? " * (N // 2),
-    "many keys": "".join(f"k{i}: 1\n" for i in range(6000)),
-    "many items": f"a: [{'1,' * 30_000}]",
-    "many nulls": "-\n" * (N // 2),
-    "many documents": "---\n" * (N // 4),
-    "many aliases": f"a: &a 1\nb: [{'*a,' * 20_000}]",
-    "laughs": "a: &a [x,x]\n"
-    + "".join(f"{c}: &{c} [*{d},*{d}]\n" for d, c in zip("abcd", "bcde", strict=True)),
-    "one long word": f"name: {'x' * (N - 10)}",
-    "one long number": f"name: {'9' * (N - 10)}",
-    "escapes": f'name: "{chr(92)}x41{"x41".join([chr(92)] * 16_000)}x41"',
-    "many variants": "name: x\ngyro: {}\nvariants:\n"
-    + "".join(f"  v{i}: {{}}\n" for i in range(2000)),
-    "many mistakes": "name: x\ngyro:\n  errors:\n"
-    + "".join(f"    bias_stabilit{i}: 1\n" for i in range(2000)),
-    "mistakes in variants": "name: x\n"
-    + "".join(f"k{i}: 1\n" for i in range(99))
-    + "variants:\n"
-    + "".join(
-        f"  v{i}: {{gyro: {{errors: {{sample_noise: {i} k}}}}}}\n" for i in range(50)
-    ),
-}
-
-
-@pytest.mark.parametrize("case", BOMBS)
-def test_no_small_file_costs_a_second(case, tmp_path):
-    """A file within 64 KiB that wants to be expensive is refused in less than 1 s."""
-    path = tmp_path / "bomb.yaml"
-    path.write_text(BOMBS[case][:N])
-    validate("zhao-2019")  # the imports and the units are no part of it
-    start = time.perf_counter()
-    with pytest.raises(SpecError) as caught:
-        validate(path)
-    assert time.perf_counter() - start < 1.0
-    assert len(caught.value.issues) <= 101

@@ -13,7 +13,7 @@ FRESH = int(os.environ.get("FUZZ_EXAMPLES", "0"))
 def examples(number):
     """Return settings with that many fixed examples, or FRESH random ones.
 
-    No deadline: on a busy machine it fails at random; test_fuzz_cost.py bounds time.
+    No deadline: on a busy machine it fails at random; test_fuzz_cost.py counts steps.
     """
     return settings(
         max_examples=FRESH or number,
