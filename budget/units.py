@@ -9,9 +9,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from decimal import Decimal
-from difflib import SequenceMatcher
 from functools import cache, lru_cache
-from math import pi
+from math import pi, sqrt
 from typing import TYPE_CHECKING
 
 from budget.errors import UnitError
@@ -42,7 +41,13 @@ _QUANTITY = re.compile(rf"((?>{NUMBER}))\s*([^\s\d.,:_+-]\S*(?: \S+)*)")
 # of figures and products of them, which must neither overflow nor vanish.
 _SMALLEST, _LARGEST = 1e-30, 1e30
 _LONGEST = 100  # characters; the longest figure on a data sheet has about 20
-_NEAR = 0.5  # likeness from which one unit may be a slip for another
+_SAME = 1e-12  # relative difference of two sizes of one unit that is rounding
+
+# Random walk over noise density, by what the maker's spectrum counts. A one-sided
+# density D holds all power at positive frequencies: rms in a band B is D sqrt(B), and
+# the random walk coefficient is N = D / sqrt(2); the two-sided density is N itself.
+ONE_SIDED = "one-sided"
+WALK_PER_DENSITY = {ONE_SIDED: 1.0 / sqrt(2.0), "two-sided": 1.0}  # [1]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,31 +95,37 @@ KINDS = (
 
 # Our own registry: pint's default one reads ug and mg as masses and turns deg/s into
 # Hz. An angle is a dimension here, so that a rate is never taken for a frequency.
-DEFINITIONS = {
+_BASES = {
     "rad": "[angle]",
-    "mrad": "1e-3 * rad",
-    "urad": "1e-6 * rad",
     "deg": f"{DEGREE!r} * rad",
     "arcmin": f"{DEGREE / 60.0!r} * rad",
     "arcsec": f"{ARCSEC!r} * rad",
     "s": "[time]",
-    "ms": "1e-3 * s",
     "min": "60 * s",
     "h": "3600 * s",
     "Hz": "1 / s",
-    "kHz": "1e3 * Hz",
     "m": "[length]",
     "ft": "0.3048 * m",
     "dps": "deg / s",
+    "dph": "deg / h",
     "fps": "ft / s",
     "Gal": "1e-2 * m / s ** 2",
-    "mGal": "1e-3 * Gal",
     "g": "GRAVITY * m / s ** 2",
-    "mg": "1e-3 * g",
-    "ug": "1e-6 * g",
-    "ng": "1e-9 * g",
     "percent": "1e-2",
     "ppm": "1e-6",
+}
+# Metric prefixes, and the units that take them. Never k before g, which is a mass.
+_PREFIXES = {"n": "1e-9", "u": "1e-6", "m": "1e-3", "c": "1e-2", "k": "1e3"}
+_PREFIXED = {
+    **dict.fromkeys(("rad", "deg", "dps", "s", "Gal", "g"), "mun"),
+    "m": "cmun",
+    "dph": "m",
+    "Hz": "k",
+}
+DEFINITIONS = _BASES | {
+    prefix + base: f"{_PREFIXES[prefix]} * {base}"
+    for base, prefixes in _PREFIXED.items()
+    for prefix in prefixes
 }
 ALIASES = {
     "degree": "deg",
@@ -128,29 +139,65 @@ _SPELLINGS = str.maketrans(
     {
         "\N{MICRO SIGN}": "u",
         "\N{GREEK SMALL LETTER MU}": "u",
+        # The last three are what copies out of a PDF have for the degree sign.
         "\N{DEGREE SIGN}": "deg",
+        "\N{MASCULINE ORDINAL INDICATOR}": "deg",
+        "\N{RING ABOVE}": "deg",
+        "\N{RING OPERATOR}": "deg",
         "\N{PRIME}": "arcmin",
         "\N{DOUBLE PRIME}": "arcsec",
         "\N{SUPERSCRIPT TWO}": "^2",
+        "\N{VULGAR FRACTION ONE HALF}": "(1/2)",
         "\N{MIDDLE DOT}": "*",
         "\N{DOT OPERATOR}": "*",
         "%": "percent",
     }
 )
 
-# Spellings that are not read, and what makers mean by them; two where they differ.
-MEANT = {
-    "s": ("arcsec",),  # 'sec' beside an angle
-    "min": ("arcmin",),
-    '"': ("arcsec",),
-    "'": ("arcmin",),
-    "microg": ("ug",),
-    "micro-g": ("ug",),
-    "milli-g": ("mg",),
-    "samples/s": ("Hz",),
-    "m/s/sqrt(Hz)": ("m/s/sqrt(h)", "m/s^2/sqrt(Hz)"),  # a factor of 60
-    "deg/h 1/sqrt(Hz)": ("deg/h/sqrt(Hz)", "deg/sqrt(h)"),  # a factor of 60
+# Printed for two units that are a factor of 60 apart (more by the sides of a density):
+# nobody but the maker can tell.
+AMBIGUOUS = {
+    "m/s/sqrt(Hz)": ("m/s/sqrt(h)", "m/s^2/sqrt(Hz)"),
+    "deg/h 1/sqrt(Hz)": ("deg/h/sqrt(Hz)", "deg/sqrt(h)"),
 }
+# Words that are not read, and the name that means the same.
+_WORDS = {
+    **{name.lower(): name for name in _BASES if name != "g"},  # G is gauss to many
+    **dict.fromkeys(("degs", "degree", "degrees"), "deg"),
+    **dict.fromkeys(("radian", "radians"), "rad"),
+    **dict.fromkeys(("arcsecs", "arcsecond", "arcseconds"), "arcsec"),
+    **dict.fromkeys(("arcmins", "arcminute", "arcminutes"), "arcmin"),
+    **dict.fromkeys(("sec", "secs", "second", "seconds"), "s"),
+    **dict.fromkeys(("mins", "minute", "minutes"), "min"),
+    **dict.fromkeys(("hr", "hrs", "hour", "hours"), "h"),
+    **dict.fromkeys(("metre", "metres", "meter", "meters"), "m"),
+    **dict.fromkeys(("foot", "feet"), "ft"),
+    "hertz": "Hz",
+}
+_ROOT = r"(?:\u221a|\b(?:square[ -]root|sqrt|root|rt)(?:[ -]of)?[ -]?)"
+_RESPELL = (
+    (r"''|\"", "arcsec"),
+    (r"'", "arcmin"),
+    (r"\bsamples?/(?:sec|s)\b|\bsps\b", "Hz"),
+    (r"\s+per\s+", "/"),
+    (rf"{_ROOT}\s*(?:\(({_NAME})\)|({_NAME}))", r"sqrt(\1\2)"),
+    (r"\barc[ -](?=sec|min)", "arc"),
+    (r"\bmilli[ -]?(?=[a-z])", "m"),
+    (r"\bmicro[ -]?(?=[a-z])", "u"),
+    (r"\bnano[ -]?(?=[a-z])", "n"),
+)
+# What a maker means, where it stands behind or before the figure and not as 'meaning'.
+_BEHIND = re.compile(
+    r"[\s,(]*(?:(?P<max>max(?:imum|\.)?)|(?P<typical>typ(?:ical|\.)?)|(?P<rms>rms)"
+    r"|(?P<peak_to_peak>p-p|pk-pk|peak[ -]to[ -]peak)"
+    r"|(?P<sigma>[123])[ -]?(?:sigma|\u03c3))\)?",
+    re.IGNORECASE,
+)
+_BEFORE = re.compile(
+    r"(?:(?P<max><=?|\u2264|\u00b1|\+/-|max(?:imum|\.)?|up to)"
+    r"|(?P<typical>~|\u2248|typ(?:ical|\.)?))\s*",
+    re.IGNORECASE,
+)
 # What stands in units of which a data sheet has many and no model of ours has one.
 _FOREIGN = re.compile(
     r"(?<![A-Za-z])(?:degC|C|K|FS|span|cross-axis|mA|A|mV|V|mW|W|LSB|pulse|count|bit|"
@@ -160,7 +207,7 @@ _FIGURES = "a figure that no model uses goes under 'figures' of its device, as t
 
 
 def parse_quantity(
-    text: str, like: str, *, gravity: float = STANDARD_GRAVITY
+    text: str, like: str, *, gravity: float = STANDARD_GRAVITY, bare: str = ""
 ) -> Quantity:
     """Read a number with its unit.
 
@@ -172,6 +219,9 @@ def parse_quantity(
         A unit of the kind that is needed here: 'deg/sqrt(h)'.
     gravity : float
         What `g` means [m/s^2].
+    bare : str
+        The unit that a number without one has here in the mouth of most people, as
+        in 'latitude: 34.2': the refusal names it. '' where nobody can know.
 
     Returns
     -------
@@ -186,7 +236,7 @@ def parse_quantity(
     kind = kind_of(like)
     match = _QUANTITY.fullmatch(text.strip()) if len(text) <= _LONGEST else None
     if match is None:
-        raise UnitError(_explain_text(text, kind))
+        raise UnitError(_explain_text(text, kind, bare))
     number, unit = match.groups()
     size = _size(unit, gravity)
     if size is None or size.dimension != _dimension(like):
@@ -251,30 +301,43 @@ def _dimension(like: str) -> frozenset[tuple[str, object]]:
     return size.dimension
 
 
+def per_root_hertz(unit: str) -> bool:
+    """Say whether a unit is that of a noise density, per root of hertz."""
+    return re.search(r"sqrt\(k?Hz\)", _plain(unit)) is not None
+
+
 def _plain(unit: str) -> str:
     """Spell a unit in ASCII, with every root as sqrt(...) and no blank in it."""
     text = re.sub(r"\s*([/*()])\s*", r"\1", unit.translate(_SPELLINGS))
-    text = re.sub(rf"(?:\u221a|\brt-)(?:\(({_NAME})\)|({_NAME}))", r"sqrt(\1\2)", text)
+    text = re.sub(
+        rf"(?:\u221a\s*|\brt-?)(?:\(({_NAME})\)|({_NAME}))", r"sqrt(\1\2)", text
+    )
+    half = r"(?:\(1/2\)|\(0?\.5\)|0?\.5)"
+    text = re.sub(rf"({_NAME})(?:\^|\*\*){half}", r"sqrt(\1)", text)
     return re.sub(_NAME, lambda name: ALIASES.get(name[0], name[0]), text)
 
 
 # Cached like the sizes: every variant of a device repeats the mistakes of its base.
 @lru_cache(maxsize=1024)
-def _explain_text(text: str, kind: Kind) -> str:
+def _explain_text(text: str, kind: Kind, bare: str) -> str:
     """Say what is wrong with a text that is no number followed by a unit."""
     shown = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
     found = f"found {shown!r}"
     allowed = f"expected {kind.name} ({', '.join(kind.units)})"
-    if re.fullmatch(NUMBER, text.strip()):
-        example = f"{text.strip()} {kind.units[0]}"
-        return f"{found} without a unit, {allowed}, for example {example!r}"
-    if re.match(r"\s*[<>\u2264\u2265\u00b1~]", text):
-        return f"{found}, {allowed}; write a bound as 'value' with 'meaning: max'"
-    number = re.split(r"[A-Za-z%\u00b0]", text.strip())[0]
-    mended = number.replace(",", ".").replace("_", "").replace("\u2212", "-")
+    text = text.strip()
+    if re.fullmatch(NUMBER, text):
+        return f"{found} without a unit, {allowed}{_with_unit(text, kind, bare)}"
+    bound = _BEFORE.match(text)
+    if bound:
+        return f"{found}, {allowed}{_as_mapping(text[bound.end() :], bound, kind)}"
+    number = re.split(r"[^0-9.,:_+\u2212-]", text)[0]
+    mended = number.replace("_", "").replace("\u2212", "-")
+    # A comma before three digits is decimal to one reader, of thousands to another.
+    if not re.search(r",[0-9]{3}(?![0-9])", mended):
+        mended = mended.replace(",", ".")
     mended = re.sub(r"^([+-]?)0+(?=[0-9])", r"\1", mended)
-    mended += text.strip()[len(number) :]
-    hint = f"; did you mean {mended!r}?" if _QUANTITY.fullmatch(mended) else ""
+    mended = _readable(mended + text[len(number) :], kind)
+    hint = f"; did you mean {mended!r}?" if mended else ""
     return f"{found}, which is no number with a unit, {allowed}{hint}"
 
 
@@ -282,38 +345,100 @@ def _explain_text(text: str, kind: Kind) -> str:
 def _explain_unit(
     text: str, number: str, unit: str, kind: Kind, size: _Size | None
 ) -> str:
-    """Say what is wrong with a unit, and which right one is nearest to it."""
-    allowed = f"expected {kind.name} ({', '.join(kind.units)})"
-    bare = unit.removesuffix("rms").rstrip()
-    if bare != unit and _fits(bare, kind):
-        rms = f"write 'rms' as 'meaning: rms' beside 'value: {number} {bare}'"
-        return f"found {text!r}, {allowed}; {rms}"
-    why = f"{unit!r} is no known unit"
-    size = size or _size(bare, STANDARD_GRAVITY)
-    others: list[str] = []
-    if size is not None:
-        others = [k.name for k in KINDS if _dimension(k.units[0]) == size.dimension]
-        why = f"which is {others[0]}" if others else f"{unit!r} does not fit"
-    return f"found {text!r}, {why}, {allowed}{_advise(number, bare, kind, others)}"
+    """Say what is wrong with a unit, and how the same unit is spelled here.
 
-
-def _advise(number: str, unit: str, kind: Kind, others: list[str]) -> str:
-    """Say what to write in place of a unit that does not fit; '' where nobody knows.
-
-    A hint never drops part of what is measured: '1 deg/h/g' is no slip for '1 deg/h'.
+    No hint is another quantity or another size than what was written: where nobody
+    can say which unit was meant, the units that are allowed have to do.
     """
+    allowed = f"expected {kind.name} ({', '.join(kind.units)})"
+    behind = next((m for m in _BEHIND.finditer(unit) if m.end() == len(unit)), None)
+    if behind:
+        advice = _as_mapping(f"{number} {unit[: behind.start()]}", behind, kind)
+        if advice:
+            return f"found {text!r}, {allowed}{advice}"
     plain = _plain(unit)
-    part = not others and plain.startswith(tuple(f"{u}/" for u in kind.units))
-    meant = [u for u in MEANT.get(plain, ()) if _fits(u, kind)]
-    if not meant and not _FOREIGN.search(plain):
-        near = {u: SequenceMatcher(None, plain.lower(), u).ratio() for u in kind.units}
-        best = max(kind.units, key=near.__getitem__)  # of equals the most usual one
-        meant = [best] if near[best] > _NEAR and not part else []
+    meant = [u for u in AMBIGUOUS.get(plain, ()) if _fits(u, kind)]
+    if size is None:
+        why = f"{unit!r} is no known unit"
+    else:
+        names = [k.name for k in KINDS if _dimension(k.units[0]) == size.dimension]
+        why = f"which is {names[0]}" if names else f"{unit!r} does not fit"
     if meant:
-        words = " or ".join(f"'{number} {spelling}'" for spelling in meant)
-        return f"; did you mean {words}?"
-    odd = not others and _size(unit, STANDARD_GRAVITY) is not None
-    return f"; {_FIGURES}" if part or odd or _FOREIGN.search(plain) else ""
+        advice = (
+            f"; makers print it for {' and for '.join(meant)}, which differ by a "
+            "factor of 60 or more; ask which is meant"
+        )
+    elif size is None and (mended := _readable(f"{number} {unit}", kind)):
+        advice = f"; did you mean {mended!r}?"
+    else:
+        part = plain.startswith(tuple(f"{u}/" for u in kind.units))
+        odd = why.endswith("does not fit")
+        foreign = size is None and (part or _FOREIGN.search(plain))
+        advice = f"; {_FIGURES}" if odd or foreign else ""
+    return f"found {text!r}, {why}, {allowed}{advice}"
+
+
+def _with_unit(number: str, kind: Kind, bare: str) -> str:
+    """Say which quantity a number without a unit is, where that can be said."""
+    size = abs(float(number))
+    if "ppm" in kind.units and PPM / 1e3 <= size < 1.0:
+        unit, power = ("ppm", 6) if size < 1e3 * PPM else ("%", 2)
+        scaled = Decimal(number).scaleb(power).normalize()
+        return f"; as a plain ratio that is '{scaled:f} {unit}'"
+    return f"; did you mean '{number} {bare}'?" if bare else ""
+
+
+def _as_mapping(rest: str, words: re.Match[str], kind: Kind) -> str:
+    """Say how a figure is written whose meaning stands in its text."""
+    readable = _readable(rest.strip(), kind)
+    if not readable:
+        return ""
+    meaning, said = next((k, v) for k, v in words.groupdict().items() if v)
+    if meaning == "sigma":
+        meaning = f"{said} sigma"
+    as_key = meaning.replace("_", " ")
+    return f"; a figure of a device says so as {{value: {readable}, meaning: {as_key}}}"
+
+
+def _readable(text: str, kind: Kind) -> str:
+    """Return a text that is read as what this one says; '' where nobody knows one.
+
+    The text itself where it is read, else one with the same number in which words of
+    the unit are spelled otherwise: 'Deg/Hr', 'milli-g', 'arc-sec', 'deg per root hour'.
+    """
+    match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
+    if match is None:
+        return ""
+    number, unit = match.groups()
+    if _fits(unit, kind):
+        return text
+    spelled = unit.translate(_SPELLINGS)
+    for pattern, strict in _RESPELL:
+        spelled = re.sub(pattern, strict, spelled, flags=re.IGNORECASE)
+    spelled = _plain(re.sub(_NAME, lambda name: _strict_name(name[0]), spelled))
+    if not _fits(spelled, kind):
+        return ""
+    same = [usual for usual in kind.units if _same(spelled, usual)]
+    return f"{number} {spelled if spelled in same or not same else same[0]}"
+
+
+def _strict_name(name: str) -> str:
+    """Return the name that a word stands for; the word where it stands for none."""
+    if name == "sqrt" or name in DEFINITIONS:
+        return name
+    if name.lower() in _WORDS:
+        return _WORDS[name.lower()]
+    # A capital M is mega, so case is free in what follows a prefix only.
+    prefix, base = name[0].replace("K", "k"), _WORDS.get(name[1:].lower())
+    return f"{prefix}{base}" if base and prefix + base in DEFINITIONS else name
+
+
+def _same(unit: str, other: str) -> bool:
+    """Say whether units of one kind have one size, both or neither of a density."""
+    one, two = _size(unit, STANDARD_GRAVITY), _size(other, STANDARD_GRAVITY)
+    if one is None or two is None or per_root_hertz(unit) != per_root_hertz(other):
+        return False
+    return abs(one.si_per_unit / two.si_per_unit - 1.0) <= _SAME
 
 
 def _fits(unit: str, kind: Kind) -> bool:

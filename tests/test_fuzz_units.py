@@ -34,6 +34,11 @@ NAMES = {
     "Hz": (1.0, (0, -1, 0)),
     "kHz": (1e3, (0, -1, 0)),
     "dps": (DEG, (1, -1, 0)),
+    "mdps": (1e-3 * DEG, (1, -1, 0)),
+    "dph": (DEG / 3600.0, (1, -1, 0)),
+    "mdeg": (1e-3 * DEG, (1, 0, 0)),
+    "nrad": (1e-9, (1, 0, 0)),
+    "um": (1e-6, (0, 0, 1)),
     "m": (1.0, (0, 0, 1)),
     "ft": (0.3048, (0, 0, 1)),
     "fps": (0.3048, (0, -1, 1)),
@@ -77,7 +82,7 @@ class Unit:
 def factor(name, shape):
     """Return one factor: a name, its square or its root, in one of the spellings."""
     size, powers = NAMES[name]
-    if shape in {"sqrt({})", "\N{SQUARE ROOT}{}", "\N{SQUARE ROOT}({})", "rt-{}"}:
+    if shape in ROOTS:
         return Unit(
             shape.format(name), sqrt(size), tuple(Fraction(p) / 2 for p in powers)
         )
@@ -110,7 +115,7 @@ def in_parentheses(unit):
     return Unit(f"({unit.text})", unit.size, unit.powers)
 
 
-ROOTS = ("sqrt({})", "\N{SQUARE ROOT}{}", "\N{SQUARE ROOT}({})", "rt-{}")
+ROOTS = ("sqrt({})", "\N{SQUARE ROOT}{}", "\N{SQUARE ROOT}({})", "rt-{}", "rt{}")
 SQUARES = ("{}^2", "{}**2", "{}2", "{}\N{SUPERSCRIPT TWO}")
 # In this grammar a root or a square is of a name: of a sign such as % it needs a word.
 WORDS = [name for name in NAMES if name.isalpha()]

@@ -90,7 +90,9 @@ class Sheet(Strict):
     power: ShortText = ""
     range: ShortText = ""
     notes: LongText = ""
-    gravity_unit: Annotated[Quantity, Measured("m/s^2", Sign.POSITIVE)] | None = Field(
+    gravity_unit: (
+        Annotated[Quantity, Measured("m/s^2", Sign.POSITIVE, bare=True)] | None
+    ) = Field(
         default=None, description="what g means in this file; unset: 9.80665 m/s^2"
     )
     gyro: SensorPart | None = None

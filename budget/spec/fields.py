@@ -68,6 +68,7 @@ class Measured:
 
     like: str
     sign: Sign = Sign.NOT_NEGATIVE
+    bare: bool = False  # a number without a unit means `like` to most people here
 
     def read(self, value: object, info: core_schema.ValidationInfo) -> object:
         """Return the quantity that a text says."""
@@ -79,7 +80,12 @@ class Measured:
             )
         gravity = (info.context or {}).get("gravity", STANDARD_GRAVITY)
         try:
-            quantity = parse_quantity(str(value), self.like, gravity=gravity)
+            quantity = parse_quantity(
+                str(value),
+                self.like,
+                gravity=gravity,
+                bare=self.like if self.bare else "",
+            )
         except UnitError as error:
             raise fault(str(error)) from None
         low = quantity.value < 0.0 or (

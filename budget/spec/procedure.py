@@ -52,9 +52,9 @@ class Gravity(Measured):
         return {"anyOf": [{"const": "normal"}, self.json_schema]}
 
 
-Time = Annotated[Quantity, Measured("s")]
+Time = Annotated[Quantity, Measured("s", bare=True)]
 Azimuth = Annotated[Quantity, Measured("deg", Sign.ANY)]
-Span = Annotated[Quantity, Measured("s", Sign.POSITIVE)]
+Span = Annotated[Quantity, Measured("s", Sign.POSITIVE, bare=True)]
 
 
 def _paper(value: object, description: str) -> Any:  # noqa: ANN401
@@ -117,9 +117,9 @@ class ProcedureFile(Strict):
         "34.2394 deg", "geodetic"
     )
     gravity: Annotated[
-        Quantity | Literal["normal"], Gravity("m/s^2", Sign.POSITIVE)
+        Quantity | Literal["normal"], Gravity("m/s^2", Sign.POSITIVE, bare=True)
     ] = _paper("normal", "at the place; normal: WGS 84 at that latitude")
-    sample_rate: Annotated[Quantity, Measured("Hz", Sign.POSITIVE)] = _paper(
+    sample_rate: Annotated[Quantity, Measured("Hz", Sign.POSITIVE, bare=True)] = _paper(
         "100 Hz", "of the sensor outputs"
     )
     formulas: Literal["corrected", "paper"] = _paper(

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 COVERAGE = "95 %"
 REFERENCE = "next_turn_on"
-Coverage = Annotated[Quantity, Measured("%", Sign.POSITIVE)]
+Coverage = Annotated[Quantity, Measured("%", Sign.POSITIVE, bare=True)]
 PARAMETERS = {"scale_factor": AXES, "mounting_angle": ANGLES, "bias": AXES}
 
 
