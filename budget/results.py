@@ -327,6 +327,7 @@ class SensorAssessment:
     limiting_source: str  # dotted name
     expected_missing: tuple[str, ...]  # lines that a 'meets' cannot do without
     advice: str = ""  # what would make the verdict surer
+    nothing_known: bool = False  # no error line is given: a 0 is no good news
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -349,3 +350,13 @@ class Assessment:
     sensors: tuple[SensorAssessment, ...]
     not_there: tuple[str, ...] = ()  # sensors with limits that no device has
     caps: tuple[CapAssessment, ...] = ()
+
+    @property
+    def judged(self) -> tuple[OutputAssessment, ...]:
+        """Outputs of the sensors of which something is known."""
+        unknown = {one.sensor for one in self.sensors if one.nothing_known}
+        return tuple(
+            row
+            for row in self.outputs
+            if row.output.name.partition(".")[0] not in unknown
+        )

@@ -157,4 +157,5 @@ def _judge(
         limiting_source=budget.output(worst.output.name).ranked[0].source,
         expected_missing=sensor.expected_missing,
         advice=NEAR_ADVICE if near else "",
+        nothing_known=not sensor.lines,
     )

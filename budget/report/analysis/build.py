@@ -188,11 +188,13 @@ def _overview(
     groups: Sequence[GroupTable], assessment: Assessment | None
 ) -> Section | None:
     """Return the figure of page one: limits used, or U of every group."""
-    picture = (
-        figures.overview_picture(groups)
-        if assessment is None
-        else figures.utilisation_picture(assessment)
-    )
+    if assessment is None:
+        picture = figures.overview_picture(groups)
+    elif assessment.judged:
+        known = replace(assessment, outputs=assessment.judged)
+        picture = figures.utilisation_picture(known)
+    else:
+        picture = None
     if picture is None:
         return None
     title = "What is left" if assessment is None else "Against the limits"

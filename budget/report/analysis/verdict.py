@@ -100,7 +100,10 @@ def limits_section(budget: Budget, assessment: Assessment) -> Section:
     groups = tuple(
         RowGroup(
             title=output_title(name),
-            rows=tuple(_limit_row(budget, row) for row in outputs),
+            rows=tuple(
+                _limit_row(budget, row, is_known=row in assessment.judged)
+                for row in outputs
+            ),
         )
         for name, outputs in groupby(
             assessment.outputs, key=lambda row: row.output.name.rpartition(".")[0]
@@ -130,7 +133,9 @@ def limits_section(budget: Budget, assessment: Assessment) -> Section:
     return Section(name="limits", title="Limits", blocks=blocks)
 
 
-def _limit_row(budget: Budget, row: OutputAssessment) -> tuple[Cell, ...]:
+def _limit_row(
+    budget: Budget, row: OutputAssessment, *, is_known: bool
+) -> tuple[Cell, ...]:
     """Return one required output against its limit."""
     error = largest_error(budget, row)
     used = _used(row)
@@ -138,6 +143,8 @@ def _limit_row(budget: Budget, row: OutputAssessment) -> tuple[Cell, ...]:
     word = "within" if row.is_within else "beyond"
     if row.by_monte_carlo:
         word += ", by Monte Carlo"
+    if not is_known:
+        word = "not known"
     return (
         Cell(text=row.output.name.rpartition(".")[2], strong=strong),
         Cell(text=error.text, exact=error.exact, strong=strong),
@@ -212,17 +219,26 @@ def _margin(budget: Budget, assessment: Assessment | None) -> Words:
         counted = first_up(REFERENCES[budget.settings.reference])
         left = "No requirement was given: this is what the calibration leaves."
         return (f"{left} {counted}.",)
-    total = len(assessment.outputs)
-    beyond = sum(not row.is_within for row in assessment.outputs)
-    worst = max(row.utilisation for row in assessment.outputs)
+    unknown = [sensor.sensor for sensor in assessment.sensors if sensor.nothing_known]
+    judged = assessment.judged
+    said = (
+        f"Nothing is known of the {' and '.join(unknown)}: the data sheet gives no "
+        "error line, and a 0 says just that. "
+    )
+    nothing: Words = (Run(text=said, strong=True),) if unknown else ()
+    if not judged:
+        return (*nothing, basis)
+    total = len(judged)
+    beyond = sum(not row.is_within for row in judged)
+    worst = max(row.utilisation for row in judged)
     if beyond:
         by = _print_excess(worst - 1.0)
         found = f"{beyond} of {total} required outputs exceed their limits, by up to "
-        return (f"{found}{by} of the limit. ", basis)
+        return (*nothing, f"{found}{by} of the limit. ", basis)
     found = f"All {total} required outputs stay within their limits"
     if 1.0 - worst >= SPARE:
         found += f", with {print_utilisation(1.0 - worst)} of the nearest one to spare"
-    return (f"{found}. ", basis)
+    return (*nothing, f"{found}. ", basis)
 
 
 def _verdict_card(
@@ -233,6 +249,12 @@ def _verdict_card(
         MISSING.get(line, line) for line in map(source_title, sensor.expected_missing)
     )
     lines: list[Words] = []
+    if sensor.nothing_known:
+        lines.append((f"Nothing is known of it: {missing} are not given.",))
+        return Card(
+            title=f"{first_up(sensor.sensor)}: {VERDICTS[sensor.verdict]}",
+            lines=tuple(lines),
+        )
     if sensor.verdict == "undecidable":
         lines.append(
             (f"It would meet, but the data sheet does not give {missing}.",),

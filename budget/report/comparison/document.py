@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from budget.studies.comparison.records import (
         Comparison,
         DeviceVerdict,
+        Entrant,
         Pair,
         Probability,
         RequiredOutput,
@@ -57,6 +58,7 @@ def to_dict(comparison: Comparison) -> dict[str, Any]:
             for devices in lists(comparison).values()
             for one, rank in zip(devices, ranks(devices), strict=True)
         ],
+        "nothing_known": [_entrant(one) for one in comparison.nothing_known],
         "pairs": [_pair(pair) for pair in comparison.pairs],
         "assumptions": list(comparison.assumptions),
         "warnings": list(comparison.warnings),
@@ -96,18 +98,51 @@ def to_csv(comparison: Comparison) -> str:
                         **_output(output),
                     }
                 )
+    for entrant in comparison.nothing_known:  # no figure: a 0 would look like the best
+        writer.writerow(
+            {
+                "procedure": entrant.procedure,
+                "sensor": entrant.sensor,
+                "device": entrant.name,
+                "file": entrant.file,
+                "verdict": "undecidable",
+            }
+        )
     return text.getvalue()
 
 
-def _device(one: DeviceVerdict, rank: str) -> dict[str, Any]:
-    """Return one entry of `devices`."""
-    missing, ahead = one.missing, one.ahead
+def _entrant(one: Entrant) -> dict[str, Any]:
+    """Return what is said of every entrant, judged or not."""
+    missing = one.missing
     return {
         "name": one.name,
         "file": one.file,
         "technology": one.technology,
         "sensor": one.sensor,
         "procedure": one.procedure,
+        "verdict": "undecidable",
+        "not_given": list(one.not_given),
+        "missing": None
+        if missing is None
+        else {
+            "lines": list(missing.lines),
+            "assumed": list(missing.assumed),
+            "utilisation": missing.utilisation,
+            "verdict": missing.verdict or None,
+        },
+        "price": one.price,
+        "mass": one.mass,
+        "power": one.power,
+        "over_caps": list(one.over_caps),
+        "unknown_caps": [asdict(unknown) for unknown in one.unknown_caps],
+    }
+
+
+def _device(one: DeviceVerdict, rank: str) -> dict[str, Any]:
+    """Return one entry of `devices`."""
+    ahead = one.ahead
+    return {
+        **_entrant(one),
         "rank": _number(rank),
         "verdict": one.verdict,
         "utilisation": one.utilisation,
@@ -118,15 +153,6 @@ def _device(one: DeviceVerdict, rank: str) -> dict[str, Any]:
         "limiting_source": one.remedy.source,
         "limiting_share": one.remedy.share,
         "improvement_factor": one.remedy.factor,
-        "not_given": list(one.not_given),
-        "missing": None
-        if missing is None
-        else {
-            "lines": list(missing.lines),
-            "assumed": list(missing.assumed),
-            "utilisation": missing.utilisation,
-            "verdict": missing.verdict or None,
-        },
         "ahead": None
         if ahead is None
         else {
@@ -135,11 +161,6 @@ def _device(one: DeviceVerdict, rank: str) -> dict[str, Any]:
             "tied": ahead.is_tied,
         },
         "on_front": list(one.on_front),
-        "price": one.price,
-        "mass": one.mass,
-        "power": one.power,
-        "over_caps": list(one.over_caps),
-        "unknown_caps": [asdict(unknown) for unknown in one.unknown_caps],
         "advice": one.advice,
         "trials": one.trials,
         "outputs": [_output(output) for output in one.outputs],

@@ -41,6 +41,7 @@ from budget.report.comparison.wording import (
     headline,
     missing_effects,
     not_compared_lines,
+    nothing_known_line,
     undecidable_lines,
     unknown_cap_lines,
     verdict_lines,
@@ -91,7 +92,7 @@ def comparison_document(
     """
     found = tables(comparison)
     several = len(comparison.procedures) > 1
-    number = len({one.place for one in comparison.devices})
+    number = len({one.place for one in comparison.entrants})
     sections = [
         _overview(found),
         _remarks(comparison, on_first_page=True),
@@ -211,11 +212,13 @@ def _overview(found: Sequence[Table]) -> Section:
     pictures = tuple(
         margin_picture(table, f"margins-{table.sensor}-{place}")
         for place, table in enumerate(found)
+        if table.rows
     )
+    nothing = Paragraph(words=("No device gives a line to draw.",))
     return Section(
         name="overview",
         title="Against the limits",
-        blocks=(Abreast(blocks=pictures),),
+        blocks=(Abreast(blocks=pictures),) if pictures else (nothing,),
         on_first_page=True,
     )
 
@@ -224,6 +227,7 @@ def _remarks(comparison: Comparison, *, on_first_page: bool) -> Section:
     """Return what to beware of: warnings, advice, caps, and verdicts left open."""
     lines = (
         *comparison.warnings,
+        *filter(None, map(nothing_known_line, tables(comparison))),
         *undecidable_lines(comparison),
         *advice_lines(comparison),
         *(f"Over a cap: {line}" for line in cap_lines(comparison)),
@@ -267,7 +271,7 @@ def _missing(comparison: Comparison) -> tuple[Section, ...]:
 
 def _procedures(comparison: Comparison, found: Sequence[Table]) -> tuple[Section, ...]:
     """Return every device under every procedure; nothing where there is one."""
-    if len(comparison.procedures) == 1:
+    if len(comparison.procedures) == 1 or not comparison.devices:
         return ()
     text = "% of the limit and verdict, in the order of the first procedure."
     return (
@@ -281,7 +285,7 @@ def _procedures(comparison: Comparison, found: Sequence[Table]) -> tuple[Section
                         title=capital(sensor),
                         blocks=(procedures_table(comparison, found, sensor),),
                     )
-                    for sensor in comparison.required
+                    for sensor in dict.fromkeys(t.sensor for t in found if t.rows)
                 ),
             ),
         ),
@@ -290,12 +294,19 @@ def _procedures(comparison: Comparison, found: Sequence[Table]) -> tuple[Section
 
 def _devices(table: Table, place: int, *, with_margins: bool, several: bool) -> Section:
     """Return ranking and figures of one sensor under one procedure."""
+    unknown = nothing_known_line(table)
+    said = (Paragraph(words=(f"{capital(unknown)}.",)),) if unknown else ()
     end = f"{table.sensor}-{place}"
+    name = f"devices-{end}"
+    title = f"{_devices_heading(table, several=several)}: {table.counts}"
+    if not table.rows:
+        return Section(name=name, title=title, blocks=said)
     fronts = _fronts(table, end)
     pictures = list(fronts)
     if with_margins:
         pictures.insert(0, margin_picture(table, f"margins-{end}"))
     blocks: list[Block] = [
+        *said,
         ranking_table(table, f"ranking-{end}"),
         Paragraph(words=(ranking_note(table),), small=True),
         map_picture(table, f"map-{end}", outputs_table(table, f"outputs-{end}")),
@@ -305,8 +316,8 @@ def _devices(table: Table, place: int, *, with_margins: bool, several: bool) -> 
     if why_not := no_fronts(table):
         blocks.append(Paragraph(words=(why_not,), small=True))
     return Section(
-        name=f"devices-{end}",
-        title=f"{_devices_heading(table, several=several)}: {table.counts}",
+        name=name,
+        title=title,
         blocks=tuple(blocks),
     )
 

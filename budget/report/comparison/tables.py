@@ -112,11 +112,13 @@ class Table:
     sensor: str
     procedure: str
     rows: tuple[Row, ...]
+    nothing_known: tuple[str, ...]  # devices with no error line: in no row
 
     @property
     def counts(self) -> str:
         """'2 meet, 1 undecided, 3 fail'."""
         verdicts = [row.of.verdict for row in self.rows]
+        verdicts += ["undecidable"] * len(self.nothing_known)
         plural = {"meets": "meet", "fails": "fail"}
         return ", ".join(
             f"{verdicts.count(word)} {plural.get(word, word)}"
@@ -175,7 +177,19 @@ def tables(comparison: Comparison, *, sort: Column | None = None) -> tuple[Table
         ]
         if sort is not None:
             rows.sort(key=sort.order)
-        found.append(Table(sensor=sensor, procedure=procedure, rows=tuple(rows)))
+        unknown = tuple(
+            one.name
+            for one in comparison.nothing_known
+            if (one.sensor, one.procedure) == (sensor, procedure)
+        )
+        found.append(
+            Table(
+                sensor=sensor,
+                procedure=procedure,
+                rows=tuple(rows),
+                nothing_known=unknown,
+            )
+        )
     return tuple(found)
 
 

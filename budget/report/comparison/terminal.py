@@ -17,6 +17,7 @@ from budget.report.comparison.wording import (
     cap_lines,
     missing_lines,
     not_compared_lines,
+    nothing_known_line,
     unknown_cap_lines,
     verdict_lines,
 )
@@ -79,14 +80,16 @@ def render_comparison(
     several = len(comparison.procedures) > 1
     for text in (*verdict_lines(found), *not_compared_lines(comparison)):
         page.paragraph(text, first="- ")
-    for sensor in comparison.required if several else ():
+    with_rows = dict.fromkeys(table.sensor for table in found if table.rows)
+    for sensor in with_rows if several else ():
         page.line()
         _print_side_by_side(found, sensor, page)
     for table in found:
         page.line()
         _print_table(table, page, several=several)
-    page.line()
-    page.paragraph(_legend(found))
+    if comparison.devices:
+        page.line()
+        page.paragraph(_legend(found))
     _print_pairs(comparison, page)
     for label, lines in (
         ("In the place of missing lines", missing_lines(comparison)),
@@ -118,6 +121,10 @@ def _print_table(table: Table, page: Page, *, several: bool) -> None:
     if several:
         title = f"{table.sensor.capitalize()}, {table.procedure}: {table.counts}"
     page.line(title, style="bold underline")
+    if unknown := nothing_known_line(table):
+        page.paragraph(unknown)
+    if not table.rows:
+        return
     keys = [column.key for column in COLUMNS]
     for key in MAY_BE_EMPTY:
         if not any(getattr(row, key) for row in table.rows):

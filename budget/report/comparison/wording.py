@@ -63,7 +63,7 @@ def computed_apart(comparison: Comparison) -> str:
             f"by Monte Carlo (JCGM 101) with {print_count(settings.trials)} trials of "
             "each device"
         )
-        most = max(one.trials or 0 for one in comparison.devices)
+        most = max((one.trials or 0 for one in comparison.devices), default=0)
         if most > settings.trials:
             how += f", up to {print_count(most)} where a verdict or a rank was open"
     return (
@@ -84,6 +84,17 @@ def verdict_lines(found: Sequence[Table]) -> tuple[str, ...]:
             said = f"{best.device} is best, {best.utilisation} % of the limit"
         lines.append(f"{place}: {said} ({table.counts})")
     return tuple(lines)
+
+
+def nothing_known_line(table: Table) -> str:
+    """Name the devices that no figure can be given for; '' where there are none."""
+    if not table.nothing_known:
+        return ""
+    names = ", ".join(dict.fromkeys(table.nothing_known))
+    return (
+        f"nothing is known of {names}: no error line of the {table.sensor} is given, "
+        "so nothing is computed and the verdict is undecidable"
+    )
 
 
 def best_of(table: Table) -> Row | None:
@@ -122,8 +133,9 @@ def missing_effects(comparison: Comparison) -> tuple[MissingEffect, ...]:
     Of devices that do not fail in any case; those with the same lines in one.
     """
     names: dict[tuple[str, tuple[str, ...], tuple[str, ...]], list[str]] = {}
-    for one in comparison.devices:
-        if one.missing is not None and one.verdict != "fails":
+    failed = {id(one) for one in comparison.devices if one.verdict == "fails"}
+    for one in comparison.entrants:
+        if one.missing is not None and id(one) not in failed:
             key = (one.sensor, one.missing.lines, one.missing.assumed)
             names.setdefault(key, []).append(one.name)
     found = []
@@ -169,7 +181,7 @@ def cap_lines(comparison: Comparison) -> tuple[str, ...]:
     return tuple(
         dict.fromkeys(
             f"{one.name}: {text}"
-            for one in comparison.devices
+            for one in comparison.entrants
             for text in one.over_caps
         )
     )
@@ -180,12 +192,12 @@ def unknown_cap_lines(comparison: Comparison) -> tuple[str, ...]:
 
     'mass, at most 2 kg: not given for NAME, OTHER', 'price, ...: given for no device'.
     """
-    number = len({one.place for one in comparison.devices})
+    number = len({one.place for one in comparison.entrants})
     lines = []
     for merit, cap in comparison.caps:
         texts = {  # one for both sensors of a device, under every procedure
             one.place: (one.name, unknown.text)
-            for one in comparison.devices
+            for one in comparison.entrants
             for unknown in one.unknown_caps
             if unknown.merit == merit
         }

@@ -20,6 +20,7 @@ from budget.studies.comparison.ranking import pair_up, rank
 from budget.studies.comparison.records import (
     Comparison,
     DeviceVerdict,
+    Entrant,
     RequiredOutput,
     UnknownCap,
 )
@@ -103,6 +104,7 @@ def compare(
         for sensor in device.sensors
         if (one := candidate(device, sensor, procedure, requirement, place=place))
     ]
+    judged = [one for one in candidates if one.sensor.lines]
     if not candidates:
         raise CallError(
             f"{requirement.name} limits no sensor that these devices have; "
@@ -118,7 +120,7 @@ def compare(
     )
     with local_executor(1 if executor is not None else workers) as pool:
         findings = judge_all(
-            candidates,
+            judged,
             how,
             executor=executor or pool,
             ahead=2 * workers,
@@ -126,7 +128,7 @@ def compare(
         )
     verdicts = [
         _verdict(one, finding, requirement, catalogue, method)
-        for one, finding in zip(candidates, findings, strict=True)
+        for one, finding in zip(judged, findings, strict=True)
     ]
     ranked = rank(verdicts)
     return Comparison(
@@ -141,11 +143,18 @@ def compare(
             interval="symmetric",
             reference=requirement.reference,
             formulas=", ".join(dict.fromkeys(p.formulas for p in procedures)),
-            normals_per_trial=max(c.problem.normals_per_trial for c in candidates),
+            normals_per_trial=max(
+                (c.problem.normals_per_trial for c in judged), default=0
+            ),
         ),
         caps=requirement.caps,
         not_compared=_not_compared(devices, requirement),
         devices=ranked,
+        nothing_known=tuple(
+            _entrant(one, requirement, catalogue)
+            for one in candidates
+            if not one.sensor.lines
+        ),
         pairs=pair_up(ranked) if pairs else (),
         assumptions=tuple(
             dict.fromkeys(
@@ -154,7 +163,7 @@ def compare(
                 for text in device.assumptions
             )
         ),
-        warnings=_warnings(devices, requirement, candidates, findings),
+        warnings=_warnings(devices, requirement, judged, findings),
     )
 
 
@@ -196,15 +205,9 @@ def _verdict(
     result, worst = finding.judged, finding.worst
     utilisation = float(result.largest_error[worst] / one.limits[worst])
     near = method == "gum" and NEAR[0] <= utilisation <= NEAR[1]
-    device = one.device
     outputs = [one.problem.outputs[row] for row in one.rows]
     return DeviceVerdict(
-        name=device.name,
-        place=one.place,
-        sensor=one.sensor.kind,
-        procedure=one.procedure.name,
-        file=device.origin.file,
-        technology=device.technology,
+        **vars(_entrant(one, requirement, catalogue)),
         verdict=finding.verdict,
         utilisation=utilisation,
         utilisation_interval=(result.utilisation_low, result.utilisation_high),
@@ -222,9 +225,26 @@ def _verdict(
             for k, output in enumerate(outputs)
         ),
         remedy=finding.remedy,
+        trials=result.trials,
+        advice="near the limit: use --method monte-carlo" if near else "",
+        batches=result.batches,
+    )
+
+
+def _entrant(
+    one: Candidate, requirement: Requirement, catalogue: Sequence[Device]
+) -> Entrant:
+    """Return what is said of every candidate, whether it can be judged or not."""
+    device = one.device
+    return Entrant(
+        name=device.name,
+        place=one.place,
+        sensor=one.sensor.kind,
+        procedure=one.procedure.name,
+        file=device.origin.file,
+        technology=device.technology,
         not_given=one.sensor.not_given,
         missing=bound_missing(one, requirement, catalogue),
-        trials=result.trials,
         price=device.price,
         mass=device.mass,
         power=device.power,
@@ -240,8 +260,6 @@ def _verdict(
             if merit in MERITS
             and not is_known(merit, text := getattr(device, merit), cap)
         ),
-        advice="near the limit: use --method monte-carlo" if near else "",
-        batches=result.batches,
     )
 
 

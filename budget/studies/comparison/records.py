@@ -85,8 +85,12 @@ class UnknownCap:
 
 
 @dataclass(frozen=True, kw_only=True)
-class DeviceVerdict:
-    """One sensor of one device under one procedure, held against the requirement."""
+class Entrant:
+    """One sensor of one device under one procedure, and what its data sheet says.
+
+    On its own it is a sensor of which no error line is given: nothing is computed for
+    it, as 0 would look like the best of all, and its verdict is 'undecidable'.
+    """
 
     name: str
     place: int  # of the device among those compared, as they were given
@@ -94,6 +98,19 @@ class DeviceVerdict:
     procedure: str
     file: str
     technology: str
+    not_given: tuple[str, ...]
+    missing: MissingLines | None
+    price: str
+    mass: str
+    power: str
+    over_caps: tuple[str, ...]  # 'mass 140 g, at most 100 g'
+    unknown_caps: tuple[UnknownCap, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class DeviceVerdict(Entrant):
+    """One sensor of one device under one procedure, held against the requirement."""
+
     verdict: str  # one of VERDICTS
     utilisation: float  # the largest of its required outputs [1]
     utilisation_interval: tuple[float, float]  # 95 % sampling interval [1]
@@ -101,14 +118,7 @@ class DeviceVerdict:
     conformance: Probability  # all required outputs together
     outputs: tuple[RequiredOutput, ...]
     remedy: Remedy
-    not_given: tuple[str, ...]
-    missing: MissingLines | None
     trials: int | None
-    price: str
-    mass: str
-    power: str
-    over_caps: tuple[str, ...]  # 'mass 140 g, at most 100 g'
-    unknown_caps: tuple[UnknownCap, ...]
     advice: str
     ahead: Ahead | None = None  # of the next one with the same verdict
     on_front: tuple[str, ...] = ()  # 'price', 'mass', 'power' it is Pareto-best in
@@ -143,6 +153,7 @@ class Comparison:
     caps: tuple[tuple[str, str], ...]  # of the requirement: ('mass', '2 kg')
     not_compared: tuple[str, ...]  # sensors that have limits and no candidate
     devices: tuple[DeviceVerdict, ...]
+    nothing_known: tuple[Entrant, ...]  # no error line given: undecidable, not ranked
     pairs: tuple[Pair, ...]
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
@@ -150,7 +161,12 @@ class Comparison:
     @property
     def required(self) -> tuple[str, ...]:
         """Sensors that have limits and candidates."""
-        return tuple(dict.fromkeys(row.sensor for row in self.devices))
+        return tuple(dict.fromkeys(row.sensor for row in self.entrants))
+
+    @property
+    def entrants(self) -> tuple[Entrant, ...]:
+        """All that was to be compared: what was judged, then what nobody can judge."""
+        return (*self.devices, *self.nothing_known)
 
     @property
     def is_met(self) -> bool:

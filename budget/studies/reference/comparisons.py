@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from budget.spec.records import Device, Procedure, Requirement
-    from budget.studies.comparison.records import Comparison, DeviceVerdict
+    from budget.studies.comparison.records import Comparison, DeviceVerdict, Entrant
     from budget.studies.reference.sampling import StandardErrors
 
 
@@ -39,11 +39,8 @@ def comparison_numbers(comparison: Comparison, compared: Compared) -> Snapshot:
     numbers: list[Number] = []
     words: list[Word] = []
     for row in comparison.devices:
-        name = compared.names[row.place]
-        if len(compared.procedures) > 1:
-            name = f"{name} @ {row.procedure}"
         errors = _errors(row, compared)
-        subject = f"{name} {row.sensor}"
+        subject = f"{_name(row, compared)} {row.sensor}"
         numbers.extend(_device_numbers(row, subject, errors))
         sampled = "" if errors is None else "utilisation"
         words.extend(
@@ -59,7 +56,22 @@ def comparison_numbers(comparison: Comparison, compared: Compared) -> Snapshot:
                 ("not_given", ", ".join(row.not_given), ""),
             )
         )
+    for unknown in comparison.nothing_known:
+        subject = f"{_name(unknown, compared)} {unknown.sensor}"
+        words += [
+            Word(key=Key(subject=subject, quantity="verdict"), text="undecidable"),
+            Word(
+                key=Key(subject=subject, quantity="not_given"),
+                text=", ".join(unknown.not_given),
+            ),
+        ]
     return Snapshot(numbers=tuple(numbers), words=tuple(words))
+
+
+def _name(row: Entrant, compared: Compared) -> str:
+    """Return the name of a device, with its procedure where there are several."""
+    name = compared.names[row.place]
+    return f"{name} @ {row.procedure}" if len(compared.procedures) > 1 else name
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
