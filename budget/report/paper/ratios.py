@@ -41,7 +41,8 @@ def ratio_picture(study: PaperStudy) -> Picture:
         },
         caption=(
             "Ours: u of a single run, or of a mean over 25 where the row fits that. "
-            "Filled: fits; open: does not; bold: and nothing explains it."
+            "Filled: fits; open: does not"
+            + ("; bold: and nothing explains it." if _is_open(rows) else ".")
         ),
     )
 
@@ -116,6 +117,11 @@ def _rows(study: PaperStudy) -> list[Finding]:
         for row in study.of_section("table 1")
         if row.is_summary and row.ratio is not None and JOINED in row.where
     ]
+
+
+def _is_open(rows: list[Finding]) -> bool:
+    """Whether nothing explains one of them."""
+    return any(row.verdict == UNEXPLAINED for row in rows)
 
 
 def _ratio(row: Finding) -> float:

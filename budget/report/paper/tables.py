@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 PRINTED = re.compile(r"(?P<head>rms |)(?P<number>-?[0-9.]+(?:e-?[0-9]+)?)(?P<tail>.*)")
 WHOLE = "Table 1 as a whole"
 # Where the head of a row ends: what follows stands below it, in a narrow column.
-SPECIAL = re.compile(r" (?=(?:from|beyond|of|random) )")
+SPECIAL = re.compile(r" (?=(?:from|beyond|of|random|with) )")
 QUANTITIES = {U_SINGLE: "u, single", U_MEAN: "u, mean"}  # short, below a number
 
 

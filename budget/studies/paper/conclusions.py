@@ -10,7 +10,7 @@ import numpy as np
 from budget.methods.gum import propagate
 from budget.spec.records import AXES
 from budget.studies.coupling import CouplingTable, coupling
-from budget.studies.paper.conditions import PLACES, one_source
+from budget.studies.paper.conditions import PLACES, only_sources
 from budget.studies.paper.findings import (
     AGREES,
     EXPLAINED,
@@ -103,7 +103,7 @@ def compute_verdicts(conditions: Conditions) -> Verdicts:
         )
 
     def sensitivity(procedure: Procedure) -> Array:
-        C = propagate(one_source(conditions.gyro, procedure, MOUNTING)).C
+        C = propagate(only_sources(conditions.gyro, procedure, MOUNTING)).C
         return np.asarray(C[PLACES["bias"]] * ARCSEC / DEG_PER_HOUR)
 
     return Verdicts(

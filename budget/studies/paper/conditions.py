@@ -1,4 +1,4 @@
-"""The paper's own conditions: its device and procedure, one error source at a time."""
+"""The paper's own conditions: its device and procedure, a few sources at a time."""
 
 from __future__ import annotations
 
@@ -130,13 +130,13 @@ def nominal_size(sensor: Sensor) -> Array:
     )
 
 
-def one_source(sensor: Sensor, procedure: Procedure, source: str) -> Problem:
-    """Set up the calibration with one source; '' is none at all."""
+def only_sources(sensor: Sensor, procedure: Procedure, *sources: str) -> Problem:
+    """Set up the calibration with these sources alone; '' is none at all."""
     # Lines that vary in no run would only slow the draws down.
     lines = tuple(
-        line for line in sensor.lines if f"{sensor.kind}.{line.name}" == source
+        line for line in sensor.lines if f"{sensor.kind}.{line.name}" in sources
     ) or tuple(line for line in sensor.lines if line.name == "bias_repeatability")
-    only = frozenset({source} if source else ())
+    only = frozenset(source for source in sources if source)
     return calibration_problem((replace(sensor, lines=lines),), procedure, only=only)
 
 

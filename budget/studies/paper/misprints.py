@@ -1,4 +1,4 @@
-"""Every formula of section 1 fed with error-free pulses: what it returns, and truth.
+"""Formulas of sections 1 and 2 fed with error-free pulses: what they return, and truth.
 
 The printed formulas are written down here as printed, misprints and all, and apart from
 those the package uses (budget.physics.formulas), so that agreement means something.
@@ -83,6 +83,7 @@ def compute_formulas(conditions: Conditions) -> tuple[Formula, ...]:
     return (
         *_gyro_turns(),
         *_gyro_bias(conditions),
+        _integral(conditions),
         *_accelerometer(conditions),
         *_asymmetry(conditions),
     )
@@ -213,6 +214,33 @@ def _gyro_bias(conditions: Conditions) -> list[Formula]:
         )
         for i, axis in enumerate(AXES)
     ]
+
+
+def _integral(conditions: Conditions) -> Formula:
+    """2.1.1: what z counts of the horizontal earth rate while the table turns about z.
+
+    Over whole turns both integrals vanish, so that the misprint does no harm there; a
+    third of a turn shows it.
+    """
+    rate, latitude = conditions.printed.gyro.rate, conditions.printed.latitude
+    azimuth = 2.0 * pi / 3.0
+    horizontal = ROTATION_RATE * cos(latitude) / rate
+    # Integrals of w cos L (sin a, cos a) over the time, a = rate t.
+    x, y = horizontal * (1.0 - cos(azimuth)), horizontal * sin(azimuth)
+    dT = _mounting() - np.eye(3)
+    zx, zy = ANGLE[4:]
+    return Formula(
+        equation="2.1.1",
+        name="earth rate in the count of z",
+        printed="int d_zy w_iey dt - int d_zx w_iey dt",
+        ours="int d_zy w_iex dt - int d_zx w_iey dt",
+        returns_printed=float(zy * y - zx * y) / ARCSEC,
+        returns_ours=float(zy * x - zx * y) / ARCSEC,
+        truth=float(dT[Z] @ np.array([x, y, 0.0])) / ARCSEC,
+        unit="arcsec",
+        note="by eq. (1) d_zy belongs to x. Over a third of a turn; over whole turns "
+        "both integrals vanish, and nothing that follows is wrong",
+    )
 
 
 def _accelerometer(conditions: Conditions) -> list[Formula]:

@@ -22,7 +22,7 @@ from budget.spec.records import ANGLES, AXES
 from budget.studies.paper.conditions import (
     PLACES,
     nominal_size,
-    one_source,
+    only_sources,
     without_nominal_angles,
 )
 from budget.studies.paper.findings import (
@@ -84,7 +84,7 @@ def biases_from_angles(conditions: Conditions) -> BiasesFromAngles:
     """Feed the printed angle errors to the calibration, in every order."""
     row = next(row for row in TABLE_1 if row.source == SOURCE)
     size = nominal_size(conditions.gyro)
-    problem = one_source(conditions.gyro, conditions.printed, SOURCE)
+    problem = only_sources(conditions.gyro, conditions.printed, SOURCE)
     orders = list(permutations(ANGLES))
     printed = np.array([float(text) for text in row.mounting_angle])
     angles = np.stack(
@@ -96,7 +96,7 @@ def biases_from_angles(conditions: Conditions) -> BiasesFromAngles:
         return np.asarray((error / size[:, None])[PLACES["bias"]])
 
     # Angles drawn about 0: their mean is the printed error plus 1, in 2 arcsec.
-    drawn = one_source(
+    drawn = only_sources(
         without_nominal_angles(conditions.gyro), conditions.printed, SOURCE
     )
     law = propagate(drawn)

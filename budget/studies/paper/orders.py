@@ -17,7 +17,7 @@ from budget.studies.paper.conditions import (
     Expectation,
     expect,
     nominal_size,
-    one_source,
+    only_sources,
     with_lines,
 )
 from budget.studies.paper.findings import (
@@ -29,14 +29,18 @@ from budget.studies.paper.findings import (
     READING_FITS,
     U_SINGLE,
     UNEXPLAINED,
+    WORD,
     Finding,
     ratio_of,
     say,
 )
 from budget.studies.paper.printed import (
     ACCELEROMETER_ORDERS,
+    BOUND,
     GYRO_ORDERS,
     RUNS,
+    TABLE_1,
+    UNITS,
     PrintedOrder,
 )
 from budget.studies.paper.readings import ONCE_A_WINDOW, best_reading
@@ -48,6 +52,7 @@ if TYPE_CHECKING:
     from budget.studies.paper.conditions import Conditions
     from budget.studies.paper.readings import Reading
 
+STABILITY = "gyro.bias_stability"
 NOISE = "accelerometer.sample_noise"
 
 
@@ -76,14 +81,16 @@ def order_findings(
         if printed.source == NOISE:
             row = _explain_noise(row, printed, of_noise)
         findings.append(row)
+        if (printed.source, printed.parameter) == (STABILITY, "scale_factor"):
+            findings.append(_bound())
     return tuple(findings)
 
 
 def expectation_of(printed: PrintedOrder, conditions: Conditions) -> Expectation:
     """Expect what the text speaks of; nonlinearity at its largest step."""
     sensor = conditions.sensor(printed.sensor)
-    problem = one_source(sensor, conditions.printed, printed.source)
-    size = nominal_size(sensor)
+    problem = only_sources(sensor, conditions.printed, printed.source)
+    size = nominal_size(sensor) / UNITS[printed.unit]
     found = expect(problem, size)
     line = printed.source.rpartition(".")[2]
     if line not in FARTHEST:
@@ -114,7 +121,7 @@ def noise_readings(conditions: Conditions) -> tuple[Finding, ...]:
     findings = []
     for name, u in readings:
         found = expect(
-            one_source(with_lines(sensor, sample_noise=float(u)), procedure, NOISE),
+            only_sources(with_lines(sensor, sample_noise=float(u)), procedure, NOISE),
             size,
         )
         probabilities = {row: _probabilities(row, found) for row in wanted}
@@ -149,7 +156,9 @@ def _judge(
     row = Finding(
         section="text",
         where=where + _words(printed.parameter),
-        printed=printed.order,
+        printed=printed.order
+        if printed.unit == "1"
+        else f"{printed.order} {printed.unit}",
         ours=0.0,
         verdict=AGREES,
         why="",
@@ -198,6 +207,26 @@ def _judge(
         ratio=ratio_of(ours, order),
         verdict=AGREES_IN_ORDER if same else EXPLAINED,
         why=f"{note}not rounding, as the text has it: eq. (4)'s own error",
+    )
+
+
+def _bound() -> Finding:
+    """Hold the one order that the text gives as a bound against the table beside it."""
+    row = next(row for row in TABLE_1 if row.source == STABILITY)
+    largest = max(row.scale_factor, key=lambda text: abs(float(text)))
+    beyond = abs(float(largest)) / float(BOUND)
+    as_order = power_of_ten(float(largest)) == power_of_ten(float(BOUND))
+    return Finding(
+        section="text",
+        where="3.1, gyro, bias stability, scale factor as a bound",
+        printed=f"within {BOUND}",
+        ours=f"{largest} in Table 1",
+        quantity=WORD,
+        ratio=beyond,
+        verdict=EXPLAINED if as_order else UNEXPLAINED,
+        why=f"the table beside the text has an entry {say(beyond)} times that bound; "
+        "as a power of ten, which is how the text reads all others, the two agree",
+        is_summary=True,
     )
 
 

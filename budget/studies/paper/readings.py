@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +14,7 @@ from budget.studies.paper.conditions import (
     Expectation,
     expect,
     nominal_size,
-    one_source,
+    only_sources,
     with_lines,
     without_nominal_angles,
 )
@@ -41,6 +42,8 @@ if TYPE_CHECKING:
 FAR_APART = 30_000.0  # pause between windows, 100 correlation times [s]
 PER_SAMPLE = 0.005 * DEG_PER_HOUR  # [rad/s]
 ROOT_HOUR = 60.0  # [sqrt(s)]
+SIX_DIGITS = 5e-6  # doubles leave about 1e-6 of eq. (4)'s residual [1]
+LEFT_ON = "the angle random walk 0.005 deg/sqrt(h) left on beside it"
 ONCE_A_WINDOW = "noise added once to the sum of a window, not to each of its samples"
 
 
@@ -92,10 +95,16 @@ def readings(conditions: Conditions) -> tuple[Reading, ...]:
     stability, noise = "gyro.bias_stability", "gyro.angle_random_walk"
     found = {
         (stability, "+ and - turns far apart, their noise independent"): expect(
-            one_source(gyro, apart, stability), size
+            only_sources(gyro, apart, stability), size
+        ),
+        (stability, LEFT_ON): expect(
+            only_sources(gyro, procedure, stability, noise), size
+        ),
+        (stability, "the angle random walk 0.005 deg/sqrt(h) in its place"): expect(
+            only_sources(gyro, procedure, noise), size
         ),
         (noise, "0.005 deg/h, white in each sample at 100 Hz"): expect(
-            one_source(
+            only_sources(
                 with_lines(gyro, sample_noise=PER_SAMPLE),
                 procedure,
                 "gyro.sample_noise",
@@ -103,10 +112,10 @@ def readings(conditions: Conditions) -> tuple[Reading, ...]:
             size,
         ),
         (noise, "0.005 deg/sqrt(h) converted as if it were deg/h, 60 times less"): (
-            expect(one_source(sixtieth, procedure, noise), size)
+            expect(only_sources(sixtieth, procedure, noise), size)
         ),
         (noise, ONCE_A_WINDOW): expect(
-            _noise_once_a_window(one_source(gyro, procedure, noise), procedure), size
+            _noise_once_a_window(only_sources(gyro, procedure, noise), procedure), size
         ),
         (
             "gyro.mounting_repeatability",
@@ -131,10 +140,40 @@ def best_reading(all_readings: tuple[Reading, ...], source: str) -> Reading | No
 
 
 def fits_row(reading: Reading, printed: Array) -> bool:
-    """Whether all random entries of a row fit, together and parameter by parameter."""
+    """Whether random entries fit, together and by parameter, and the rest is equal."""
+    expected, fixed = reading.expectation, ~reading.varies
+    equal = np.maximum(expected.resolution, SIX_DIGITS * np.abs(expected.mean))
+    if np.any(np.abs(printed - expected.mean)[fixed] > equal[fixed]):
+        return False
     random = [p for p, place in PLACES.items() if reading.varies[place].all()]
     together = reading.fit(printed)
     return together.fits and all(reading.fit(printed, p).fits for p in random)
+
+
+def switched_on(conditions: Conditions) -> dict[tuple[str, ...], Expectation]:
+    """Expect one run with every choice of the five stated sources: 31 of them."""
+    size = nominal_size(conditions.gyro)
+    sources = [row.source for row in TABLE_1]
+    return {
+        chosen: expect(only_sources(conditions.gyro, conditions.printed, *chosen), size)
+        for n in range(1, len(sources) + 1)
+        for chosen in combinations(sources, n)
+    }
+
+
+def fitting_choices(
+    choices: dict[tuple[str, ...], Expectation], source: str
+) -> tuple[tuple[tuple[str, ...], Reading], ...]:
+    """Return the choices of sources that fit a row, as one run or a mean over 25."""
+    tried = (
+        (chosen, Reading(source=source, name="", runs=runs, expectation=expectation))
+        for chosen, expectation in choices.items()
+        for runs in (1, RUNS)
+    )
+    printed = printed_entries(source)
+    return tuple(
+        (chosen, reading) for chosen, reading in tried if fits_row(reading, printed)
+    )
 
 
 def reading_findings(all_readings: tuple[Reading, ...]) -> tuple[Finding, ...]:
@@ -199,7 +238,7 @@ def _dropped_nominal(conditions: Conditions) -> Expectation:
     """Expect errors of angles that are drawn about 0 and counted from 2 arcsec."""
     gyro = conditions.gyro
     found = expect(
-        one_source(
+        only_sources(
             without_nominal_angles(gyro),
             conditions.printed,
             "gyro.mounting_repeatability",

@@ -12,7 +12,7 @@ from budget.studies.paper.findings import VERDICTS
 from budget.studies.paper.misprints import compute_formulas, formula_findings
 from budget.studies.paper.mounting import mounting_findings
 from budget.studies.paper.orders import noise_readings, order_findings
-from budget.studies.paper.readings import reading_findings, readings
+from budget.studies.paper.readings import reading_findings, readings, switched_on
 from budget.studies.paper.sweeps import compute_sweeps, sweep_findings
 from budget.studies.paper.table1 import compute_rows, table1_findings
 
@@ -92,7 +92,9 @@ def reproduce() -> PaperStudy:
     of_noise = noise_readings(conditions)
     verdicts = compute_verdicts(conditions)
     findings = (
-        *table1_findings(compute_rows(conditions), all_readings),
+        *table1_findings(
+            compute_rows(conditions), all_readings, switched_on(conditions)
+        ),
         *mounting_findings(conditions),
         *of_sweeps,
         *order_findings(conditions, all_readings, of_noise),

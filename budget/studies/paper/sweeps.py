@@ -13,7 +13,7 @@ from budget.spec.records import ANGLES, AXES
 from budget.studies.paper.conditions import (
     PLACES,
     nominal_size,
-    one_source,
+    only_sources,
 )
 from budget.studies.paper.findings import (
     AGREES,
@@ -108,7 +108,7 @@ def compute_sweeps(conditions: Conditions) -> tuple[Sweep, ...]:
     sweeps = []
     for figure, line, parameter, step, slopes in plans:
         source = f"gyro.{line}"
-        problem = one_source(gyro, procedure, source)
+        problem = only_sources(gyro, procedure, source)
         size = np.asarray(step * steps, dtype=float)
         errors = problem.evaluate(np.tile(size, (3, 1))) / nominal_size(gyro)[:, None]
         sweeps.append(

@@ -13,7 +13,7 @@ from budget.studies.paper.conditions import (
     Expectation,
     expect,
     nominal_size,
-    one_source,
+    only_sources,
 )
 from budget.studies.paper.findings import (
     AGREES,
@@ -30,7 +30,12 @@ from budget.studies.paper.findings import (
 )
 from budget.studies.paper.mounting import SOURCE as MOUNTING
 from budget.studies.paper.printed import RUNS, TABLE_1
-from budget.studies.paper.readings import best_reading
+from budget.studies.paper.readings import (
+    LEFT_ON,
+    SIX_DIGITS,
+    best_reading,
+    fitting_choices,
+)
 from budget.studies.paper.statistics import (
     Fit,
     fit,
@@ -45,8 +50,8 @@ if TYPE_CHECKING:
     from budget.studies.paper.printed import PrintedRow
     from budget.studies.paper.readings import Reading
 
-SIX_DIGITS = 5e-6  # doubles leave about 1e-6 of eq. (4)'s residual [1]
 HALF_ULP = 2.0**-53  # spacing of doubles just below 1 [1]
+STABILITY, WALK = "gyro.bias_stability", "gyro.angle_random_walk"
 REPEATABILITIES = ("gyro.bias_repeatability", "gyro.scale_factor_repeatability")
 
 
@@ -89,7 +94,7 @@ def compute_rows(conditions: Conditions) -> tuple[Row, ...]:
     size = nominal_size(conditions.gyro)
     rows = []
     for row in TABLE_1:
-        problem = one_source(conditions.gyro, conditions.printed, row.source)
+        problem = only_sources(conditions.gyro, conditions.printed, row.source)
         rows.append(
             Row(
                 row=row,
@@ -102,9 +107,23 @@ def compute_rows(conditions: Conditions) -> tuple[Row, ...]:
 
 
 def table1_findings(
-    rows: tuple[Row, ...], readings: tuple[Reading, ...]
+    rows: tuple[Row, ...],
+    readings: tuple[Reading, ...],
+    choices: dict[tuple[str, ...], Expectation],
 ) -> tuple[Finding, ...]:
-    """Return, for each row, a summary of every random parameter and all 12 entries."""
+    """Return, for each row, a summary of every random parameter and all 12 entries.
+
+    Parameters
+    ----------
+    rows : tuple of Row
+    readings : tuple of Reading
+    choices : dict
+        What every choice of the stated sources gives, from readings.switched_on.
+
+    Returns
+    -------
+    tuple of Finding
+    """
     findings = []
     for row in rows:
         other = best_reading(readings, row.row.source)
@@ -114,6 +133,8 @@ def table1_findings(
                 findings += [summary, *_random_entries(row, parameter, summary)]
             else:
                 findings += _fixed_entries(row, parameter)
+        if row.row.source == STABILITY:
+            findings.append(_left_on(rows, readings, choices))
     return (*findings, _both_repeatabilities(rows))
 
 
@@ -258,6 +279,76 @@ def _both_repeatabilities(rows: tuple[Row, ...]) -> Finding:
         p_mean=p_mean,
         is_summary=True,
     )
+
+
+def _left_on(
+    rows: tuple[Row, ...],
+    readings: tuple[Reading, ...],
+    choices: dict[tuple[str, ...], Expectation],
+) -> Finding:
+    """Judge the stability row as a run whose random walk was left on, and the choice.
+
+    No number is fitted, but a reading was looked for: how many were tried, how many
+    of them fit, and how often one fits by chance, shown by the other rows, is said.
+    """
+    row, walk = (
+        next(r for r in rows if r.row.source == source) for source in (STABILITY, WALK)
+    )
+    single, mean = (r for r in readings if r.name == LEFT_ON)
+    of_single, of_mean = single.fit(row.printed), mean.fit(row.printed)
+    found = {r.row.source: fitting_choices(choices, r.row.source) for r in rows}
+    fitting = dict(found[STABILITY])
+    if any(WALK not in chosen or r.runs != 1 for chosen, r in fitting.items()):
+        raise ValueError(
+            "a run without the random walk fits: the reason given is wrong"
+        )
+    elsewhere = sum(
+        chosen != (source,)
+        for source, fits in found.items()
+        for chosen, _ in fits
+        if source != STABILITY
+    )
+    tried = 2 * len(choices)
+    others = sum(r.source == STABILITY and "turns" in r.name for r in readings)
+    alone, norm = fitting[WALK,], np.linalg.norm
+    # Of ratios of normal densities the powers of 2 pi cancel.
+    odds = np.exp(_log_density(alone, row.printed) - _log_density(single, row.printed))
+    times = [
+        f"{norm(walk.expectation.u[place]) / norm(walk.printed[place]):.0f}"
+        for place in PLACES.values()
+    ]
+    rms = float(np.sqrt(of_single.chi_square / of_single.entries))
+    return Finding(
+        section="table 1",
+        where="Table 1, bias stability, one run with the random walk left on",
+        printed=f"rms {say(rms, 3)} of u, single run",
+        ours=1.0,
+        quantity=U_SINGLE,
+        ratio=1.0 / rms,
+        verdict=READING,
+        why=f"chi-square {say(of_single.chi_square, 3)} for {of_single.entries} "
+        f"entries, as stated {say(row.fit_all(runs=1).chi_square, 3)}; no free "
+        f"parameter. Looked for among {tried + others} readings: every choice of the "
+        f"five stated sources ({len(choices)}) and turns far apart, each as one run "
+        f"and as a mean over {RUNS}. {len(fitting)} fit, all single runs with the "
+        f"random walk; it alone fits as well (p {say(alone.fit(row.printed).p)}, "
+        f"{say(float(odds))} times as likely), so that the row does not show whether "
+        f"the stability was on. By chance {elsewhere} of "
+        f"{(len(rows) - 1) * (tried - 2)} wrong choices fit another row. Against it: "
+        f"the random walk's own row prints {', '.join(times)} times less",
+        p_single=of_single.p,
+        p_mean=of_mean.p,
+        is_summary=True,
+    )
+
+
+def _log_density(reading: Reading, printed: Array) -> float:
+    """Return the logarithm of the normal density of twelve entries, less a constant."""
+    u = reading.expectation.u
+    # Scaled first: scale factors and angles differ by a factor of 1e5.
+    _, log_det = np.linalg.slogdet(reading.expectation.covariance / np.outer(u, u))
+    chi_square = reading.fit(printed).chi_square
+    return -0.5 * float(chi_square + log_det) - float(np.log(u).sum())
 
 
 def _title(row: Row) -> str:
