@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from budget.arrays import Array
+from budget.copula import normal_scores, quantiles_of_scores
 from budget.distributions import NORMAL, Distribution
 from budget.errors import ProblemError
 
@@ -42,13 +43,14 @@ class Group:
     covariance : ndarray, shape (n, n)
         Covariance within the group [SI squared]; groups are independent.
     distributions : tuple of Distribution, length n
-        Shapes; correlated inputs must be normal.
+        Shapes; correlated inputs of other shapes than normal are joined by a Gaussian
+        copula (budget.copula) that meets the covariance.
 
     Raises
     ------
     ProblemError
         Shapes do not fit, the covariance is no covariance (JCGM 102:2011, 5.2.1: it is
-        positive semidefinite), or inputs that are not normal are correlated.
+        positive semidefinite), or inputs of these shapes cannot have it.
     """
 
     name: str
@@ -89,12 +91,9 @@ class Group:
             raise ProblemError(f"{where}: a variance is negative")
         if (np.abs(self.covariance) > np.outer(scale, scale) + slack).any():
             raise ProblemError(f"{where}: a correlation is larger than 1")
-        if not self.is_independent and any(d != NORMAL for d in self.distributions):
-            raise ProblemError(
-                f"{where}: correlated inputs must be normal; "
-                "put inputs of other shapes into groups without correlation"
-            )
         _ = self.factor  # says no to a covariance that has none
+        if self.has_copula:
+            _ = self.scores_factor  # and to one that these shapes cannot have
 
     @classmethod
     def independent(
@@ -161,14 +160,8 @@ class Group:
         u = np.sqrt(np.diag(self.covariance))
         if self.is_independent:
             return np.diag(u)
-        safe = np.where(u > 0.0, u, 1.0)
-        correlation = self.covariance / np.outer(safe, safe)
-        try:
-            return np.asarray(safe[:, None] * np.linalg.cholesky(correlation))
-        except np.linalg.LinAlgError:
-            values, vectors = np.linalg.eigh(correlation)
-        least = float(values[0])
-        if least < -ROUNDING * self.size:
+        root, least = _root(self._correlation, scale=u)
+        if root is None:
             # R of least eigenvalue l < 0: that of (1 - s) I + s R is 1 - s + s l.
             raise ProblemError(
                 f"input group {self.name!r}: its correlations contradict each other: "
@@ -177,7 +170,53 @@ class Group:
                 "(numpy.cov), or make the correlations smaller: all of them times "
                 f"{1.0 / (1.0 - least):.3g} would do"
             )
-        return np.asarray(u[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))
+        return root
+
+    @cached_property
+    def has_copula(self) -> bool:
+        """Whether inputs are correlated that are not all normal."""
+        return not self.is_independent and any(d != NORMAL for d in self.distributions)
+
+    @cached_property
+    def scores_factor(self) -> Array:
+        """Matrix L, shape (n, n): L z are the normal scores of the inputs [1].
+
+        Raises
+        ------
+        ProblemError
+            The shapes cannot have the covariance, two of them or all together.
+        """
+        where = f"input group {self.name!r}"
+        needed = normal_scores(self._correlation, self.distributions, where=where)
+        root, least = _root(needed, scale=np.ones(self.size))
+        if root is None:
+            raise ProblemError(
+                f"{where}: a Gaussian copula of these shapes cannot have these "
+                f"correlations: those of its scores have the eigenvalue {least:.3g}, "
+                "expected 0 or more; make the correlations smaller"
+            )
+        return root
+
+    def of_normals(self, z: Array) -> Array:
+        """Return deviations from the mean, shape (n, trials) [SI], by the copula.
+
+        Parameters
+        ----------
+        z : ndarray, shape (n, trials)
+            Independent unit normal variates.
+        """
+        x = self.scores_factor @ z
+        u = np.sqrt(np.diag(self.covariance))
+        for u_x, shape, row in zip(u, self.distributions, x, strict=True):
+            row[:] = u_x * quantiles_of_scores(shape, row)
+        return np.asarray(x)
+
+    @property
+    def _correlation(self) -> Array:
+        """Correlation matrix, shape (n, n); rows of 0 for what does not vary."""
+        u = np.sqrt(np.diag(self.covariance))
+        safe = np.where(u > 0.0, u, 1.0)
+        return np.asarray(self.covariance / np.outer(safe, safe))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -349,3 +388,19 @@ def _records(
                 f"{where} has {item!r}, expected objects of class {kind.__name__}"
             )
     return found
+
+
+def _root(correlation: Array, *, scale: Array) -> tuple[Array | None, float]:
+    """Return diag(scale) R^(1/2), None where there is none, and the least eigenvalue.
+
+    Cholesky's where it exists; the eigenvalue is then not needed, and 0.
+    """
+    try:
+        return np.asarray(scale[:, None] * np.linalg.cholesky(correlation)), 0.0
+    except np.linalg.LinAlgError:
+        values, vectors = np.linalg.eigh(correlation)
+    least = float(values[0])
+    if least < -ROUNDING * len(correlation):
+        return None, least
+    root = scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0))
+    return np.asarray(root), least

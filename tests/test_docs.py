@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import numpy as np
 from numpy.testing import assert_allclose
 
 DOCS = Path(__file__).parent.parent / "docs"
@@ -44,6 +45,14 @@ def test_the_example_of_shapes_runs_as_printed(capsys):
     # x1 x2^2 has E = 10.025 (4 + 1) = 50.1, exactly what the law says.
     assert_allclose(law.mean, [10.025 * 5.0], rtol=1e-12)
     assert abs(error[0]) < 5.0 * trials.standard_uncertainty[0] / 1e3
+
+
+def test_the_example_of_a_copula_runs_as_printed(capsys):
+    """The correlation that is drawn is the one given."""
+    run(PROBLEMS[2])
+
+    # Of the product of both, in units of u, the variance is below 3.
+    assert abs(float(capsys.readouterr().out) + 0.5) < 5.0 * np.sqrt(3.0 / 200_000)
 
 
 def test_the_library_example_runs_as_printed(capsys):

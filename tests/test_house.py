@@ -16,6 +16,7 @@ FLOORS = (
     ("version", "arrays", "errors", "earth", "resources"),
     ("units",),
     ("distributions",),
+    ("copula",),
     ("problem",),
     ("results",),
     ("spec",),

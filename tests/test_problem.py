@@ -31,7 +31,6 @@ def group(covariance, *, shapes=None, mean=None, name="x"):
         (lambda: group([[1.0, 0.5], [0.4, 1.0]]), "symmetric"),
         (lambda: group([[-1.0]]), "negative"),
         (lambda: group([[1.0, 2.0], [2.0, 1.0]]), "larger than 1"),
-        (lambda: group([[1.0, 0.5], [0.5, 1.0]], shapes=(NORMAL, UNIFORM)), "normal"),
     ],
 )
 def test_a_group_that_is_none_is_refused(make, words):

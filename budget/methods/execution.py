@@ -83,7 +83,13 @@ def draw(problem: Problem, seed: int, block: int, out: Array) -> Array:
         if group.is_constant:
             x[:] = group.mean[:, None]
             continue
-        _draw_unit(group, stream(seed, group.name, block), x)
+        rng = stream(seed, group.name, block)
+        if group.has_copula:
+            rng.standard_normal(out=x)
+            x[:] = group.of_normals(x)
+            x += group.mean[:, None]
+            continue
+        _draw_unit(group, rng, x)
         if group.is_independent:
             x *= np.diag(group.factor)[:, None]
         else:
