@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from budget.ties import from_largest, largest, settle
+
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterator, Sequence
 
     import pandas as pd
 
@@ -115,7 +117,8 @@ class OutputBudget:
     @property
     def ranked(self) -> tuple[Contribution, ...]:
         """Contributions, the largest first."""
-        return tuple(sorted(self.contributions, key=lambda c: -c.share))
+        shares = [part.share for part in self.contributions]
+        return tuple(self.contributions[k] for k in from_largest(shares))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -298,6 +301,7 @@ class OutputAssessment:
     output: Output
     limit: float
     printed_limit: str  # as the requirement file gives it
+    standard_uncertainty: float
     largest_error: float  # largest absolute end of the coverage interval
     utilisation: float  # largest error over limit [1]
     by_monte_carlo: bool = False  # because the law failed its check there
@@ -305,15 +309,17 @@ class OutputAssessment:
     @property
     def is_within(self) -> bool:
         """Whether the largest error is at most the limit."""
-        return self.utilisation <= 1.0
+        return settle(self.utilisation) <= 1.0
 
 
-def worst_of(rows: Iterable[OutputAssessment]) -> OutputAssessment:
-    """Return the output that uses most of its limit.
+def worst_of(rows: Sequence[OutputAssessment]) -> OutputAssessment:
+    """Return the output that uses most of its limit; of equal ones the first."""
+    return all_worst_of(rows)[0]
 
-    Of several that differ by the rounding of doubles only, the first.
-    """
-    return max(rows, key=lambda row: float(f"{row.utilisation:.9g}"))
+
+def all_worst_of(rows: Sequence[OutputAssessment]) -> tuple[OutputAssessment, ...]:
+    """Return the outputs that use most of their limits, all that are equal."""
+    return tuple(rows[k] for k in largest([row.utilisation for row in rows]))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -324,6 +330,7 @@ class SensorAssessment:
     verdict: str  # 'meets', 'fails', 'undecided' or 'undecidable'
     utilisation: float  # the largest over its required outputs [1]
     worst_output: str  # dotted name
+    worst_outputs: tuple[str, ...]  # that one and all that are equal to it
     limiting_source: str  # dotted name
     expected_missing: tuple[str, ...]  # lines that a 'meets' cannot do without
     advice: str = ""  # what would make the verdict surer

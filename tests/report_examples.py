@@ -20,6 +20,7 @@ from budget.results import (
     Settings,
     SobolIndex,
     Validation,
+    all_worst_of,
 )
 from budget.spec.records import (
     ANGLES,
@@ -346,6 +347,7 @@ def make_assessment(budget, limits=None, **verdicts):
                     output=row.output,
                     limit=limit,
                     printed_limit=printed,
+                    standard_uncertainty=row.standard_uncertainty,
                     largest_error=row.largest_error,
                     utilisation=row.largest_error / limit,
                 )
@@ -353,7 +355,8 @@ def make_assessment(budget, limits=None, **verdicts):
     sensors = []
     for sensor in dict.fromkeys(o.output.name.split(".")[0] for o in outputs):
         own = [o for o in outputs if o.output.name.startswith(f"{sensor}.")]
-        worst = max(own, key=lambda o: o.utilisation)
+        all_worst = all_worst_of(own)
+        worst = all_worst[0]
         verdict = verdicts.get(sensor, "meets" if worst.is_within else "fails")
         sensors.append(
             SensorAssessment(
@@ -361,6 +364,7 @@ def make_assessment(budget, limits=None, **verdicts):
                 verdict=verdict,
                 utilisation=worst.utilisation,
                 worst_output=worst.output.name,
+                worst_outputs=tuple(row.output.name for row in all_worst),
                 limiting_source=budget.output(worst.output.name).ranked[0].source,
                 expected_missing=(
                     (f"{sensor}.noise",) if verdict == "undecidable" else ()

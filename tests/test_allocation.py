@@ -229,7 +229,7 @@ def test_headroom_is_the_closed_form():
 
     wanted = [np.sqrt(100.0 - 16.0) / 3.0, np.sqrt(100.0 - 9.0) / 4.0]
     assert_allclose([room.factor for room in rooms], wanted, rtol=1e-8)
-    assert [room.stopped_by for room in rooms] == [0, 0]
+    assert [room.stopped_by for room in rooms] == [(0,), (0,)]
 
 
 def test_a_failing_output_leaves_no_headroom_to_what_it_feels():
@@ -239,7 +239,7 @@ def test_a_failing_output_leaves_no_headroom_to_what_it_feels():
 
     assert [room.factor for room in rooms[:2]] == [0.0, 0.0]
     assert_allclose(rooms[2].factor, 6.0, rtol=1e-8)
-    assert rooms[2].stopped_by == 1
+    assert rooms[2].stopped_by == (1,)
 
 
 def test_growing_some_sources_leaves_the_others():

@@ -171,7 +171,7 @@ def test_a_sensor_without_limits_is_left_as_it_is(allocation):
         allocation,
         outputs=(),
         sources=tuple(
-            replace(row, allowed=None, headroom=None, binding_output=None)
+            replace(row, allowed=None, headroom=None, binding_outputs=())
             for row in allocation.sources
         ),
     )

@@ -127,7 +127,7 @@ def test_failing_report_says_by_what_and_why():
     )
     assert gyro.title == "Gyro: FAILS"
     assert (
-        "Worst output: gyro bias z, largest error 0.1194 deg/h, limit 0.1 deg/h: "
+        "Worst output: gyro bias z, largest error 0.119 deg/h, limit 0.1 deg/h: "
         "119 % of the limit."
     ) in words
     assert "Because: bias repeatability 67 %, bias stability 31 %, rest 2 %" in words
@@ -168,7 +168,7 @@ def test_meeting_report_says_the_margin():
 
     assert report.headline == "MEETS tactical grade"
     assert say(report.summary).startswith(
-        "All 12 required outputs stay within their limits, with 7 % of the nearest "
+        "All 12 required outputs stay within their limits, with 6.9 % of the nearest "
         "one to spare."
     )
 

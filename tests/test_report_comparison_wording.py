@@ -216,7 +216,7 @@ def test_the_title_names_no_device_that_lacks_a_line():
     )
     assert titled(bare) == "Gyro: None of 1 can be decided, lines are missing"
     assert re.fullmatch(
-        r"Gyro: 1 of 2 meets, the best is good at \d+ % of the limit; "
+        r"Gyro: 1 of 2 meets, the best is good at [\d.]+ % of the limit; "
         "1 cannot be decided, lines are missing",
         titled(bare, good),
     )

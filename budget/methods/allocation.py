@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.methods.scaling import FELT
+from budget.ties import first_largest, largest
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -27,7 +28,6 @@ TARGET = 1.0 - 1e-9
 # An output counts as at its limit from here on [1].
 AT_LIMIT = 1.0 - 1e-6
 SMALLEST = 1e-30  # factor that stands for none where a logarithm is taken [1]
-ALIKE = 9  # decimals of a part of a limit that tell two outputs apart
 TOUCHES = 1e-6  # relative distance at which a bound counts as reached
 
 
@@ -94,7 +94,7 @@ class Headroom:
     """How far one source may go alone."""
 
     factor: float  # on its present size [1]; inf where nothing stops it
-    stopped_by: int | None  # place of the output; None: its ceiling or nothing
+    stopped_by: tuple[int, ...]  # places of the outputs; (): its ceiling or nothing
 
 
 def proportional(task: Task) -> Array:
@@ -204,11 +204,6 @@ def grow(
     return at(float(brentq(excess, bottom, top, xtol=1e-13, rtol=1e-14)))
 
 
-def first_largest(parts: Array) -> int:
-    """Return the first of the places whose value is the largest but for rounding."""
-    return int(np.argmax(np.round(parts, ALIKE)))
-
-
 def _equal_start(task: Task) -> Array:
     """Return the factors that give each free source its equal part of one limit."""
     part = task.part(task.now)
@@ -218,7 +213,7 @@ def _equal_start(task: Task) -> Array:
     for g in np.flatnonzero(task.free):
         if not felt[:, g].any():
             continue  # felt nowhere: the common factors move it to its ceiling
-        k = int(np.argmax(part[:, g]))
+        k = first_largest(part[:, g].tolist())
         a = task.law.first[k, g]
         b = task.law.second[k, g, g]
         wanted = (task.limit[k] / task.coverage_factor[k]) ** 2 / n[k]
@@ -234,11 +229,11 @@ def _headroom(task: Task, s: Array, g: int) -> Headroom:
     over = task.utilisation(without)
     hopeless = (over > TARGET) & (task.part(s)[:, g] >= FELT)
     if hopeless.any():
-        place = first_largest(np.where(hopeless, over, 0.0))
-        return Headroom(factor=0.0, stopped_by=place)
+        places = largest(np.where(hopeless, over, 0.0).tolist())
+        return Headroom(factor=0.0, stopped_by=places)
     counts = over <= TARGET
     end = grow(task, s, task.free, among=counts)
     used = np.where(counts, task.utilisation(end), 0.0)
     if used.max() < AT_LIMIT:
-        return Headroom(factor=inf, stopped_by=None)
-    return Headroom(factor=float(end[g]), stopped_by=first_largest(used))
+        return Headroom(factor=inf, stopped_by=())
+    return Headroom(factor=float(end[g]), stopped_by=largest(used.tolist()))

@@ -9,10 +9,13 @@ from math import fsum, isfinite
 from typing import TYPE_CHECKING
 
 from budget.results import INTERACTION, Contribution
+from budget.spec.records import ANGLES
+from budget.ties import first_largest, from_largest, settle
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from budget.problem import Output
     from budget.results import Budget, OutputBudget, Settings
 
 # Plain notation between 1e-4 and 1e7, as 2.3e-9 outside: nobody counts nine zeros.
@@ -21,6 +24,7 @@ EXACT = Context(prec=700, rounding=ROUND_HALF_UP)  # digits from 1e308 to 1e-324
 
 SMALL_SHARE = 0.01  # of the variance [1]; below it a cause is not worth a sentence
 ALL = 1.0 - 1e-9  # [1]; a share above is the whole, short of it by rounding only
+NO_SHARE = 1e-20  # [1]; a share below is what the rounding of doubles leaves of zero
 NEAR_LIMIT = 0.01  # [1]; a utilisation this close to 1 gets one more digit
 
 
@@ -104,7 +108,7 @@ class GroupTable:
     @property
     def widest(self) -> OutputRow:
         """The output with the largest U."""
-        return max(self.rows, key=lambda row: row.expanded.exact)
+        return self.rows[first_largest([row.expanded.exact for row in self.rows])]
 
     @property
     def causes(self) -> str:
@@ -156,30 +160,60 @@ def round_value(value: float, u: float, *, resolution: float = 0.0) -> str:
     return _print_decimal(_quantize(value, _last_place(u)))
 
 
+def round_error(error: float, u: float, output: Output) -> Number:
+    """Round an error of an output to the last digit of its u, in the unit it has.
+
+    The one rule for every mean, interval end and largest error of a result.
+
+    Parameters
+    ----------
+    error, u : float
+        Error and standard uncertainty [SI].
+    output : Output
+    """
+    scale = output.si_per_unit
+    text = round_value(error / scale, u / scale, resolution=output.resolution / scale)
+    return Number(text=text, exact=error / scale)
+
+
 def print_given(value: float, *, digits: int = 4) -> str:
     """Print a figure that was given, not computed: '0.0125', no zeros added."""
-    return _print_decimal(Decimal(f"{value:.{digits - 1}e}").normalize(EXACT))
+    text = f"{settle(value):.{digits - 1}e}"
+    return _print_decimal(Decimal(text).normalize(EXACT))
 
 
 def print_share(share: float) -> str:
     """Print a share of the variance: '79 %', '0.3 %', '<0.1 %', '>99 %', '0 %'."""
-    if share == 0.0:
+    share = settle(share)
+    if abs(share) < NO_SHARE:
         return "0 %"
     if 0.0 < share < SMALL_SHARE / 10.0:
         return "<0.1 %"
-    if share < ALL and round(100.0 * share) == 100:  # noqa: PLR2004 - per cent
-        return ">99 %"
     digits = 1 if abs(share) < SMALL_SHARE else 0
-    return f"{100.0 * share:.{digits}f} %"
+    text = print_decimals(100.0 * share, digits)
+    return ">99 %" if text == "100" and share < ALL else f"{text} %"
 
 
 def print_utilisation(utilisation: float) -> str:
-    """Print a part of a limit so that 100 % stands only where it is met exactly."""
-    near = utilisation != 1.0 and abs(utilisation - 1.0) < NEAR_LIMIT
-    text = f"{100.0 * utilisation:.{1 if near else 0}f} %"
-    if near and text == "100.0 %":
-        return "<100 %" if utilisation < 1.0 else ">100 %"
-    return text
+    """Print a part of a limit in three digits: '143 %', '98.7 %', '4.20 %'.
+
+    100 % stands only where the limit is met exactly; near it a digit more is printed.
+    """
+    used = settle(utilisation)
+    if used == 1.0:
+        return "100 %"
+    if 1.0 < used < 1.0 + NEAR_LIMIT:
+        text = print_decimals(100.0 * used, 1)
+    else:
+        text = round_value(100.0 * used, 10.0 * abs(used))  # two digits of a tenth
+    if text in {"100", "100.0"}:
+        return "<100 %" if used < 1.0 else ">100 %"
+    return f"{text} %"
+
+
+def print_decimals(value: float, decimals: int) -> str:
+    """Print a number with that many decimals; halves go up, never a negative zero."""
+    return f"{_quantize(value, -decimals):f}"
 
 
 def print_coverage(coverage: float) -> str:
@@ -194,13 +228,15 @@ def print_count(count: int) -> str:
 
 def print_causes(shares: Sequence[tuple[str, float]], *, named: int = 2) -> str:
     """Name the largest causes and gather the rest; shares are of one variance."""
-    if not any(share > 0.0 for _, share in shares):
+    if not any(share > NO_SHARE for _, share in shares):
         return "no spread"
-    ranked = sorted(shares, key=lambda pair: -pair[1])
+    ranked = [shares[k] for k in from_largest([share for _, share in shares])]
     head = [pair for pair in ranked[:named] if pair[1] >= SMALL_SHARE]
     rest = fsum(share for _, share in ranked[len(head) :])
     parts = [f"{title} {print_share(share)}" for title, share in head]
-    return ", ".join([*parts, f"rest {print_share(rest)}"] if rest > 0.0 else parts)
+    return ", ".join(
+        [*parts, f"rest {print_share(rest)}"] if rest > NO_SHARE else parts
+    )
 
 
 def words(name: str) -> str:
@@ -217,6 +253,19 @@ def source_title(source: str) -> str:
 def output_title(name: str) -> str:
     """Name an output for people: 'gyro.bias.z' to 'gyro bias z'."""
     return words(name.replace(".", " "))
+
+
+def join_outputs(names: Sequence[str]) -> str:
+    """Gather outputs of one parameter: 'gyro bias x, y, z'; of all six, every axis."""
+    groups: dict[str, list[str]] = {}
+    for name in names:
+        group, _, axis = name.rpartition(".")
+        groups.setdefault(group, []).append(axis)
+    return "; ".join(
+        f"{output_title(group)} "
+        + ("(every axis)" if len(axes) == len(ANGLES) else ", ".join(axes))
+        for group, axes in groups.items()
+    )
 
 
 def settings_lines(settings: Settings) -> tuple[tuple[str, str], ...]:
@@ -263,11 +312,16 @@ def _group_table(
 ) -> GroupTable:
     """Make the table of one group; sources ranked by variance over the group."""
     # Where the spread is only rounding, so are the shares of it.
-    spread = [part for row in outputs if row.is_resolved for part in row.contributions]
-    total = fsum(part.standard_uncertainty**2 for part in spread)
+    spread = [
+        (part.source, part.standard_uncertainty)
+        for row in outputs
+        for part in row.contributions
+        if row.is_resolved and part.standard_uncertainty > row.output.resolution
+    ]
+    total = fsum(u**2 for _, u in spread)
     sources = []
     for source in dict.fromkeys(p.source for row in outputs for p in row.contributions):
-        own = fsum(p.standard_uncertainty**2 for p in spread if p.source == source)
+        own = fsum(u**2 for name, u in spread if name == source)
         share = own / total if total > 0.0 else 0.0
         sources.append(
             SourceRow(
@@ -283,7 +337,9 @@ def _group_table(
         unit=outputs[0].output.unit,
         coverage=settings.coverage,
         rows=tuple(_output_row(row) for row in outputs),
-        sources=tuple(sorted(sources, key=lambda row: -row.share.exact)),
+        sources=tuple(
+            sources[k] for k in from_largest([row.share.exact for row in sources])
+        ),
         validation=_validation(outputs, settings.digits),
     )
 
@@ -295,8 +351,7 @@ def _output_row(row: OutputBudget) -> OutputRow:
     resolution = row.output.resolution / scale
 
     def value(x: float) -> Number:
-        text = round_value(x / scale, u, resolution=resolution)
-        return Number(text=text, exact=x / scale)
+        return round_error(x, row.standard_uncertainty, row.output)
 
     return OutputRow(
         axis=row.axis,
@@ -330,7 +385,8 @@ def _source_cell(row: OutputBudget, source: str) -> SourceCell:
     )
     scale = row.output.si_per_unit
     u = part.standard_uncertainty / scale
-    share = part.share if row.is_resolved else 0.0
+    acts = row.is_resolved and part.standard_uncertainty > row.output.resolution
+    share = part.share if acts else 0.0
     return SourceCell(
         u=Number(
             text=round_uncertainty(u, resolution=row.output.resolution / scale), exact=u
@@ -372,7 +428,7 @@ def _check(u: float) -> None:
 
 def _last_place(u: float) -> int:
     """Return the decimal exponent of the second digit of u > 0, after rounding."""
-    exact = Decimal(repr(float(u)))
+    exact = Decimal(repr(settle(u)))
     place = exact.adjusted() - 1
     # 0.0995 rounds to 0.10: the carry moves the second digit.
     return place + (_quantize(u, place).adjusted() - exact.adjusted())
@@ -380,9 +436,8 @@ def _last_place(u: float) -> int:
 
 def _quantize(value: float, place: int) -> Decimal:
     """Round to a multiple of 10**place; never to a negative zero."""
-    rounded = Decimal(repr(float(value))).quantize(
-        Decimal(1).scaleb(place), context=EXACT
-    )
+    settled = Decimal(repr(settle(value)))
+    rounded = settled.quantize(Decimal(1).scaleb(place), context=EXACT)
     return abs(rounded) if rounded == 0 else rounded
 
 

@@ -10,7 +10,7 @@ from budget.results import (
     CapAssessment,
     OutputAssessment,
     SensorAssessment,
-    worst_of,
+    all_worst_of,
 )
 from budget.studies.comparison.figures_of_merit import over_cap, read_amount
 
@@ -125,6 +125,7 @@ def _hold(row: OutputBudget, limit: Limit) -> OutputAssessment:
         output=row.output,
         limit=limit.limit,
         printed_limit=limit.printed,
+        standard_uncertainty=row.standard_uncertainty,
         largest_error=largest,
         utilisation=largest / limit.limit,
         by_monte_carlo=refused,
@@ -138,7 +139,8 @@ def _judge(
     own = [row for row in outputs if row.output.name.startswith(f"{sensor.kind}.")]
     if not own:
         return None
-    worst = worst_of(own)
+    all_worst = all_worst_of(own)
+    worst = all_worst[0]
     # The law is checked, and trials are made, to one digit of u: that near to a limit
     # they cannot decide. Only trials made to two digits can.
     is_sure = budget.settings.method == "monte-carlo" and budget.settings.digits > 1
@@ -154,6 +156,7 @@ def _judge(
         verdict=verdict,
         utilisation=worst.utilisation,
         worst_output=worst.output.name,
+        worst_outputs=tuple(row.output.name for row in all_worst),
         limiting_source=budget.output(worst.output.name).ranked[0].source,
         expected_missing=sensor.expected_missing,
         advice=NEAR_ADVICE if near else "",

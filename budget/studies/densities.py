@@ -16,6 +16,7 @@ from budget.methods.intervals import interval_of_values
 from budget.methods.trials import first_trials
 from budget.physics.calibration import calibration_problem
 from budget.studies.request import choose_sources, sensors_of
+from budget.ties import first_largest
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -142,4 +143,7 @@ def _critical(budget: Budget, assessment: Assessment | None) -> set[str]:
     for name in weights:
         if name in resolved:
             groups.setdefault(name.rpartition(".")[0], []).append(name)
-    return {max(names, key=weights.__getitem__) for names in groups.values()}
+    return {
+        names[first_largest([weights[name] for name in names])]
+        for names in groups.values()
+    }

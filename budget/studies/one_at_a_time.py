@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
+from budget.ties import first_largest
 
 if TYPE_CHECKING:
     from budget.problem import Output
@@ -51,7 +51,7 @@ def one_at_a_time(what_if: WhatIf) -> tuple[SourceSteps, ...]:
     present = what_if.evaluate({})
     rows = []
     for g, source in enumerate(what_if.sources):
-        k = int(np.argmax(present.share[:, g]))
+        k = first_largest(present.share[:, g].tolist())
         outlooks = [what_if.evaluate({source.name: factor}) for factor in FACTORS]
         rows.append(
             SourceSteps(

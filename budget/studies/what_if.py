@@ -32,6 +32,7 @@ from budget.studies.request import (
     choose_sources,
     sensors_of,
 )
+from budget.ties import first_largest, settle
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -256,13 +257,12 @@ class WhatIf:
             ]
             if not own:
                 continue
-            # Of outputs that differ by rounding only, the first: see worst_of.
-            used, worst = max(own, key=lambda row: float(f"{row[0]:.9g}"))
+            used, worst = own[first_largest([row[0] for row in own])]
             passing = "undecidable" if sensor.missing else "meets"
             outlooks.append(
                 SensorOutlook(
                     sensor=sensor.name,
-                    verdict="fails" if used > 1.0 else passing,
+                    verdict="fails" if settle(used) > 1.0 else passing,
                     utilisation=used,
                     worst_output=worst,
                 )

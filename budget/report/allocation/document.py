@@ -46,9 +46,14 @@ def to_document(allocation: Allocation) -> dict[str, Any]:
             {
                 "sensor": row["sensor"],
                 **{key: row[key] for key in COLUMNS[1:12]},
+                "binding_outputs": list(source.binding_outputs),
                 "headroom": None
                 if source.headroom is None
-                else {"value": row["headroom"], "stopped_by": row["stopped_by"]},
+                else {
+                    "value": row["headroom"],
+                    "stopped_by": row["stopped_by"],
+                    "all_that_stop": list(source.headroom.stopped_by),
+                },
                 "best_offered": row["best_offered"],
                 "counts": row["counts"],
             }
@@ -164,13 +169,15 @@ def _rows(allocation: Allocation) -> list[dict[str, Any]]:
                 "now": size(row.now),
                 "allowed": size(row.allowed),
                 "uncorrected": size(row.uncorrected),
-                "binding_output": row.binding_output,
+                "binding_output": next(iter(row.binding_outputs), None),
                 "at_ceiling": row.at_ceiling,
                 "at_least": row.at_least,
                 "ceiling": size(row.ceiling),
                 "least": size(row.least),
                 "headroom": None if room is None else size(room.value),
-                "stopped_by": None if room is None else room.stopped_by,
+                "stopped_by": None
+                if room is None
+                else next(iter(room.stopped_by), None),
                 "best_offered": size(row.best_offered),
                 "counts": row.counts,
             }

@@ -16,6 +16,7 @@ from budget.report.figures import INK, MUTED, PAPER, SMALL, STYLES
 from budget.report.figures.picture import as_picture
 from budget.report.tables import print_given, source_title
 from budget.studies.allocation.records import FREE
+from budget.ties import first_largest
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -113,7 +114,7 @@ def headroom_title(rows: Sequence[SourceAllotment]) -> str:
     sensor = shown[0].source.partition(".")[0] if shown else ""
     if not growing:
         return f"No {sensor} line alone may grow"
-    most = max(growing, key=_factor)
+    most = growing[first_largest([_factor(row) for row in growing])]
     that_count = " that count" if any(row.is_idle for row in rows) else ""
     return (
         f"{len(growing)} of {len(shown)} {sensor} lines{that_count} may grow alone, "

@@ -13,7 +13,6 @@ from budget.report.allocation.words import (
     DIGITS,
     explain_idle,
     headline,
-    join_outputs,
     lever_text,
     match_text,
     part_title,
@@ -40,6 +39,7 @@ from budget.report.blocks import (
 )
 from budget.report.figures.picture import capital
 from budget.report.tables import (
+    join_outputs,
     output_title,
     print_count,
     print_coverage,
@@ -193,7 +193,7 @@ def _line_row(row: SourceAllotment) -> tuple[Cell, ...]:
             text=print_given(row.factor, digits=DIGITS) if changed else DASH,
             exact=row.factor if changed else None,
         ),
-        Cell(text=print_stop(row.binding_output)),
+        Cell(text=print_stop(row.binding_outputs)),
         Cell(
             text=up_to,
             exact=room.value / row.si_per_unit if room and room.value else None,
@@ -214,7 +214,7 @@ def _parts_table(sensor: str, limits: Sequence[LimitedOutput]) -> Table:
     """Return what takes how much of the squared limits, now and after."""
     columns = [Column(head="part of the squared limit [%]", weight=1.4)]
     for row in limits:
-        name = print_stop(row.output.name)
+        name = print_stop((row.output.name,))
         columns += [
             Column(head=f"{name}, {word}", kind="number")
             for word in ("now", after_word(row))

@@ -10,7 +10,6 @@ from budget.report.allocation.words import (
     DIGITS,
     explain_idle,
     headline,
-    join_outputs,
     lever_text,
     match_text,
     part_title,
@@ -24,6 +23,7 @@ from budget.report.allocation.words import (
     tightest,
 )
 from budget.report.tables import (
+    join_outputs,
     output_title,
     print_count,
     print_coverage,
@@ -153,7 +153,7 @@ def _source_cells(
             cell.append(print_given(size, digits=DIGITS) + star)
         cell.append(row.unit.translate(PLAIN))
         if feasible:
-            cell += [print_change(row), _short(print_stop(row.binding_output))]
+            cell += [print_change(row), _short(print_stop(row.binding_outputs))]
         cells.append([*cell, mark] if any(marks) else cell)
     return cells
 

@@ -9,6 +9,7 @@ from budget.report.allocation.words import part_title, print_part, print_used
 from budget.report.figures import GRID, MUTED, PAPER, SMALL, STYLES
 from budget.report.figures.picture import as_picture, capital
 from budget.report.tables import output_title
+from budget.ties import first_largest
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -83,7 +84,7 @@ def waterfall(row: LimitedOutput) -> Figure:
 def waterfall_title(row: LimitedOutput) -> str:
     """State the finding: who takes most of the limit."""
     name = output_title(row.output.name)
-    largest = max(row.parts, key=_after)
+    largest = row.parts[first_largest([_after(part) for part in row.parts])]
     part = f"{part_title(largest.source)} takes {print_part(_after(largest))} %"
     if row.allowed is None:
         return f"{capital(name)} cannot be met: {part} of the squared limit"

@@ -5,13 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from budget.report.tables import (
-    output_title,
+    join_outputs,
     print_given,
     print_utilisation,
     source_title,
     words,
 )
 from budget.studies.allocation.records import FREE, MEAN
+from budget.ties import first_largest, from_largest
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -57,13 +58,13 @@ def print_headroom(row: SourceAllotment) -> tuple[str, str]:
     if room is None:
         return DASH, IDLE if row.is_idle else DASH
     up_to = print_given(room.value / row.si_per_unit, digits=DIGITS)
-    stop = CEILING if room.stopped_by is None else print_stop(room.stopped_by)
+    stop = print_stop(room.stopped_by) if room.stopped_by else CEILING
     return up_to if room.value else NONE, stop
 
 
-def print_stop(name: str | None) -> str:
-    """Name an output without its sensor; a dash where there is none."""
-    return DASH if name is None else output_title(name.partition(".")[2])
+def print_stop(names: Sequence[str]) -> str:
+    """Name outputs without their sensor; a dash where there are none."""
+    return join_outputs([name.partition(".")[2] for name in names]) or DASH
 
 
 def explain_idle(rows: Sequence[SourceAllotment]) -> str:
@@ -96,12 +97,12 @@ def print_used(row: LimitedOutput, *, now: bool) -> str:
 
 def tightest(outputs: Sequence[LimitedOutput]) -> tuple[LimitedOutput, ...]:
     """Return the output of each parameter group that is nearest to its limit."""
-    found: dict[str, LimitedOutput] = {}
+    groups: dict[str, list[LimitedOutput]] = {}
     for row in outputs:
-        group = row.output.name.rpartition(".")[0]
-        if group not in found or _used(row) > _used(found[group]):
-            found[group] = row
-    return tuple(found.values())
+        groups.setdefault(row.output.name.rpartition(".")[0], []).append(row)
+    return tuple(
+        rows[first_largest([_used(row) for row in rows])] for rows in groups.values()
+    )
 
 
 def part_title(source: str) -> str:
@@ -142,17 +143,6 @@ def headline(allocation: Allocation) -> str:
     )
 
 
-def join_outputs(names: Sequence[str]) -> str:
-    """Gather outputs of one parameter: 'gyro bias x, y, z'."""
-    groups: dict[str, list[str]] = {}
-    for name in names:
-        group, _, axis = name.rpartition(".")
-        groups.setdefault(group, []).append(axis)
-    return "; ".join(
-        f"{output_title(group)} {', '.join(axes)}" for group, axes in groups.items()
-    )
-
-
 def relaxations(rows: Sequence[LimitedOutput]) -> tuple[str, ...]:
     """Say how far limits that cannot be met must be relaxed, like ones together."""
     groups: dict[tuple[str, str], list[LimitedOutput]] = {}
@@ -164,10 +154,10 @@ def relaxations(rows: Sequence[LimitedOutput]) -> tuple[str, ...]:
 
 def _relaxation(rows: Sequence[LimitedOutput]) -> str:
     """Say it of outputs with one limit, by the one that needs most."""
-    row = max(rows, key=lambda row: row.floor)
+    row = rows[first_largest([row.floor for row in rows])]
     scale = row.output.si_per_unit
     needed = print_value(row.floor * row.limit / scale, row.output.unit)
-    users = sorted(row.parts, key=lambda part: -part.floor)
+    users = [row.parts[k] for k in from_largest([part.floor for part in row.parts])]
     taken = ", ".join(
         f"{part_title(part.source)} {print_part(part.floor)} %"
         for part in users[:3]

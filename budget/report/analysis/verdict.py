@@ -25,12 +25,14 @@ from budget.report.blocks import (
 )
 from budget.report.tables import (
     Number,
+    join_outputs,
     output_title,
     print_causes,
     print_coverage,
+    print_decimals,
     print_share,
     print_utilisation,
-    round_value,
+    round_error,
     source_title,
 )
 
@@ -101,8 +103,7 @@ def limits_section(budget: Budget, assessment: Assessment) -> Section:
         RowGroup(
             title=output_title(name),
             rows=tuple(
-                _limit_row(budget, row, is_known=row in assessment.judged)
-                for row in outputs
+                _limit_row(row, is_known=row in assessment.judged) for row in outputs
             ),
         )
         for name, outputs in groupby(
@@ -133,11 +134,9 @@ def limits_section(budget: Budget, assessment: Assessment) -> Section:
     return Section(name="limits", title="Limits", blocks=blocks)
 
 
-def _limit_row(
-    budget: Budget, row: OutputAssessment, *, is_known: bool
-) -> tuple[Cell, ...]:
+def _limit_row(row: OutputAssessment, *, is_known: bool) -> tuple[Cell, ...]:
     """Return one required output against its limit."""
-    error = largest_error(budget, row)
+    error = round_error(row.largest_error, row.standard_uncertainty, row.output)
     used = _used(row)
     strong = not row.is_within
     word = "within" if row.is_within else "beyond"
@@ -184,22 +183,6 @@ def _caps_table(assessment: Assessment) -> Table:
     )
 
 
-def largest_error(budget: Budget, row: OutputAssessment) -> Number:
-    """Round a largest error, in the unit of the output.
-
-    To a digit more than its uncertainty has: beside a limit a reader divides.
-    """
-    output = budget.output(row.output.name)
-    scale = row.output.si_per_unit
-    error = row.largest_error / scale
-    text = round_value(
-        error,
-        output.standard_uncertainty / scale / 10.0,
-        resolution=row.output.resolution / scale / 10.0,
-    )
-    return Number(text=text, exact=error)
-
-
 def _left_out(settings: Settings) -> Words:
     """Say that sources were left out, where they were."""
     if not settings.only:
@@ -237,7 +220,8 @@ def _margin(budget: Budget, assessment: Assessment | None) -> Words:
         return (*nothing, f"{found}{by} of the limit. ", basis)
     found = f"All {total} required outputs stay within their limits"
     if 1.0 - worst >= SPARE:
-        found += f", with {print_utilisation(1.0 - worst)} of the nearest one to spare"
+        spare = print_decimals(100.0 * (1.0 - worst), 1)
+        found += f", with {spare} % of the nearest one to spare"
     return (*nothing, f"{found}. ", basis)
 
 
@@ -267,8 +251,13 @@ def _verdict_card(
         lines.append((text,))
     lines.append(
         (
-            f"Worst output: {output_title(worst.output.name)}, largest error ",
-            value(largest_error(budget, worst), worst.output.unit),
+            f"Worst output: {join_outputs(sensor.worst_outputs)}, largest error ",
+            value(
+                round_error(
+                    worst.largest_error, worst.standard_uncertainty, worst.output
+                ),
+                worst.output.unit,
+            ),
             f", limit {worst.printed_limit}: ",
             value(_used(worst)),
             " of the limit.",
@@ -319,7 +308,7 @@ def _group_card(group: GroupTable) -> Card:
 
 def _print_excess(part: float) -> str:
     """Print by how much a limit is exceeded, in parts of it; never 0."""
-    return print_share(part) if part < SPARE else print_utilisation(part)
+    return print_share(part) if part < SPARE else f"{print_decimals(100.0 * part, 0)} %"
 
 
 def _used(row: OutputAssessment) -> Number:

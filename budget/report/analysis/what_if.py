@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from budget.report.analysis.wording import VERDICTS
+from budget.report.analysis.wording import VERDICTS, cell
 from budget.report.blocks import (
     Cell,
     Column,
@@ -21,7 +21,7 @@ from budget.report.tables import (
     print_coverage,
     print_share,
     print_utilisation,
-    round_value,
+    round_error,
     source_title,
 )
 
@@ -127,11 +127,7 @@ def _row(row: SourceSteps, *, required: bool) -> tuple[Cell, ...]:
 
 def _expanded(row: SourceSteps, step: Step) -> Cell:
     """Round U like its standard uncertainty."""
-    scale = row.output.si_per_unit
-    text = round_value(
-        step.expanded / scale, step.u / scale, resolution=row.output.resolution / scale
-    )
-    return Cell(text=text, exact=step.expanded / scale)
+    return cell(round_error(step.expanded, step.u, row.output))
 
 
 def _used(step: Step) -> Cell:

@@ -149,6 +149,7 @@ def _device(one: DeviceVerdict, rank: str) -> dict[str, Any]:
         "utilisation_interval": list(one.utilisation_interval),
         "margin": one.margin,
         "worst_output": one.worst_output,
+        "worst_outputs": list(one.worst_outputs),
         **_probability(one.conformance),
         "limiting_source": one.remedy.source,
         "limiting_share": one.remedy.share,

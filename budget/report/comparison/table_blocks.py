@@ -9,11 +9,10 @@ from budget.report.comparison.fronts import merit_points
 from budget.report.comparison.tables import (
     PAIRS_SHOWN,
     PER_CENT,
-    print_parts,
     print_probability,
     side_by_side,
 )
-from budget.report.tables import output_title, print_given, words
+from budget.report.tables import output_title, print_given, print_utilisation, words
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -305,15 +304,15 @@ def _part_of_limit(output: RequiredOutput) -> Cell:
     """Return the part of one limit that one device uses; beyond it in bold."""
     part = output.utilisation
     return Cell(
-        text=print_parts(part, (part, part))[0],
+        text=print_utilisation(part).removesuffix(" %"),
         exact=PER_CENT * part,
-        strong=part > 1.0,
+        strong=not output.is_within,
     )
 
 
 def _pair(pair: Pair, *, several: bool) -> tuple[Cell, ...]:
     """Return one pair."""
-    part = print_parts(pair.utilisation, (pair.utilisation,) * 2)[0]
+    part = print_utilisation(pair.utilisation).removesuffix(" %")
     return (
         Cell(text=pair.gyro, strong=pair.verdict == "meets"),
         Cell(text=pair.accelerometer, strong=pair.verdict == "meets"),

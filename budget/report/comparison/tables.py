@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from budget.errors import CallError
 from budget.report.tables import (
-    NEAR_LIMIT,
-    output_title,
+    join_outputs,
     print_given,
     print_utilisation,
     round_value,
@@ -234,7 +233,9 @@ def _row(one: DeviceVerdict, rank: str) -> Row:
         utilisation=utilisation,
         interval=interval,
         conformance=print_probability(one.conformance),
-        worst_output=output_title(one.worst_output.partition(".")[2]),
+        worst_output=join_outputs(
+            [name.partition(".")[2] for name in one.worst_outputs]
+        ),
         limiting_source=source_title(one.remedy.source),
         factor=print_factor(one.remedy),
         missing="" if one.missing is None else f"{len(one.missing.lines)}",
@@ -246,20 +247,17 @@ def _row(one: DeviceVerdict, rank: str) -> Row:
 def print_parts(value: float, interval: tuple[float, float]) -> tuple[str, str]:
     """Print a part of a limit in per cent, and its sampling interval.
 
-    To the first digit of the interval's half-width; by the law, which has no sampling,
-    to three digits. 100 stands only where the limit is met exactly.
+    The part is printed as everywhere, the interval to the first digit of its
+    half-width; by the law there is no sampling, and so none.
     """
     low, high = interval
     half = (high - low) / 2.0
+    text = print_utilisation(value).removesuffix(" %")
     if half == 0.0:
-        if abs(value - 1.0) < NEAR_LIMIT:
-            return print_utilisation(value).replace(" %", ""), ""
-        return print_three(PER_CENT * value), ""
+        return text, ""
     # round_value keeps two digits of an uncertainty; of ten times it, one.
-    texts = [
-        round_value(PER_CENT * x, 10.0 * PER_CENT * half) for x in (value, low, high)
-    ]
-    return texts[0], f"{texts[1]} to {texts[2]}"
+    ends = [round_value(PER_CENT * x, 10.0 * PER_CENT * half) for x in (low, high)]
+    return text, f"{ends[0]} to {ends[1]}"
 
 
 def print_three(value: float) -> str:

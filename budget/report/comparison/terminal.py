@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from budget.report.comparison.tables import (
     COLUMNS,
     PAIRS_SHOWN,
-    print_parts,
     print_probability,
     side_by_side,
     tables,
@@ -21,7 +20,7 @@ from budget.report.comparison.wording import (
     unknown_cap_lines,
     verdict_lines,
 )
-from budget.report.tables import align_decimals, settings_lines
+from budget.report.tables import align_decimals, print_utilisation, settings_lines
 from budget.report.terminal import GAP, SETTING, Page, set_columns
 
 if TYPE_CHECKING:
@@ -248,7 +247,7 @@ def _print_pairs(comparison: Comparison, page: Page) -> None:
     columns.append(
         list(
             align_decimals(
-                [print_parts(p.utilisation, (p.utilisation,) * 2)[0] for p in shown]
+                [print_utilisation(p.utilisation).removesuffix(" %") for p in shown]
             )
         )
     )

@@ -19,7 +19,7 @@ from budget.report.figures.picture import as_picture, capital
 from budget.report.tables import (
     output_title,
     print_utilisation,
-    round_value,
+    round_error,
     words,
 )
 
@@ -40,6 +40,7 @@ SCALE = 300.0  # width of the scale [pt]
 # Opacities of the one hue; up to 0.8 ink can be read on it (4.5:1) in light and dark.
 PALEST, UP_TO_LIMIT, BEYOND, DARKEST = 0.06, 0.40, 0.60, 0.80
 DARKEST_AT = 2.0  # utilisation with the darkest hue [1]
+ROOM = 5  # characters that a cell holds
 MOST_PER_CENT = 999.5  # beyond, a cell says >999
 BOTH = 2  # devices that are all there are
 SHORT = {"scale_factor": "SF", "mounting_angle": "angle", "bias": "bias"}
@@ -96,7 +97,7 @@ def utilisation_map(table: Table) -> Figure:
                     gid=_gid(y, x),
                 )
             )
-            if part > 1.0:
+            if not output.is_within:
                 axes.add_patch(
                     Rectangle(
                         (x + 0.04, y + 0.06),
@@ -113,7 +114,7 @@ def utilisation_map(table: Table) -> Figure:
                 _cell(part),
                 fontsize=CELL_TEXT,
                 color=INK,
-                fontweight="bold" if part > 1.0 else "normal",
+                fontweight="normal" if output.is_within else "bold",
                 ha="center",
                 va="center_baseline",
             )
@@ -165,13 +166,10 @@ def map_tips(table: Table) -> dict[str, str]:
 
 def print_error(output: RequiredOutput) -> str:
     """Print a largest error, rounded like its standard uncertainty."""
-    unit = output.output
-    error = round_value(
-        output.largest_error / unit.si_per_unit,
-        output.standard_uncertainty / unit.si_per_unit,
-        resolution=unit.resolution / unit.si_per_unit,
+    error = round_error(
+        output.largest_error, output.standard_uncertainty, output.output
     )
-    return f"{error} {unit.unit}"
+    return f"{error.text} {output.output.unit}"
 
 
 def _gid(y: int, x: int) -> str:
@@ -188,13 +186,11 @@ def _opacity(part: float) -> float:
 
 
 def _cell(part: float) -> str:
-    """Print a part of a limit in three characters, so that 100 is not passed."""
-    per_cent = 100.0 * part
-    if per_cent >= MOST_PER_CENT:
+    """Print a part of a limit as everywhere, as far as a cell has room for it."""
+    if 100.0 * part >= MOST_PER_CENT:
         return ">999"
-    if part > 1.0 and round(per_cent) == 100:  # noqa: PLR2004 - per cent
-        return ">100"
-    return f"{per_cent:.0f}" if per_cent >= 1.0 else "<1"
+    text = print_utilisation(part).removesuffix(" %")
+    return text if len(text) <= ROOM else "<0.1"
 
 
 def _draw_output_heads(axes: Axes, names: list[str]) -> None:

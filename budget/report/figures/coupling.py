@@ -17,6 +17,7 @@ from budget.report.figures.style import (
     canvas,
 )
 from budget.report.tables import ALL, output_title, print_given, source_title, words
+from budget.ties import first_largest
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -109,7 +110,7 @@ def coupling_map(table: CouplingTable, sensor: str) -> Figure:
 def coupling_title(table: CouplingTable, sensor: str) -> str:
     """State the finding: which source reaches farthest where it does not belong."""
     foreign = [cell for cell in _cells(table, sensor) if not cell.is_own]
-    most = max(foreign, key=lambda cell: cell.size, default=None)
+    most = foreign[first_largest([cell.size for cell in foreign])] if foreign else None
     if most is None or not most.reaches:
         return f"Each {sensor} parameter is reached by its own spread alone"
     return (

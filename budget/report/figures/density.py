@@ -23,7 +23,7 @@ from budget.report.tables import (
     print_coverage,
     print_given,
     print_share,
-    round_value,
+    round_error,
 )
 
 if TYPE_CHECKING:
@@ -235,9 +235,7 @@ def _caption(density: Density) -> str:
 
 def _round(density: Density, value: float) -> str:
     """Round a value of the output to its uncertainty, in its unit."""
-    scale = density.output.si_per_unit
-    resolution = density.output.resolution / scale
-    return round_value(value / scale, density.u / scale, resolution=resolution)
+    return round_error(value, density.u, density.output).text
 
 
 def _limit(density: Density) -> str:

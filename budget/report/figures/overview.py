@@ -41,7 +41,7 @@ def overview_picture(groups: Sequence[GroupTable]) -> Picture | None:
         alt=overview_alt(groups),
         tips={
             _gid(group, row): f"{group.title} {row.axis}: U {row.expanded.text} "
-            f"{group.unit}, exactly {row.expanded.exact:.6g}"
+            f"{group.unit}"
             for group in groups
             for row in group.rows
         },

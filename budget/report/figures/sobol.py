@@ -20,6 +20,7 @@ from budget.report.figures.style import (
 )
 from budget.report.indices import print_index
 from budget.report.tables import output_title, source_title, words
+from budget.ties import first_largest
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -115,7 +116,9 @@ def sobol_title(budget: Budget, sensor: str) -> str:
     ]
     found = [pair for pair in pairs if _can_be_seen(pair[2])]
     if found:
-        row, source, index = max(found, key=lambda p: p[2].total - p[2].first)
+        row, source, index = found[
+            first_largest([p[2].total - p[2].first for p in found])
+        ]
         first, total = _texts(index)
         return (
             f"{capital(source_title(source))} interacts in the "

@@ -23,8 +23,14 @@ from budget.report.figures.style import (
     add_panel,
     blank,
 )
-from budget.report.tables import output_title, print_given, print_utilisation
-from budget.results import worst_of
+from budget.report.tables import (
+    join_outputs,
+    output_title,
+    print_utilisation,
+    round_error,
+)
+from budget.results import all_worst_of, worst_of
+from budget.ties import from_largest
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -67,7 +73,7 @@ def utilisation_picture(assessment: Assessment) -> Picture:
         alt=utilisation_alt(assessment),
         tips={
             _gid(row): f"{output_title(row.output.name)}: largest error "
-            f"{_exact(row)}, {print_utilisation(row.utilisation)} of the limit "
+            f"{_error(row)}, {print_utilisation(row.utilisation)} of the limit "
             f"{row.printed_limit}"
             for row in assessment.outputs
         },
@@ -112,9 +118,10 @@ def utilisation_dots(assessment: Assessment) -> Figure:
 
 def utilisation_title(assessment: Assessment) -> str:
     """State the finding: how many outputs exceed their limits, and the worst."""
-    worst = worst_of(assessment.outputs)
+    all_worst = all_worst_of(assessment.outputs)
+    worst = all_worst[0]
     beyond = sum(not output.is_within for output in assessment.outputs)
-    name = output_title(worst.output.name)
+    name = join_outputs([row.output.name for row in all_worst])
     part = f"{name} at {print_utilisation(worst.utilisation)} of the limit"
     total = len(assessment.outputs)
     if beyond:
@@ -146,10 +153,10 @@ def _gid(row: OutputAssessment) -> str:
     return f"tip-{row.output.name}"
 
 
-def _exact(row: OutputAssessment) -> str:
-    """Write a largest error to six digits, for a tooltip."""
-    error = print_given(row.largest_error / row.output.si_per_unit, digits=6)
-    return f"{error} {row.output.unit}"
+def _error(row: OutputAssessment) -> str:
+    """Write a largest error with its unit."""
+    error = round_error(row.largest_error, row.standard_uncertainty, row.output)
+    return f"{error.text} {row.output.unit}"
 
 
 def _sensor(row: OutputAssessment) -> str:
@@ -175,7 +182,8 @@ def _by_group(
             own, key=lambda output: output.output.name.rpartition(".")[0]
         )
     ]
-    return sorted(groups, key=lambda pair: -worst_of(pair[1]).utilisation)
+    used = [worst_of(outputs).utilisation for _, outputs in groups]
+    return [groups[k] for k in from_largest(used)]
 
 
 def _draw_sensor(

@@ -11,6 +11,7 @@ from budget.report.figures.picture import as_picture, capital
 from budget.report.figures.rows import write_beside, write_heading
 from budget.report.figures.style import GRID, INK, MUTED, PAPER, SMALL, canvas
 from budget.report.tables import output_title, print_count, words
+from budget.ties import first_largest
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -106,7 +107,7 @@ def validity_marks(budget: Budget, sensor: str) -> Figure:
 def validity_title(budget: Budget, sensor: str) -> str:
     """State the finding: for how many outputs the law holds, and the worst of them."""
     checks = _checks(budget, sensor)
-    worst = max(checks, key=lambda check: check.worst)
+    worst = checks[first_largest([abs(check.worst) for check in checks])]
     name = output_title(worst.row.output.name)
     size = _signed(worst.worst)[1:]
     missed = sum(not check.validation.holds for check in checks)

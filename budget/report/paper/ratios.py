@@ -10,6 +10,7 @@ from budget.report.figures.style import GRID, INK, MUTED, PAPER, SMALL, canvas
 from budget.report.paper.printing import print_ratio
 from budget.report.paper.tables import place_of
 from budget.studies.paper.findings import FITS_MEAN, FITS_SINGLE, UNEXPLAINED
+from budget.ties import first_largest
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -95,7 +96,7 @@ def ratio_title(study: PaperStudy) -> str:
     """State the finding: how many rows fit, and the farthest."""
     rows = _rows(study)
     fits = sum(row.verdict in FITS for row in rows)
-    far = max(rows, key=lambda row: max(_ratio(row), 1.0 / _ratio(row)))
+    far = rows[first_largest([max(_ratio(row), 1.0 / _ratio(row)) for row in rows])]
     return (
         f"{fits} of the {len(rows)} random rows of Table 1 fit; farthest off is "
         f"{_name(far)}, {print_ratio(far.ratio)} times the printed"

@@ -52,7 +52,7 @@ class Headroom:
     """How far one source may go alone, the others as they are."""
 
     value: float  # [SI]; 0: an output that feels it fails even without it
-    stopped_by: str | None  # output; None: its ceiling, no limit before that
+    stopped_by: tuple[str, ...]  # outputs; (): its ceiling, no limit before that
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,7 +73,7 @@ class SourceAllotment:
     least: float | None  # bound below [SI]; None for what is not free
     at_ceiling: bool
     at_least: bool
-    binding_output: str | None  # of those at their limits, where it takes most
+    binding_outputs: tuple[str, ...]  # of those at their limits, where it takes most
     counts: bool  # takes a thousandth of a squared limit, at its ceiling at the latest
     headroom: Headroom | None  # None for what is zero, has no limit or counts nothing
     best_offered: float | None  # least value in the catalogue [SI]

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.methods.allocation import TOUCHES, first_largest, headroom
+from budget.methods.allocation import TOUCHES, headroom
 from budget.methods.scaling import FELT
 from budget.results import INTERACTION
 from budget.studies.allocation.records import (
@@ -21,6 +21,7 @@ from budget.studies.allocation.records import (
     Saving,
     SourceAllotment,
 )
+from budget.ties import from_largest, largest
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -87,7 +88,7 @@ def source_allotments(
                 least=None,
                 at_ceiling=False,
                 at_least=False,
-                binding_output=None,
+                binding_outputs=(),
                 counts=False,
                 headroom=None,
                 best_offered=offered.get(f"{sensor.kind}.{line.name}"),
@@ -122,9 +123,9 @@ def source_allotments(
                 and bool(case.factors[g] >= task.high[g] * (1.0 - TOUCHES)),
                 at_least=allotted
                 and bool(case.factors[g] <= task.low[g] * (1.0 + TOUCHES)),
-                binding_output=_binding_output(task, case.factors, g)
+                binding_outputs=_binding_outputs(task, case.factors, g)
                 if allotted
-                else None,
+                else (),
                 counts=counts,
                 headroom=_headroom(task, room[g], g, now) if counts else None,
                 best_offered=offered.get(name),
@@ -162,7 +163,9 @@ def cost_report(case: SensorCase) -> CostReport:
         gap=solution.gap,
         is_optimal=solution.is_optimal,
         solver=solution.solver,
-        savings=tuple(sorted(savings, key=lambda saving: -saving.saves)),
+        savings=tuple(
+            savings[k] for k in from_largest([saving.saves for saving in savings])
+        ),
     )
 
 
@@ -198,15 +201,18 @@ def _counts(task: Task, g: int) -> bool:
 def _headroom(task: Task, room: Room, g: int, now: float) -> Headroom:
     """Return how far a source may go alone: to a limit, or to its ceiling before."""
     ceiling = float(task.high[g])
-    if room.stopped_by is None or room.factor > ceiling:
-        return Headroom(value=now * ceiling, stopped_by=None)
+    if not room.stopped_by or room.factor > ceiling:
+        return Headroom(value=now * ceiling, stopped_by=())
     return Headroom(
-        value=now * room.factor, stopped_by=task.law.outputs[room.stopped_by]
+        value=now * room.factor,
+        stopped_by=tuple(task.law.outputs[k] for k in room.stopped_by),
     )
 
 
-def _binding_output(task: Task, s: Array, g: int) -> str | None:
-    """Return the output at its limit of which a source takes most, if it is felt."""
+def _binding_outputs(task: Task, s: Array, g: int) -> tuple[str, ...]:
+    """Return the outputs at their limits of which a source takes most, if it is felt.
+
+    Equal ones are all named.
+    """
     part = np.where(task.binding(s), task.part(s)[:, g], 0.0)
-    k = first_largest(part)
-    return task.law.outputs[k] if part[k] >= FELT else None
+    return tuple(task.law.outputs[k] for k in largest(part.tolist()) if part[k] >= FELT)

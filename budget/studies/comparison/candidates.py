@@ -12,6 +12,7 @@ from budget.methods.gum import propagate
 from budget.physics.calibration import calibration_problem
 from budget.spec.lines import lines_of
 from budget.studies.comparison.records import MissingLines, Remedy
+from budget.ties import first_largest
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -98,7 +99,7 @@ def find_remedy(
     """
     row = one.rows[worst]
     parts = law.source_variance[:, row]
-    source = int(np.argmax(parts))
+    source = first_largest(parts.tolist())
     total = float(law.covariance[row, row])
     k = float(law.coverage_factor(coverage)[row])
     allowed = (max(one.limits[worst] - abs(law.mean[row]), 0.0) / k) ** 2

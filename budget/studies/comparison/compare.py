@@ -212,6 +212,7 @@ def _verdict(
         utilisation=utilisation,
         utilisation_interval=(result.utilisation_low, result.utilisation_high),
         worst_output=outputs[worst].name,
+        worst_outputs=tuple(outputs[k].name for k in finding.all_worst),
         conformance=result.conformance,
         outputs=tuple(
             RequiredOutput(

@@ -20,6 +20,7 @@ from budget.studies.comparison.sampling import (
     judge_by_trials,
     probability_smaller,
 )
+from budget.ties import equal_to, first_largest
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -60,6 +61,7 @@ class Finding:
     judged: Judged
     verdict: str
     worst: int  # place of the worst output among the required ones
+    all_worst: tuple[int, ...]  # with the outputs that are equal to it by the law
     remedy: Remedy
     impossible: tuple[str, ...]  # outputs beyond their limits without any source
     doubtful: tuple[str, ...]  # outputs for which Monte Carlo does not confirm the law
@@ -131,12 +133,14 @@ def judge(one: Candidate, *, how: How, trials: int) -> Finding:
             trials=trials,
             seed=how.seed,
         )
-    worst = int(np.argmax(judged.largest_error / one.limits))
+    worst = first_largest((judged.largest_error / one.limits).tolist())
+    ends = np.abs(law.interval(how.coverage)[one.rows]).max(axis=1)
     beyond = np.abs(law.value[one.rows]) >= one.limits
     return Finding(
         judged=judged,
         verdict=_verdict(one, judged, worst),
         worst=worst,
+        all_worst=equal_to((ends / one.limits).tolist(), worst),
         remedy=find_remedy(one, law, worst, how.coverage),
         impossible=tuple(one.problem.outputs[row].name for row in one.rows[beyond]),
         doubtful=doubtful,

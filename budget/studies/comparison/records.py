@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from budget.ties import settle
+
 if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.problem import Output
@@ -37,6 +39,11 @@ class RequiredOutput:
     def utilisation(self) -> float:
         """Largest error over limit [1]."""
         return self.largest_error / self.limit
+
+    @property
+    def is_within(self) -> bool:
+        """Whether the largest error is at most the limit."""
+        return settle(self.utilisation) <= 1.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,6 +122,7 @@ class DeviceVerdict(Entrant):
     utilisation: float  # the largest of its required outputs [1]
     utilisation_interval: tuple[float, float]  # 95 % sampling interval [1]
     worst_output: str
+    worst_outputs: tuple[str, ...]  # that one and all that are equal to it by the law
     conformance: Probability  # all required outputs together
     outputs: tuple[RequiredOutput, ...]
     remedy: Remedy
