@@ -36,6 +36,13 @@ if TYPE_CHECKING:
     from budget.errors import BudgetError, SpecError
     from budget.methods.gum import propagate
     from budget.methods.monte_carlo import sample
+    from budget.methods.regions import (
+        box_region,
+        ellipsoid_region,
+        normal_region,
+        smallest_region,
+    )
+    from budget.methods.trials import first_trials
     from budget.problem import Group, Output, Problem
     from budget.results import Budget
     from budget.spec import (
@@ -57,13 +64,18 @@ _HOME = {
     "SpecError": "budget.errors",
     "analyze": "budget.studies.analysis",
     "assess": "budget.studies.conformity",
+    "box_region": "budget.methods.regions",
     "compare": "budget.studies.comparison.compare",
+    "ellipsoid_region": "budget.methods.regions",
+    "first_trials": "budget.methods.trials",
     "load_catalogue": "budget.spec",
     "load_device": "budget.spec",
     "load_procedure": "budget.spec",
     "load_requirement": "budget.spec",
+    "normal_region": "budget.methods.regions",
     "propagate": "budget.methods.gum",
     "sample": "budget.methods.monte_carlo",
+    "smallest_region": "budget.methods.regions",
 }
 
 __all__ = [
@@ -76,13 +88,18 @@ __all__ = [
     "__version__",
     "analyze",
     "assess",
+    "box_region",
     "compare",
+    "ellipsoid_region",
+    "first_trials",
     "load_catalogue",
     "load_device",
     "load_procedure",
     "load_requirement",
+    "normal_region",
     "propagate",
     "sample",
+    "smallest_region",
 ]
 
 

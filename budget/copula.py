@@ -60,7 +60,7 @@ def normal_scores(
         Two shapes do not allow a correlation, or a shape is not of the given u.
     """
     scores = np.array(correlation)
-    is_correlated = (scores - np.diag(np.diag(scores))).any(axis=1)
+    is_correlated = np.asarray((scores - np.diag(np.diag(scores))).any(axis=1))
     for row, shape in enumerate(shapes):
         if isfinite(shape.degrees_of_freedom) and is_correlated[row]:
             raise ProblemError(

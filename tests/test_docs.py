@@ -55,6 +55,16 @@ def test_the_example_of_a_copula_runs_as_printed(capsys):
     assert abs(float(capsys.readouterr().out) + 0.5) < 5.0 * np.sqrt(3.0 / 200_000)
 
 
+def test_the_example_of_regions_runs_as_printed():
+    """The ellipse of trials is the law's, but for the bend of an arc of 0.02 rad."""
+    names = run(PROBLEMS[3])
+    law, ellipse = names["law"], names["ellipse"]
+
+    assert_allclose(ellipse.factor, np.sqrt(5.991), rtol=0.01)
+    assert_allclose(ellipse.covariance, law.covariance, rtol=0.02)
+    assert ellipse.contains(law.mean[:, None]).all()
+
+
 def test_the_library_example_runs_as_printed(capsys):
     """The Python block of docs/results.md runs and gives a verdict for each sensor."""
     text = (DOCS / "results.md").read_text(encoding="utf-8")
