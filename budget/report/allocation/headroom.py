@@ -12,7 +12,7 @@ from budget.report.allocation.words import (
     print_headroom,
     print_value,
 )
-from budget.report.figures import INK, MUTED, PAPER, SMALL, STYLES
+from budget.report.figures import INK, MUTED, PAPER, SMALL, STYLES, house_style
 from budget.report.figures.picture import as_picture
 from budget.report.tables import print_given, source_title
 from budget.studies.allocation.records import FREE
@@ -51,6 +51,7 @@ def headroom_picture(rows: Sequence[SourceAllotment]) -> Picture | None:
     )
 
 
+@house_style()
 def headroom_bars(rows: Sequence[SourceAllotment]) -> Figure:
     """Draw how far each line may go alone, from its present value, on a log axis."""
     shown = [row for row in rows if row.headroom is not None]

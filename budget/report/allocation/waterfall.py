@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from budget.report.allocation.rows import THICK, named_rows, write_beside
 from budget.report.allocation.words import part_title, print_part, print_used
-from budget.report.figures import GRID, MUTED, PAPER, SMALL, STYLES
+from budget.report.figures import GRID, MUTED, PAPER, SMALL, STYLES, house_style
 from budget.report.figures.picture import as_picture, capital
 from budget.report.tables import output_title
 from budget.ties import first_largest
@@ -41,6 +41,7 @@ def waterfall_picture(row: LimitedOutput) -> Picture:
     )
 
 
+@house_style()
 def waterfall(row: LimitedOutput) -> Figure:
     """Draw one limit from the whole down through the sources to what is left.
 

@@ -6,7 +6,16 @@ from typing import TYPE_CHECKING
 
 from budget.report.comparison.margins import LEAST, SURE
 from budget.report.comparison.naming import explain_mark, mark_name, plain_ticks
-from budget.report.figures import BLUE, GRID, INK, MUTED, PAPER, SMALL, canvas
+from budget.report.figures import (
+    BLUE,
+    GRID,
+    INK,
+    MUTED,
+    PAPER,
+    SMALL,
+    canvas,
+    house_style,
+)
 from budget.report.figures.picture import as_picture, capital
 from budget.report.tables import print_given, print_utilisation
 from budget.studies.comparison.figures_of_merit import MERITS, Amount, read_amount
@@ -88,6 +97,7 @@ def no_fronts(table: Table) -> str:
     return f"No front is drawn where it would show nothing. {capital(said)}."
 
 
+@house_style()
 def pareto_scatter(table: Table, merit: str) -> Figure:
     """Draw the part of the limit against a cost; the front is joined, the rest grey."""
     points = merit_points(table, merit)

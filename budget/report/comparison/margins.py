@@ -11,7 +11,7 @@ from budget.report.comparison.naming import (
     more_devices,
     plain_ticks,
 )
-from budget.report.figures import BLUE, GRID, INK, MUTED, SMALL, canvas
+from budget.report.figures import BLUE, GRID, INK, MUTED, SMALL, canvas, house_style
 from budget.report.figures.picture import as_picture, capital
 from budget.report.tables import print_utilisation
 
@@ -45,6 +45,7 @@ def margin_picture(table: Table, name: str) -> Picture:
     )
 
 
+@house_style()
 def margin_bars(table: Table) -> Figure:
     """Draw how far each device is from its limit: bars that start at the limit."""
     rows = table.rows[:SHOWN]

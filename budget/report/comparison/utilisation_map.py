@@ -14,6 +14,7 @@ from budget.report.figures import (
     WIDE,
     add_panel,
     canvas,
+    house_style,
 )
 from budget.report.figures.picture import as_picture, capital
 from budget.report.tables import (
@@ -63,6 +64,7 @@ def map_picture(table: Table, name: str, data: DataTable) -> Picture:
     )
 
 
+@house_style()
 def utilisation_map(table: Table) -> Figure:
     """Draw devices by outputs, best first: one hue, a step and a frame at the limit."""
     from matplotlib.patches import Rectangle

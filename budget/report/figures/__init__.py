@@ -73,6 +73,7 @@ from budget.report.figures.style import (
     blank,
     canvas,
     fits,
+    house_style,
     text_width,
 )
 from budget.report.figures.svg import (
@@ -135,6 +136,7 @@ __all__ = [
     "density_step",
     "density_title",
     "fits",
+    "house_style",
     "in_order",
     "overview_alt",
     "overview_dots",

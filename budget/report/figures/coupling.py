@@ -15,6 +15,7 @@ from budget.report.figures.style import (
     WIDTH,
     add_panel,
     canvas,
+    house_style,
 )
 from budget.report.tables import ALL, output_title, print_given, source_title, words
 from budget.ties import first_largest
@@ -63,6 +64,7 @@ def coupling_picture(table: CouplingTable, sensor: str) -> Picture | None:
     )
 
 
+@house_style()
 def coupling_map(table: CouplingTable, sensor: str) -> Figure:
     """Draw sources by groups of parameters, the hue by the size of what reaches."""
     from matplotlib.patches import Rectangle

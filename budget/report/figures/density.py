@@ -15,6 +15,7 @@ from budget.report.figures.style import (
     SMALL,
     WIDTH,
     canvas,
+    house_style,
     text_width,
 )
 from budget.report.tables import (
@@ -55,6 +56,7 @@ def density_picture(density: Density, *, coverage: float) -> Picture:
     )
 
 
+@house_style()
 def density_step(density: Density, *, coverage: float) -> Figure:
     """Draw the density of trials, the normal law over it, intervals and limits."""
     figure, axes = canvas(HEIGHT, left=LEFT, right=RIGHT, top=TOP, below=BELOW)

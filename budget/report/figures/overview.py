@@ -12,7 +12,15 @@ from budget.report.figures.rows import (
     write_heading,
     write_on,
 )
-from budget.report.figures.style import GRID, INK, MUTED, SMALL, add_panel, blank
+from budget.report.figures.style import (
+    GRID,
+    INK,
+    MUTED,
+    SMALL,
+    add_panel,
+    blank,
+    house_style,
+)
 from budget.report.tables import print_coverage, words
 
 if TYPE_CHECKING:
@@ -50,6 +58,7 @@ def overview_picture(groups: Sequence[GroupTable]) -> Picture | None:
     )
 
 
+@house_style()
 def overview_dots(groups: Sequence[GroupTable]) -> Figure:
     """Draw U of each output: a panel a group, a column a sensor."""
     sensors = list(dict.fromkeys(group.sensor for group in groups))

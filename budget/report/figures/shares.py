@@ -17,6 +17,7 @@ from budget.report.figures.style import (
     WIDTH,
     canvas,
     fits,
+    house_style,
 )
 from budget.report.tables import SMALL_SHARE, print_share, source_title
 
@@ -51,6 +52,7 @@ def share_picture(group: GroupTable) -> Picture | None:
     )
 
 
+@house_style()
 def share_bars(group: GroupTable) -> Figure:
     """Draw what causes each output's variance: a stacked bar for each output."""
     bars = [_segments(group, place) for place in range(len(group.rows))]

@@ -17,6 +17,7 @@ from budget.report.figures.style import (
     SMALL,
     STYLES,
     canvas,
+    house_style,
 )
 from budget.report.indices import print_index
 from budget.report.tables import output_title, source_title, words
@@ -76,6 +77,7 @@ def sobol_picture(budget: Budget, sensor: str) -> Picture | None:
     )
 
 
+@house_style()
 def sobol_dots(budget: Budget, sensor: str) -> Figure:
     """Draw first-order and total index of each source, with intervals."""
     found = _widest(budget, sensor)

@@ -1,16 +1,20 @@
 """What all figures share: inks, the looks of the sources, sizes, and a bare canvas.
 
-No pyplot and no global state: the same result gives the same bytes, in any process.
+No pyplot, no global state and no matplotlibrc, the user's or one in the current folder:
+the same result gives the same bytes, in any process.
 """
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from budget.results import INTERACTION
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -48,6 +52,24 @@ STYLE: dict[Any, Any] = {  # text stays text; ids do not change from run to run
     "hatch.linewidth": 0.8,
     "path.simplify": False,
 }
+# These choose windows, which nothing here opens, and cannot be set for a while only.
+OF_WINDOWS = ("backend", "backend_fallback", "interactive", "toolbar")
+
+
+@contextmanager
+def house_style() -> Iterator[None]:
+    """Draw under the library's own defaults and STYLE, whatever a matplotlibrc says.
+
+    Such a file may stand in any folder: `text.usetex` in one would start a program.
+    Also a decorator, of every function that draws.
+    """
+    from matplotlib import rc_context, rcParamsDefault
+
+    defaults = {
+        name: rcParamsDefault[name] for name in rcParamsDefault.keys() - OF_WINDOWS
+    }
+    with rc_context(defaults | STYLE):
+        yield
 
 
 def canvas(
@@ -73,29 +95,24 @@ def canvas(
 
 def blank(height: float, *, width: float = WIDTH) -> Figure:
     """Make a figure with nothing on it [pt]."""
-    from matplotlib import rc_context
     from matplotlib.figure import Figure
 
-    with rc_context(STYLE):
-        return Figure(figsize=(width / INCH, height / INCH))
+    return Figure(figsize=(width / INCH, height / INCH))
 
 
 def add_panel(
     figure: Figure, *, left: float, top: float, width: float, height: float
 ) -> Axes:
     """Add axes without frame and ticks; place and size in points from the top left."""
-    from matplotlib import rc_context
-
     whole = [float(INCH * inches) for inches in figure.get_size_inches()]
-    with rc_context(STYLE):
-        axes = figure.add_axes(
-            (
-                left / whole[0],
-                1.0 - (top + height) / whole[1],
-                width / whole[0],
-                height / whole[1],
-            )
+    axes = figure.add_axes(
+        (
+            left / whole[0],
+            1.0 - (top + height) / whole[1],
+            width / whole[0],
+            height / whole[1],
         )
+    )
     axes.set_axisbelow(True)
     axes.spines[:].set_visible(False)
     axes.tick_params(length=0.0, labelsize=SMALL, labelcolor=MUTED)
@@ -109,6 +126,7 @@ def fits(text: str, room: float) -> bool:
 
 
 @lru_cache(maxsize=1024)  # the same names and shares come again in every figure
+@house_style()
 def text_width(text: str, size: float = SMALL) -> float:
     """Return the width of a text in the font of the layout [pt]."""
     from matplotlib.font_manager import FontProperties

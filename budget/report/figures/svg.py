@@ -7,7 +7,7 @@ import re
 from typing import TYPE_CHECKING
 from warnings import catch_warnings, filterwarnings
 
-from budget.report.figures.style import STYLE
+from budget.report.figures.style import house_style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -19,10 +19,8 @@ def to_svg(figure: Figure, *, name: str) -> str:
     An artist with the gid 'tip-z' becomes the element with the id '{name}-tip-z': the
     tips of a picture find it by that.
     """
-    from matplotlib import rc_context
-
     file = io.StringIO()
-    with rc_context(STYLE), catch_warnings():
+    with house_style(), catch_warnings():
         # Texts stay texts: who shows the figure has other fonts, or says what it lacks.
         filterwarnings("ignore", message=r"Glyph \d+ .* missing from")
         figure.savefig(

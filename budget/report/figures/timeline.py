@@ -15,6 +15,7 @@ from budget.report.figures.style import (
     TEXT,
     WIDE,
     canvas,
+    house_style,
     text_width,
 )
 from budget.report.figures.tracks import (
@@ -87,6 +88,7 @@ def schedule_picture(procedure: Procedure, sensors: Sequence[str]) -> Picture | 
     )
 
 
+@house_style()
 def schedule_bars(procedure: Procedure, sensors: Sequence[str]) -> Figure:
     """Draw turns and dwells to scale; turns too short to name once more, larger."""
     from matplotlib.ticker import MaxNLocator

@@ -22,6 +22,7 @@ from budget.report.figures.style import (
     SMALL,
     add_panel,
     blank,
+    house_style,
 )
 from budget.report.tables import (
     join_outputs,
@@ -90,6 +91,7 @@ def utilisation_picture(assessment: Assessment) -> Picture:
     )
 
 
+@house_style()
 def utilisation_dots(assessment: Assessment) -> Figure:
     """Draw each required output's largest error against its limit, worst first."""
     sensors = list(dict.fromkeys(map(_sensor, assessment.outputs)))

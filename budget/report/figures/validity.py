@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING
 from budget.report.blocks import Cell, Column, RowGroup, Table
 from budget.report.figures.picture import as_picture, capital
 from budget.report.figures.rows import write_beside, write_heading
-from budget.report.figures.style import GRID, INK, MUTED, PAPER, SMALL, canvas
+from budget.report.figures.style import (
+    GRID,
+    INK,
+    MUTED,
+    PAPER,
+    SMALL,
+    canvas,
+    house_style,
+)
 from budget.report.tables import output_title, print_count, words
 from budget.ties import first_largest
 
@@ -66,6 +74,7 @@ def validity_picture(budget: Budget, sensor: str) -> Picture | None:
     )
 
 
+@house_style()
 def validity_marks(budget: Budget, sensor: str) -> Figure:
     """Draw both interval ends of each output against the band of the tolerance."""
     groups = _by_group(_checks(budget, sensor))

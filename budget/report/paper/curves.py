@@ -8,7 +8,7 @@ import numpy as np
 
 from budget.report.blocks import Cell, Column, RowGroup, Table
 from budget.report.figures.picture import as_picture
-from budget.report.figures.style import GRID, INK, MUTED, SMALL, canvas
+from budget.report.figures.style import GRID, INK, MUTED, SMALL, canvas, house_style
 from budget.report.tables import print_given
 from budget.units import PPM
 
@@ -43,6 +43,7 @@ def sweep_picture(sweep: Sweep) -> Picture:
     )
 
 
+@house_style()
 def sweep_curves(sweep: Sweep) -> Figure:
     """Draw relative errors against the step; curves that coincide share one label."""
     figure, axes = canvas(HEIGHT, left=LEFT, right=RIGHT, top=TOP, below=BELOW)

@@ -6,7 +6,15 @@ from typing import TYPE_CHECKING
 
 from budget.report.figures.picture import as_picture
 from budget.report.figures.rows import write_beside
-from budget.report.figures.style import GRID, INK, MUTED, PAPER, SMALL, canvas
+from budget.report.figures.style import (
+    GRID,
+    INK,
+    MUTED,
+    PAPER,
+    SMALL,
+    canvas,
+    house_style,
+)
 from budget.report.paper.printing import print_ratio
 from budget.report.paper.tables import place_of
 from budget.studies.paper.findings import FITS_MEAN, FITS_SINGLE, UNEXPLAINED
@@ -48,6 +56,7 @@ def ratio_picture(study: PaperStudy) -> Picture:
     )
 
 
+@house_style()
 def ratio_marks(study: PaperStudy) -> Figure:
     """Draw u over the printed root mean square, a dot for each random row."""
     rows = _rows(study)
