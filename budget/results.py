@@ -44,6 +44,7 @@ class Contribution:
     source: str
     standard_uncertainty: float  # [SI unit of the output]
     share: float  # of the law's own total variance [1]
+    lower_bound: bool = False  # products with lines that are not given are not in it
     sobol: SobolIndex | None = None
 
     @property
@@ -88,6 +89,7 @@ class OutputBudget:
     interval: tuple[float, float]
     contributions: tuple[Contribution, ...]
     validation: Validation | None = None
+    lacks: tuple[str, ...] = ()  # expected lines, not given, that would widen it
 
     @property
     def sensor(self) -> str:
@@ -108,6 +110,16 @@ class OutputBudget:
     def is_resolved(self) -> bool:
         """Whether the spread is more than the rounding of the computation."""
         return self.standard_uncertainty > self.output.resolution
+
+    @property
+    def lower_bound(self) -> bool:
+        """Whether the uncertainty is this or more: a line that reaches it lacks."""
+        return bool(self.lacks)
+
+    @property
+    def is_unknown(self) -> bool:
+        """Whether nothing is known of it: no given line reaches it, one lacks."""
+        return self.lower_bound and not self.is_resolved
 
     @property
     def largest_error(self) -> float:
@@ -209,6 +221,7 @@ class Budget:
                     "mean": None,
                     "interval_low": None,
                     "interval_high": None,
+                    "lower_bound": part.lower_bound,
                 }
             yield {
                 **key,
@@ -218,6 +231,7 @@ class Budget:
                 "mean": row.mean / scale,
                 "interval_low": row.interval[0] / scale,
                 "interval_high": row.interval[1] / scale,
+                "lower_bound": row.lower_bound,
             }
 
     def to_frame(self) -> pd.DataFrame:
@@ -267,6 +281,8 @@ def _output_document(row: OutputBudget) -> dict[str, Any]:
         "unit": row.output.unit,
         "mean": row.mean / scale,
         "standard_uncertainty": row.standard_uncertainty / scale,
+        "lower_bound": row.lower_bound,
+        "lacks": list(row.lacks),
         "interval": [end / scale for end in row.interval],
         "contributions": [
             _contribution_document(part, scale) for part in row.contributions
@@ -281,6 +297,7 @@ def _contribution_document(part: Contribution, scale: float) -> dict[str, Any]:
         "source": part.source,
         "standard_uncertainty": part.standard_uncertainty / scale,
         "share": part.share,
+        "lower_bound": part.lower_bound,
         "sobol_first": part.sobol_first,
         "sobol_total": part.sobol_total,
     }
@@ -305,6 +322,8 @@ class OutputAssessment:
     largest_error: float  # largest absolute end of the coverage interval
     utilisation: float  # largest error over limit [1]
     by_monte_carlo: bool = False  # because the law failed its check there
+    lower_bound: bool = False  # a line that is not given would widen it
+    is_unknown: bool = False  # and no line that is given reaches it
 
     @property
     def is_within(self) -> bool:
@@ -360,10 +379,10 @@ class Assessment:
 
     @property
     def judged(self) -> tuple[OutputAssessment, ...]:
-        """Outputs of the sensors of which something is known."""
+        """Outputs of which something is known."""
         unknown = {one.sensor for one in self.sensors if one.nothing_known}
         return tuple(
             row
             for row in self.outputs
-            if row.output.name.partition(".")[0] not in unknown
+            if row.output.name.partition(".")[0] not in unknown and not row.is_unknown
         )

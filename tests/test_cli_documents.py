@@ -48,7 +48,7 @@ NOT_GIVEN = [
 ]
 COLUMNS = (
     "sensor,parameter,axis,unit,source,standard_uncertainty,share,"
-    "mean,interval_low,interval_high"
+    "mean,interval_low,interval_high,lower_bound"
 )
 
 

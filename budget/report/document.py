@@ -23,6 +23,7 @@ COLUMNS = (
     "mean",
     "interval_low",
     "interval_high",
+    "lower_bound",
 )
 
 
@@ -65,4 +66,6 @@ def _cell(value: str | float | None) -> str:
     """Write a number with all its digits, nothing for None."""
     if value is None:
         return ""
+    if isinstance(value, bool):
+        return "true" if value else "false"
     return value if isinstance(value, str) else repr(float(value))

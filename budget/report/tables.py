@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 PLAIN_FROM, PLAIN_BELOW = -4, 7  # decimal exponents of the first digit
 EXACT = Context(prec=700, rounding=ROUND_HALF_UP)  # digits from 1e308 to 1e-324
 
+AT_LEAST, AT_MOST = "\N{GREATER-THAN OR EQUAL TO}", "\N{LESS-THAN OR EQUAL TO}"
+UNKNOWN = "?"  # stands for a number of which nothing is known
 SMALL_SHARE = 0.01  # of the variance [1]; below it a cause is not worth a sentence
 ALL = 1.0 - 1e-9  # [1]; a share above is the whole, short of it by rounding only
 NO_SHARE = 1e-20  # [1]; a share below is what the rounding of doubles leaves of zero
@@ -57,12 +59,14 @@ class OutputRow:
     low: Number
     high: Number
     check: CheckCell | None
+    lacks: tuple[str, ...]  # lines not given that would widen it, in words
 
     @property
     def is_centred(self) -> bool:
         """Whether the interval is mean +- U, to the digits that are printed."""
         middle = (self.low.exact + self.high.exact) / 2.0
-        return round_value(middle, self.u.exact) == self.mean.text
+        text = round_value(middle, self.u.exact)
+        return self.mean.text in {text, UNKNOWN}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,6 +113,17 @@ class GroupTable:
     def widest(self) -> OutputRow:
         """The output with the largest U."""
         return self.rows[first_largest([row.expanded.exact for row in self.rows])]
+
+    @property
+    def gaps(self) -> str:
+        """Say which lines the numbers of the group lack; '' where none."""
+        lacks = dict.fromkeys(name for row in self.rows for name in row.lacks)
+        if not lacks:
+            return ""
+        said = f"{AT_LEAST} this or more: {', '.join(lacks)} not given"
+        if any(row.u.text == UNKNOWN for row in self.rows):
+            said += f"; {UNKNOWN}: no line that is given reaches it, nothing is known"
+        return said
 
     @property
     def causes(self) -> str:
@@ -174,6 +189,17 @@ def round_error(error: float, u: float, output: Output) -> Number:
     scale = output.si_per_unit
     text = round_value(error / scale, u / scale, resolution=output.resolution / scale)
     return Number(text=text, exact=error / scale)
+
+
+def bound_number(
+    number: Number, *, lower_bound: bool, unknown: bool = False, sign: str = AT_LEAST
+) -> Number:
+    """Mark a number that is a lower bound: '≥ 0.42', '?' where nothing is known."""
+    if unknown:
+        return Number(text=UNKNOWN, exact=number.exact)
+    if not lower_bound or not sign:
+        return number
+    return Number(text=f"{sign} {number.text}", exact=number.exact)
 
 
 def print_given(value: float, *, digits: int = 4) -> str:
@@ -353,14 +379,20 @@ def _output_row(row: OutputBudget) -> OutputRow:
     def value(x: float) -> Number:
         return round_error(x, row.standard_uncertainty, row.output)
 
+    def bound(number: Number, sign: str = AT_LEAST) -> Number:
+        return bound_number(
+            number, lower_bound=row.lower_bound, unknown=row.is_unknown, sign=sign
+        )
+
     return OutputRow(
         axis=row.axis,
-        mean=value(row.mean),
-        u=Number(text=round_uncertainty(u, resolution=resolution), exact=u),
-        expanded=value((row.interval[1] - row.interval[0]) / 2.0),
-        low=value(row.interval[0]),
-        high=value(row.interval[1]),
+        mean=bound(value(row.mean), sign=""),
+        u=bound(Number(text=round_uncertainty(u, resolution=resolution), exact=u)),
+        expanded=bound(value((row.interval[1] - row.interval[0]) / 2.0)),
+        low=bound(value(row.interval[0]), sign=AT_MOST),
+        high=bound(value(row.interval[1])),
         check=_check_cell(row),
+        lacks=tuple(map(source_title, row.lacks)),
     )
 
 

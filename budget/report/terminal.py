@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 from budget.report.indices import index_tables
 from budget.report.not_given import not_given_lines
 from budget.report.tables import (
+    AT_LEAST,
+    AT_MOST,
     align_decimals,
     group_tables,
     print_coverage,
@@ -33,6 +35,7 @@ NARROWEST_NAME = len("repeatability")  # a longer word is not in any source
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
 ASCII = {"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u", "°": "deg", "±": "+-"}
+SIGNS = str.maketrans({AT_LEAST: ">=", AT_MOST: "<="})
 
 
 def render_budget(budget: Budget, console: Console) -> None:
@@ -126,6 +129,8 @@ def _print_group(group: GroupTable, page: Page) -> None:
         for row in group.rows:
             for label, text in _output_cells(group, row):
                 page.line(f"{row.axis:<3}{label}  {text}")
+    if group.gaps:
+        page.paragraph(group.gaps.translate(SIGNS))
     page.line()
     _print_sources(group, page)
 
@@ -168,15 +173,12 @@ def _index_lines(table: IndexTable) -> tuple[str, tuple[str, ...]]:
 def _output_cells(group: GroupTable, row: OutputRow) -> tuple[tuple[str, str], ...]:
     """Return (column head, text) of the numbers of one output."""
     coverage = print_coverage(group.coverage)
-    cells = [("mean", row.mean.text), ("u", row.u.text)]
+    cells = [("mean", row.mean), ("u", row.u)]
     if all(other.is_centred for other in group.rows):
-        return (*cells, (f"U{coverage}", row.expanded.text))
-    # Not mean +- U: the two ends must be seen.
-    return (
-        *cells,
-        (f"{coverage} % from", row.low.text),
-        ("to", row.high.text),
-    )
+        cells += [(f"U{coverage}", row.expanded)]
+    else:  # Not mean +- U: the two ends must be seen.
+        cells += [(f"{coverage} % from", row.low), ("to", row.high)]
+    return tuple((head, number.text.translate(SIGNS)) for head, number in cells)
 
 
 def _output_lines(group: GroupTable) -> tuple[str, tuple[str, ...]]:
@@ -195,7 +197,8 @@ def _print_sources(group: GroupTable, page: Page) -> None:
     """Print one line for each source, the largest first, with a bar of its share."""
     acting = [row for row in group.sources if not row.is_idle]
     idle = [row.title for row in group.sources if row.is_idle]
-    page.line("Causes, by share of the variance")
+    known = " that is known" if group.gaps else ""
+    page.line(f"Causes, by share of the variance{known}")
     if acting:
         _print_bars(acting, page)
     if idle:

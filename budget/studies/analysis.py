@@ -29,6 +29,7 @@ from budget.results import (
 from budget.spec import load_procedure
 from budget.studies import cautions
 from budget.studies.cost import describe_cost, seconds_per_trial
+from budget.studies.lower_bounds import lacking
 from budget.studies.progress import stage
 from budget.studies.request import (
     DEFAULT_COVERAGE,
@@ -40,7 +41,7 @@ from budget.studies.request import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
     from concurrent.futures import Executor
 
     from budget.arrays import Array
@@ -253,7 +254,14 @@ def analyze(
             sobol_samples=None if indices is None else indices.samples,
             sobol_scrambles=None if indices is None else indices.scrambles,
         ),
-        outputs=_output_budgets(problem, law, estimate, validations, indices),
+        outputs=_output_budgets(
+            problem,
+            law,
+            estimate,
+            validations,
+            indices=indices,
+            lacks=lacking(sensors, procedure, reference=reference, only=chosen),
+        ),
         covariance=estimate.covariance,
         not_given=tuple(name for sensor in sensors for name in sensor.not_given),
         assumptions=(
@@ -315,7 +323,9 @@ def _output_budgets(
     law: Propagation,
     estimate: Estimate,
     validations: tuple[Validation | None, ...],
+    *,
     indices: SobolResult | None,
+    lacks: Mapping[str, tuple[str, ...]],
 ) -> tuple[OutputBudget, ...]:
     """Put the estimate and the law's contributions together, output by output."""
     names = [group.name for group in problem.groups]
@@ -344,11 +354,13 @@ def _output_budgets(
                         source=name,
                         standard_uncertainty=float(np.sqrt(max(variance, 0.0))),
                         share=variance / total if total > 0.0 else 0.0,
+                        lower_bound=name == INTERACTION and bool(lacks[output.name]),
                         sobol=_sobol_index(indices, name, k),
                     )
                     for name, variance in variances
                 ),
                 validation=validations[k],
+                lacks=lacks[output.name],
             )
         )
     return tuple(budgets)

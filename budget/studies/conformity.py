@@ -129,6 +129,8 @@ def _hold(row: OutputBudget, limit: Limit) -> OutputAssessment:
         largest_error=largest,
         utilisation=largest / limit.limit,
         by_monte_carlo=refused,
+        lower_bound=row.lower_bound,
+        is_unknown=row.is_unknown,
     )
 
 

@@ -56,6 +56,8 @@ def _panel(group: GroupTable) -> Panel:
     picture = share_picture(group)
     blocks: list[Block] = [] if picture is None else [picture]
     blocks.append(_table(group))
+    if group.gaps:
+        blocks.append(Paragraph(words=(f"{group.gaps}.",), small=True))
     idle = [row.title for row in group.sources if row.is_idle]
     if idle:
         text = f"Without effect, to rounding: {', '.join(idle)}."

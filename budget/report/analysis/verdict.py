@@ -24,7 +24,9 @@ from budget.report.blocks import (
     Table,
 )
 from budget.report.tables import (
+    UNKNOWN,
     Number,
+    bound_number,
     join_outputs,
     output_title,
     print_causes,
@@ -136,12 +138,14 @@ def limits_section(budget: Budget, assessment: Assessment) -> Section:
 
 def _limit_row(row: OutputAssessment, *, is_known: bool) -> tuple[Cell, ...]:
     """Return one required output against its limit."""
-    error = round_error(row.largest_error, row.standard_uncertainty, row.output)
+    error = _error(row)
     used = _used(row)
     strong = not row.is_within
     word = "within" if row.is_within else "beyond"
     if row.by_monte_carlo:
         word += ", by Monte Carlo"
+    if row.lower_bound and row.is_within:
+        word = "open: lines missing"
     if not is_known:
         word = "not known"
     return (
@@ -153,7 +157,7 @@ def _limit_row(row: OutputAssessment, *, is_known: bool) -> tuple[Cell, ...]:
             text=used.text.removesuffix(" %"),
             exact=used.exact,
             strong=strong,
-            share=min(row.utilisation, 1.0),
+            share=min(row.utilisation, 1.0) if is_known else None,
         ),
         Cell(text=word, strong=strong),
     )
@@ -218,6 +222,14 @@ def _margin(budget: Budget, assessment: Assessment | None) -> Words:
         by = _print_excess(worst - 1.0)
         found = f"{beyond} of {total} required outputs exceed their limits, by up to "
         return (*nothing, f"{found}{by} of the limit. ", basis)
+    open_ones = sum(row.lower_bound for row in assessment.outputs)
+    if open_ones:
+        found = (
+            f"{len(assessment.outputs) - open_ones} of {len(assessment.outputs)} "
+            "required outputs are within their limits; "
+            f"{open_ones} cannot be decided, as lines are missing"
+        )
+        return (*nothing, f"{found}. ", basis)
     found = f"All {total} required outputs stay within their limits"
     if 1.0 - worst >= SPARE:
         spare = print_decimals(100.0 * (1.0 - worst), 1)
@@ -253,9 +265,7 @@ def _verdict_card(
         (
             f"Worst output: {join_outputs(sensor.worst_outputs)}, largest error ",
             value(
-                round_error(
-                    worst.largest_error, worst.standard_uncertainty, worst.output
-                ),
+                _error(worst),
                 worst.output.unit,
             ),
             f", limit {worst.printed_limit}: ",
@@ -290,12 +300,14 @@ def _group_card(group: GroupTable) -> Card:
     same = len({row.expanded.text for row in group.rows}) == 1
     where = "every axis" if same else f"axis {widest.axis}"
     first: Words = (f"U{coverage} ", value(widest.expanded, group.unit))
-    if float(widest.mean.text) != 0.0:
+    if widest.mean.text not in {"0", UNKNOWN} and float(widest.mean.text) != 0.0:
         first += (", mean ", value(widest.mean, group.unit))
     causes = group.causes
     if causes != "no spread":
         causes += " of the variance"
     lines: list[Words] = [(*first, f" ({where})"), (causes,)]
+    if group.gaps:
+        lines.append((f"{group.gaps}.",))
     refused = [
         row.axis
         for row in group.rows
@@ -313,7 +325,14 @@ def _print_excess(part: float) -> str:
 
 def _used(row: OutputAssessment) -> Number:
     """Return the part of its limit that an output uses."""
-    return Number(text=print_utilisation(row.utilisation), exact=row.utilisation)
+    used = Number(text=print_utilisation(row.utilisation), exact=row.utilisation)
+    return bound_number(used, lower_bound=row.lower_bound, unknown=row.is_unknown)
+
+
+def _error(row: OutputAssessment) -> Number:
+    """Round a largest error, in the unit of the output; marked where it is a bound."""
+    error = round_error(row.largest_error, row.standard_uncertainty, row.output)
+    return bound_number(error, lower_bound=row.lower_bound, unknown=row.is_unknown)
 
 
 def _basis(settings: Settings) -> str:

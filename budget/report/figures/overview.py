@@ -21,7 +21,7 @@ from budget.report.figures.style import (
     blank,
     house_style,
 )
-from budget.report.tables import print_coverage, words
+from budget.report.tables import UNKNOWN, print_coverage, words
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -84,7 +84,9 @@ def overview_title(groups: Sequence[GroupTable]) -> str:
     """State the finding: the widest bias of each sensor, or the widest output."""
     chosen = [group for group in groups if group.parameter == "bias"] or groups[:1]
     parts = [
-        f"{group.widest.expanded.text} {group.unit} for the {group.title}"
+        f"not known for the {group.title}"
+        if group.widest.expanded.text == UNKNOWN
+        else f"{group.widest.expanded.text} {group.unit} for the {group.title}"
         for group in chosen
     ]
     return f"U{print_coverage(groups[0].coverage)} is {' and '.join(parts)}"

@@ -25,6 +25,8 @@ from budget.report.figures.style import (
     house_style,
 )
 from budget.report.tables import (
+    Number,
+    bound_number,
     join_outputs,
     output_title,
     print_utilisation,
@@ -56,7 +58,7 @@ def utilisation_picture(assessment: Assessment) -> Picture:
                 (
                     Cell(text=_axis(row)),
                     Cell(
-                        text=print_utilisation(row.utilisation).removesuffix(" %"),
+                        text=_used(row).removesuffix(" %"),
                         exact=100.0 * row.utilisation,
                         strong=not row.is_within,
                     ),
@@ -74,7 +76,7 @@ def utilisation_picture(assessment: Assessment) -> Picture:
         alt=utilisation_alt(assessment),
         tips={
             _gid(row): f"{output_title(row.output.name)}: largest error "
-            f"{_error(row)}, {print_utilisation(row.utilisation)} of the limit "
+            f"{_error(row)}, {_used(row)} of the limit "
             f"{row.printed_limit}"
             for row in assessment.outputs
         },
@@ -124,10 +126,16 @@ def utilisation_title(assessment: Assessment) -> str:
     worst = all_worst[0]
     beyond = sum(not output.is_within for output in assessment.outputs)
     name = join_outputs([row.output.name for row in all_worst])
-    part = f"{name} at {print_utilisation(worst.utilisation)} of the limit"
+    part = f"{name} at {_used(worst)} of the limit"
     total = len(assessment.outputs)
     if beyond:
         return f"{beyond} of {total} outputs exceed their limits, most of all {part}"
+    open_ones = sum(output.lower_bound for output in assessment.outputs)
+    if open_ones:
+        return (
+            f"{total - open_ones} of {total} outputs are within their limits, "
+            f"{open_ones} cannot be decided, lines are missing"
+        )
     return f"All {total} outputs stay within their limits, the nearest is {part}"
 
 
@@ -135,9 +143,7 @@ def utilisation_alt(assessment: Assessment) -> str:
     """Say in words with numbers what the dots show."""
     groups = []
     for title, outputs in _by_group(assessment):
-        dots = ", ".join(
-            f"{_axis(o)} {print_utilisation(o.utilisation)}" for o in outputs
-        )
+        dots = ", ".join(f"{_axis(o)} {_used(o)}" for o in outputs)
         groups.append(f"{title}: {dots}")
     return (
         f"{utilisation_title(assessment)}. Largest errors in per cent of the limit. "
@@ -158,7 +164,14 @@ def _gid(row: OutputAssessment) -> str:
 def _error(row: OutputAssessment) -> str:
     """Write a largest error with its unit."""
     error = round_error(row.largest_error, row.standard_uncertainty, row.output)
-    return f"{error.text} {row.output.unit}"
+    marked = bound_number(error, lower_bound=row.lower_bound, unknown=row.is_unknown)
+    return f"{marked.text} {row.output.unit}"
+
+
+def _used(row: OutputAssessment) -> str:
+    """Write the part of a limit, marked where it is a lower bound."""
+    used = Number(text=print_utilisation(row.utilisation), exact=row.utilisation)
+    return bound_number(used, lower_bound=row.lower_bound, unknown=row.is_unknown).text
 
 
 def _sensor(row: OutputAssessment) -> str:
@@ -250,7 +263,7 @@ def _draw_dot(axes: Axes, place: int, output: OutputAssessment, start: float) ->
     write_beside(
         axes,
         place,
-        print_utilisation(output.utilisation),
+        _used(output),
         reach=NUMBERS - 2.0,
         strong=not output.is_within,
     )

@@ -1,0 +1,100 @@
+"""Which numbers are lower bounds: outputs that a line not given would widen.
+
+Decided by the model and not by a list: a probe stands for each expected line that a
+data sheet does not give, and what it alone reaches, lacks it. Products of two lines
+are no source, as in the coupling table.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.distributions import NORMAL
+from budget.methods.gum import propagate
+from budget.physics.calibration import calibration_problem
+from budget.spec.lines import lines_of
+from budget.spec.records import ErrorLine
+from budget.units import parse_quantity
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from budget.spec.lines import Line
+    from budget.spec.records import Procedure, Sensor
+
+PROBE_TIME = 300.0  # correlation time of a probe [s]
+
+
+def lacking(
+    sensors: Sequence[Sensor],
+    procedure: Procedure,
+    *,
+    reference: str,
+    only: frozenset[str] | None = None,
+) -> Mapping[str, tuple[str, ...]]:
+    """Return for each output the expected lines that are not given and would reach it.
+
+    Parameters
+    ----------
+    sensors : sequence of Sensor
+    procedure : Procedure
+        Turns, dwells and formulas: they decide what a line reaches.
+    reference : str
+        What errors are counted from; a line that cancels there reaches nothing.
+    only : frozenset of str, optional
+        Full names of the sources that count; a line that is left out on purpose is not
+        missing.
+
+    Returns
+    -------
+    mapping of str to tuple of str
+        By the name of the output; () where its number is complete.
+    """
+    found: dict[str, tuple[str, ...]] = {}
+    for sensor in sensors:
+        probes = {
+            name: line
+            for name in sensor.expected_missing
+            if (line := _stand_in(sensor.kind, name, only)) is not None
+        }
+        bare = replace(
+            sensor, lines=tuple(_probe(line, sensor.kind) for line in probes.values())
+        )
+        problem = calibration_problem((bare,), procedure, reference=reference)
+        u = np.sqrt(propagate(problem).source_variance)
+        for k, output in enumerate(problem.outputs):
+            found[output.name] = tuple(
+                name for g, name in enumerate(probes) if u[g, k] > output.resolution
+            )
+    return found
+
+
+def _stand_in(kind: str, name: str, only: frozenset[str] | None) -> Line | None:
+    """Return the model line of a missing one; None where it is not asked for.
+
+    'gyro.noise' is the first of the noise lines, a random walk.
+    """
+    wanted = name.partition(".")[2]
+    lines = [line for line in lines_of(kind) if wanted in (line.expected, line.name)]
+    if only is not None:
+        lines = [line for line in lines if f"{kind}.{line.name}" in only]
+    return lines[0] if lines else None
+
+
+def _probe(line: Line, kind: str) -> ErrorLine:
+    """Return a line of size 1 in its most usual unit; its size decides nothing."""
+    unit = line.like(kind)
+    size = parse_quantity(f"1 {unit}", unit)
+    axes = len(line.axes)
+    return ErrorLine(
+        name=line.name,
+        u=np.full(axes, size.value),
+        distributions=(NORMAL,) * axes,
+        correlation_time=np.full(axes, PROBE_TIME) if line.process else None,
+        printed=size.printed,
+        unit=unit,
+        si_per_unit=size.value,
+    )

@@ -1,0 +1,93 @@
+"""What is unknown does not look good: numbers that lack a line are lower bounds."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from budget import load_device, load_procedure
+from budget.report.document import to_csv, to_json
+from budget.report.tables import group_tables
+from budget.studies.analysis import analyze
+from budget.studies.coupling import coupling
+from budget.studies.lower_bounds import lacking
+
+ZHAO = load_device("zhao-2019")
+REFERENCES = ("nominal", "as_tested", "next_turn_on")
+
+
+def without(*names, device=ZHAO, kind="gyro"):
+    """Return a device as if its data sheet did not give some lines of one sensor."""
+    sensor = getattr(device, kind)
+    lines = tuple(line for line in sensor.lines if line.name not in names)
+    noise = {"angle_random_walk", "velocity_random_walk", "sample_noise"}
+    missing = tuple(f"{kind}.{'noise' if n in noise else n}" for n in names)
+    bare = replace(sensor, lines=lines, expected_missing=missing, not_given=missing)
+    return replace(device, **{kind: bare})
+
+
+@pytest.mark.parametrize("kind", ["gyro", "accelerometer"])
+@pytest.mark.parametrize("reference", REFERENCES)
+@pytest.mark.parametrize("formulas", ["corrected", "paper"])
+def test_a_missing_line_reaches_what_it_reaches_when_given(kind, reference, formulas):
+    """For each line in turn: the outputs that lack it are those of the coupling."""
+    procedure = replace(load_procedure(), formulas=formulas)
+    sensor = getattr(ZHAO, kind)
+    table = coupling((sensor,), procedure, reference=reference)
+    for line in sensor.lines:
+        bare = getattr(without(line.name, kind=kind), kind)
+        found = lacking((bare,), procedure, reference=reference)
+        reached = {name.rpartition(".")[0] for name, lines in found.items() if lines}
+        given = {
+            cell.group
+            for cell in table.cells
+            if cell.source == f"{kind}.{line.name}" and cell.reaches
+        }
+        assert reached == given, line.name
+
+
+def test_a_bias_that_lacks_its_line_is_this_or_more():
+    """Without bias repeatability only the biases are lower bounds, in every form."""
+    budget = analyze(without("bias_repeatability"), validate=False)
+    document = json.loads(to_json(budget))
+    marked = {
+        f"{row['sensor']}.{row['parameter']}"
+        for row in document["outputs"]
+        if row["lower_bound"]
+    }
+    full = analyze(ZHAO, validate=False)
+    tables = {table.title: table for table in group_tables(budget)}
+
+    assert marked == {"gyro.bias"}
+    assert not any(row.lower_bound for row in full.outputs)
+    assert [row.u.text[0] for row in tables["gyro bias"].rows] == ["≥"] * 3
+    assert "bias repeatability not given" in tables["gyro bias"].gaps
+    assert tables["gyro scale factor"].gaps == ""
+    for row in budget.outputs:
+        flags = {part.source: part.lower_bound for part in row.contributions}
+        assert flags.pop("interaction") is row.lower_bound
+        assert not any(flags.values())
+    totals = [line for line in to_csv(budget).splitlines() if ",total," in line]
+    assert sum(line.endswith(",true") for line in totals) == 3
+
+
+def test_what_no_line_reaches_is_not_known():
+    """An angle that no given line reaches prints '?', never 0."""
+    kept = "scale_factor_repeatability"
+    names = [line.name for line in ZHAO.gyro.lines if line.name != kept]
+    bare = replace(without(*names), accelerometer=None)
+    tables = group_tables(analyze(bare, validate=False))
+    texts = {table.parameter: {row.u.text for row in table.rows} for table in tables}
+
+    assert texts["mounting_angle"] == texts["bias"] == {"?"}
+    assert all(text.startswith("≥") for text in texts["scale_factor"])
+
+
+def test_what_is_left_out_on_purpose_is_not_missing():
+    """With --only a line that was not asked for lacks nowhere."""
+    bare = without("bias_repeatability")
+    alone = analyze(bare, only=("gyro.bias_stability",), validate=False)
+
+    assert not any(row.lower_bound for row in alone.outputs)
