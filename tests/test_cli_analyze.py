@@ -78,12 +78,13 @@ def test_adaptive_is_the_default_of_trials():
 
 
 def test_a_second_digit_takes_more_trials():
-    """`--digits 2` draws more than ten times what `--digits 1` does."""
+    """`--digits 2` draws three times what `--digits 1` does, or more."""
     one, two = (
         analyze("--method", "monte-carlo", "--digits", digits) for digits in (1, 2)
     )
 
-    assert two["settings"]["trials"] > 10 * one["settings"]["trials"]
+    # First stages of 30 and 10 macro-blocks.
+    assert two["settings"]["trials"] >= 3 * one["settings"]["trials"]
 
 
 def test_too_few_trials_allowed_is_said():

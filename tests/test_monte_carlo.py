@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from builders import paper_accelerometer, paper_gyro, procedure
 from numpy.testing import assert_allclose, assert_array_equal
+from scipy.stats import binom
 
 from budget.distributions import ARCSINE, NORMAL, TRIANGULAR, UNIFORM
 from budget.errors import WorkerError
+from budget.methods import monte_carlo
 from budget.methods.execution import BLOCK, draw
 from budget.methods.monte_carlo import sample
 from budget.physics.calibration import calibration_problem
@@ -219,6 +222,91 @@ def test_adaptive_trials_settle_to_the_digits_asked_for(digits):
     ends = np.array([1.959964, 0.95 * np.sqrt(3.0), np.sqrt(6.0) * (1 - np.sqrt(0.05))])
     exact = np.stack([-ends * u, ends * u], axis=1)
     assert (np.abs(found.interval - exact) < 2.0 * found.tolerance[:, None]).all()
+
+
+def beyond(runs, *, u, part, interval):
+    """Return how many adaptive runs of one normal input miss what they `reached`.
+
+    A run misses where estimate, standard uncertainty or an interval end is off by more.
+    """
+    problem = one_output(Group.independent("x", u=u))
+    truth = np.array([0.0, 1.0, -1.9599640, 1.9599640]) * u
+    missed = 0
+    for seed in range(runs):
+        found = sample(problem, seed=seed, part=part, interval=interval)
+        assert found.is_settled.all()
+        numbers = [found.mean[0], found.standard_uncertainty[0], *found.interval[0]]
+        missed += bool((np.abs(numbers - truth) > found.reached[0]).any())
+    return missed
+
+
+def most_beyond(runs):
+    """Return what 5 % of so many runs may be, but for one case in 10 000."""
+    return int(binom.ppf(1.0 - 1e-4, runs, 0.05))
+
+
+def test_what_adaptive_runs_reached_holds_at_the_stated_rate():
+    """In 300 runs all four numbers are within `reached` in 95 % or more.
+
+    At u = 5 and a fifth of the tolerance runs stop after 10 to some 20 macro-blocks.
+    """
+    assert beyond(300, u=5.0, part=0.2, interval="symmetric") <= most_beyond(300)
+
+
+def test_the_check_of_what_is_reached_can_fail(monkeypatch):
+    """Control: twice the spread of two and more macro-blocks misses too often."""
+
+    def twice(gathering, _kind):
+        blocks = gathering._settling  # noqa: SLF001 - the old rule, of the same blocks
+        if len(blocks) < 2:
+            return np.full(1, np.inf)
+        error = np.std(blocks, axis=0, ddof=1) / np.sqrt(len(blocks))
+        return 2.0 * error.max(axis=0)
+
+    block = monte_carlo._macro_block  # noqa: SLF001 - made to settle beyond its stage
+    monkeypatch.setattr(
+        monte_carlo,
+        "_macro_block",
+        lambda problem, plan, task: block(problem, replace(plan, first_stage=99), task),
+    )
+    monkeypatch.setattr(monte_carlo, "FIRST_STAGE", 2)
+    monkeypatch.setattr(monte_carlo.Gathering, "reached", twice)
+    assert beyond(150, u=5.0, part=0.2, interval="symmetric") > most_beyond(150)
+
+
+def test_shortest_intervals_settle_at_their_own_rate():
+    """In 150 runs the ends of shortest intervals are within `reached` in 95 %."""
+    assert beyond(150, u=9.0, part=1.0, interval="shortest") <= most_beyond(150)
+
+
+def test_shortest_intervals_do_not_settle_as_symmetric_ones(monkeypatch):
+    """Control: with the rate h^(-1/2) for their ends too many miss."""
+    reached = monte_carlo.Gathering.reached
+    monkeypatch.setattr(
+        monte_carlo.Gathering, "reached", lambda self, _kind: reached(self, "symmetric")
+    )
+    assert beyond(150, u=9.0, part=1.0, interval="shortest") > most_beyond(150)
+
+
+@pytest.mark.parametrize(("digits", "blocks"), [(1, 10), (2, 30)])
+def test_no_adaptive_run_stops_within_its_first_stage(digits, blocks):
+    """However coarse the tolerance, 10 macro-blocks are made, 30 for two digits."""
+    found = sample(one_output(Group.independent("x", u=1.0)), digits=digits)
+    assert found.trials == blocks * 3 * BLOCK
+
+
+def test_few_macro_blocks_count_with_the_quantile_for_them():
+    """With room for 3 and 10 macro-blocks a spread counts by t with 2 and 9 degrees."""
+    problem = one_output(Group.independent("x", u=5.0))
+    few, many = (
+        sample(problem, max_trials=blocks * 3 * BLOCK).reached[0] for blocks in (3, 10)
+    )
+    # The ends lead: 0.024 u for one block each, and t at 0.9875 or so.
+    spread = 5.0 * np.sqrt(0.025 * 0.975 / (3 * BLOCK)) / 0.05845
+    for found, t, blocks in ((few, 6.205, 3), (many, 2.685, 10)):
+        expected = t * spread / np.sqrt(blocks)
+        # A spread of n values is off by a factor of 3 in one case of 100 for n = 3.
+        assert expected / 4.0 < found < 2.5 * expected
 
 
 def test_adaptive_trials_stop_at_the_cap_and_say_so():

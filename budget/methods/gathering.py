@@ -12,6 +12,8 @@ from budget.methods.intervals import Grid, Histogram, interval_of_values
 if TYPE_CHECKING:
     from budget.arrays import Array
 
+ERROR_RATE = 0.05  # [1], of what adaptive trials are said to have settled to
+HALVINGS = 12  # of the bracket around r, from above: to 1e-4 of it
 EXACT_TRIALS = 2_000_000  # kept as they are; beyond, quantiles come from a histogram
 
 
@@ -72,7 +74,8 @@ class MacroBlock:
         The trials, in their order; None where their counts stand instead.
     histogram : Histogram or None
     settling : ndarray, shape (4, n_out), or None
-        Mean, standard uncertainty and both interval ends of this block alone.
+        Mean, standard uncertainty and both interval ends of this block alone; of the
+        macro-blocks of the first stage.
     """
 
     moments: Moments
@@ -91,6 +94,7 @@ class Gathering:
         self._kept: list[Array] = []
         self._histogram: Histogram | None = None
         self._settling: list[Array] = []
+        self._blocks = 0
         self._store(first)
 
     @property
@@ -103,17 +107,32 @@ class Gathering:
         self.moments += block.moments
         self._store(block)
 
-    def reached(self) -> Array:
-        """Return twice the largest standard error of the four numbers, (n_out,).
+    def reached(self, kind: str) -> Array:
+        """Return what the least settled of the four numbers has settled to, (n_out,).
 
-        JCGM 101:2008, 7.9.4 e) to i): the spread of estimate, standard uncertainty and
-        interval ends over h macro-blocks, over the root of h.
+        Stein's two stages in place of the fixed factor 2 of JCGM 101:2008, 7.9.4 e) to
+        i): with s_j the spread of number j over the n macro-blocks of the first stage
+        and h those there are, r solves
+
+            sum_j P(|t_{n-1}| > r sqrt(h)/s_j) = ERROR_RATE ,
+
+        so that all four errors are within r with a probability of 1 - ERROR_RATE or
+        more (Bonferroni; the union over four, each with a part of the rate that goes by
+        its spread). For one number it is exact where block values are normal, because s
+        comes from the first stage alone and decides only when to stop (Stein 1945, Ann.
+        Math. Statist. 16, 243-258). A spread taken anew at every block would choose the
+        moments at which it happens to be small.
+
+        The ends of a shortest interval settle as h^(-1/3) only (Kim and Pollard 1990,
+        Ann. Statist. 18, 191-219).
         """
-        h = len(self._settling)
-        if h < 2:  # noqa: PLR2004 - a spread takes two
+        n = len(self._settling)
+        if n < 2:  # noqa: PLR2004 - a spread takes two
             return np.full(self.moments.mean.shape, np.inf)
-        error = np.std(self._settling, axis=0, ddof=1) / np.sqrt(h)
-        return np.asarray(2.0 * error.max(axis=0))
+        ends = 1.0 / 3.0 if kind == "shortest" else 1.0 / 2.0
+        rate = float(self._blocks) ** -np.array([0.5, 0.5, ends, ends])
+        error = np.std(self._settling, axis=0, ddof=1) * rate[:, None]
+        return _exceeded_by_none(error, n - 1)
 
     def interval(self, coverage: float, kind: str) -> Array:
         """Return the coverage intervals of all trials so far, shape (n_out, 2)."""
@@ -138,6 +157,7 @@ class Gathering:
 
     def _store(self, block: MacroBlock) -> None:
         """Keep values while they are few, counts from then on."""
+        self._blocks += 1
         if block.settling is not None:
             self._settling.append(block.settling)
         if block.histogram is not None:
@@ -154,3 +174,23 @@ class Gathering:
     def _count(self, more: Histogram) -> None:
         """Add counts to those so far."""
         self._histogram = more if self._histogram is None else self._histogram + more
+
+
+def _exceeded_by_none(error: Array, degrees_of_freedom: int) -> Array:
+    """Return r of each column with sum_j P(|t| > r/error_j) = ERROR_RATE, (n_out,)."""
+    from scipy.special import stdtr, stdtrit
+
+    v = degrees_of_freedom
+    largest, counts = error.max(axis=0), len(error)
+    # As if only the largest counted, and as if all were as large.
+    low = largest * float(stdtrit(v, 1.0 - ERROR_RATE / 2.0))
+    high = largest * float(stdtrit(v, 1.0 - ERROR_RATE / (2.0 * counts)))
+    safe = np.where(error > 0.0, error, 1.0)
+    for _ in range(HALVINGS):
+        r = 0.5 * (low + high)
+        beyond = np.where(error > 0.0, 2.0 * stdtr(v, -r / safe), 0.0).sum(axis=0)
+        low, high = (
+            np.where(beyond > ERROR_RATE, r, low),
+            np.where(beyond > ERROR_RATE, high, r),
+        )
+    return np.asarray(high)

@@ -2,7 +2,8 @@
 
 Trials come in macro-blocks of M (7.9.4). Each is drawn in blocks that fit the cache,
 and macro-blocks are gathered in their order, so neither the numbers nor the decision to
-stop depends on who computed them.
+stop depends on who computed them. Adaptive runs stop by Stein's two stages: the spread
+over a first stage of macro-blocks says how many it takes (Gathering.reached).
 """
 
 from __future__ import annotations
@@ -39,6 +40,11 @@ if TYPE_CHECKING:
 MAX_TRIALS = EXACT_TRIALS  # of an adaptive run that is not told otherwise
 LEAST_TRIALS = 2  # have a spread
 LEAST_MACRO_BLOCK = 10_000  # trials, JCGM 101:2008, 7.9.4 b)
+# Macro-blocks of the first stage, for one digit and for more. Student's t quantile is
+# 1.25 and 1.07 times the normal one for them, and trials go as its square; two digits
+# take more than 30 macro-blocks in most cases anyway.
+FIRST_STAGE = 10
+FIRST_STAGE_FINE = 30
 AHEAD = 2  # tasks under way for each worker
 # Macro-blocks in a task: one takes some 10 ms, sending a task 1 ms to a process of this
 # machine and more to another machine.
@@ -63,9 +69,9 @@ class Sample:
     tolerance : ndarray, shape (n_out,), or None
         What adaptive trials are to settle to.
     reached : ndarray, shape (n_out,), or None
-        What they have settled to: twice the standard error of the least settled of
-        estimate, standard uncertainty and interval ends (7.9.4). None where the number
-        of trials was fixed.
+        What they have settled to: the errors of estimate, standard uncertainty and both
+        interval ends of an output are all within it with a probability of 0.95
+        (7.9.4, with Stein's two stages). None where the number of trials was fixed.
     """
 
     trials: int
@@ -96,7 +102,7 @@ class _Plan:
     blocks: int  # of BLOCK trials in a macro-block
     coverage: float
     interval: str
-    adaptive: bool
+    first_stage: int  # macro-blocks whose spread is taken, 0 for a fixed run
 
     @property
     def size(self) -> int:
@@ -173,13 +179,15 @@ def sample(
     """
     _check(trials, digits, coverage, interval)
     adaptive = trials is None
-    least = 100.0 / (1.0 - coverage) if adaptive else 0.0  # 7.9.4 b)
+    blocks = (_macro_block_size(coverage) if adaptive else _macro_block_size()) // BLOCK
+    first_stage = FIRST_STAGE if digits == 1 else FIRST_STAGE_FINE
     plan = _Plan(
         seed=seed,
-        blocks=ceil(max(LEAST_MACRO_BLOCK, least) / BLOCK),
+        blocks=blocks,
         coverage=coverage,
         interval=interval,
-        adaptive=adaptive,
+        # With room for fewer blocks all there are, and a larger t quantile for them.
+        first_stage=min(first_stage, max_trials // (blocks * BLOCK)) if adaptive else 0,
     )
     if adaptive and max_trials < least_trials(coverage):
         raise CallError(
@@ -217,7 +225,7 @@ def sample(
                 gathering.take(block)
             if progress is not None:
                 progress(gathering.moments.n, most)
-            if adaptive and _is_settled(gathering, problem, digits, part):
+            if adaptive and _is_settled(gathering, problem, plan, digits, part):
                 break
     if gathering is None:
         raise ProblemError(f"a Monte Carlo run of {most} trials has no result")
@@ -227,14 +235,24 @@ def sample(
         covariance=gathering.moments.covariance,
         interval=gathering.interval(coverage, interval),
         tolerance=part * _tolerance(gathering, problem, digits) if adaptive else None,
-        reached=gathering.reached() if trials is None else None,
+        reached=gathering.reached(interval) if adaptive else None,
     )
 
 
 def least_trials(coverage: float) -> int:
     """Return what an adaptive run takes at the least: two macro-blocks, 7.9.4 b)."""
-    size = ceil(max(LEAST_MACRO_BLOCK, 100.0 / (1.0 - coverage)) / BLOCK) * BLOCK
-    return 2 * size
+    return 2 * _macro_block_size(coverage)
+
+
+def first_stage_trials(coverage: float, digits: int) -> int:
+    """Return what an adaptive run takes before it first asks whether it may stop."""
+    stage = FIRST_STAGE if digits == 1 else FIRST_STAGE_FINE
+    return stage * _macro_block_size(coverage)
+
+
+def _macro_block_size(coverage: float = 0.0) -> int:
+    """Return M of 7.9.4 b), in whole blocks."""
+    return ceil(max(LEAST_MACRO_BLOCK, 100.0 / (1.0 - coverage)) / BLOCK) * BLOCK
 
 
 def _check(trials: int | None, digits: int, coverage: float, interval: str) -> None:
@@ -273,7 +291,7 @@ def _macro_block(problem: Problem, plan: _Plan, task: _Task) -> MacroBlock:
     total = reduce(add, moments)
     check_finite(total.deviations)
     settling = None
-    if plan.adaptive:
+    if task.index < plan.first_stage:
         ends = interval_of_values(np.sort(y), plan.coverage, plan.interval)
         settling = np.stack([total.mean, total.standard_uncertainty, *ends.T])
     if task.grid is None:
@@ -282,11 +300,13 @@ def _macro_block(problem: Problem, plan: _Plan, task: _Task) -> MacroBlock:
 
 
 def _is_settled(
-    gathering: Gathering, problem: Problem, digits: int, part: float
+    gathering: Gathering, problem: Problem, plan: _Plan, digits: int, part: float
 ) -> bool:
     """Whether every output has settled to its tolerance: JCGM 101:2008, 7.9.4 i)."""
+    if gathering.moments.n < plan.first_stage * plan.size:
+        return False
     tolerance = part * _tolerance(gathering, problem, digits)
-    return bool((gathering.reached() <= tolerance).all())
+    return bool((gathering.reached(plan.interval) <= tolerance).all())
 
 
 def _tolerance(gathering: Gathering, problem: Problem, digits: int) -> Array:

@@ -10,7 +10,12 @@ import numpy as np
 
 from budget.methods.gum import propagate
 from budget.methods.intervals import interval_of_values
-from budget.methods.monte_carlo import MAX_TRIALS, least_trials, sample
+from budget.methods.monte_carlo import (
+    MAX_TRIALS,
+    first_stage_trials,
+    least_trials,
+    sample,
+)
 from budget.methods.sobol import SCRAMBLES, SobolResult, evaluations, sobol
 from budget.methods.validation import MAX_TRIALS as VALIDATION_TRIALS
 from budget.methods.validation import validate as validate_law
@@ -158,7 +163,7 @@ def analyze(
     problem = calibration_problem(sensors, procedure, reference=reference, only=chosen)
     if talk is not None:
         two_digits = method == "gum" and validate and digits > 1
-        for text in _costs(problem, samples, workers, two_digits=two_digits):
+        for text in _costs(problem, samples, workers, coverage, two_digits=two_digits):
             talk(text)
     law = propagate(problem)
     warnings += cautions.options_without_effect(
@@ -174,7 +179,7 @@ def analyze(
             covariance=law.covariance,
             interval=law.interval(coverage),
         )
-        if validate and _validation_cap(digits) < least_trials(coverage):
+        if validate and _most_to_validate(digits) < least_trials(coverage):
             text = (
                 f"not validated: at coverage {coverage:g} that takes "
                 f"{least_trials(coverage)} trials; use the method monte-carlo"
@@ -186,7 +191,7 @@ def analyze(
                 law,
                 coverage=coverage,
                 digits=digits,
-                max_trials=_validation_cap(digits),
+                max_trials=_validation_cap(digits, coverage),
                 seed=seed,
                 workers=workers,
                 executor=executor,
@@ -296,14 +301,19 @@ def _simulate(
 
 
 def _costs(
-    problem: Problem, samples: int | None, workers: int, *, two_digits: bool
+    problem: Problem,
+    samples: int | None,
+    workers: int,
+    coverage: float,
+    *,
+    two_digits: bool,
 ) -> Iterator[str]:
     """Say what validation to two digits and Sobol' indices will cost."""
     if not (two_digits or samples):
         return
     each = seconds_per_trial(problem)
     if two_digits:
-        most = _validation_cap(2)
+        most = _validation_cap(2, coverage)
         yield describe_cost(
             "Monte Carlo to validate two digits, at most", most, most * each, workers
         )
@@ -312,8 +322,13 @@ def _costs(
         yield describe_cost("Sobol' indices", number, number * each, workers)
 
 
-def _validation_cap(digits: int) -> int:
-    """Return the trials that validation takes at the most."""
+def _validation_cap(digits: int, coverage: float) -> int:
+    """Return the trials that validation takes at the most, its first stage at least."""
+    return max(_most_to_validate(digits), first_stage_trials(coverage, digits))
+
+
+def _most_to_validate(digits: int) -> int:
+    """Return the trials that are worth it to validate so many digits."""
     # A tolerance ten times smaller takes a hundred times as many trials.
     return VALIDATION_TRIALS * (100 if digits > 1 else 1)
 
