@@ -24,6 +24,10 @@ if TYPE_CHECKING:
 
 LEAST = 2.0**-54  # of a probability whose quantile is taken: at 0 it may be infinite
 MOST = 1.0 - 2.0**-53  # the largest double below 1
+# Of coverage intervals: below the least an interval is a point, above the most its ends
+# hang on digits of the probability that a double does not have.
+LEAST_COVERAGE, MOST_COVERAGE = 1e-6, 0.999999999999
+COVERAGES = "from 1e-6 to 1 - 1e-12 (0.0001 % to 99.9999999999 %)"
 BISECTIONS = 64  # of an interval in a double: 64 halvings leave its rounding
 
 # Of a quantile function of the user's own: moments by Gauss-Legendre on panels that
@@ -39,6 +43,11 @@ LEAST_SHAPE, LARGEST_SHAPE = 0.01, 1e8
 LARGEST_LOG_SIGMA = 3.0  # beyond, the variance lies where doubles are too near to 1
 NEAR_BRANCH = 1e-10  # [1] where three terms of a series have the digits of a double
 FEWEST_MOMENTS = 2.0  # degrees of freedom up to which Student's t has no variance
+
+
+def is_coverage(value: float) -> bool:
+    """Whether intervals of this probability can be computed; nan is none."""
+    return LEAST_COVERAGE <= value <= MOST_COVERAGE
 
 
 @dataclass(frozen=True)

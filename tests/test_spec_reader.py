@@ -208,7 +208,7 @@ BAD = {
     "coverage": (
         "name: x\ncoverage: 100 %\nlimits: {gyro: {bias: 1 deg/h}}\n",
         "2:11",
-        "less than 100 %",
+        "from 1e-6 to 1 - 1e-12",
     ),
     "bare coverage": (
         "name: x\ncoverage: 0.95\nlimits: {gyro: {bias: 1 deg/h}}\n",
@@ -221,7 +221,11 @@ BAD = {
         "'next_turn_on'",
     ),
     "cost of nothing": ("costs: {gyro.bias: {a: 1}}\n", "1:9", "unknown key"),
-    "free": ("costs: {gyro.bias_stability: {a: 0}}\n", "1:34", "greater than 0"),
+    "free": (
+        "costs: {gyro.bias_stability: {a: 0}}\n",
+        "1:34",
+        "greater than or equal to",
+    ),
     "infinite": (
         "costs: {gyro.bias_stability: {a: .inf}}\n",
         "1:34",

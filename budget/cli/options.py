@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from decimal import Decimal, InvalidOperation
+from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -18,14 +18,16 @@ LEAST_TRIALS = 2
 
 def _coverage(text: str) -> float:
     """Read a probability, '0.95' or '95 %', to the nearest double."""
+    from budget.distributions import COVERAGES, is_coverage
+
     number, percent, rest = text.partition("%")
     try:
         value = float(Decimal(number.strip()) / (100 if percent else 1))
-    except InvalidOperation:
+    except ArithmeticError:  # no number, or one beyond what a Decimal can be
         value = float("nan")
-    if rest.strip() or not 0.0 < value < 1.0:
+    if rest.strip() or not is_coverage(value):
         raise typer.BadParameter(
-            f"{text!r} is no probability; give one above 0 and below 1, "
+            f"{text!r} is no probability of an interval; give one {COVERAGES}, "
             "as 0.95 or '95 %'"
         )
     return value

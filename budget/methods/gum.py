@@ -21,7 +21,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.errors import ProblemError
+from budget.distributions import COVERAGES, is_coverage
+from budget.errors import CallError, ProblemError
 from budget.methods.jets import expand
 
 if TYPE_CHECKING:
@@ -79,9 +80,16 @@ class Propagation:
 
         Of the normal law, or of Student's t for the effective degrees of freedom,
         cut to the integer below: JCGM 100:2008, G.4.
+
+        Raises
+        ------
+        CallError
+            The coverage is none that intervals can be computed for.
         """
         from scipy.special import ndtri, stdtrit
 
+        if not is_coverage(coverage):
+            raise CallError(f"coverage is {coverage!r}, allowed: {COVERAGES}")
         p = (1.0 + coverage) / 2.0
         known = np.isinf(self.degrees_of_freedom)
         # A whole number of degrees of freedom must not fall short of it by rounding.

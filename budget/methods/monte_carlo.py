@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.distributions import COVERAGES, is_coverage
 from budget.errors import CallError, ProblemError
 from budget.methods.execution import (
     BLOCK,
@@ -262,8 +263,8 @@ def _check(trials: int | None, digits: int, coverage: float, interval: str) -> N
         faults.append(f"trials is {trials}, allowed: {LEAST_TRIALS} or more")
     if digits < 1:
         faults.append(f"digits is {digits}, allowed: 1 or more")
-    if not 0.0 < coverage < 1.0:
-        faults.append(f"coverage is {coverage!r}, allowed: above 0 and below 1")
+    if not is_coverage(coverage):
+        faults.append(f"coverage is {coverage!r}, allowed: {COVERAGES}")
     if interval not in KINDS:
         faults.append(f"interval is {interval!r}, allowed: {', '.join(KINDS)}")
     if faults:

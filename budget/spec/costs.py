@@ -15,14 +15,16 @@ from budget.units import Quantity
 if TYPE_CHECKING:
     from budget.spec.tree import Document
 
-Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+# Their product, a (u_ref/u)^p, stays a number for every line that a device may have.
+Price = Annotated[float, Field(ge=1e-12, le=1e12, allow_inf_nan=False)]
+Power = Annotated[float, Field(ge=0.01, le=10.0, allow_inf_nan=False)]
 
 
 class CostPart(Strict):
     """Cost of one line: a (u_ref / u)^p."""
 
-    a: Positive = Field(default=1.0, description="cost at u_ref")
-    p: Positive = Field(default=1.0, description="power with which the cost grows")
+    a: Price = Field(default=1.0, description="cost at u_ref")
+    p: Power = Field(default=1.0, description="power with which the cost grows")
     u_ref: Quantity | None = Field(
         default=None, description="unset: the value the device has now"
     )

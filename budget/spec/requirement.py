@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, create_model, model_validator
 
+from budget.distributions import COVERAGES, is_coverage
 from budget.spec.checking import check
 from budget.spec.fields import (
     Measured,
@@ -72,9 +73,9 @@ class RequirementBase(Strict):
     @model_validator(mode="after")
     def _check_coverage_and_limits(self) -> Self:
         messages: dict[tuple[str, ...], str] = {}
-        if self.coverage is not None and self.coverage.value >= 1.0:
+        if self.coverage is not None and not is_coverage(self.coverage.value):
             messages["coverage",] = (
-                f"found {self.coverage.printed!r}, expected less than 100 %"
+                f"found {self.coverage.printed!r}, expected one {COVERAGES}"
             )
         if not _limits(self.limits):
             messages["limits",] = "names no limit, expected one at least"

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
+from budget.distributions import COVERAGES, is_coverage
 from budget.errors import CallError
 from budget.methods.intervals import KINDS as INTERVALS
 from budget.physics.sources import REFERENCES
@@ -153,7 +154,7 @@ def check_numbers(coverage: float, counts: dict[str, tuple[int | None, int]]) ->
         for name, (number, least) in counts.items()
         if number is not None and number < least
     ]
-    if not 0.0 < coverage < 1.0:
-        faults.append(f"coverage is {coverage!r}, allowed: above 0 and below 1")
+    if not is_coverage(coverage):
+        faults.append(f"coverage is {coverage!r}, allowed: {COVERAGES}")
     if faults:
         raise CallError("; ".join(faults))

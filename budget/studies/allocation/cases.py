@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import log10
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,6 +29,7 @@ STRATEGIES = ("proportional", "equal", "cost")
 SCALE_FACTOR_CEILING = 0.01  # [1]
 ANGLE_CEILING = DEGREE  # [rad]
 OTHER_CEILING = 100.0  # times the present value [1]
+MOST_DECADES = 50  # of a price: what lies further apart adds to no sum
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -163,7 +165,13 @@ def _bounds_of(
 
 
 def _prices(case: SensorCase, costs: Costs | None) -> Prices:
-    """Return the cost of each source as a function of its factor."""
+    """Return the cost of each source as a function of its factor.
+
+    Raises
+    ------
+    CallError
+        A cost is beyond what can be weighed against others.
+    """
     named = {cost.source: cost for cost in costs.costs} if costs is not None else {}
     c, p = [], []
     for line in case.sensor.lines:
@@ -173,6 +181,12 @@ def _prices(case: SensorCase, costs: Costs | None) -> Prices:
         ratio = 1.0
         if cost is not None and cost.u_ref is not None and now > 0.0:
             ratio = cost.u_ref / now
+        if abs(power * log10(ratio)) > MOST_DECADES:
+            raise CallError(
+                f"costs.{case.sensor.kind}.{line.name}: u_ref is {ratio:.3g} times the "
+                f"present value, which to the power of {power:g} is no price, expected "
+                f"1e-{MOST_DECADES} to 1e{MOST_DECADES}; see to u_ref and p"
+            )
         c.append((1.0 if cost is None else cost.a) * ratio**power)
         p.append(power)
     return Prices(c=np.array(c), p=np.array(p))

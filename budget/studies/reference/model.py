@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from budget.distributions import LEAST_COVERAGE, MOST_COVERAGE
 from budget.spec.fields import Strict
 
 # Files hold quantities between 1e-30 and 1e30 SI: no budget comes near this, and what
@@ -40,7 +41,7 @@ class SettingsEntry(Strict):
     max_trials: Annotated[Count, Field(ge=2)] | None = None
     digits: Annotated[int, Field(ge=1, le=2)] = 1
     seed: Annotated[int, Field(ge=0)] = 0
-    coverage: Annotated[float, Field(gt=0.0, lt=1.0)] | None = None
+    coverage: Annotated[float, Field(ge=LEAST_COVERAGE, le=MOST_COVERAGE)] | None = None
     interval: Literal["symmetric", "shortest"] = "symmetric"
     reference: Literal["nominal", "as_tested", "next_turn_on"] | None = None
     only: tuple[Line, ...] = ()
