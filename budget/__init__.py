@@ -19,6 +19,12 @@ JCGM 101
 JCGM 102
     JCGM 102:2011, Supplement 2 to the GUM - Extension to any number of output
     quantities.
+JCGM 106
+    JCGM 106:2012, Evaluation of measurement data - The role of measurement uncertainty
+    in conformity assessment.
+NIST TN 1900
+    Possolo A., Simple Guide for Evaluating and Expressing the Uncertainty of NIST
+    Measurement Results, NIST Technical Note 1900, 2015.
 IEEE 528
     IEEE Std 528-2019, Standard for Inertial Sensor Terminology.
 WGS 84
@@ -34,6 +40,14 @@ from budget.version import __version__
 
 if TYPE_CHECKING:
     from budget.errors import BudgetError, SpecError
+    from budget.methods.decisions import (
+        acceptance_interval,
+        conformance_probability,
+        decide,
+        global_guard_band,
+        global_risks,
+        specific_guard_band,
+    )
     from budget.methods.gum import propagate
     from budget.methods.monte_carlo import sample
     from budget.methods.regions import (
@@ -62,12 +76,17 @@ _HOME = {
     "Output": "budget.problem",
     "Problem": "budget.problem",
     "SpecError": "budget.errors",
+    "acceptance_interval": "budget.methods.decisions",
     "analyze": "budget.studies.analysis",
     "assess": "budget.studies.conformity",
     "box_region": "budget.methods.regions",
     "compare": "budget.studies.comparison.compare",
+    "conformance_probability": "budget.methods.decisions",
+    "decide": "budget.methods.decisions",
     "ellipsoid_region": "budget.methods.regions",
     "first_trials": "budget.methods.trials",
+    "global_guard_band": "budget.methods.decisions",
+    "global_risks": "budget.methods.decisions",
     "load_catalogue": "budget.spec",
     "load_device": "budget.spec",
     "load_procedure": "budget.spec",
@@ -76,6 +95,7 @@ _HOME = {
     "propagate": "budget.methods.gum",
     "sample": "budget.methods.monte_carlo",
     "smallest_region": "budget.methods.regions",
+    "specific_guard_band": "budget.methods.decisions",
 }
 
 __all__ = [
@@ -86,12 +106,17 @@ __all__ = [
     "Problem",
     "SpecError",
     "__version__",
+    "acceptance_interval",
     "analyze",
     "assess",
     "box_region",
     "compare",
+    "conformance_probability",
+    "decide",
     "ellipsoid_region",
     "first_trials",
+    "global_guard_band",
+    "global_risks",
     "load_catalogue",
     "load_device",
     "load_procedure",
@@ -100,6 +125,7 @@ __all__ = [
     "propagate",
     "sample",
     "smallest_region",
+    "specific_guard_band",
 ]
 
 

@@ -65,6 +65,16 @@ def test_the_example_of_regions_runs_as_printed():
     assert ellipse.contains(law.mean[:, None]).all()
 
 
+def test_the_example_of_decision_rules_runs_as_printed():
+    """Of JCGM 106's bearings 4.2 % do not conform, 0.8 % of all are accepted so."""
+    names = run(PROBLEMS[4])
+
+    assert_allclose(1.0 - names["simple"].conforming, 0.042, rtol=0, atol=0.001)
+    assert_allclose(names["simple"].consumer, 0.008, rtol=0, atol=0.001)
+    assert_allclose(names["acceptance"][1], 1.67, rtol=0, atol=0.01)
+    assert names["one"].is_accepted
+
+
 def test_the_library_example_runs_as_printed(capsys):
     """The Python block of docs/results.md runs and gives a verdict for each sensor."""
     text = (DOCS / "results.md").read_text(encoding="utf-8")
