@@ -45,26 +45,39 @@ function evaluate(model, factors) {
   return { outputs, sensors: judge(model, outputs) };
 }
 
-/** A number without what the rounding of doubles makes of it: ties stay ties. */
+const ALIKE = 1e-6;   // relative difference of quantities that count as equal
+
+/** A number without the last digits, which the rounding of doubles decides. */
 function settled(value) {
-  return Number(value.toPrecision(9));
+  return Number(value.toPrecision(12));
 }
 
-/** The verdict on each sensor of which something is required; of ties the first. */
+/** Outputs of one sensor by name: 'gyro bias x, y, z'; all six axes are every axis. */
+function joinOutputs(model, places) {
+  const groups = new Map();
+  for (const k of places) {
+    const { group, axis } = model.outputs[k];
+    groups.set(group, [...(groups.get(group) || []), axis]);
+  }
+  return [...groups].map(([group, axes]) =>
+    `${group} ${axes.length === 6 ? "(every axis)" : axes.join(", ")}`).join("; ");
+}
+
+/** The verdict on each sensor of which something is required; of ties all are named. */
 function judge(model, rows) {
   const verdicts = [];
   for (const sensor of model.sensors) {
-    let worst = null;
-    model.outputs.forEach((output, k) => {
-      if (rows[k].utilisation === null || !output.name.startsWith(`${sensor.name}.`)) return;
-      if (worst === null || settled(rows[k].utilisation) > settled(rows[worst].utilisation)) worst = k;
-    });
-    if (worst === null) continue;
+    const own = model.outputs.map((output, k) => k).filter((k) =>
+      rows[k].utilisation !== null && model.outputs[k].name.startsWith(`${sensor.name}.`));
+    if (!own.length) continue;
+    const top = Math.max(...own.map((k) => rows[k].utilisation));
+    const all = own.filter((k) => rows[k].utilisation >= top * (1 - ALIKE));
+    const worst = all[0];
     const utilisation = rows[worst].utilisation;
     const passing = sensor.missing.length ? "UNDECIDABLE" : "MEETS";
     verdicts.push({
-      sensor: sensor.name, worst, utilisation, missing: sensor.missing,
-      verdict: utilisation > 1 ? "FAILS" : passing,
+      sensor: sensor.name, worst, all, utilisation, missing: sensor.missing,
+      verdict: settled(utilisation) > 1 ? "FAILS" : passing,
     });
   }
   return verdicts;
@@ -75,9 +88,7 @@ function fourDigits(value, resolution = 0) {
   if (Math.abs(value) <= resolution || value === 0) return "0";
   const size = Math.abs(value);
   if (size >= 1e-3 && size < 1e6) return signed(value.toFixed(decimalsOf(size)));
-  const [mantissa, exponent] = value.toExponential(3).split("e");
-  const digits = [...exponent.replace("+", "")].map((c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)]);
-  return `${signed(mantissa)} × 10${digits.join("")}`;
+  return powerOfTen(value, 3);
 }
 
 /** How many decimals four significant digits of a number have. */
@@ -86,13 +97,40 @@ function decimalsOf(value) {
   return Math.max(0, 3 - Math.floor(Math.log10(Number(Math.abs(value).toPrecision(4)))));
 }
 
-/** A number to the last digit that the four of its uncertainty have. */
-function likeUncertainty(value, expanded, resolution) {
-  if (expanded <= resolution || expanded < 1e-3 || expanded >= 1e6) {
-    return Math.abs(value) < expanded * 1e-4 ? "0" : fourDigits(value, resolution);
-  }
-  const text = value.toFixed(decimalsOf(expanded));
-  return Number(text) === 0 ? "0" : signed(text);
+/** A number rounded to its digit at 10 ** place, halves up: budget/report/tables.py. */
+function roundAt(value, place) {
+  const [mantissa, exponent] = Math.abs(value).toExponential(11).split("e");
+  const digits = BigInt(mantissa.replace(".", ""));
+  const shift = place - (Number(exponent) - 11);
+  const size = 10n ** BigInt(Math.abs(shift));
+  const kept = shift > 0 ? (2n * digits + size) / (2n * size) : digits * size;
+  const sign = value < 0 && kept > 0n ? "-" : "";
+  if (place >= 0) return `${sign}${kept * 10n ** BigInt(place)}`;
+  const text = kept.toString().padStart(1 - place, "0");
+  return `${sign}${text.slice(0, place)}.${text.slice(place)}`;
+}
+
+/** The place of the second digit of an uncertainty, after rounding. */
+function lastPlace(u) {
+  const place = Number(u.toExponential(11).split("e")[1]) - 1;
+  return Number(roundAt(u, place)) >= 99.5 * 10 ** place ? place + 1 : place;
+}
+
+/** A number to the last of the two digits of its u; where it is long, with an exponent. */
+function likeUncertainty(value, u, resolution) {
+  if (u <= resolution) return fourDigits(value, resolution);
+  const place = lastPlace(u);
+  const text = roundAt(value, place);
+  const size = Number(text) === 0 ? place : Math.floor(Math.log10(Math.abs(Number(text))));
+  if (size >= -4 && size < 7) return signed(text);
+  return Number(text) === 0 ? "0" : powerOfTen(Number(text), Math.max(0, size - place));
+}
+
+/** A number with so many decimals, and a power of ten. */
+function powerOfTen(value, decimals) {
+  const [mantissa, exponent] = value.toExponential(decimals).split("e");
+  const digits = [...exponent.replace("+", "")].map((c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)]);
+  return `${signed(mantissa)} × 10${digits.join("")}`;
 }
 
 /** The title of a source; without its sensor beside an output of the same one. */
@@ -105,13 +143,23 @@ function signed(text) {
   return text.replace("-", "\u2212");
 }
 
-/** A part of a whole in per cent, one decimal; 100 stands only where it is the whole. */
+/** A share of the variance, as print_share of budget/report/tables.py has it. */
+function shareOf(part) {
+  const share = settled(part);
+  if (Math.abs(share) < 1e-20) return "0 %";
+  if (share > 0 && share < 1e-3) return "<0.1 %";
+  const text = roundAt(100 * share, Math.abs(share) < 0.01 ? -1 : 0);
+  return text === "100" && share < 1 - 1e-9 ? ">99 %" : `${signed(text)} %`;
+}
+
+/** A part of a limit in three digits, as print_utilisation there has it. */
 function perCent(part) {
-  const value = 100 * part;
-  if (value > 0 && value < 0.05) return "<0.1 %";
-  const text = value.toFixed(value >= 99.95 ? 0 : 1);
-  if (text !== "100" || Math.abs(value - 100) < 1e-7) return `${text} %`;
-  return value < 100 ? ">99.9 %" : ">100 %";
+  const used = settled(part);
+  if (used === 1) return "100 %";
+  const place = used > 1 && used < 1.01 ? -1 : lastPlace(10 * used);
+  const text = used === 0 ? "0" : roundAt(100 * used, place);
+  if (text === "100" || text === "100.0") return used < 1 ? "<100 %" : ">100 %";
+  return `${text} %`;
 }
 
 /** Make an element with attributes and what is in it; texts are set as text only. */
@@ -171,7 +219,7 @@ function drawShares(model, shares, bar) {
   bar.replaceChildren();
   model.sources.forEach((source, g) => {
     if (shares[g] < 0.002) return;
-    const part = make("span", { title: `${source.title} ${perCent(shares[g])}` });
+    const part = make("span", { title: `${source.title} ${shareOf(shares[g])}` });
     part.style.width = `${100 * Math.min(shares[g], 1)}%`;
     const colour = model.colours[source.name.split(".").pop()];
     part.style.background = colour === "#000000" ? "var(--black)" : colour || "var(--muted)";
@@ -188,7 +236,7 @@ function sayVerdict(model, result, base, place) {
       ? "" : `; as it is: ${was.verdict}, ${perCent(was.utilisation)}`;
     return make("p", {},
       make("strong", {}, `${now.sensor[0].toUpperCase()}${now.sensor.slice(1)}: ${now.verdict}`),
-      ` by the law${missing}. ${model.outputs[now.worst].title} at ${perCent(now.utilisation)} of its limit${before}.`);
+      ` by the law${missing}. ${joinOutputs(model, now.all)} at ${now.missing.length ? "\u2265\u00a0" : ""}${perCent(now.utilisation)} of its limit${before}.`);
   }));
   if (!result.sensors.length) place.append(make("p", {}, "No requirement: U of every output, as it is and changed."));
 }
@@ -221,24 +269,25 @@ function makeResults(model, base) {
     const row = make("tr", { "data-output": output.name }, make("th", { scope: "row" }, output.axis),
       cells.before, cells.expanded, cells.mean, ...limits, make("td", {}, cells.bar), cells.largest);
     body.append(row);
-    set(cells.before, fourDigits(base.outputs[k].expanded, output.resolution), base.outputs[k].expanded);
+    set(cells.before, likeUncertainty(base.outputs[k].expanded, base.outputs[k].u, output.resolution), base.outputs[k].expanded);
     setUsed(cells.usedBefore, base.outputs[k].utilisation);
     return { row, cells };
   });
   const update = (result) => result.outputs.forEach((now, k) => {
     const { row, cells } = rows[k];
     const { resolution } = model.outputs[k];
-    set(cells.expanded, fourDigits(now.expanded, resolution), now.expanded);
-    set(cells.mean, likeUncertainty(now.mean, now.expanded, resolution), now.mean);
+    set(cells.expanded, likeUncertainty(now.expanded, now.u, resolution), now.expanded);
+    set(cells.mean, likeUncertainty(now.mean, now.u, resolution), now.mean);
     setUsed(cells.used, now.utilisation);
-    const beyond = now.utilisation !== null && now.utilisation > 1;
+    const beyond = now.utilisation !== null && settled(now.utilisation) > 1;
     cells.word.textContent = beyond ? "beyond" : "";
     row.classList.toggle("beyond", beyond);
     row.classList.toggle("changed", now.expanded !== base.outputs[k].expanded);
     drawShares(model, now.shares, cells.bar);
-    const largest = now.shares.indexOf(Math.max(...now.shares));
+    const most = Math.max(...now.shares) * (1 - ALIKE);
+    const largest = now.shares.findIndex((share) => share >= most);
     cells.largest.textContent = now.shares[largest] > 0
-      ? `${shortTitle(model.sources[largest], model.outputs[k])} ${perCent(now.shares[largest])}` : "no spread";
+      ? `${shortTitle(model.sources[largest], model.outputs[k])} ${shareOf(now.shares[largest])}` : "no spread";
   });
   return { table, update };
 }

@@ -14,6 +14,7 @@ from test_what_if import scaled
 
 from budget import analyze, load_device, load_requirement
 from budget.report.blocks import Section, Sliders
+from budget.report.tables import print_utilisation
 from budget.studies.what_if import what_if
 
 AGREES = 1e-9  # two programmes add up the same numbers in another order
@@ -116,7 +117,9 @@ def test_slider_agrees_with_the_analysis_of_a_changed_device(
         name, scale = row.output.name, row.output.si_per_unit
         half = (row.interval[1] - row.interval[0]) / 2.0 / scale
         assert_allclose(expanded[name][1], half, rtol=AGREES)
-        last = 10.0 ** (floor(log10(half)) - 3)  # the fourth digit
+        # The last of two digits of u; half a unit more where u rounds up to 10.
+        last = 10.0 ** (floor(log10(row.standard_uncertainty / scale)) - 1)
+        last *= 10.0 if row.standard_uncertainty / scale / last >= 99.5 else 1.0
         assert_allclose(as_number(expanded[name][0]), half, rtol=0, atol=0.51 * last)
         assert_allclose(
             mean[name][1],
@@ -175,7 +178,7 @@ def test_verdict_follows_the_sliders(browser, path):
     assert "Gyro: MEETS" in first
     assert worst.verdict == "fails"
     part = f"{100 * worst.utilisation:.0f} %"
-    assert f"Gyro: FAILS by the law. gyro scale factor x at {part}" in then
+    assert f"Gyro: FAILS by the law. gyro scale factor x, y, z at {part}" in then
     assert "as it is: MEETS" in then
     assert len(beyond) == 3
     assert all("beyond" in row for row in beyond)
@@ -215,16 +218,18 @@ def test_of_outputs_alike_the_first_is_the_worst(browser, path):
 @pytest.mark.parametrize(
     ("part", "text"),
     [
-        (0.9996, ">99.9 %"),
-        (1.0 - 1e-12, "100 %"),
+        (0.9996, "<100 %"),
+        (1.0 - 1e-13, "100 %"),
         (1.0003, ">100 %"),
-        (1.006, "101 %"),
+        (1.006, "100.6 %"),
+        (1.06, "106 %"),
         (0.9994, "99.9 %"),
-        (0.0004, "<0.1 %"),
+        (0.0004, "0.0400 %"),
     ],
 )
 def test_a_hundred_per_cent_is_the_whole(browser, path, part, text):
-    """Neither a share nor a part of a limit is rounded to a hundred per cent."""
+    """A part of a limit reads as on the rest of the page; 100 % is met exactly."""
+    assert print_utilisation(part) == text
     with opened(browser, path) as (page, _):
         assert page.evaluate("(part) => perCent(part)", part) == text
 

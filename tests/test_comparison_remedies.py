@@ -76,12 +76,20 @@ def test_source_that_alone_cannot_mend_has_no_factor():
 
 
 def test_missing_line_is_bounded_by_the_catalogue():
-    """At worst it is what the worst device of the same technology has."""
+    """At worst it is what the worst device of the same technology and grade has."""
     bare = {"bias_stability": 0.04 * DEG_PER_HOUR}
+
+    def offer(name, u, stability, technology):
+        lines = {"bias_repeatability": u, "bias_stability": stability}
+        sizes = {line: size * DEG_PER_HOUR for line, size in lines.items()}
+        return device(name, gyro=sizes, technology=technology)
+
     catalogue = [
-        only_bias("mems", 9.0, technology="bulk MEMS"),
-        only_bias("best fog", 0.1, technology="FOG"),
-        only_bias("worst fog", 0.2, technology="FOG, closed loop"),
+        offer("mems", 9.0, 0.04, "bulk MEMS"),
+        offer("coarse fog", 9.0, 11.0, "FOG"),
+        offer("best fog", 0.1, 0.04, "FOG"),
+        offer("worst fog", 0.2, 0.05, "FOG, closed loop"),
+        only_bias("fog of no grade", 9.0, technology="FOG"),
     ]
     found = compared(
         [device("x", gyro=bare, missing=("bias_repeatability",), technology="FOG")],

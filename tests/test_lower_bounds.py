@@ -4,17 +4,26 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
-from budget import load_device, load_procedure
+from budget import load_device, load_procedure, load_requirement
+from budget.report.comparison.fronts import pareto_title
+from budget.report.comparison.tables import tables as comparison_tables
 from budget.report.document import to_csv, to_json
 from budget.report.tables import group_tables
+from budget.spec.catalogue import load_catalogue
 from budget.studies.analysis import analyze
+from budget.studies.comparison.compare import compare
+from budget.studies.comparison.grades import grade
 from budget.studies.coupling import coupling
 from budget.studies.lower_bounds import lacking
 
 ZHAO = load_device("zhao-2019")
+REQUIREMENT = load_requirement(
+    Path(__file__).parent.parent / "docs" / "example" / "requirement.yaml"
+)
 REFERENCES = ("nominal", "as_tested", "next_turn_on")
 
 
@@ -91,3 +100,78 @@ def test_what_is_left_out_on_purpose_is_not_missing():
     alone = analyze(bare, only=("gyro.bias_stability",), validate=False)
 
     assert not any(row.lower_bound for row in alone.outputs)
+
+
+def compared(*devices, **options):
+    """Compare devices by the law, with the shipped catalogue behind them."""
+    return compare(
+        devices, REQUIREMENT, catalogue=load_catalogue(), method="gum", **options
+    )
+
+
+def gyro_ranks(comparison):
+    """Return the names of the gyros, best first."""
+    return [one.name for one in comparison.devices if one.sensor == "gyro"]
+
+
+@pytest.mark.parametrize("times", [0.1, 1.0, 30.0])
+def test_publishing_less_never_ranks_higher(times):
+    """A device that does not give a line is behind itself with that line."""
+    device = scaled(ZHAO, times)
+    for line in ZHAO.gyro.lines:
+        bare = replace(without(line.name, device=device), name="bare")
+        ranks = gyro_ranks(compared(bare, replace(device, name="full")))
+        assert ranks == ["full", "bare"], line.name
+
+
+def test_the_undecidable_come_after_those_that_fail():
+    """Nearly no error and a line missing: behind a device that fails, on no front."""
+    bare = replace(without("bias_stability", device=scaled(ZHAO, 0.01)), mass="1 g")
+    bad = replace(scaled(ZHAO, 50.0), name="bad", mass="9 kg")
+    comparison = compared(replace(bare, name="bare"), bad)
+    found = {one.name: one for one in comparison.devices if one.sensor == "gyro"}
+    (table, *_) = comparison_tables(comparison)
+
+    assert gyro_ranks(comparison) == ["bad", "bare"]
+    assert found["bare"].verdict == "undecidable"
+    assert found["bare"].lower_bound
+    assert not found["bad"].lower_bound
+    assert found["bare"].on_front == ()
+    assert "mass" in found["bad"].on_front
+    assert "bare" not in pareto_title(table, "mass")
+    assert table.rows[1].utilisation.startswith("≥ ")
+    assert table.rows[1].conformance == "≤ 100"
+
+
+def test_at_worst_is_of_the_same_technology_and_grade():
+    """A navigation grade gyro gets no automotive figure; without peers '?' stands."""
+    missing = without("scale_factor_repeatability")
+    chip = replace(scaled(ZHAO, 1e4), name="chip", technology="MEMS")
+    peer = replace(scaled(ZHAO, 0.2), name="peer", technology="FOG")
+    bare = replace(missing, name="bare", technology="FOG, 3 axes")
+
+    def worst(*catalogue):
+        found = compare((bare,), REQUIREMENT, catalogue=catalogue, method="gum")
+        (one,) = [row for row in found.devices if row.sensor == "gyro"]
+        return one.missing
+
+    assert grade(chip.gyro) != grade(bare.gyro)
+    assert worst(chip).utilisation is None
+    assert worst(replace(chip, technology="FOG")).utilisation is None
+    alike = replace(peer, gyro=replace(scaled(ZHAO, 0.3).gyro, device="peer"))
+    assert grade(alike.gyro) == grade(bare.gyro)
+    assert worst(chip, alike).assumed == (
+        f"gyro.scale_factor_repeatability {alike.gyro.lines[3].printed} (of peer)",
+    )
+
+
+def scaled(device, times):
+    """Return a device with all its lines that much larger."""
+
+    def grown(sensor):
+        lines = tuple(replace(line, u=line.u * times) for line in sensor.lines)
+        return replace(sensor, lines=lines)
+
+    return replace(
+        device, gyro=grown(device.gyro), accelerometer=grown(device.accelerometer)
+    )

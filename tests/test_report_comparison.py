@@ -11,6 +11,7 @@ from dataclasses import replace
 import pytest
 from comparison_examples import compared, only_bias, paper_device, requirement
 from document_text import find, lines, names, rows, section
+from numpy.testing import assert_allclose
 from rich.console import Console
 
 from budget.errors import CallError
@@ -125,16 +126,17 @@ def test_terminal_names_every_device_once_a_table(comparison, width):
 
     for name in ("good", "bare", "bad <b>"):
         assert len(re.findall(rf"(?m)^ *\d=? +{name} ", text)) >= 2
-    assert text.index("good") < text.index("bare") < text.index("bad <b>  ")
+    assert text.index("good") < text.index("bad <b>  ") < text.index("bare")
 
 
 def test_terminal_says_what_missing_lines_could_do(comparison):
-    """The device without a line carries its bound, and the line is named with owner."""
+    """A gyro without the line that grades it is like no other: '?', and said why."""
     text = rendered(comparison, 160)
 
     assert "at worst" in text
     assert "bias stability" in text
-    assert "(of other)" in text
+    assert re.search(r"nothing\s+is\s+known\s+at\s+worst", text)
+    assert re.search(r"bare +undecidable +>= ", text)
 
 
 def test_terminal_of_complete_devices_has_no_such_column():
@@ -223,13 +225,17 @@ def test_map_frames_what_is_beyond_the_limit():
 
 
 def test_margin_bars_start_at_the_limit(comparison):
-    """Every bar begins at 100 % and ends at the device's part of the limit."""
+    """Bars run from 100 % to the part of the limit; the undecidable from there on."""
     table = tables(comparison)[0]
-    bars = margin_bars(table).axes[0].patches
+    axes = margin_bars(table).axes[0]
 
-    for bar, row in zip(bars, table.rows, strict=True):
-        assert bar.get_x() == 100.0
-        assert round(bar.get_width() + 100.0, 9) == round(100 * row.of.utilisation, 9)
+    for bar, row in zip(axes.patches, table.rows, strict=True):
+        start = 100.0 if row.verdict != "undecidable" else axes.get_xlim()[1]
+        assert_allclose(bar.get_x(), start, rtol=1e-12)
+        assert_allclose(
+            bar.get_x() + bar.get_width(), 100 * row.of.utilisation, rtol=1e-9
+        )
+    assert [row.verdict for row in table.rows].count("undecidable") == 1
 
 
 def test_front_is_joined(comparison):
@@ -268,7 +274,7 @@ def test_document_answers_first(document):
         text = " ".join(lines(card))
         assert "good is best" in text
         assert "% of the limit" in text
-        assert "1 meet, 1 undecidable, 1 fail" in text
+        assert "1 meet, 1 fail, 1 undecidable" in text
     first = [part.name for part in document.sections if part.on_first_page]
     assert first == names(document)[: len(first)] == ["overview", "remarks"]
 
@@ -329,7 +335,7 @@ def test_lines_not_given_are_said_with_what_they_could_do(document):
 
     assert "1 gyro device would meet" in beware
     assert any(
-        devices == "bare" and "(of other)" in effect
+        devices == "bare" and "nothing is known at worst" in effect
         for _, devices, effect in rows(section(document, "missing"))
     )
 

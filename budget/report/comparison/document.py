@@ -38,6 +38,8 @@ COLUMNS = (
     "largest_error",
     "utilisation",
     "conformance",
+    "lower_bound",
+    "device_lower_bound",
 )
 
 
@@ -95,7 +97,9 @@ def to_csv(comparison: Comparison) -> str:
                         "verdict": one.verdict,
                         "device_utilisation": one.utilisation,
                         "device_conformance": one.conformance.value,
+                        "device_lower_bound": _flag(value=one.lower_bound),
                         **_output(output),
+                        "lower_bound": _flag(value=output.lower_bound),
                     }
                 )
     for entrant in comparison.nothing_known:  # no figure: a 0 would look like the best
@@ -145,6 +149,7 @@ def _device(one: DeviceVerdict, rank: str) -> dict[str, Any]:
         **_entrant(one),
         "rank": _number(rank),
         "verdict": one.verdict,
+        "lower_bound": one.lower_bound,
         "utilisation": one.utilisation,
         "utilisation_interval": list(one.utilisation_interval),
         "margin": one.margin,
@@ -168,6 +173,11 @@ def _device(one: DeviceVerdict, rank: str) -> dict[str, Any]:
     }
 
 
+def _flag(*, value: bool) -> str:
+    """Write true or false as JSON does."""
+    return "true" if value else "false"
+
+
 def _number(rank: str) -> int:
     """Return a rank without the mark of a tie."""
     return int(rank.rstrip("="))
@@ -186,6 +196,7 @@ def _output(row: RequiredOutput) -> dict[str, Any]:
         "largest_error": row.largest_error / scale,
         "utilisation": row.utilisation,
         "conformance": row.conformance,
+        "lower_bound": row.lower_bound,
     }
 
 
@@ -196,6 +207,7 @@ def _pair(pair: Pair) -> dict[str, Any]:
         "accelerometer": pair.accelerometer,
         "procedure": pair.procedure,
         "verdict": pair.verdict,
+        "lower_bound": pair.lower_bound,
         "utilisation": pair.utilisation,
         **_probability(pair.conformance),
     }

@@ -17,7 +17,7 @@ from budget.report.figures import (
     house_style,
 )
 from budget.report.figures.picture import as_picture, capital
-from budget.report.tables import print_given, print_utilisation
+from budget.report.tables import print_given
 from budget.studies.comparison.figures_of_merit import MERITS, Amount, read_amount
 
 if TYPE_CHECKING:
@@ -44,8 +44,9 @@ def front_picture(table: Table, merit: str, name: str, data: DataTable) -> Pictu
         tips=pareto_tips(table, merit),
         caption=(
             "Lower left is better. Joined: no other device is better in one and as "
-            "good in the other. Hollow: undecided or undecidable. Only devices whose "
-            f"{merit} is known.{explain_mark(table)}"
+            "good in the other. Hollow: undecided or undecidable; a line up from a "
+            "point: what lacks an expected line is there or above, up to at worst, and "
+            f"beats nobody. Only devices whose {merit} is known.{explain_mark(table)}"
         ),
         data=data,
     )
@@ -109,7 +110,10 @@ def pareto_scatter(table: Table, merit: str) -> Figure:
     costs = [amount.value for _, amount in points]
     parts = [max(row.of.utilisation, LEAST) for row, _ in points]
     axes.set_xlim(min(costs) / 1.6, max(costs) * 2.2)
-    axes.set_ylim(100.0 * min(0.5, *parts) / 1.5, 100.0 * max(2.0, *parts) * 1.5)
+    worst = [row.of.at_worst or 0.0 for row, _ in points if row.of.lower_bound]
+    axes.set_ylim(
+        100.0 * min(0.5, *parts) / 1.5, 100.0 * max(2.0, *parts, *worst) * 1.5
+    )
     plain_ticks(axes.xaxis)
     plain_ticks(axes.yaxis)
     axes.minorticks_off()
@@ -123,7 +127,8 @@ def pareto_scatter(table: Table, merit: str) -> Figure:
         for row, amount in points
         if merit in row.of.on_front
     ]
-    axes.plot(*zip(*on_front, strict=True), color=BLUE, linewidth=1.0, zorder=2)
+    if on_front:
+        axes.plot(*zip(*on_front, strict=True), color=BLUE, linewidth=1.0, zorder=2)
     for place, (row, amount) in enumerate(points):
         point = _draw_point(axes, row, amount.value, is_best=merit in row.of.on_front)
         point.set_gid(_gid(place))
@@ -151,6 +156,11 @@ def pareto_title(table: Table, merit: str) -> str:
         row.device for row, _ in merit_points(table, merit) if merit in row.of.on_front
     ]
     names = list(dict.fromkeys(best))
+    if not names:
+        return (
+            f"{capital(table.sensor)}: nobody can say which device is best in {merit} "
+            "and error, all lack lines"
+        )
     more = len(names) - NAMED
     named = ", ".join(names[:NAMED]) + (f" and {more} more" if more > 0 else "")
     verb = "is" if len(names) == 1 else "are"
@@ -163,8 +173,7 @@ def pareto_title(table: Table, merit: str) -> str:
 def pareto_alt(table: Table, merit: str) -> str:
     """Say in words with numbers what the scatter shows."""
     points = "; ".join(
-        f"{row.device} {print_given(amount.value)} {amount.unit}, "
-        f"{print_utilisation(row.of.utilisation)}"
+        f"{row.device} {print_given(amount.value)} {amount.unit}, {row.utilisation} %"
         for row, amount in merit_points(table, merit)
     )
     title = pareto_title(table, merit)
@@ -192,6 +201,10 @@ def _draw_point(axes: Axes, row: Row, cost: float, *, is_best: bool) -> Line2D:
     y = 100.0 * max(row.of.utilisation, LEAST)
     sure = row.of.verdict in SURE
     colour = BLUE if is_best else MUTED
+    if row.of.lower_bound:
+        worst = row.of.at_worst
+        top = axes.get_ylim()[1] if worst is None else max(100.0 * worst, y)
+        axes.plot([cost, cost], [y, top], color=MUTED, linewidth=0.9, zorder=1)
     (point,) = axes.plot(
         [cost],
         [y],

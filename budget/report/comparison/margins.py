@@ -39,7 +39,8 @@ def margin_picture(table: Table, name: str) -> Picture:
         tips=margin_tips(table),
         caption=(
             "Bars start at the limit: to the left is what is left of it. Hollow: "
-            "undecided, or undecidable because an expected line is not given."
+            "undecided. A range: undecidable because an expected line is not given, "
+            "from now to at worst; an arrow: at worst is not known."
             f"{explain_mark(table)}{more_devices(table)}"
         ),
     )
@@ -54,7 +55,10 @@ def margin_bars(table: Table) -> Figure:
     figure.set_label(margin_title(table))
     axes.set_xscale("log")
     parts = [max(row.of.utilisation, LEAST) for row in rows]
-    axes.set_xlim(100.0 * min(0.5, *parts) / 1.3, 100.0 * max(2.0, *parts) * 1.3)
+    worst = [row.of.at_worst or 0.0 for row in rows if row.of.lower_bound]
+    axes.set_xlim(
+        100.0 * min(0.5, *parts) / 1.3, 100.0 * max(2.0, *parts, *worst) * 1.3
+    )
     axes.set_ylim(len(rows) - 0.5, -0.5)
     axes.set_yticks(range(len(rows)), [mark_name(row, NAME) for row in rows])
     axes.tick_params(axis="y", labelsize=SMALL)
@@ -91,7 +95,8 @@ def margin_title(table: Table) -> str:
 def margin_alt(table: Table) -> str:
     """Say in words with numbers what the bars show."""
     bars = "; ".join(
-        f"{row.device} {print_utilisation(row.of.utilisation)}, {row.verdict}"
+        f"{row.device} {row.utilisation} %, {row.verdict}"
+        + (f", at worst {row.at_worst}" if row.at_worst else "")
         for row in table.rows[:SHOWN]
     )
     return f"{margin_title(table)}. Largest error in per cent of the limit: {bars}."
@@ -103,6 +108,7 @@ def margin_tips(table: Table) -> dict[str, str]:
         _gid(place): (
             f"{row.device}: {row.verdict}, {row.utilisation} % of the limit, "
             f"worst {row.worst_output}, limited by {row.limiting_source}"
+            + (f"; at worst {row.at_worst}" if row.at_worst else "")
         )
         for place, row in enumerate(table.rows[:SHOWN])
     }
@@ -118,11 +124,18 @@ def _draw_margin(axes: Axes, place: int, row: Row, part: float) -> None:
     x = 100.0 * part
     beyond = part > 1.0
     sure = row.of.verdict in SURE
+    start, height = 100.0, 0.62
+    if row.of.verdict == "undecidable":  # not a margin: somewhere from here on
+        worst = row.of.at_worst
+        start = axes.get_xlim()[1] if worst is None else max(100.0 * worst, x)
+        height = 0.26
+        marker = ">" if worst is None else "|"
+        axes.plot([start], [place], marker=marker, markersize=5.0, color=MUTED)
     (bar,) = axes.barh(
         place,
-        x - 100.0,
-        left=100.0,
-        height=0.62,
+        x - start,
+        left=start,
+        height=height,
         color=(INK if beyond else BLUE) if sure else "none",
         edgecolor=INK if beyond else BLUE,
         linewidth=0.9,

@@ -32,7 +32,9 @@ def explain_mark(table: Table) -> str:
     """Say what the mark means, '' where no device of the figure has it."""
     if not any(row.missing for row in table.rows[:SHOWN]):
         return ""
-    return " *: expected lines are missing and count as 0; the error is this or more."
+    return (
+        " *: expected lines are missing and count as 0; the error is this or more (≥)."
+    )
 
 
 def more_devices(table: Table) -> str:

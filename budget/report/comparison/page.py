@@ -254,8 +254,9 @@ def _missing(comparison: Comparison) -> tuple[Section, ...]:
         return ()
     text = (
         "Lines that a verdict needs and a data sheet does not give count as 0; at "
-        "worst they are what the worst device of the catalogue has. Of devices that "
-        "fail in any case nothing is assumed."
+        "worst they are what the worst device of the catalogue of the same technology "
+        "and grade has; where there is none, nothing is known. Of devices that fail in "
+        "any case nothing is assumed."
     )
     return (
         Section(

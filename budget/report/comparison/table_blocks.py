@@ -9,10 +9,18 @@ from budget.report.comparison.fronts import merit_points
 from budget.report.comparison.tables import (
     PAIRS_SHOWN,
     PER_CENT,
+    print_at_most,
+    print_output,
     print_probability,
     side_by_side,
 )
-from budget.report.tables import output_title, print_given, print_utilisation, words
+from budget.report.tables import (
+    AT_LEAST,
+    output_title,
+    print_given,
+    print_utilisation,
+    words,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -77,8 +85,9 @@ def ranking_note(devices: Devices) -> str:
     if any(row.missing for row in devices.rows):
         text += (
             " Missing: expected lines that the data sheet does not give; they count as "
-            "0, and one stops a 'meets'. At worst: with the worst of the catalogue in "
-            "their place."
+            f"0, so that the error is this or more ({AT_LEAST}), and one stops a "
+            "'meets'. At worst: with the worst of the catalogue of the same technology "
+            "and grade in their place; ?: there is none, and nothing is known."
         )
     return text
 
@@ -304,7 +313,7 @@ def _part_of_limit(output: RequiredOutput) -> Cell:
     """Return the part of one limit that one device uses; beyond it in bold."""
     part = output.utilisation
     return Cell(
-        text=print_utilisation(part).removesuffix(" %"),
+        text=print_output(output),
         exact=PER_CENT * part,
         strong=not output.is_within,
     )
@@ -313,6 +322,9 @@ def _part_of_limit(output: RequiredOutput) -> Cell:
 def _pair(pair: Pair, *, several: bool) -> tuple[Cell, ...]:
     """Return one pair."""
     part = print_utilisation(pair.utilisation).removesuffix(" %")
+    said = print_probability(pair.conformance)
+    if pair.lower_bound:
+        part, said = f"{AT_LEAST} {part}", print_at_most(pair.conformance)
     return (
         Cell(text=pair.gyro, strong=pair.verdict == "meets"),
         Cell(text=pair.accelerometer, strong=pair.verdict == "meets"),
@@ -320,7 +332,7 @@ def _pair(pair: Pair, *, several: bool) -> tuple[Cell, ...]:
         Cell(text=pair.verdict),
         Cell(text=part, exact=PER_CENT * pair.utilisation),
         Cell(
-            text=print_probability(pair.conformance),
+            text=said,
             exact=PER_CENT * pair.conformance.value,
         ),
     )

@@ -5,11 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from difflib import get_close_matches
 from itertools import pairwise
-from math import floor, log10
+from math import floor, inf, log10
 from typing import TYPE_CHECKING, Any
 
 from budget.errors import CallError
 from budget.report.tables import (
+    AT_LEAST,
+    AT_MOST,
+    Number,
+    bound_number,
     join_outputs,
     print_given,
     print_utilisation,
@@ -28,6 +32,7 @@ if TYPE_CHECKING:
         MissingLines,
         Probability,
         Remedy,
+        RequiredOutput,
     )
 
 PAIRS_SHOWN = 20
@@ -71,14 +76,21 @@ COLUMNS = (
         head="verdict",
         order=lambda row: VERDICTS.index(row.of.verdict),
     ),
-    Column(key="utilisation", head="% of limit", order=lambda row: row.of.utilisation),
+    Column(
+        key="utilisation",
+        head="% of limit",
+        order=lambda row: (row.of.verdict == "undecidable", row.of.utilisation),
+    ),
     Column(
         key="interval", head="interval", order=lambda row: row.of.utilisation_interval
     ),
     Column(
         key="conformance",
         head="conform %",
-        order=lambda row: -row.of.conformance.value,
+        order=lambda row: (
+            row.of.verdict == "undecidable",
+            -row.of.conformance.value,
+        ),
     ),
     Column(key="worst_output", head="worst output", order=lambda row: row.worst_output),
     Column(
@@ -99,7 +111,7 @@ COLUMNS = (
     Column(
         key="at_worst",
         head="at worst",
-        order=lambda row: (row.of.missing and row.of.missing.utilisation) or 0.0,
+        order=lambda row: inf if row.of.at_worst is None else row.of.at_worst,
     ),
 )
 
@@ -226,18 +238,22 @@ def ranks(devices: Sequence[DeviceVerdict]) -> tuple[str, ...]:
 def _row(one: DeviceVerdict, rank: str) -> Row:
     """Write one row."""
     utilisation, interval = print_parts(one.utilisation, one.utilisation_interval)
+    if one.lower_bound:
+        utilisation = f"{AT_LEAST} {utilisation}"
     return Row(
         rank=rank,
         device=one.name,
         verdict=one.verdict,
         utilisation=utilisation,
         interval=interval,
-        conformance=print_probability(one.conformance),
+        conformance=print_at_most(one.conformance)
+        if one.lower_bound
+        else print_probability(one.conformance),
         worst_output=join_outputs(
             [name.partition(".")[2] for name in one.worst_outputs]
         ),
         limiting_source=source_title(one.remedy.source),
-        factor=print_factor(one.remedy),
+        factor="" if one.lower_bound else print_factor(one.remedy),
         missing="" if one.missing is None else f"{len(one.missing.lines)}",
         at_worst=print_worst_case(one.missing),
         of=one,
@@ -275,6 +291,21 @@ def print_probability(p: Probability) -> str:
     if p.value == 0.0:
         return f"<{print_given(PER_CENT * p.high, digits=1)}"
     return round_value(PER_CENT * p.value, 10.0 * PER_CENT * (p.high - p.low) / 2.0)
+
+
+def print_at_most(p: Probability) -> str:
+    """Print a probability that lines not given can only lessen."""
+    text = "100" if p.value == 1.0 else print_probability(p)
+    return text if text.startswith("<") else f"{AT_MOST} {text}"
+
+
+def print_output(row: RequiredOutput) -> str:
+    """Print the part of its limit that an output uses, in per cent: '≥ 42.0', '?'."""
+    used = Number(
+        text=print_utilisation(row.utilisation).removesuffix(" %"),
+        exact=row.utilisation,
+    )
+    return bound_number(used, lower_bound=row.lower_bound, unknown=row.is_unknown).text
 
 
 def print_factor(remedy: Remedy) -> str:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from budget.report.comparison.tables import (
     COLUMNS,
     PAIRS_SHOWN,
+    print_at_most,
     print_probability,
     side_by_side,
     tables,
@@ -21,7 +22,7 @@ from budget.report.comparison.wording import (
     verdict_lines,
 )
 from budget.report.tables import align_decimals, print_utilisation, settings_lines
-from budget.report.terminal import GAP, SETTING, Page, set_columns
+from budget.report.terminal import GAP, SETTING, SIGNS, Page, set_columns
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -53,9 +54,9 @@ LEGEND = {
     "factor": "factor: times this, the u of the limiting source alone would bring the "
     "worst output to its limit, by the law; -: it alone cannot.",
     "missing": "missing: expected lines that the data sheet does not give; they count "
-    "as 0, and one stops a `meets`.",
-    "at_worst": "at worst: % of limit by the law with the worst of the catalogue in "
-    "their place, named below.",
+    "as 0, so that the error is this or more (>=), and one stops a `meets`.",
+    "at_worst": "at worst: % of limit by the law with the worst of the catalogue of "
+    "the same technology and grade in their place, named below; ?: there is none.",
 }
 
 
@@ -157,7 +158,7 @@ def _set(rows: Sequence[Row], keys: Sequence[str]) -> tuple[str, tuple[str, ...]
     chosen = [column for column in COLUMNS if column.key in keys]
     columns = []
     for column in chosen:
-        texts = [getattr(row, column.key) or "-" for row in rows]
+        texts = [getattr(row, column.key).translate(SIGNS) or "-" for row in rows]
         if column.key == "rank":  # a tie is marked behind the digits
             mark = any("=" in text for text in texts)
             texts = [text if "=" in text or not mark else f"{text} " for text in texts]
@@ -205,7 +206,7 @@ def _print_side_by_side(found: Sequence[Table], sensor: str, page: Page) -> None
     )
     columns: list[Sequence[str]] = [[cut(row.device) for row in rows]]
     for place in range(len(procedures)):
-        pairs = [row.cells[place].split(" ") for row in rows]
+        pairs = [row.cells[place].translate(SIGNS).rsplit(" ", 1) for row in rows]
         numbers = align_decimals([number for number, _ in pairs])
         widest = max(len(number) for number in numbers)
         columns.append(
@@ -247,12 +248,25 @@ def _print_pairs(comparison: Comparison, page: Page) -> None:
     columns.append(
         list(
             align_decimals(
-                [print_utilisation(p.utilisation).removesuffix(" %") for p in shown]
+                [
+                    f"{'>= ' if p.lower_bound else ''}"
+                    + print_utilisation(p.utilisation).removesuffix(" %")
+                    for p in shown
+                ]
             )
         )
     )
     columns.append(
-        list(align_decimals([print_probability(p.conformance) for p in shown]))
+        list(
+            align_decimals(
+                [
+                    print_at_most(p.conformance).translate(SIGNS)
+                    if p.lower_bound
+                    else print_probability(p.conformance)
+                    for p in shown
+                ]
+            )
+        )
     )
     if several:
         heads.append("procedure")

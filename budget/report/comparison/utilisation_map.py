@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from budget.report.comparison.naming import SHOWN, explain_mark, mark_name, more_devices
+from budget.report.comparison.tables import print_output
 from budget.report.figures import (
     BLUE,
     INK,
@@ -18,8 +19,9 @@ from budget.report.figures import (
 )
 from budget.report.figures.picture import as_picture, capital
 from budget.report.tables import (
+    AT_LEAST,
+    bound_number,
     output_title,
-    print_utilisation,
     round_error,
     words,
 )
@@ -30,7 +32,7 @@ if TYPE_CHECKING:
 
     from budget.report.blocks import Picture
     from budget.report.blocks import Table as DataTable
-    from budget.report.comparison.tables import Table
+    from budget.report.comparison.tables import Row, Table
     from budget.studies.comparison.records import RequiredOutput
 
 LEFT, RIGHT, TOP, BELOW = 184.0, 4.0, 34.0, 36.0  # room for names, heads, scale [pt]
@@ -93,7 +95,7 @@ def utilisation_map(table: Table) -> Figure:
                     1.0,
                     1.0,
                     facecolor=BLUE,
-                    alpha=_opacity(part),
+                    alpha=PALEST if output.is_unknown else _opacity(part),
                     edgecolor="none",
                     linewidth=0.0,
                     gid=_gid(y, x),
@@ -113,7 +115,7 @@ def utilisation_map(table: Table) -> Figure:
             axes.text(
                 x + 0.5,
                 y + 0.5,
-                _cell(part),
+                _cell(output),
                 fontsize=CELL_TEXT,
                 color=INK,
                 fontweight="normal" if output.is_within else "bold",
@@ -127,24 +129,36 @@ def utilisation_map(table: Table) -> Figure:
 
 def map_title(table: Table) -> str:
     """State the finding: which output is the tightest for most devices."""
-    worst = [row.worst_output.rpartition(" ")[0] for row in table.rows]
+    # Of what is only known to be this or more, nobody knows what is the tightest.
+    rows = [row for row in table.rows if not row.of.lower_bound]
+    if not rows:
+        return f"{capital(table.sensor)}: no device gives all lines, each can be worse"
+    worst = [output_group(row) for row in rows]
     first = max(dict.fromkeys(worst), key=worst.count)
     number = worst.count(first)
     whole = len(worst)
+    lack = len(table.rows) - whole
+    but = f"; {lack} more {'lacks' if lack == 1 else 'lack'} lines" if lack else ""
     of = f"{number} of {whole} devices"
     if number == whole:
         of = "both devices" if whole == BOTH else f"all {whole} devices"
     if whole == 1:
         return (
             f"{capital(table.sensor)}: the {first} is the tightest for the only device"
+            f"{' that gives all lines' if lack else ''}{but}"
         )
-    return f"{capital(table.sensor)}: the {first} is the tightest for {of}"
+    return f"{capital(table.sensor)}: the {first} is the tightest for {of}{but}"
+
+
+def output_group(row: Row) -> str:
+    """Name the parameter whose output is the tightest of a device: 'bias'."""
+    return words(row.of.worst_output.split(".")[1])
 
 
 def map_alt(table: Table) -> str:
     """Say in words with numbers what the map shows."""
     rows = [
-        f"{row.device} {print_utilisation(row.of.utilisation)} ({row.worst_output})"
+        f"{row.device} {row.utilisation} % ({row.worst_output})"
         for row in table.rows[:SHOWN]
     ]
     return (
@@ -159,7 +173,7 @@ def map_tips(table: Table) -> dict[str, str]:
         _gid(y, x): (
             f"{row.device}, {output_title(output.output.name)}: "
             f"{print_error(output)} of {output.printed_limit}, "
-            f"{print_utilisation(output.utilisation)} of the limit"
+            f"{print_output(output)} % of the limit"
         )
         for y, row in enumerate(table.rows[:SHOWN])
         for x, output in enumerate(row.of.outputs)
@@ -171,7 +185,10 @@ def print_error(output: RequiredOutput) -> str:
     error = round_error(
         output.largest_error, output.standard_uncertainty, output.output
     )
-    return f"{error.text} {output.output.unit}"
+    marked = bound_number(
+        error, lower_bound=output.lower_bound, unknown=output.is_unknown
+    )
+    return f"{marked.text} {output.output.unit}"
 
 
 def _gid(y: int, x: int) -> str:
@@ -187,12 +204,12 @@ def _opacity(part: float) -> float:
     return BEYOND + (DARKEST - BEYOND) * share
 
 
-def _cell(part: float) -> str:
+def _cell(output: RequiredOutput) -> str:
     """Print a part of a limit as everywhere, as far as a cell has room for it."""
-    if 100.0 * part >= MOST_PER_CENT:
+    if 100.0 * output.utilisation >= MOST_PER_CENT:
         return ">999"
-    text = print_utilisation(part).removesuffix(" %")
-    return text if len(text) <= ROOM else "<0.1"
+    text = print_output(output).replace(" ", "")
+    return text if len(text) <= ROOM or text[:1] == AT_LEAST else "<0.1"
 
 
 def _draw_output_heads(axes: Axes, names: list[str]) -> None:

@@ -143,7 +143,8 @@ def missing_effects(comparison: Comparison) -> tuple[MissingEffect, ...]:
         if len(assumed) < len(lines):
             effect = (
                 f"{', '.join(source_title(name) for name in lines)} not given, and no "
-                "device of the catalogue gives them all"
+                "device of the catalogue of the same technology and grade gives "
+                f"{'it' if len(lines) == 1 else 'them all'}: nothing is known at worst"
             )
         else:
             effect = ", ".join(

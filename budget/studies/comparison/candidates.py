@@ -11,6 +11,7 @@ import numpy as np
 from budget.methods.gum import propagate
 from budget.physics.calibration import calibration_problem
 from budget.spec.lines import lines_of
+from budget.studies.comparison.grades import UNKNOWN, grade
 from budget.studies.comparison.records import MissingLines, Remedy
 from budget.ties import first_largest
 
@@ -157,8 +158,10 @@ def _worst_line(
 ) -> tuple[ErrorLine, str] | None:
     """Return the largest such line of the catalogue and whose it is.
 
-    Of the same family of technology; of the whole catalogue where none there has it.
-    'gyro.noise' stands for the first of the noise lines, a random walk.
+    Of the same family of technology and the same grade, as a ring laser must not get
+    the figure of an automotive chip; None where no such device gives the line, or
+    nobody can tell the grade. 'gyro.noise' stands for the first of the noise lines, a
+    random walk.
     """
     wanted = full_name.split(".")[1]
     names = [
@@ -166,20 +169,22 @@ def _worst_line(
         for line in lines_of(sensor.kind)
         if wanted in (line.expected, line.name)
     ][:1]
+    family, own_grade = _family(device.technology), grade(sensor)
+    if not family or own_grade == UNKNOWN:
+        return None
     offers = [
         (line, owner)
         for owner in catalogue
         for other in owner.sensors
         if other.kind == sensor.kind and other.device != sensor.device
+        if own_grade == grade(other) and family == _family(owner.technology)
         for line in other.lines
         if line.name in names
     ]
-    family = _family(device.technology)
-    same = [pair for pair in offers if family and _family(pair[1].technology) == family]
-    chosen = same or offers
-    if not chosen:
+    if not offers:
         return None
-    line, owner = max(chosen, key=lambda pair: float(pair[0].u.max()))
+    sizes = [float(line.u.max()) for line, _ in offers]
+    line, owner = offers[first_largest(sizes)]
     return line, owner.name
 
 

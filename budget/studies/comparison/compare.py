@@ -25,6 +25,7 @@ from budget.studies.comparison.records import (
     UnknownCap,
 )
 from budget.studies.conformity import NEAR
+from budget.studies.lower_bounds import lacking
 from budget.studies.progress import stage
 
 if TYPE_CHECKING:
@@ -206,6 +207,7 @@ def _verdict(
     utilisation = float(result.largest_error[worst] / one.limits[worst])
     near = method == "gum" and NEAR[0] <= utilisation <= NEAR[1]
     outputs = [one.problem.outputs[row] for row in one.rows]
+    lacks = lacking((one.sensor,), one.procedure, reference=requirement.reference)
     return DeviceVerdict(
         **vars(_entrant(one, requirement, catalogue)),
         verdict=finding.verdict,
@@ -222,6 +224,9 @@ def _verdict(
                 standard_uncertainty=float(result.u[k]),
                 largest_error=float(result.largest_error[k]),
                 conformance=float(result.within[k]),
+                lower_bound=bool(lacks[output.name]),
+                is_unknown=bool(lacks[output.name])
+                and bool(result.u[k] <= output.resolution),
             )
             for k, output in enumerate(outputs)
         ),

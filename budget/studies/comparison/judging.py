@@ -163,6 +163,8 @@ def _unsettled(
     found = {p for p, finding in findings.items() if finding.verdict == "undecided"}
     lists: dict[tuple[str, str, str], list[int]] = {}
     for place, one in enumerate(candidates):
+        if one.sensor.expected_missing:
+            continue  # no trial says how a line that is not given would rank it
         key = (one.sensor.kind, one.procedure.name, findings[place].verdict)
         lists.setdefault(key, []).append(place)
     for places in lists.values():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import inf
 from typing import TYPE_CHECKING
 
 from budget.studies.comparison.figures_of_merit import MERITS, front, read_amount
@@ -14,9 +15,14 @@ from budget.studies.comparison.records import (
     Probability,
 )
 from budget.studies.comparison.sampling import probability_smaller
+from budget.ties import settle
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+
+# What a pair is where its parts differ, the last one rules: a part that fails, fails.
+GRAVEST = ("meets", "undecided", "undecidable", "fails")
 
 
 def rank(verdicts: Sequence[DeviceVerdict]) -> tuple[DeviceVerdict, ...]:
@@ -26,10 +32,19 @@ def rank(verdicts: Sequence[DeviceVerdict]) -> tuple[DeviceVerdict, ...]:
         lists.setdefault((row.sensor, row.procedure), []).append(row)
     ranked: list[DeviceVerdict] = []
     for rows in lists.values():
-        order = sorted(rows, key=lambda r: (VERDICTS.index(r.verdict), r.utilisation))
+        order = sorted(rows, key=_place)
+        # What is only known to be this or more beats nobody: it is on no front.
         fronts = {
             merit: front(
-                [(r.utilisation, read_amount(merit, getattr(r, merit))) for r in order]
+                [
+                    (
+                        r.utilisation,
+                        None
+                        if r.lower_bound
+                        else read_amount(merit, getattr(r, merit)),
+                    )
+                    for r in order
+                ]
             )
             for merit in MERITS
         }
@@ -45,13 +60,31 @@ def rank(verdicts: Sequence[DeviceVerdict]) -> tuple[DeviceVerdict, ...]:
     return tuple(ranked)
 
 
+def _place(row: DeviceVerdict) -> tuple[int, int, float, float]:
+    """Return what a device is ranked by: less is better.
+
+    A line that is taken from a data sheet never improves it: decided ones come first,
+    then those that lack fewer lines, then the least utilisation at worst and now.
+    """
+    lacks = 0 if row.missing is None else len(row.missing.lines)
+    verdict = row.verdict
+    if verdict == "undecided" and lacks:  # no trial will make it meet
+        verdict = "undecidable"
+    worst = inf if row.at_worst is None else settle(row.at_worst)
+    return VERDICTS.index(verdict), lacks, worst, settle(row.utilisation)
+
+
 def _ahead(row: DeviceVerdict, following: DeviceVerdict | None) -> Ahead | None:
     """Return how sure it is that a device is better than the next; None by the law.
+
+    None also where one of them is only known to be this or more.
 
     Between two verdicts the verdict decides, whatever the utilisations are.
     """
     if following is None or following.verdict != row.verdict or row.trials is None:
         return None
+    if row.lower_bound or following.lower_bound:
+        return None  # of what is not given nobody knows a probability
     return Ahead(
         other=following.name,
         probability=probability_smaller(row.batches, following.batches),
@@ -71,12 +104,15 @@ def pair_up(rows: Sequence[DeviceVerdict]) -> tuple[Pair, ...]:
                     gyro=gyro.name,
                     accelerometer=other.name,
                     procedure=gyro.procedure,
-                    verdict=max(gyro.verdict, other.verdict, key=VERDICTS.index),
+                    verdict=max(gyro.verdict, other.verdict, key=GRAVEST.index),
+                    lower_bound=gyro.lower_bound or other.lower_bound,
                     utilisation=max(gyro.utilisation, other.utilisation),
                     conformance=Probability(
                         value=a.value * b.value, low=a.low * b.low, high=a.high * b.high
                     ),
                 )
             )
-    found.sort(key=lambda p: (VERDICTS.index(p.verdict), p.utilisation))
+    found.sort(
+        key=lambda p: (VERDICTS.index(p.verdict), p.lower_bound, settle(p.utilisation))
+    )
     return tuple(found)

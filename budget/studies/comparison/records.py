@@ -12,7 +12,9 @@ if TYPE_CHECKING:
     from budget.problem import Output
     from budget.results import InputFile, Settings
 
-VERDICTS = ("meets", "undecided", "undecidable", "fails")  # best first
+# Best first; what nobody can decide comes after all that is decided, so that a maker
+# who publishes less is not ranked higher.
+VERDICTS = ("meets", "undecided", "fails", "undecidable")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,6 +36,8 @@ class RequiredOutput:
     standard_uncertainty: float
     largest_error: float  # largest absolute end of the coverage interval
     conformance: float  # probability that the error is within the limit [1]
+    lower_bound: bool = False  # a line that is not given would widen it
+    is_unknown: bool = False  # and no line that is given reaches it
 
     @property
     def utilisation(self) -> float:
@@ -60,7 +64,8 @@ class MissingLines:
     """What lines that are not given could do.
 
     At best they are zero, which is what the verdict counts; at worst they are what the
-    worst device of the catalogue has. Where that has no such line nothing is known.
+    worst device of the catalogue has that is like it, of the same technology and grade.
+    Where no such device gives the line nothing is known.
     """
 
     lines: tuple[str, ...]  # expected and not given
@@ -133,6 +138,16 @@ class DeviceVerdict(Entrant):
     batches: Array = field(repr=False, compare=False)
 
     @property
+    def lower_bound(self) -> bool:
+        """Whether the utilisation is this or more, the conformance this or less."""
+        return any(row.lower_bound for row in self.outputs)
+
+    @property
+    def at_worst(self) -> float | None:
+        """Utilisation with the worst in the place of what is missing; None: unknown."""
+        return self.utilisation if self.missing is None else self.missing.utilisation
+
+    @property
     def margin(self) -> float:
         """What is left of the limit, as a part of it; negative beyond [1]."""
         return 1.0 - self.utilisation
@@ -148,6 +163,7 @@ class Pair:
     verdict: str
     utilisation: float
     conformance: Probability
+    lower_bound: bool  # the utilisation is this or more, the conformance this or less
 
 
 @dataclass(frozen=True, kw_only=True)
