@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import csv
+import errno
 import io
 import json
+import re
 import signal
 import subprocess
 import sys
@@ -286,3 +288,64 @@ def test_a_file_name_gives_the_terminal_no_orders(tmp_path):
     assert run.code == 2
     assert "a\\x1b[2J\\u202eb.yaml" in run.err
     assert "\x1b" not in run.err
+
+
+@pytest.fixture
+def faulty(monkeypatch):
+    """Put a fault into the program: what `devices` loads."""
+
+    def load():
+        return {}["first\nsecond\x1b[2J"]
+
+    monkeypatch.setattr("budget.spec.load_catalogue", load)
+
+
+@pytest.mark.usefixtures("faulty")
+def test_a_fault_of_the_program_is_one_line_and_exit_70():
+    """Not exit 1, which means that a requirement is not met, and no traceback."""
+    run = call("devices")
+
+    assert (run.code, run.out) == (70, "")
+    (line,) = run.err.splitlines()
+    assert re.match(r"internal error: KeyError in \w+\.py:\d+: ", line)
+    assert "report this line" in line
+    assert "\x1b" not in line
+
+
+@pytest.mark.usefixtures("faulty")
+def test_a_variable_adds_where_a_fault_arose(monkeypatch):
+    """BUDGET_TRACEBACK=1 puts the traceback before the line."""
+    monkeypatch.setenv("BUDGET_TRACEBACK", "1")
+    run = call("devices")
+
+    assert run.code == 70
+    assert run.err.startswith("Traceback")
+    assert run.err.splitlines()[-1].startswith("internal error: ")
+
+
+def test_a_pipe_that_breaks_inside_is_told(monkeypatch):
+    """A broken pipe that is no reader of stdout is exit 2 and words, not exit 1."""
+
+    def load():
+        raise BrokenPipeError(errno.EPIPE, "Broken pipe")
+
+    monkeypatch.setattr("budget.spec.load_catalogue", load)
+    run = call("devices")
+
+    assert (run.code, run.out) == (2, "")
+    assert "a pipe to another process of this run broke" in run.err
+
+
+def test_too_many_open_files_are_not_blamed_on_a_stream(monkeypatch):
+    """The words name the limit, not standard output, which nobody touched."""
+
+    def load():
+        raise OSError(errno.EMFILE, "Too many open files")
+
+    monkeypatch.setattr("budget.spec.load_catalogue", load)
+    run = call("devices")
+
+    assert (run.code, run.out) == (2, "")
+    assert run.err.startswith("the system refused: Too many open files; ")
+    assert "standard output" not in run.err
+    assert "ulimit" in run.err

@@ -5,11 +5,14 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import traceback
 from contextlib import contextmanager
+from pathlib import Path
 from threading import current_thread, main_thread
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import typer
+from typer.core import TyperGroup
 
 from budget.cli.allocate import allocate
 from budget.cli.analyze import analyze
@@ -21,8 +24,8 @@ from budget.cli.devices import devices
 from budget.cli.diff import diff
 from budget.cli.paper import paper
 from budget.cli.report import report
-from budget.cli.streams import drop_output, prepare_streams, without_controls
-from budget.errors import BudgetError
+from budget.cli.streams import prepare_streams, without_controls
+from budget.errors import BudgetError, WorkerError
 from budget.version import __version__
 
 if TYPE_CHECKING:
@@ -32,10 +35,28 @@ if TYPE_CHECKING:
 EXIT_BAD_INPUT = 2
 EXIT_SIGNAL = 128  # and the number of the signal, as shells count
 EXIT_INTERRUPTED = 130  # SIGINT
-EXIT_BROKEN_PIPE = 141  # SIGPIPE
+EXIT_FAULT = 70  # of the program itself, as sysexits.h has it
+DETAILS = "BUDGET_TRACEBACK"  # environment variable: print where a fault arose
 ENDINGS = {129: "hung up", EXIT_INTERRUPTED: "interrupted", 143: "ended on request"}
 
+
+class _Commands(TyperGroup):
+    """All commands. A pipe that breaks is an error to be told, not typer's exit 1."""
+
+    def invoke(self, ctx: Any) -> Any:  # noqa: ANN401 - as typer has it
+        """Run the command."""
+        try:
+            return super().invoke(ctx)
+        except BrokenPipeError as error:
+            raise WorkerError(
+                "a pipe to another process of this run broke, expected one that stays "
+                "open; nothing is known to be wrong with the files: try again with "
+                "--workers 1"
+            ) from error
+
+
 app = typer.Typer(
+    cls=_Commands,
     help="Error budgets for the discrete turntable calibration of strapdown IMUs.",
     no_args_is_help=True,
     add_completion=False,
@@ -83,21 +104,18 @@ def _check_epoch() -> None:
 
 def main() -> None:
     """Run the command line; errors made for people become one message and a code."""
-    prepare_streams()
     try:
+        prepare_streams()
         with _ended_by_signals():
             _run()
     except BudgetError as error:
         _stop(str(error))
-    except BrokenPipeError:
-        drop_output()  # a reader that has enough, such as `head`
-        raise SystemExit(EXIT_BROKEN_PIPE) from None
     except OSError as error:
-        drop_output()
+        what = f"{error.filename}: " if error.filename else ""
         _stop(
-            f"{error.filename or 'standard output'}: the system refused: "
-            f"{error.strerror or error}; expected a file or stream that can be used; "
-            "free the disk, change its permissions or name another"
+            f"{what}the system refused: {error.strerror or error}; expected files and "
+            "folders that can be used and limits that allow it; free the disk, change "
+            "permissions, raise the limit (`ulimit -a` lists them) or use fewer workers"
         )
     except MemoryError:
         _stop(
@@ -109,6 +127,8 @@ def main() -> None:
         if said is not None:  # typer answers Ctrl-C with its code, in silence
             sys.stderr.write(f"{said}; nothing was written\n")
         raise
+    except Exception as error:  # noqa: BLE001 - the last net
+        _fail(error)
 
 
 def _run() -> None:
@@ -146,7 +166,23 @@ def _end(number: int, _: FrameType | None) -> NoReturn:
     raise SystemExit(EXIT_SIGNAL + number)
 
 
-def _stop(message: str) -> NoReturn:
+def _stop(message: str, code: int = EXIT_BAD_INPUT) -> NoReturn:
     """Say what is wrong and end."""
     sys.stderr.write(f"{without_controls(message)}\n")
-    raise SystemExit(EXIT_BAD_INPUT) from None
+    raise SystemExit(code) from None
+
+
+def _fail(error: Exception) -> NoReturn:
+    """Say in a line what is to be reported: a fault of the program itself."""
+    found = traceback.extract_tb(error.__traceback__)
+    ours = [frame for frame in found if "budget" in Path(frame.filename).parts]
+    where = f" in {Path(ours[-1].filename).name}:{ours[-1].lineno}" if ours else ""
+    said = " ".join(str(error).split())
+    if os.environ.get(DETAILS):
+        sys.stderr.write(without_controls("".join(traceback.format_exception(error))))
+    _stop(
+        f"internal error: {type(error).__name__}{where}: {said}; this is a fault of "
+        f"budget {__version__}, not of your files: please report this line with the "
+        f"command and its files ({DETAILS}=1 prints more to add)",
+        EXIT_FAULT,
+    )

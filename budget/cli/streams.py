@@ -7,8 +7,14 @@ import io
 import os
 import re
 import sys
-from typing import TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
+from budget.errors import OutputError
+
+if TYPE_CHECKING:
+    from _typeshed import ReadableBuffer
+
+EXIT_BROKEN_PIPE = 141  # SIGPIPE
 # C0 without tab and line feed, DEL and C1, line separators, changes of direction.
 CONTROL = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069]"
@@ -36,6 +42,11 @@ def prepare_streams() -> None:
     sys.stdout = sys.stdout or _nowhere()
     sys.stderr = sys.stderr or _nowhere()
     codecs.register_error(ESCAPE, _escape)
+    if os.name == "posix":
+        if sys.stdout is sys.__stdout__:
+            sys.stdout = _over(_Results(1, "w", closefd=False), sys.stdout)
+        if sys.stderr is sys.__stderr__:
+            sys.stderr = _over(_Talk(2, "w", closefd=False), sys.stderr)
     columns = os.environ.get("COLUMNS", "80")
     if not columns.isascii() or not columns.isdigit() or int(columns) < 1:
         del os.environ["COLUMNS"]  # rich takes any digits for a width
@@ -44,6 +55,50 @@ def prepare_streams() -> None:
             sys.stdout.reconfigure(errors=ESCAPE)
         else:
             sys.stdout.reconfigure(encoding="utf-8", errors=ESCAPE, newline="\n")
+
+
+class _Results(io.FileIO):
+    """The end of stdout below all buffers: what cannot arrive ends the run."""
+
+    def write(self, data: ReadableBuffer, /) -> int:
+        """Write; a reader that has enough, such as `head`, ends the run in silence."""
+        try:
+            return super().write(data)
+        except BrokenPipeError:
+            _drop(self.fileno())
+            raise SystemExit(EXIT_BROKEN_PIPE) from None
+        except OSError as error:
+            _drop(self.fileno())
+            raise OutputError(
+                f"standard output: the system refused: {error.strerror or error}; "
+                "expected a stream that takes what is printed; free the disk or send "
+                "it elsewhere"
+            ) from None
+
+
+class _Talk(io.FileIO):
+    """The end of stderr below all buffers: talk that cannot arrive changes nothing."""
+
+    def write(self, data: ReadableBuffer, /) -> int:
+        """Write, or drop this and all that follows."""
+        try:
+            return super().write(data)
+        except OSError:
+            _drop(self.fileno())
+            return memoryview(data).nbytes
+
+
+def _over(end: io.FileIO, stream: TextIO | Any) -> TextIO | Any:  # noqa: ANN401 - as sys has them
+    """Return a text stream like the present one over another end."""
+    if not isinstance(stream, io.TextIOWrapper):
+        return stream
+    return io.TextIOWrapper(
+        io.BufferedWriter(end),
+        encoding=stream.encoding,
+        errors=stream.errors,
+        line_buffering=stream.line_buffering,
+        write_through=stream.write_through,
+    )
 
 
 def without_controls(text: str) -> str:
@@ -59,15 +114,11 @@ def _nowhere() -> TextIO:
     return open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123 - it stays
 
 
-def drop_output() -> None:
-    """Send what a full or broken stdout has not taken to nowhere.
+def _drop(number: int) -> None:
+    """Send what a full or broken stream has not taken to nowhere.
 
     Else Python tries once more at its end, and fails with words of its own.
     """
-    try:
-        number = sys.stdout.fileno()
-    except (OSError, ValueError):
-        return
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, number)
     os.close(nowhere)
