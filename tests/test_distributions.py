@@ -255,15 +255,43 @@ def test_monte_carlo_and_sobol_take_every_shape(shape):
 
 
 def test_an_infinite_kurtosis_is_refused_only_where_the_model_bends():
-    """The law of a linear model needs none; of x^2 it says so, and Monte Carlo runs."""
+    """The law of a linear model needs none; of x^2 it says so, and Sobol' runs."""
     heavy = scaled_student_t(3.0)
     straight = bent(heavy, c=2.0, h=0.0)
     assert_allclose(propagate(straight).standard_uncertainty[0], 0.6, rtol=1e-12)
     with pytest.raises(ProblemError, match=r"'x'.*scaled_student_t.*Monte Carlo"):
         propagate(bent(heavy, c=2.0, h=1.0))
+    # Without the tangent one source's index is 1 but for the points' own error.
+    indices = sobol(bent(heavy, c=1.0, h=0.1), samples=1024)
+    assert_allclose(indices.first.value, 1.0, rtol=0, atol=0.1)
 
 
 def test_sizes_of_skewed_sources_are_refused():
     """The scaled law has no term for a skewness and says so."""
     with pytest.raises(ProblemError, match="symmetric"):
         scaled_law(bent(EXPONENTIAL, c=1.0, h=1.0))
+
+
+def both(x):
+    """Return a sum and a product, at the top of a module."""
+    return np.stack([x.sum(axis=0), x[0] * x[1]])
+
+
+def test_workers_draw_every_shape_and_copula_alike():
+    """Shapes with samples, functions and copulas reach other processes bit for bit."""
+    shapes = (samples(READINGS), from_quantile(logistic), gamma(2.0))
+    problem = Problem(
+        groups=(
+            Group(
+                name="x",
+                mean=np.zeros(3),
+                covariance=0.7 * np.eye(3) + 0.3,
+                distributions=shapes,
+            ),
+        ),
+        outputs=(Output(name="y"), Output(name="z")),
+        function=both,
+    )
+    alone, shared = (sample(problem, trials=20_000, workers=n) for n in (1, 2))
+    assert (alone.covariance == shared.covariance).all()
+    assert (alone.interval == shared.interval).all()

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from math import ceil, isinf, log2
+from math import ceil, isfinite, isinf, log2
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -172,9 +172,10 @@ def sobol(
         )
     factors = _factors(problem, by_input=by_input)
     n = _power_of_two(samples)
-    # A Student t variate has another variance than the u^2 that the law counts.
+    # A Student t variate has another variance than the u^2 that the law counts; of
+    # infinite kurtosis there may be no law.
     known = all(
-        isinf(shape.degrees_of_freedom)
+        isinf(shape.degrees_of_freedom) and isfinite(shape.kurtosis)
         for g in problem.groups
         for shape in g.distributions
     )
