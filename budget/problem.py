@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from budget.arrays import Array
+from budget.arrays import Array, root_of_correlation
 from budget.copula import normal_scores, quantiles_of_scores
 from budget.distributions import NORMAL, Distribution
 from budget.errors import ProblemError
@@ -27,6 +27,7 @@ Record = TypeVar("Record")
 Function = Callable[[Array], Array]
 
 # A covariance matrix may miss symmetry and positive semidefiniteness by rounding.
+EXACT = 1e-13  # [1], to which a root gives its correlation matrix back
 ROUNDING = 1e-10  # [1], relative to the product of the two standard uncertainties
 
 
@@ -149,8 +150,7 @@ class Group:
         """Matrix F, shape (n, n): F z has the covariance, z being unit variates [SI].
 
         Taken of the correlation matrix, so that inputs of very different size keep
-        their relative accuracy. Cholesky where it exists, else the symmetric
-        eigendecomposition with its rounding below zero cut (JCGM 101:2008, C.5).
+        their relative accuracy.
 
         Raises
         ------
@@ -393,14 +393,13 @@ def _records(
 def _root(correlation: Array, *, scale: Array) -> tuple[Array | None, float]:
     """Return diag(scale) R^(1/2), None where there is none, and the least eigenvalue.
 
-    Cholesky's where it exists; the eigenvalue is then not needed, and 0.
+    The eigenvalue is found only where the root does not give the correlation back, else
+    it is 0.
     """
-    try:
-        return np.asarray(scale[:, None] * np.linalg.cholesky(correlation)), 0.0
-    except np.linalg.LinAlgError:
-        values, vectors = np.linalg.eigh(correlation)
-    least = float(values[0])
+    root = root_of_correlation(correlation)
+    least = 0.0
+    if np.abs(root @ root.T - correlation).max(initial=0.0) > EXACT * len(correlation):
+        least = float(np.linalg.eigvalsh(correlation)[0])
     if least < -ROUNDING * len(correlation):
         return None, least
-    root = scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0))
-    return np.asarray(root), least
+    return np.asarray(scale[:, None] * root), least

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.arrays import root_of_correlation
 from budget.methods.execution import BLOCK, one_blas_thread, stream
 from budget.methods.intervals import interval_of_values
 from budget.methods.trials import first_trials
@@ -164,8 +165,9 @@ def _count_inside(law: Propagation, rows: Array, limits: Array, seed: int) -> in
     reach = normals.longest * np.sqrt(np.diag(covariance))
     if (np.abs(mean) + reach <= 1.0).all():  # no draw is long enough to get out
         return NORMAL_TRIALS
-    values, vectors = np.linalg.eigh(covariance)
-    factor = vectors * np.sqrt(np.maximum(values, 0.0))
+    u = np.sqrt(np.diag(covariance))
+    safe = np.where(u > 0.0, u, 1.0)
+    factor = u[:, None] * root_of_correlation(covariance / np.outer(safe, safe))
     inside = 0
     with one_blas_thread():
         for start in range(0, NORMAL_TRIALS, BLOCK):  # blocks stay in the cache
