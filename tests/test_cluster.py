@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
 import warnings
+from contextlib import contextmanager
+from time import sleep
 
 import numpy as np
 import pytest
@@ -21,6 +25,7 @@ from budget.problem import Group, Output, Problem
 distributed = pytest.importorskip("distributed", reason="the extra 'dask' is absent")
 pytestmark = pytest.mark.filterwarnings("ignore")  # dask's own, none of ours
 
+PATIENCE = 180  # [s], beyond which a test has failed; it takes some 10
 NO_ONE = "tcp://127.0.0.1:9"  # the discard port
 
 
@@ -138,3 +143,106 @@ def test_a_worker_killed_in_the_middle_still_gives_the_right_answer(cluster):
         assert killed
         assert_array_equal(here.covariance, there.covariance)
         assert_array_equal(np.asarray(here.interval), np.asarray(there.interval))
+
+
+class NoOneLeft(BaseException):
+    """The guard of a test that would wait for ever."""
+
+
+@contextmanager
+def patience(seconds):
+    """Raise NoOneLeft in the main thread after that time: a guard, no measurement."""
+
+    def give_up(*_):
+        raise NoOneLeft
+
+    before = signal.signal(signal.SIGALRM, give_up)
+    signal.alarm(seconds)
+    try:
+        yield
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
+
+
+@pytest.fixture
+def lone_worker():
+    """Return address of a scheduler and process of its only worker, without a nanny."""
+    with distributed.LocalCluster(
+        n_workers=0, host="127.0.0.1", dashboard_address=None, silence_logs=60
+    ) as running:
+        address = running.scheduler_address
+        worker = subprocess.Popen(
+            [
+                *(sys.executable, "-m", "distributed.cli.dask_worker", address),
+                *("--nthreads", "1", "--no-nanny", "--no-dashboard"),
+            ],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        try:
+            with distributed.Client(address, set_as_default=False) as client:
+                client.wait_for_workers(1, timeout=PATIENCE)
+            yield address, worker
+        finally:
+            worker.kill()
+            worker.wait()
+
+
+def test_the_last_worker_killed_is_an_error_for_people(lone_worker):
+    """With no workers left the run ends with WorkerError that says so."""
+    address, worker = lone_worker
+
+    def kill(done, _):
+        if done > 0 and worker.poll() is None:
+            worker.kill()
+            worker.wait()
+
+    with (
+        patience(PATIENCE),
+        pytest.raises(WorkerError, match="no workers are left"),
+        connect(address) as c,
+    ):
+        sample(
+            problem(),
+            trials=20_000_000,
+            executor=c.executor,
+            workers=c.workers,
+            progress=kill,
+        )
+
+
+def test_the_command_without_workers_left_ends_with_2(lone_worker):
+    """`budget analyze --cluster` prints the error, no traceback, and exits with 2."""
+    address, worker = lone_worker
+    command = subprocess.Popen(
+        [
+            *(sys.executable, "-m", "budget", "analyze", "--cluster", address),
+            *("--method", "monte-carlo", "--trials", "400000000"),
+        ],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        with distributed.Client(address, set_as_default=False) as client:
+            while not any(client.processing().values()):  # it works for the command
+                assert command.poll() is None
+                sleep(0.1)
+        worker.kill()
+        _, talk = command.communicate(timeout=PATIENCE)
+    finally:
+        command.kill()
+    assert command.returncode == 2
+    assert "no workers are left" in talk
+    assert "Traceback" not in talk
+
+
+def test_a_worker_that_is_started_anew_is_not_missed(cluster):
+    """One look that finds no worker is no fault, three are; a worker resets them."""
+    with connect(cluster.scheduler_address) as c:
+        seen = iter([{}, {}, {"a": 1}, {}, {}, {}])
+        c.executor._client.sync = lambda *_args, **_more: next(seen)  # noqa: SLF001
+        faults = [bool(c.executor.fault()) for _ in range(6)]
+        del c.executor._client.sync  # noqa: SLF001
+    assert faults == [False] * 5 + [True]

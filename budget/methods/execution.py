@@ -29,7 +29,7 @@ import numpy as np
 from threadpoolctl import ThreadpoolController
 
 from budget.distributions import LEAST, NORMAL
-from budget.errors import WorkerError
+from budget.errors import BudgetError, WorkerError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.problem import Group, Problem
 
-HEARTBEAT = 5.0  # [s] between looks at whether a cluster still answers
+HEARTBEAT = 2.0  # [s] between looks at whether a cluster still answers
 BLOCK = 4096  # trials; inputs of a block (some 2 MB) stay in the cache
 
 Task = TypeVar("Task")
@@ -135,8 +135,8 @@ def _blas() -> ThreadpoolController:
 class RemoteExecutor(Executor):
     """An executor whose other end may go away without a word."""
 
-    def is_alive(self) -> bool:
-        """Whether the other end still answers."""
+    def fault(self) -> str:
+        """Return why no result will ever come, for people; empty where one may."""
         raise NotImplementedError
 
 
@@ -232,11 +232,11 @@ def _result(future: Future[Result], executor: Executor) -> Result:
         except (BrokenExecutor, CancelledError):
             raise
         except Exception as error:
-            if remote is not None and not remote.is_alive():
-                raise WorkerError(
-                    "the cluster's scheduler went away before the work was done; "
-                    "nothing was computed with what it left. Start it and run again"
-                ) from None
+            if isinstance(error, BudgetError):
+                raise  # what the model itself has to say
+            fault = "" if remote is None else remote.fault()
+            if fault:
+                raise WorkerError(fault) from None
             if isinstance(error, TimeoutError) and not future.done():
                 continue  # alive, and still at work
             if "pickle" in str(error):
