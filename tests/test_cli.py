@@ -6,10 +6,12 @@ import csv
 import errno
 import io
 import json
+import os
 import re
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from command_line import call, start
@@ -288,6 +290,54 @@ def test_a_file_name_gives_the_terminal_no_orders(tmp_path):
     assert run.code == 2
     assert "a\\x1b[2J\\u202eb.yaml" in run.err
     assert "\x1b" not in run.err
+
+
+def device_file(folder, name="e.yaml"):
+    """Write a small device."""
+    path = folder / name
+    path.write_text("name: e\ngyro: {errors: {bias_repeatability: 1 deg/h}}\n")
+    return path
+
+
+def test_no_command_overwrites_what_it_reads(tmp_path, monkeypatch):
+    """Not a device, not one whose name has a hash sign, not what a reference reads."""
+    monkeypatch.chdir(tmp_path)
+    limits = tmp_path / "limits.yaml"
+    limits.write_text("name: l\nlimits: {gyro: {bias: 5 deg/h}}\n")
+    inputs = [device_file(tmp_path), device_file(tmp_path, "x#1.yaml"), limits]
+    assert call("check", "e.yaml", "--save", "ref.json").code == 0
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    allocate = ("allocate", "x#1.yaml", "--requirement", "limits.yaml")
+    for words in (
+        ("devices", "e.yaml", "--json", "e.yaml"),
+        (*allocate, "--no-validate", "--write", "x#1.yaml"),
+        (*allocate, "--no-validate", "--json", "limits.yaml"),
+        ("check", "ref.json", "--json", "e.yaml"),
+        ("check", "ref.json", "--json", "ref.json"),
+        ("diff", "ref.json", "e.yaml", "--csv", "e.yaml"),
+    ):
+        run = call(*words)
+        assert (run.code, run.out) == (2, ""), words
+        assert "would be overwritten" in run.err, words
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+    assert len(before) == len(inputs) + 1
+
+
+def test_an_interrupted_run_says_what_it_wrote(tmp_path, monkeypatch):
+    """Stopped between two renames both files stand, and both are named."""
+    whole = Path.replace
+
+    def replace(self, target):
+        whole(self, target)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    monkeypatch.setattr(Path, "replace", replace)
+    names = [tmp_path / "a.json", tmp_path / "a.csv"]
+    run = call("analyze", "--no-validate", "--json", names[0], "--csv", names[1])
+
+    assert run.code == 130
+    assert f"interrupted; written before: {names[0]}, {names[1]}\n" in run.err
+    assert sorted(tmp_path.iterdir()) == sorted(names)
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ PACKAGE = Path(__file__).parent.parent / "budget"
 # From the ground up. A module imports from lower floors, or within its own room;
 # rooms on one floor do not know each other.
 FLOORS = (
-    ("version", "arrays", "errors", "earth", "resources", "ties"),
+    ("version", "arrays", "errors", "earth", "resources", "ties", "journal"),
     ("units",),
     ("distributions",),
     ("copula",),

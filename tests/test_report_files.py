@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import os
+import signal
+import time
 from pathlib import Path
 
 import pytest
 
 from budget.errors import OutputError
+from budget.journal import keep_journal, note_read
 from budget.report.files import write_all
 
 
@@ -57,12 +60,41 @@ def test_link_is_followed(tmp_path):
     assert (tmp_path / "real").read_text() == "new"
 
 
+def fifo(folder):
+    """Make a pipe."""
+    os.mkfifo(folder / "x" / "fifo")
+    return folder / "x" / "fifo"
+
+
+def loop(folder):
+    """Make a link to itself."""
+    (folder / "x" / "loop").symlink_to("loop")
+    return folder / "x" / "loop"
+
+
+def dangling(folder):
+    """Make a link to nothing."""
+    (folder / "x" / "link").symlink_to("nowhere")
+    return folder / "x" / "link"
+
+
+def read_only(folder):
+    """Make a file that nobody may write, root included."""
+    (folder / "x" / "kept").write_text("old")
+    (folder / "x" / "kept").chmod(0o444)
+    return folder / "x" / "kept"
+
+
 @pytest.mark.parametrize(
     ("make", "said"),
     [
         (lambda folder: folder / "missing" / "b", "does not exist"),
         (lambda folder: folder, "there is a folder of that name"),
-        (lambda _: Path(os.devnull), "is a device or a pipe"),
+        (lambda _: Path(os.devnull), "is a device"),
+        (fifo, r"is a pipe \(FIFO\)"),
+        (loop, "leads back to itself"),
+        (dangling, "is a link to nowhere, which does not exist"),
+        (read_only, "is read-only"),
         (lambda folder: folder / "." / "x" / ".." / "a", "written to this one file"),
     ],
 )
@@ -118,3 +150,65 @@ def test_interrupt_leaves_no_scraps(tmp_path, monkeypatch):
         write_all({tmp_path / "a": "text"})
 
     assert listing(tmp_path) == {}
+
+
+@pytest.mark.parametrize("name", ["in", "hard", "soft", "x/../in"])
+def test_what_was_read_is_not_overwritten(tmp_path, name):
+    """An input is told by any name: its own, a hard link, a link, another spelling."""
+    (tmp_path / "x").mkdir()
+    (tmp_path / "in").write_text("input")
+    (tmp_path / "hard").hardlink_to(tmp_path / "in")
+    (tmp_path / "soft").symlink_to("in")
+
+    with keep_journal():
+        note_read(tmp_path / "in")
+        with pytest.raises(OutputError, match="is an input of this run"):
+            write_all({tmp_path / "other": "text", tmp_path / name: "text"})
+        write_all({tmp_path / "other": "text"})
+
+    assert (tmp_path / "in").read_text() == "input"
+    write_all({tmp_path / name: "text"})  # the next run has not read it
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_between_renames_waits(tmp_path, monkeypatch, number):
+    """All files are new when it is answered, by whoever answers it otherwise."""
+    (tmp_path / "a").write_text("old")
+    whole = Path.replace
+    seen = []
+
+    def answer(*_):
+        seen.append(listing(tmp_path))
+
+    def replace(self, target):
+        whole(self, target)
+        os.kill(os.getpid(), number)
+        time.sleep(0.01)  # time for Python to answer, if it would
+
+    monkeypatch.setattr(Path, "replace", replace)
+    before = signal.signal(number, answer)
+    try:
+        write_all({tmp_path / "a": "new", tmp_path / "b": "new"})
+        assert signal.getsignal(number) is answer
+    finally:
+        signal.signal(number, before)
+
+    assert seen == [{"a": b"new", "b": b"new"}]
+
+
+def test_a_signal_that_is_ignored_stays_ignored(tmp_path, monkeypatch):
+    """As under nohup: nothing is answered after the files stand."""
+    whole = Path.replace
+
+    def replace(self, target):
+        whole(self, target)
+        os.kill(os.getpid(), signal.SIGHUP)
+
+    monkeypatch.setattr(Path, "replace", replace)
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        write_all({tmp_path / "a": "new"})
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+    assert listing(tmp_path) == {"a": b"new"}

@@ -26,11 +26,14 @@ from budget.cli.paper import paper
 from budget.cli.report import report
 from budget.cli.streams import prepare_streams, without_controls
 from budget.errors import BudgetError, WorkerError
+from budget.journal import keep_journal
 from budget.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from types import FrameType
+
+    from budget.journal import Journal
 
 EXIT_BAD_INPUT = 2
 EXIT_SIGNAL = 128  # and the number of the signal, as shells count
@@ -104,6 +107,12 @@ def _check_epoch() -> None:
 
 def main() -> None:
     """Run the command line; errors made for people become one message and a code."""
+    with keep_journal() as journal:
+        _guard(journal)
+
+
+def _guard(journal: Journal) -> None:
+    """Run, and turn whatever ends a run into words and a code."""
     try:
         prepare_streams()
         with _ended_by_signals():
@@ -119,16 +128,22 @@ def main() -> None:
         )
     except MemoryError:
         _stop(
-            "there is not enough memory for this run, nothing was written; expected "
+            f"there is not enough memory for this run, {_written(journal)}; expected "
             "some 300 MB and more for each worker: use fewer workers or trials"
         )
     except SystemExit as end:
         said = ENDINGS.get(end.code) if isinstance(end.code, int) else None
         if said is not None:  # typer answers Ctrl-C with its code, in silence
-            sys.stderr.write(f"{said}; nothing was written\n")
+            sys.stderr.write(f"{said}; {_written(journal)}\n")
         raise
     except Exception as error:  # noqa: BLE001 - the last net
         _fail(error)
+
+
+def _written(journal: Journal) -> str:
+    """Say which files stand, all of them whole."""
+    names = without_controls(", ".join(journal.written))
+    return f"written before: {names}" if names else "nothing was written"
 
 
 def _run() -> None:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from budget.cli.options import STDOUT
 from budget.errors import CallError
+from budget.journal import note_read
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -38,40 +39,22 @@ def check_destinations(
     Raises
     ------
     CallError
-        Two documents would go to stdout or to one file, or an output is an input.
+        Two documents would go to stdout.
+    OutputError
+        A file cannot be written, or is an input.
     """
+    from budget.report.files import check_targets
+    from budget.spec.files import find
+
     if json == STDOUT and csv == STDOUT:
         raise CallError(
             "--json - and --csv - would both write to stdout; "
             "send one of them to a file"
         )
-    wanted = [path for path in (json, csv, *others) if path and path != STDOUT]
-    _check_twice(wanted)
-    read = [Path(str(name).partition("#")[0]) for name in inputs if name is not None]
-    for path in wanted:
-        if path.exists():
-            for source in read:
-                if source.exists() and path.samefile(source):
-                    raise CallError(
-                        f"{path} is an input of this run and would be overwritten; "
-                        "write to another file"
-                    )
-
-
-def _check_twice(paths: list[Path]) -> None:
-    """Refuse two outputs in one file, however it is spelt: one would be lost."""
-    targets = [path.resolve() for path in paths]
-    twice = {target for target in targets if targets.count(target) > 1}
-    if twice:
-        names = [
-            str(path)
-            for path, target in zip(paths, targets, strict=True)
-            if target in twice
-        ]
-        raise CallError(
-            f"{', '.join(dict.fromkeys(names))}: two outputs would be written to this "
-            "one file, expected a file for each; give them different names"
-        )
+    for name in inputs:
+        if name is not None:
+            note_read(find(name).path)
+    check_targets(path for path in (json, csv, *others) if path and path != STDOUT)
 
 
 @contextmanager

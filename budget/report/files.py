@@ -2,24 +2,33 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
-from contextlib import ExitStack
+import signal
+from contextlib import ExitStack, contextmanager
 from secrets import token_hex
-from typing import TYPE_CHECKING
+from signal import SIG_DFL
+from stat import S_ISFIFO, S_ISREG, S_ISSOCK
+from threading import current_thread, main_thread
+from typing import TYPE_CHECKING, Any
 
 from budget.errors import OutputError
+from budget.journal import is_input, note_written
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
+
+WRITABLE = 0o222  # permission bits
 
 
 def write_all(files: Mapping[Path, str | bytes]) -> None:
     """Write all files, or leave every one of them as it was.
 
     Each is written under a temporary name in its own folder and renamed only when all
-    are complete; should a rename fail, the earlier ones are taken back.
+    are complete; should a rename fail, the earlier ones are taken back. A signal that
+    comes between the first rename and the last waits.
 
     Parameters
     ----------
@@ -29,30 +38,95 @@ def write_all(files: Mapping[Path, str | bytes]) -> None:
     Raises
     ------
     OutputError
-        A folder is missing or cannot be written, a target is no regular file, two
-        paths are one file, or the disk refuses.
+        A folder is missing or cannot be written, a target is no regular file, is
+        read-only or an input of this run, two paths are one file, or the disk refuses.
     """
-    targets = [path.resolve() for path in files]  # a link stays, its file is replaced
-    for path, target in zip(files, targets, strict=True):
-        _check(path, target, twice=targets.count(target) > 1)
+    targets = check_targets(files)
     contents = [
         _encode(content) if isinstance(content, str) else content
         for content in files.values()
     ]
-    # Steps back run only on an error; temporary files go in any case, after them.
-    with ExitStack() as scraps, ExitStack() as undo:
+    with ExitStack() as staging:
         staged = []
         for path, target, content in zip(files, targets, contents, strict=True):
             try:
-                staged.append(_stage(target, content, scraps))
+                staged.append(_stage(target, content, staging))
             except OSError as error:
                 raise _refused(path, error) from error
-        for path, target, temporary in zip(files, targets, staged, strict=True):
-            try:
-                _take_place(target, temporary, scraps, undo)
-            except OSError as error:
-                raise _refused(path, error) from error
-        undo.pop_all()
+        # Steps back run only on an error; temporary files go in any case, after them.
+        with _without_signals(), staging.pop_all() as scraps, ExitStack() as undo:
+            for path, target, temporary in zip(files, targets, staged, strict=True):
+                try:
+                    _take_place(target, temporary, scraps, undo)
+                except OSError as error:
+                    raise _refused(path, error) from error
+            undo.pop_all()
+            note_written(files)
+
+
+def check_targets(paths: Iterable[Path]) -> list[Path]:
+    """Return where outputs go, links followed, or refuse what cannot be written.
+
+    Raises
+    ------
+    OutputError
+        As write_all; also where an output is an input of this run.
+    """
+    found = [(path, _follow(path)) for path in paths]
+    targets = [target for _, target in found]
+    for path, target in found:
+        _check(path, target, twice=targets.count(target) > 1)
+    return targets
+
+
+@contextmanager
+def _without_signals() -> Iterator[None]:
+    """Let signals that would end this process wait until the files stand.
+
+    A mask would not do: with other threads about, as those of linear algebra, a signal
+    goes to one of them, and Python answers it here.
+    """
+    waiting: list[int] = []
+    before: dict[int, Any] = {}
+    names = ("SIGINT", "SIGTERM", "SIGHUP") if _in_main_thread() else ()
+    try:
+        for number in (
+            getattr(signal, name) for name in names if hasattr(signal, name)
+        ):
+            if callable(handler := signal.getsignal(number)) or handler == SIG_DFL:
+                before[number] = handler
+                signal.signal(number, lambda number, _: waiting.append(number))
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        for number in waiting[:1]:
+            signal.raise_signal(number)
+
+
+def _in_main_thread() -> bool:
+    """Whether signals are answered here."""
+    return current_thread() is main_thread()
+
+
+def _follow(path: Path) -> Path:
+    """Return the file behind a path; say of a link that leads nowhere that it does."""
+    try:
+        path.stat()
+    except OSError as error:
+        if error.errno == errno.ELOOP:
+            raise OutputError(
+                f"{path}: is a link that leads back to itself, expected a file or a "
+                "free name; remove the link or give another path"
+            ) from None
+        if isinstance(error, FileNotFoundError) and path.is_symlink():
+            raise OutputError(
+                f"{path}: is a link to {path.readlink()}, which does not exist, "
+                "expected a file or a free name; remove the link or make its file first"
+            ) from None
+        if not isinstance(error, (FileNotFoundError, NotADirectoryError)):
+            raise _refused(path, error) from None
+    return path.resolve()
 
 
 def _encode(text: str) -> bytes:
@@ -73,11 +147,18 @@ def _check(path: Path, target: Path, *, twice: bool) -> None:
             f"{path}: there is a folder of that name, expected a file or a free name; "
             "give the name of a file in it"
         )
-    if target.exists() and not target.is_file():
+    if is_input(target):
         raise OutputError(
-            f"{path}: is a device or a pipe, expected a regular file or a free name; "
-            "to write to standard output give '-'"
+            f"{path}: is an input of this run and would be overwritten, expected "
+            "another file; write to that"
         )
+    if target.exists():
+        _check_present(path, target.stat().st_mode)
+        if not (os.access(target, os.W_OK) and target.stat().st_mode & WRITABLE):
+            raise OutputError(
+                f"{path}: is read-only, expected a file that can be written or a free "
+                "name; change its permissions or give another path"
+            )
     if not target.parent.is_dir():
         raise OutputError(
             f"{path}: the folder {path.parent} does not exist, expected one that can "
@@ -87,6 +168,17 @@ def _check(path: Path, target: Path, *, twice: bool) -> None:
         raise OutputError(
             f"{path}: the folder {path.parent} cannot be written, expected one that "
             "can; change its permissions or give another path"
+        )
+
+
+def _check_present(path: Path, mode: int) -> None:
+    """Refuse what is there and is no regular file."""
+    kinds = {"a pipe (FIFO)": S_ISFIFO, "a socket": S_ISSOCK}
+    if not S_ISREG(mode):
+        kind = next((name for name, has in kinds.items() if has(mode)), "a device")
+        raise OutputError(
+            f"{path}: is {kind}, expected a regular file or a free name; to write to "
+            "standard output give '-'"
         )
 
 

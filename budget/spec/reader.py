@@ -8,6 +8,7 @@ from hashlib import sha256
 from typing import TYPE_CHECKING
 
 from budget.errors import Issue, SpecError
+from budget.journal import note_read
 from budget.spec.composer import UNSAFE, compose, forbid
 from budget.spec.tree import START, Document, Mark
 
@@ -66,6 +67,7 @@ def _read_bytes(path: Path, shown: str) -> bytes:
     try:
         with path.open("rb") as stream:
             data = stream.read(MOST_BYTES + 1)
+            note_read(path)
     except IsADirectoryError:
         raise refuse(shown, "is a folder, expected a YAML file") from None
     except (OSError, ValueError) as error:  # ValueError: a null byte in the name

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import ValidationError
 
 from budget.errors import ReferenceFileError
+from budget.journal import note_read
 from budget.spec.reader import MOST_BYTES as LONGEST_INPUT
 from budget.spec.schema import schema_of
 from budget.studies.reference.model import NumberEntry, ReferenceFile, WordEntry
@@ -216,6 +217,7 @@ def _read(path: Path, shown: str) -> str:
     try:
         with path.open("rb") as stream:
             data = stream.read(MOST_BYTES + 1)
+            note_read(path)
     except IsADirectoryError:
         raise ReferenceFileError(f"{shown}: is a folder, expected a file") from None
     except (OSError, ValueError) as error:
