@@ -18,8 +18,8 @@ import numpy as np
 from SALib.analyze import sobol as analyze
 from SALib.sample import sobol as sample
 
+from budget.calibration.problem import calibration_problem
 from budget.methods.sobol import sobol
-from budget.physics.calibration import calibration_problem
 from budget.spec import load_device, load_procedure
 
 if TYPE_CHECKING:

@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.calibration.problem import calibration_problem
+from budget.calibration.simulation import simulate
 from budget.methods.execution import BLOCK
 from budget.methods.monte_carlo import sample
-from budget.physics.calibration import calibration_problem
-from budget.physics.simulation import simulate
 from budget.spec import load_device, load_procedure
 
 if TYPE_CHECKING:

@@ -1,13 +1,14 @@
 """The waist of the house: what is uncertain, what is asked, how one gives the other.
 
-A Problem knows no sensors and no statistics. Sensors make Problems (budget.physics),
-methods solve them (budget.methods); the published examples are Problems too.
+A Problem knows no sensors and no statistics. Sensors make Problems
+(budget.calibration), methods solve them (budget.methods); the published examples are
+Problems too.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -17,6 +18,7 @@ from budget.arrays import Array, root_of_correlation
 from budget.copula import normal_scores, quantiles_of_scores
 from budget.distributions import NORMAL, Distribution
 from budget.errors import ProblemError
+from budget.names import Name, as_name
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -37,8 +39,8 @@ class Group:
 
     Attributes
     ----------
-    name : str
-        The source, as it stands in budgets.
+    name : Name or str
+        The source, as it stands in budgets; kept as a Name.
     mean : ndarray, shape (n,)
         Best estimates [SI]; lists are taken too, and kept as arrays.
     covariance : ndarray, shape (n, n)
@@ -46,6 +48,9 @@ class Group:
     distributions : tuple of Distribution, length n
         Shapes; correlated inputs of other shapes than normal are joined by a Gaussian
         copula (budget.copula) that meets the covariance.
+    pool : str
+        Groups of one pool enter the function as the sum of their rows and in no other
+        way; '' of a group that enters on its own.
 
     Raises
     ------
@@ -54,16 +59,18 @@ class Group:
         positive semidefinite), or inputs of these shapes cannot have it.
     """
 
-    name: str
+    name: Name
     mean: Array
     covariance: Array
     distributions: tuple[Distribution, ...]
+    pool: str = ""
 
     def __post_init__(self) -> None:
         """Check the group once, where it enters."""
         where = f"input group {self.name!r}"
         if not isinstance(self.name, str):
             raise ProblemError(f"{where}: a name is a text")
+        object.__setattr__(self, "name", as_name(self.name))
         for name in ("mean", "covariance"):  # own copies, that nobody can change
             array = _numbers(getattr(self, name), f"{where}: {name}").copy()
             array.flags.writeable = False
@@ -99,7 +106,7 @@ class Group:
     @classmethod
     def independent(
         cls,
-        name: str,
+        name: Name | str,
         *,
         u: ArrayLike,
         mean: ArrayLike = 0.0,
@@ -124,7 +131,7 @@ class Group:
             else distribution
         )
         return cls(
-            name=name,
+            name=as_name(name),
             mean=np.broadcast_to(estimate, u_x.shape),
             covariance=np.diag(u_x**2),
             distributions=_shapes(shapes, where=where),
@@ -225,8 +232,9 @@ class Output:
 
     Attributes
     ----------
-    name : str
-        Dotted, from the general to the particular: 'gyro.scale_factor.x'.
+    name : Name or str
+        Dotted, from the general to the particular: 'gyro.scale_factor.x'; kept as a
+        Name.
     unit : str
         The unit it is printed in.
     si_per_unit : float
@@ -235,10 +243,14 @@ class Output:
         A spread at or below this is rounding of the computation, not spread [SI].
     """
 
-    name: str
+    name: Name
     unit: str = "1"
     si_per_unit: float = 1.0
     resolution: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Keep a text as a Name."""
+        object.__setattr__(self, "name", as_name(self.name))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -248,12 +260,13 @@ class Problem:
     Attributes
     ----------
     groups : tuple of Group
-        Sources; the inputs of the function are theirs, one group after another.
+        Sources; the inputs are theirs, one group after another.
     outputs : tuple of Output
         What the function returns, in its order.
-    function : callable, (n_inputs, trials) -> (n_outputs, trials)
-        The model [SI]. Plain numpy arithmetic that keeps the dtype of its argument:
-        the methods pass float arrays and arrays of Taylor numbers through it.
+    function : callable, (n_arguments, trials) -> (n_outputs, trials)
+        The model [SI], of the inputs with each pool added up (see `arguments`). Plain
+        numpy arithmetic that keeps the dtype of its argument: the methods pass float
+        arrays and arrays of Taylor numbers through it.
 
     Raises
     ------
@@ -304,9 +317,57 @@ class Problem:
         )
 
     @cached_property
+    def arguments(self) -> tuple[slice, ...]:
+        """Rows of the function's argument that each group is added to."""
+        return arguments(self.groups)
+
+    @cached_property
+    def has_pools(self) -> bool:
+        """Whether some groups share rows of the function's argument."""
+        pools = [group.pool for group in self.groups if group.pool]
+        return len(set(pools)) < len(pools)
+
+    def pooled(self) -> Problem:
+        """Return the Problem with the normal groups of each pool drawn as one.
+
+        Its outputs have the same joint distribution: a sum of independent normal
+        vectors is normal, with the sum of their means and covariances. For whoever asks
+        for totals, and not for sources.
+        """
+        if not self.has_pools:
+            return self
+        groups: list[Group] = []
+        for key in dict.fromkeys(group.pool or group.name for group in self.groups):
+            members = [g for g in self.groups if (g.pool or g.name) == key]
+            normal = [g for g in members if all(d == NORMAL for d in g.distributions)]
+            if len(normal) < 2:  # noqa: PLR2004 - nothing to add up
+                groups.extend(members)
+                continue
+            groups.append(
+                Group(
+                    name=as_name(normal[0].pool),
+                    mean=np.sum([group.mean for group in normal], axis=0),
+                    covariance=np.sum([group.covariance for group in normal], axis=0),
+                    distributions=normal[0].distributions,
+                    pool=normal[0].pool,
+                )
+            )
+            groups.extend(group for group in members if group not in normal)
+        return replace(self, groups=tuple(groups))
+
+    @cached_property
     def mean(self) -> Array:
         """Best estimates of all inputs, shape (n_inputs,) [SI]."""
         return np.concatenate([np.empty(0), *(group.mean for group in self.groups)])
+
+    def add_up(self, x: Array) -> Array:
+        """Return the function's argument, (n_arguments, trials): pools added up."""
+        argument = np.zeros(
+            (max(rows.stop for rows in self.arguments), x.shape[1]), dtype=x.dtype
+        )
+        for rows, place in zip(self.slices, self.arguments, strict=True):
+            argument[place] += x[rows]
+        return argument
 
     def evaluate(self, x: Array) -> Array:
         """Call the function and hold it to its shape.
@@ -326,7 +387,7 @@ class Problem:
         ProblemError
             The function returns another shape, or no array.
         """
-        returned = self.function(x)
+        returned = self.function(self.add_up(x) if self.has_pools else x)
         try:
             y = np.asarray(returned)
         except ValueError as error:  # rows of different length
@@ -341,6 +402,36 @@ class Problem:
                 f"expected {expected}: one row for each output"
             )
         return y
+
+
+def arguments(groups: tuple[Group, ...]) -> tuple[slice, ...]:
+    """Return the rows of a function's argument that each group is added to.
+
+    A group without a pool has rows of its own; a pool has those of its first member,
+    and every other member adds to them.
+
+    Raises
+    ------
+    ProblemError
+        Groups of one pool differ in size.
+    """
+    places: list[slice] = []
+    pools: dict[str, slice] = {}
+    end = 0
+    for group in groups:
+        place = pools.get(group.pool) if group.pool else None
+        if place is None:
+            place = slice(end, end + group.size)
+            end = place.stop
+            if group.pool:
+                pools[group.pool] = place
+        elif place.stop - place.start != group.size:
+            raise ProblemError(
+                f"input group {group.name!r} has {group.size} inputs, its pool "
+                f"{group.pool!r} {place.stop - place.start}; expected the same number"
+            )
+        places.append(place)
+    return tuple(places)
 
 
 def _numbers(given: ArrayLike, where: str) -> Array:

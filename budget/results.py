@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from budget.names import Name
 from budget.ties import from_largest, largest, settle
 
 if TYPE_CHECKING:
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from budget.problem import Output
 
 SCHEMA = "budget/1"
-INTERACTION = "interaction"  # the row of products of two sources
+INTERACTION = Name("interaction")  # the row of products of two sources
 TOTAL = "total"
 
 
@@ -41,7 +42,7 @@ class SobolIndex:
 class Contribution:
     """What one source alone does to one output, by the first- and second-order law."""
 
-    source: str
+    source: Name
     standard_uncertainty: float  # [SI unit of the output]
     share: float  # of the law's own total variance [1]
     lower_bound: bool = False  # products with lines that are not given are not in it
@@ -93,18 +94,18 @@ class OutputBudget:
 
     @property
     def sensor(self) -> str:
-        """First part of the output's name: gyro or accelerometer."""
-        return self.output.name.split(".")[0]
+        """Owner of the output: gyro or accelerometer."""
+        return self.output.name.owner
 
     @property
     def parameter(self) -> str:
-        """Second part: scale_factor, mounting_angle or bias."""
-        return self.output.name.split(".")[1]
+        """scale_factor, mounting_angle or bias."""
+        return self.output.name.quantity
 
     @property
     def axis(self) -> str:
-        """Third part: x, y, z or, of an angle, xy, xz, yx, yz, zx, zy."""
-        return self.output.name.split(".")[2]
+        """x, y, z or, of an angle, xy, xz, yx, yz, zx, zy."""
+        return self.output.name.axis
 
     @property
     def is_resolved(self) -> bool:
@@ -180,7 +181,7 @@ class Budget:
     settings: Settings
     outputs: tuple[OutputBudget, ...]
     covariance: Array = field(repr=False)
-    not_given: tuple[str, ...]
+    not_given: tuple[Name, ...]
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
 
@@ -348,10 +349,10 @@ class SensorAssessment:
     sensor: str  # gyro or accelerometer
     verdict: str  # 'meets', 'fails', 'undecided' or 'undecidable'
     utilisation: float  # the largest over its required outputs [1]
-    worst_output: str  # dotted name
-    worst_outputs: tuple[str, ...]  # that one and all that are equal to it
-    limiting_source: str  # dotted name
-    expected_missing: tuple[str, ...]  # lines that a 'meets' cannot do without
+    worst_output: Name
+    worst_outputs: tuple[Name, ...]  # that one and all that are equal to it
+    limiting_source: Name
+    expected_missing: tuple[Name, ...]  # lines that a 'meets' cannot do without
     advice: str = ""  # what would make the verdict surer
     nothing_known: bool = False  # no error line is given: a 0 is no good news
 

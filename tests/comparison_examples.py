@@ -7,7 +7,7 @@ from dataclasses import replace
 from builders import NOWHERE, PAPER_ACCELEROMETER, PAPER_GYRO, procedure, sensor
 from scipy.special import ndtri
 
-from budget.physics.triad import OUTPUT_NAMES
+from budget.model.response import OUTPUT_NAMES
 from budget.spec.records import Device, Limit, Requirement, Source
 from budget.studies.comparison.compare import compare
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G

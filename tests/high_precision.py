@@ -1,7 +1,7 @@
 """The calibration again, in 100 digits and in its simplest form: pulses and formulas.
 
 Written from the model and the formulas of Zhao 2019, eqs. (1) to (5), (15), (16), and
-the definition of a window average; nothing of budget.physics is used. Differences of
+the definition of a window average; nothing of budget.model is used. Differences of
 nearly equal numbers, which the package avoids, cost nothing here.
 """
 

@@ -9,11 +9,11 @@ import pytest
 from builders import PAPER_ACCELEROMETER, PAPER_GYRO, procedure, sensor
 from scipy.special import ndtri
 
+from budget.calibration import simulation
+from budget.calibration.problem import calibration_problem
+from budget.calibration.simulation import simulate
 from budget.methods.gum import propagate
 from budget.methods.monte_carlo import sample
-from budget.physics import simulation
-from budget.physics.calibration import calibration_problem
-from budget.physics.simulation import simulate
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
 
 RUNS = 200
@@ -139,14 +139,14 @@ def test_correlations_agree_with_the_law():
 
 def test_a_wrong_formula_is_caught(monkeypatch):
     """Control: with d_yx of eq. (3) as misprinted, pulses and law do not agree."""
-    right = simulation.calibrate_gyro
+    right = simulation.estimate
 
-    def misprinted(*pulses, **how):
-        found = right(*pulses, **how)
+    def misprinted(scheme, readings):
+        found = right(scheme, readings)
         found.mounting_angle[2] *= -1.0
         return found
 
-    monkeypatch.setattr(simulation, "calibrate_gyro", misprinted)
+    monkeypatch.setattr(simulation, "estimate", misprinted)
     law = propagate(calibration_problem(BOTH, HOW))
     wrong = [simulate(BOTH, HOW, run=r, seed=11) for r in range(RUNS)]
     off = np.abs(np.mean(wrong, axis=0) - law.mean) / law.standard_uncertainty

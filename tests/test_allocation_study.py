@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from budget.calibration.problem import calibration_problem
 from budget.distributions import UNIFORM
 from budget.errors import CallError
 from budget.methods.gum import propagate
-from budget.physics.calibration import calibration_problem
 from budget.spec import load_device, load_procedure, load_requirement
 from budget.spec.records import Cost, Costs, Device, Limit, Requirement
 from budget.studies.allocation.allocate import allocate

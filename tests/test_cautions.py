@@ -11,6 +11,7 @@ from builders import NOWHERE, line, paper_gyro, procedure, sensor
 from command_line import call
 
 import budget
+from budget.calibration.problem import calibration_problem
 from budget.distributions import NORMAL, UNIFORM, student_t
 from budget.errors import CallError, ProblemError
 from budget.methods.execution import BLOCK, draw
@@ -18,7 +19,6 @@ from budget.methods.gum import propagate
 from budget.methods.monte_carlo import sample
 from budget.methods.sobol import sobol
 from budget.methods.validation import validate
-from budget.physics.calibration import calibration_problem
 from budget.problem import Group, Output, Problem
 from budget.spec.records import Device, Limit, Requirement
 from budget.studies.analysis import analyze

@@ -15,11 +15,11 @@ import pytest
 from builders import paper_gyro, procedure
 from numpy.testing import assert_array_equal
 
+from budget.calibration.problem import calibration_problem
 from budget.errors import WorkerError
 from budget.methods.cluster import _check_versions, connect, versions
 from budget.methods.monte_carlo import sample
 from budget.methods.sobol import sobol
-from budget.physics.calibration import calibration_problem
 from budget.problem import Group, Output, Problem
 
 distributed = pytest.importorskip("distributed", reason="the extra 'dask' is absent")

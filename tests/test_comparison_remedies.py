@@ -20,10 +20,10 @@ from comparison_examples import (
 )
 from numpy.testing import assert_allclose
 
+from budget.calibration.problem import calibration_problem
 from budget.distributions import UNIFORM
 from budget.errors import CallError
 from budget.methods.gum import propagate
-from budget.physics.calibration import calibration_problem
 from budget.spec.records import Requirement
 from budget.studies.comparison.candidates import candidate, find_remedy
 from budget.studies.comparison.figures_of_merit import (

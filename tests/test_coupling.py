@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from builders import paper_accelerometer, paper_gyro, procedure
 
+from budget.calibration.problem import calibration_problem
+from budget.calibration.simulation import simulate
 from budget.methods.gum import propagate
 from budget.methods.monte_carlo import sample
-from budget.physics.calibration import calibration_problem
-from budget.physics.simulation import simulate
 
 # Scale factors, angles, bias; own: the parameter's own spread.
 TABLE = {

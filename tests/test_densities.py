@@ -9,12 +9,12 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.special import ndtr
 
 from budget import analyze, load_device, load_procedure, load_requirement
+from budget.calibration.problem import calibration_problem
 from budget.distributions import NORMAL, UNIFORM
 from budget.errors import CallError, ProblemError
 from budget.methods.execution import BLOCK
 from budget.methods.monte_carlo import sample
 from budget.methods.trials import first_trials
-from budget.physics.calibration import calibration_problem
 from budget.problem import Group, Output, Problem
 from budget.studies.conformity import assess
 from budget.studies.densities import BINS, critical_densities

@@ -22,10 +22,11 @@ from high_precision import State, calibrate_accelerometer, calibrate_gyro
 from mpmath import mpf
 from numpy.testing import assert_allclose
 
+from budget.calibration.problem import calibration_problem
+from budget.calibration.simulation import simulate
+from budget.earth import ROTATION_RATE
 from budget.errors import CallError
 from budget.methods.gum import propagate
-from budget.physics.calibration import calibration_problem
-from budget.physics.simulation import simulate
 from budget.units import ARCSEC, DEG_PER_HOUR, DEGREE, STANDARD_GRAVITY
 
 # Some 10 operations on doubles lie between a figure and a result: 1e-12 leaves room
@@ -47,6 +48,7 @@ LINES = {
     },
 }
 BIAS = {"gyro": 2.5 * DEG_PER_HOUR, "accelerometer": 6e-3 * STANDARD_GRAVITY}
+PLACE = {"latitude": 34.2394, "gravity": 9.7966933092}  # of builders.procedure
 PLACES = {"gyro": {"z": 0, "x": 2, "y": 4}, "accelerometer": {"z": 0, "x": 4, "y": 8}}
 TAUS = (1e-9, 1e-3, 17.9, 299.0, 86_399.0, 1e6, 1e9, 1e14, 1e20)
 
@@ -67,27 +69,33 @@ def windows_of(kind, *, rate=20, turns=1, dwell=300, pause=0):
     return high_precision.accelerometer_windows(dwell=dwell, pause=pause)
 
 
-def weights(kind, axis):
+def weights(kind, axis, *, rate=20):
     """Return what the formulas use of the window averages, a matrix.
 
-    Differences about x, y, z, the mean of the static or own windows; of a gyro then
-    the means of both turns about x, y, z.
+    Responses to x, y, z: differences over twice the rate or twice gravity; the bias:
+    the mean of the static or own windows, of a gyro less the response to the mean earth
+    rate; of a gyro then the sums of both turns about x, y, z over twice the rate.
     """
     places, n = PLACES[kind], 10 if kind == "gyro" else 12
     rows = mpmath.zeros(7 if kind == "gyro" else 4, n)
     each = 1 if kind == "gyro" else 2  # windows of one sense
+    size = mpmath.radians(mpf(rate)) if kind == "gyro" else mpf(PLACE["gravity"])
     for row, name in enumerate("xyz"):
         for k in range(each):
             plus, minus = places[name] + k, places[name] + each + k
-            rows[row, plus], rows[row, minus] = mpf(1) / each, -mpf(1) / each
+            rows[row, plus] = 1 / (2 * size * each)
+            rows[row, minus] = -rows[row, plus]
             if kind == "gyro":
-                rows[4 + row, plus] = rows[4 + row, minus] = mpf(1) / 2
+                rows[4 + row, plus] = rows[4 + row, minus] = rows[row, plus]
     if kind == "gyro":
         static = range(6, 10)
+        w = mpf(ROTATION_RATE) * mpmath.sin(mpmath.radians(mpf(PLACE["latitude"])))
+        for place in range(n):
+            rows[3, place] = -w * rows[2, place]
     else:
         static = range(places["xyz"[axis]], places["xyz"[axis]] + 4)
     for place in static:
-        rows[3, place] = mpf(1) / 4
+        rows[3, place] += mpf(1) / 4
     return rows
 
 
@@ -143,7 +151,7 @@ def test_window_covariances(kind, name, tau, plan):
     _, found = group_covariance(kind, name, u, tau=tau, **plan)
     averages = process_covariance(windows_of(kind, **plan), name, u, tau, 1000)
     for axis, actual in enumerate(found):
-        W = weights(kind, axis)
+        W = weights(kind, axis, rate=plan.get("rate", 20))
         exact = W * averages * W.T
         n = exact.rows
         scale = [mpmath.sqrt(exact[i, i]) for i in range(n)]

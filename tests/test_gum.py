@@ -7,10 +7,10 @@ import pytest
 from builders import paper_accelerometer, paper_gyro, procedure
 from numpy.testing import assert_allclose
 
+from budget.calibration.problem import calibration_problem
 from budget.distributions import ARCSINE, NORMAL, TRIANGULAR, UNIFORM
 from budget.methods.gum import propagate
 from budget.methods.monte_carlo import sample
-from budget.physics.calibration import calibration_problem
 from budget.problem import Group, Output, Problem
 
 

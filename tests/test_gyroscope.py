@@ -9,11 +9,11 @@ import pytest
 from builders import at_sources, paper_gyro, procedure, sensor
 from numpy.testing import assert_allclose
 
+from budget.calibration.problem import calibration_problem
+from budget.calibration.schemes import schedule_gyro
 from budget.earth import ROTATION_RATE
 from budget.methods.gum import propagate
-from budget.physics.calibration import calibration_problem
-from budget.physics.noise import GaussMarkov
-from budget.physics.schedule import schedule_gyro
+from budget.model.noise import GaussMarkov
 from budget.units import ARCSEC, DEG_PER_HOUR, DEGREE
 
 BIAS = 2.5 * DEG_PER_HOUR

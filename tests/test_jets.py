@@ -7,8 +7,8 @@ import pytest
 from builders import paper_accelerometer, paper_gyro, procedure
 from numpy.testing import assert_allclose
 
+from budget.calibration.problem import calibration_problem
 from budget.methods.jets import expand
-from budget.physics.calibration import calibration_problem
 
 
 @pytest.mark.parametrize(

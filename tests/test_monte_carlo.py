@@ -11,12 +11,12 @@ from builders import paper_accelerometer, paper_gyro, procedure
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.stats import binom
 
+from budget.calibration.problem import calibration_problem
 from budget.distributions import ARCSINE, NORMAL, TRIANGULAR, UNIFORM
 from budget.errors import WorkerError
 from budget.methods import monte_carlo
 from budget.methods.execution import BLOCK, draw
 from budget.methods.monte_carlo import sample
-from budget.physics.calibration import calibration_problem
 from budget.problem import Group, Output, Problem
 
 TRIALS = 3 * BLOCK + 17

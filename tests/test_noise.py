@@ -8,8 +8,8 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import dblquad
 
-from budget.physics.noise import GaussMarkov, RandomWalk, White
-from budget.physics.schedule import Schedule, Window
+from budget.model.noise import GaussMarkov, RandomWalk, White
+from budget.model.windows import Schedule, Window
 
 
 def schedule(*windows):

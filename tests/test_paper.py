@@ -10,7 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.stats import chi2
 
-from budget.physics.simulation import simulate
+from budget.calibration.simulation import simulate
 from budget.studies.paper import findings as words
 from budget.studies.paper.conditions import (
     PLACES,

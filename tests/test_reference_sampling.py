@@ -7,10 +7,10 @@ import pytest
 from numpy.testing import assert_allclose
 from reference_examples import parts_of
 
+from budget.calibration.problem import calibration_problem
 from budget.distributions import UNIFORM
 from budget.methods.monte_carlo import sample
 from budget.methods.sobol import sobol
-from budget.physics.calibration import calibration_problem
 from budget.problem import Group, Output, Problem
 from budget.spec.device import read_device
 from budget.spec.procedure import read_procedure

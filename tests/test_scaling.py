@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from budget.calibration.problem import calibration_problem
 from budget.distributions import ARCSINE, NORMAL, UNIFORM
 from budget.methods.gum import propagate
 from budget.methods.scaling import scaled_law
-from budget.physics.calibration import calibration_problem
 from budget.problem import Group, Output, Problem
 
 

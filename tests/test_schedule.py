@@ -7,7 +7,7 @@ from math import radians
 from builders import procedure
 from numpy.testing import assert_allclose
 
-from budget.physics.schedule import schedule_accelerometer, schedule_gyro
+from budget.calibration.schemes import schedule_accelerometer, schedule_gyro
 
 
 def test_gyro_turns_come_before_dwells_plus_before_minus():

@@ -10,6 +10,7 @@ from SALib.analyze import sobol as salib_analyze
 from SALib.sample import sobol as salib_sample
 from scipy.stats import binom, qmc
 
+from budget.calibration.problem import calibration_problem
 from budget.distributions import ARCSINE, NORMAL, TRIANGULAR, UNIFORM
 from budget.errors import CallError, ProblemError
 from budget.methods.gum import propagate
@@ -21,7 +22,6 @@ from budget.methods.sobol import (
     evaluations,
     sobol,
 )
-from budget.physics.calibration import calibration_problem
 from budget.problem import Group, Output, Problem
 
 ISHIGAMI_FIRST = (0.313905191148, 0.442411144790, 0.0)

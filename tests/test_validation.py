@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from builders import line, paper_accelerometer, paper_gyro, procedure, sensor
 
+from budget.calibration.problem import calibration_problem
 from budget.distributions import NORMAL, UNIFORM
 from budget.methods.gum import propagate
 from budget.methods.validation import MAX_TRIALS, validate
-from budget.physics.calibration import calibration_problem
 from budget.problem import Group, Output, Problem
 from budget.units import DEG_PER_HOUR
 

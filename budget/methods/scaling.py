@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.methods.gum import Propagation
+    from budget.names import Name
     from budget.problem import Problem
 
 # A source is nowhere felt at an output where its variance alone is below this part of
@@ -55,8 +56,8 @@ class ScaledLaw:
         P, symmetric; variance to second order [SI squared].
     """
 
-    sources: tuple[str, ...]
-    outputs: tuple[str, ...]
+    sources: tuple[Name, ...]
+    outputs: tuple[Name, ...]
     value: Array
     shift: Array
     first: Array
@@ -97,7 +98,7 @@ class ScaledLaw:
         safe = np.where(end > 0.0, end, np.inf)[:, None]
         return np.asarray((np.sign(mean)[:, None] * d_mean + k[:, None] * d_u) / safe)
 
-    def select(self, outputs: Sequence[str]) -> ScaledLaw:
+    def select(self, outputs: Sequence[Name]) -> ScaledLaw:
         """Return the law of some outputs, in the order of their names."""
         rows = [self.outputs.index(name) for name in outputs]
         return replace(
@@ -109,7 +110,7 @@ class ScaledLaw:
             second=self.second[rows],
         )
 
-    def select_sources(self, sources: Sequence[str]) -> ScaledLaw:
+    def select_sources(self, sources: Sequence[Name]) -> ScaledLaw:
         """Return the law of some sources in the order of names; the others are 0."""
         columns = [self.sources.index(name) for name in sources]
         return replace(

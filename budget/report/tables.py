@@ -15,6 +15,7 @@ from budget.ties import first_largest, from_largest, settle
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from budget.names import Name
     from budget.problem import Output
     from budget.results import Budget, OutputBudget, Settings
 
@@ -409,7 +410,7 @@ def _check_cell(row: OutputBudget) -> CheckCell | None:
     return CheckCell(low=low, high=high, tolerance=tolerance, word=check.word)
 
 
-def _source_cell(row: OutputBudget, source: str) -> SourceCell:
+def _source_cell(row: OutputBudget, source: Name) -> SourceCell:
     """Round what one source does to one output; zeros where it is not in the list."""
     part = next(
         (p for p in row.contributions if p.source == source),

@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import Field, create_model, model_validator
 
 from budget.errors import UnitError
+from budget.names import Name
 from budget.spec.checking import check, nearest
 from budget.spec.fields import (
     LongText,
@@ -298,10 +299,12 @@ def _take_sensor(kind: str, device: str, part: SensorPart) -> _TakenSensor:
             nominal_mounting_angle=np.array([angle.get(axis, 0.0) for axis in ANGLES]),
             lines=tuple(one.line for one in taken),
             not_given=tuple(
-                f"{kind}.{line.name}" for line in model_lines if line.name not in given
+                Name(line.name, owner=kind)
+                for line in model_lines
+                if line.name not in given
             ),
             expected_missing=tuple(
-                f"{kind}.{name}" for name in expected if name not in met
+                Name(name, owner=kind) for name in expected if name not in met
             ),
         ),
         assumptions=tuple(assumptions),

@@ -5,28 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from budget.model.source import Given
+from budget.names import ANGLES, AXES, Name
+
 if TYPE_CHECKING:
     from budget.arrays import Array
-    from budget.distributions import Distribution
 
-AXES = ("x", "y", "z")
-ANGLES = ("xy", "xz", "yx", "yz", "zx", "zy")  # order of the six mounting angles
+__all__ = ["ANGLES", "AXES"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ErrorLine:
-    """One line of a data sheet that an error model uses.
+class ErrorLine(Given):
+    """One figure of a file that an error model uses, and how the file prints it.
 
     Attributes
     ----------
-    name : str
-        Key in the device file: 'bias_stability'.
-    u : ndarray, shape (3,) or, of mounting_repeatability, (6,)
-        Standard uncertainty, process sigma or density by axis [SI].
-    distributions : tuple of Distribution
-        Shape by axis; processes are normal.
-    correlation_time : ndarray, shape (3,), or None
-        Of bias_stability only [s].
     printed : str
         The figure as the file gives it, for people: '0.04 deg/h' or
         'x 0.02 deg/h, y 0.03 deg/h, z 0.02 deg/h'.
@@ -40,10 +33,6 @@ class ErrorLine:
         The maker's own words; '' where not given.
     """
 
-    name: str
-    u: Array
-    distributions: tuple[Distribution, ...]
-    correlation_time: Array | None = None
     printed: str
     unit: str
     si_per_unit: float
@@ -94,8 +83,8 @@ class Sensor:
     nominal_bias: Array
     nominal_mounting_angle: Array
     lines: tuple[ErrorLine, ...]
-    not_given: tuple[str, ...]
-    expected_missing: tuple[str, ...]
+    not_given: tuple[Name, ...]
+    expected_missing: tuple[Name, ...]
 
     def line(self, name: str) -> ErrorLine | None:
         """Return the line of that name, or None where the data sheet has none."""
@@ -171,13 +160,15 @@ class Procedure:
     accelerometer: AccelerometerProcedure
     assumptions: tuple[str, ...]
     origin: Source
+    station: tuple[ErrorLine, ...] = ()
+    environment: tuple[ErrorLine, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
 class Limit:
     """The largest absolute error allowed for one output."""
 
-    output: str  # dotted name: 'gyro.bias.x'
+    output: Name
     limit: float  # [SI]
     printed: str
 

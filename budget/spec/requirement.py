@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import Field, create_model, model_validator
 
 from budget.distributions import COVERAGES, is_coverage
+from budget.names import Name
 from budget.spec.checking import check
 from budget.spec.fields import (
     Measured,
@@ -124,7 +125,7 @@ def _limits(limits: Strict) -> tuple[Limit, ...]:
             named = {} if value is None else by_axis(value, axes)
             found.extend(
                 Limit(
-                    output=f"{sensor}.{parameter}.{axis}",
+                    output=Name(parameter, owner=sensor, axis=axis),
                     limit=quantity.value,
                     printed=quantity.printed,
                 )

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.calibration.problem import calibration_problem
+from budget.calibration.simulation import simulate
 from budget.methods.gum import propagate
 from budget.methods.intervals import interval_of_values
 from budget.methods.monte_carlo import (
@@ -19,8 +21,7 @@ from budget.methods.monte_carlo import (
 from budget.methods.sobol import SCRAMBLES, SobolResult, evaluations, sobol
 from budget.methods.validation import MAX_TRIALS as VALIDATION_TRIALS
 from budget.methods.validation import validate as validate_law
-from budget.physics.calibration import calibration_problem
-from budget.physics.simulation import simulate
+from budget.model.sources import SENSORS
 from budget.results import (
     INTERACTION,
     Budget,
@@ -347,14 +348,16 @@ def _output_budgets(
     u = np.sqrt(np.diag(estimate.covariance))
     budgets = []
     for k, output in enumerate(problem.outputs):
-        sensor = output.name.split(".")[0]
+        # The other triad's own sources stand here only if they reach this output.
         variances = [
-            (name, float(law.source_variance[g, k]))
-            for g, name in enumerate(names)
-            if name.split(".")[0] == sensor
+            (name, variance)
+            for name, variance in zip(names, law.source_variance[:, k], strict=True)
+            if name.owner not in SENSORS
+            or name.owner == output.name.owner
+            or variance > 0.0
         ]
-        variances.append((INTERACTION, float(law.interaction_variance[k])))
-        total = sum(variance for _, variance in variances)
+        variances.append((INTERACTION, law.interaction_variance[k]))
+        total = float(sum(variance for _, variance in variances))
         budgets.append(
             OutputBudget(
                 output=output,
@@ -368,7 +371,7 @@ def _output_budgets(
                     Contribution(
                         source=name,
                         standard_uncertainty=float(np.sqrt(max(variance, 0.0))),
-                        share=variance / total if total > 0.0 else 0.0,
+                        share=float(variance) / total if total > 0.0 else 0.0,
                         lower_bound=name == INTERACTION and bool(lacks[output.name]),
                         sobol=_sobol_index(indices, name, k),
                     )

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.model.sources import DEVICE, source_of
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -102,8 +104,9 @@ def shared_constants(sensors: Sequence[Sensor], reference: str) -> tuple[str, ..
     if reference == "nominal":
         return ()
     return tuple(
-        f"{sensor.kind}.scale_factor_nonlinearity: a constant of the device, so it is "
+        f"{sensor.kind}.{line.name}: a constant of the device, so it is "
         f"also in the reference {reference} and counts nothing"
         for sensor in sensors
-        if sensor.line("scale_factor_nonlinearity") is not None
+        for line in sensor.lines
+        if (source := source_of(sensor.kind, line.name)).own and source.stays == DEVICE
     )

@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.calibration.problem import calibration_problem
+from budget.calibration.simulation import simulate
 from budget.methods.gum import propagate
 from budget.methods.monte_carlo import sample
-from budget.physics.calibration import calibration_problem
-from budget.physics.simulation import simulate
+from budget.model.sources import SENSORS, source_of
 
 if TYPE_CHECKING:
     from budget.arrays import Array
+    from budget.names import Name
     from budget.problem import Problem
     from budget.spec.records import Procedure, Sensor
 
@@ -24,15 +26,6 @@ RUNS = 4  # of the simulation for each source: enough to tell a spread from none
 # The simulation subtracts pulses and divides them again, which costs two digits of
 # those that the closed forms keep.
 PULSE_ROUNDING = 100.0  # [1]
-
-# The parameter whose own spread a source is.
-OWN = {
-    "bias_repeatability": "bias",
-    "bias_stability": "bias",
-    "scale_factor_repeatability": "scale_factor",
-    "scale_factor_nonlinearity": "scale_factor",
-    "mounting_repeatability": "mounting_angle",
-}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,8 +48,8 @@ class Coupling:
         computation (Output.resolution).
     """
 
-    source: str
-    group: str
+    source: Name
+    group: Name
     u: float
     size: float
     reaches: bool
@@ -64,7 +57,8 @@ class Coupling:
     @property
     def is_own(self) -> bool:
         """Whether the source is a spread of the parameter itself."""
-        return OWN.get(self.source.partition(".")[2]) == self.group.partition(".")[2]
+        own = source_of(self.source.owner, self.source.quantity).own
+        return own == self.group.quantity
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,9 +67,9 @@ class CouplingTable:
 
     method: str
     formulas: str
-    sources: tuple[str, ...]
-    groups: tuple[str, ...]
-    cells: tuple[Coupling, ...]  # of a sensor's sources and its own groups only
+    sources: tuple[Name, ...]
+    groups: tuple[Name, ...]
+    cells: tuple[Coupling, ...]  # a sensor's sources reach its own groups only
 
     def cell(self, source: str, group: str) -> Coupling:
         """Return one cell; KeyError where source and group are of two sensors."""
@@ -169,7 +163,7 @@ def _tabulate(
     problem: Problem, u: Array, *, method: str, formulas: str
 ) -> CouplingTable:
     """Gather spreads, shape (n_sources, n_out), by groups of outputs."""
-    names = [output.name.rpartition(".")[0] for output in problem.outputs]
+    names = [output.name.group for output in problem.outputs]
     zero = np.array([output.resolution for output in problem.outputs])
     if method == "simulation":
         zero = zero * PULSE_ROUNDING
@@ -181,7 +175,7 @@ def _tabulate(
     cells = []
     for place, source in enumerate(sources):
         for group in groups:
-            if source.partition(".")[0] != group.partition(".")[0]:
+            if source.owner in SENSORS and source.owner != group.owner:
                 continue
             of_group = np.array([name == group for name in names])
             largest = float(u[place, of_group].max())

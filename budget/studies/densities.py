@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.calibration.problem import calibration_problem
 from budget.methods.gum import propagate
 from budget.methods.intervals import interval_of_values
 from budget.methods.trials import first_trials
-from budget.physics.calibration import calibration_problem
 from budget.studies.request import choose_sources, sensors_of
 from budget.ties import first_largest
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.arrays import Array
+    from budget.names import Name
     from budget.problem import Output
     from budget.results import Assessment, Budget
     from budget.spec.records import Device, Procedure
@@ -133,16 +134,16 @@ def critical_densities(
     return tuple(densities)
 
 
-def _critical(budget: Budget, assessment: Assessment | None) -> set[str]:
+def _critical(budget: Budget, assessment: Assessment | None) -> set[Name]:
     """Return the names of the outputs that decide, at the most one a group."""
     resolved = {row.output.name for row in budget.outputs if row.is_resolved}
     weights = {row.output.name: row.standard_uncertainty for row in budget.outputs}
     if assessment is not None:
         weights = {row.output.name: row.utilisation for row in assessment.outputs}
-    groups: dict[str, list[str]] = {}
+    groups: dict[Name, list[Name]] = {}
     for name in weights:
         if name in resolved:
-            groups.setdefault(name.rpartition(".")[0], []).append(name)
+            groups.setdefault(name.group, []).append(name)
     return {
         names[first_largest([weights[name] for name in names])]
         for names in groups.values()

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.calibration.problem import calibration_problem
 from budget.distributions import NORMAL
 from budget.methods.gum import propagate
-from budget.physics.calibration import calibration_problem
 from budget.spec.lines import lines_of
 from budget.spec.records import ErrorLine
 from budget.units import parse_quantity

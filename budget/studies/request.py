@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
+from budget.calibration.problem import REFERENCES
 from budget.distributions import COVERAGES, is_coverage
 from budget.errors import CallError
 from budget.methods.intervals import KINDS as INTERVALS
-from budget.physics.sources import REFERENCES
 from budget.spec.lines import lines_of
 from budget.spec.records import Device
 

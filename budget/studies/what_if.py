@@ -20,10 +20,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from budget.calibration.problem import calibration_problem
 from budget.errors import CallError
 from budget.methods.gum import propagate
 from budget.methods.scaling import scaled_law
-from budget.physics.calibration import calibration_problem
 from budget.spec import load_procedure
 from budget.studies.request import (
     check_numbers,

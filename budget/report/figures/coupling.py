@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from budget.names import Name
     from budget.report.blocks import Picture
     from budget.studies.coupling import Coupling, CouplingTable
 
@@ -84,7 +85,7 @@ def coupling_map(table: CouplingTable, sensor: str) -> Figure:
         axes.text(
             x + 0.5,
             -0.25,
-            words(group.rpartition(".")[2]),
+            words(group.quantity),
             fontsize=SMALL,
             color=INK,
             ha="center",
@@ -132,7 +133,7 @@ def coupling_alt(table: CouplingTable, sensor: str) -> str:
             for cell in cells
             if cell.reaches
         ]
-        name = words(group.rpartition(".")[2])
+        name = words(group.quantity)
         groups.append(f"{name}: {', '.join(parts) or NOTHING}")
     return (
         f"{coupling_title(table, sensor)}. u from one source alone over u from all, of "
@@ -248,19 +249,19 @@ def _data(table: CouplingTable, sensor: str) -> Table:
     )
 
 
-def _sources(table: CouplingTable, sensor: str) -> list[str]:
+def _sources(table: CouplingTable, sensor: str) -> list[Name]:
     """Return the sources of one sensor in the order of all figures."""
-    return in_order(s for s in table.sources if s.startswith(f"{sensor}."))
+    return in_order(s for s in table.sources if s.owner == sensor)
 
 
-def _groups(table: CouplingTable, sensor: str) -> list[str]:
+def _groups(table: CouplingTable, sensor: str) -> list[Name]:
     """Return the groups of parameters of one sensor."""
-    return [group for group in table.groups if group.startswith(f"{sensor}.")]
+    return [group for group in table.groups if group.owner == sensor]
 
 
 def _cells(table: CouplingTable, sensor: str) -> list[Coupling]:
     """Return the cells of one sensor."""
-    return [cell for cell in table.cells if cell.group.startswith(f"{sensor}.")]
+    return [cell for cell in table.cells if cell.group.owner == sensor]
 
 
 def _gid(cell: Coupling) -> str:

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
+    from budget.names import Name
     from budget.report.blocks import Table
 
 LAST = len(STYLES)
@@ -43,10 +44,10 @@ def as_picture(
     )
 
 
-def in_order(sources: Iterable[str]) -> list[str]:
+def in_order(sources: Iterable[Name]) -> list[Name]:
     """Sort sources as every figure does; those without a look of their own last."""
     places = {name: place for place, name in enumerate(STYLES)}
-    return sorted(sources, key=lambda name: places.get(name.rpartition(".")[2], LAST))
+    return sorted(sources, key=lambda name: places.get(name.quantity, LAST))
 
 
 def capital(text: str) -> str:

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
+from budget.model.sources import SOURCES
 from budget.results import INTERACTION
 
 if TYPE_CHECKING:
@@ -27,20 +28,27 @@ INCH = 72.0  # [pt]
 # Okabe and Ito's eight; the ninth source is the second of the scale factor, hatched.
 ORANGE, SKY, GREEN, YELLOW = "#E69F00", "#56B4E9", "#009E73", "#F0E442"
 BLUE, VERMILION, PURPLE, BLACK = "#0072B2", "#D55E00", "#CC79A7", "#000000"
+INKS = {
+    "orange": ORANGE,
+    "sky": SKY,
+    "green": GREEN,
+    "yellow": YELLOW,
+    "blue": BLUE,
+    "vermilion": VERMILION,
+    "purple": PURPLE,
+    "black": BLACK,
+}
 ON_DARK, ON_LIGHT = "#ffffff", "#111111"  # text on a segment
+DARK = ("blue", "black")
+HATCH = "////"
 OTHER = "other"
 STYLES = {  # source: (colour, hatch, colour of text), in the order of the segments
-    "bias_repeatability": (BLUE, "", ON_DARK),
-    "bias_stability": (ORANGE, "", ON_LIGHT),
-    "angle_random_walk": (GREEN, "", ON_LIGHT),
-    "velocity_random_walk": (GREEN, "", ON_LIGHT),
-    "sample_noise": (SKY, "", ON_LIGHT),
-    "rate_random_walk": (PURPLE, "", ON_LIGHT),
-    "acceleration_random_walk": (PURPLE, "", ON_LIGHT),
-    "scale_factor_repeatability": (VERMILION, "", ON_LIGHT),
-    "scale_factor_nonlinearity": (VERMILION, "////", ""),  # no text on a hatch
-    "scale_factor_asymmetry": (BLACK, "", ON_DARK),
-    "mounting_repeatability": (YELLOW, "", ON_LIGHT),
+    **{
+        source.name: (INKS[source.colour], HATCH, "")  # no text on a hatch
+        if source.is_hatched
+        else (INKS[source.colour], "", ON_DARK if source.colour in DARK else ON_LIGHT)
+        for source in SOURCES
+    },
     INTERACTION: ("#9aa0a6", "xxxx", ""),
     OTHER: ("#c3c7cc", "", ON_LIGHT),
 }

@@ -7,14 +7,14 @@ from itertools import groupby
 from math import degrees
 from typing import TYPE_CHECKING
 
-from budget.physics.schedule import schedule_accelerometer, schedule_gyro
+from budget.calibration.schemes import schedule_accelerometer, schedule_gyro
 from budget.report.tables import print_given
 from budget.spec.records import AXES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.physics.schedule import Window
+    from budget.model.windows import Window
     from budget.spec.records import Procedure
 
 MINUTE, HOUR = 60.0, 3600.0  # [s]

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.calibration.problem import calibration_problem
 from budget.errors import CallError
 from budget.methods.allocation import TOUCHES
 from budget.methods.coverage import coverage_of
 from budget.methods.gum import propagate
-from budget.physics.calibration import calibration_problem
 from budget.results import InputFile
 from budget.spec import load_procedure
 from budget.studies.allocation.cases import (

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.calibration.problem import calibration_problem
 from budget.errors import CallError
 from budget.methods.allocation import Task, equal, proportional
 from budget.methods.least_cost import LeastCost, Prices, least_cost
 from budget.methods.scaling import scaled_law
-from budget.physics.calibration import calibration_problem
 from budget.studies.allocation.records import FREE, HELD, ZERO, CoverageCheck
 from budget.units import DEGREE
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from math import floor, log10
 from typing import TYPE_CHECKING
 
+from budget.calibration.problem import calibration_problem
 from budget.methods.scaling import scaled_law
-from budget.physics.calibration import calibration_problem
 from budget.studies.allocation.records import Lever
 from budget.units import HOUR
 

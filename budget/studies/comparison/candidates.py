@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.calibration.problem import calibration_problem
 from budget.methods.gum import propagate
-from budget.physics.calibration import calibration_problem
 from budget.spec.lines import lines_of
 from budget.studies.comparison.grades import UNKNOWN, grade
 from budget.studies.comparison.records import MissingLines, Remedy

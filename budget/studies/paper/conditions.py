@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.calibration.problem import calibration_problem
 from budget.distributions import NORMAL
 from budget.methods.gum import propagate
-from budget.physics.calibration import calibration_problem
 from budget.results import InputFile
 from budget.spec import load_device, load_procedure
 from budget.spec.records import ErrorLine

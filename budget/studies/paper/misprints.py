@@ -1,19 +1,20 @@
 """Formulas of sections 1 and 2 fed with error-free pulses: what they return, and truth.
 
 The printed formulas are written down here as printed, misprints and all, and apart from
-those the package uses (budget.physics.formulas), so that agreement means something.
+those the package uses (budget.model.response), so that agreement means something.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import cos, pi, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.calibration.schemes import scheme_of
 from budget.earth import ROTATION_RATE
-from budget.physics.formulas import calibrate_accelerometer, calibrate_gyro
+from budget.model.response import estimate
 from budget.spec.records import AXES
 from budget.studies.paper.conditions import FARTHEST
 from budget.studies.paper.findings import (
@@ -28,6 +29,8 @@ from budget.units import ARCSEC, DEG_PER_HOUR, STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from budget.arrays import Array
+    from budget.model.response import CalibratedTriad
+    from budget.model.scheme import Scheme
     from budget.studies.paper.conditions import Conditions
 
 # All different, so that no misprint can hide behind equal values.
@@ -81,7 +84,7 @@ class Formula:
 def compute_formulas(conditions: Conditions) -> tuple[Formula, ...]:
     """Return every calibration formula of section 1, in the order of the paper."""
     return (
-        *_gyro_turns(),
+        *_gyro_turns(conditions),
         *_gyro_bias(conditions),
         _integral(conditions),
         *_accelerometer(conditions),
@@ -128,12 +131,21 @@ def _mounting() -> Array:
     return np.array([[1.0, xz, -xy], [-yz, 1.0, yx], [zy, -zx, 1.0]])
 
 
-def _gyro_turns() -> list[Formula]:
+def _calibrate(scheme: Scheme, K: Array, bias: Array) -> CalibratedTriad:
+    """Calibrate from error-free readings, as the package does."""
+    inputs = (scheme.turn + scheme.standing).T
+    return estimate(scheme, K[:, None] * (_mounting() @ inputs + bias[:, None]))
+
+
+def _corrected(conditions: Conditions) -> Scheme:
+    """Return the paper's gyro test with the bias by the inverse of eq. (1)."""
+    return scheme_of("gyro", replace(conditions.printed, formulas="corrected"))
+
+
+def _gyro_turns(conditions: Conditions) -> list[Formula]:
     """Eq. (3): scale factors and angles from turns by one revolution."""
     n = GYRO_K[:, None] * _mounting() * 4.0 * pi
-    found = calibrate_gyro(
-        n, np.zeros(3), turns=1, mean_earth=np.zeros(3), formulas="corrected"
-    )
+    found = _calibrate(_corrected(conditions), GYRO_K, GYRO_BIAS)
     turned = {"x": 2, "y": 3, "z": 1}
     formulas = [
         Formula(
@@ -193,12 +205,9 @@ def _gyro_bias(conditions: Conditions) -> list[Formula]:
     """Eq. (4): the bias, by the transpose as printed and by the inverse of eq. (1)."""
     w = np.array([0.0, 0.0, ROTATION_RATE * sin(conditions.printed.latitude)])
     M = _mounting()
-    turns = GYRO_K[:, None] * M * 4.0 * pi
     static = GYRO_K * (M @ w + GYRO_BIAS)
     printed = (np.eye(3) + (M - np.eye(3)).T) @ (static / GYRO_K) - w
-    ours = calibrate_gyro(
-        turns, static, turns=1, mean_earth=w, formulas="corrected"
-    ).bias
+    ours = _calibrate(_corrected(conditions), GYRO_K, GYRO_BIAS).bias
     return [
         Formula(
             equation="eq. (4)",
@@ -250,7 +259,8 @@ def _accelerometer(conditions: Conditions) -> list[Formula]:
         [K * (M[:, axis] * sign * g + ACCELEROMETER_BIAS) for axis, sign in FACES],
         axis=1,
     )
-    found = calibrate_accelerometer(face, gravity=g)
+    scheme = scheme_of("accelerometer", conditions.printed)
+    found = _calibrate(scheme, K, ACCELEROMETER_BIAS)
 
     def difference(axis: int, j: int) -> float:
         return float(face[axis, j - 1] - face[axis, j])

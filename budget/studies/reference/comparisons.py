@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from budget.physics.calibration import calibration_problem
+from budget.calibration.problem import calibration_problem
 from budget.studies.comparison.sampling import NORMAL_TRIALS
 from budget.studies.reference.numbers import PART
 from budget.studies.reference.records import Key, Number, Snapshot, Word

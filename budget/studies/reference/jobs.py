@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from budget.calibration.problem import calibration_problem
 from budget.errors import CallError
 from budget.methods.execution import one_blas_thread
 from budget.methods.monte_carlo import MAX_TRIALS
-from budget.physics.calibration import calibration_problem
 from budget.spec.costs import read_costs
 from budget.spec.device import read_device
 from budget.spec.lines import lines_of

@@ -16,7 +16,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from budget.arrays import Array
-    from budget.physics.schedule import Schedule
+    from budget.model.windows import Schedule
 
 SERIES_TERMS = 20  # of the exponential series; the last one is 1/21! at x = 1
 

@@ -1,0 +1,1 @@
+"""From devices and a procedure to the calibration's Problem, and its referee."""

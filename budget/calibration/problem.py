@@ -1,0 +1,403 @@
+"""The whole calibration as one Problem: error = estimate(measure(truth)) - reference.
+
+Sources of all owners are its inputs. Each triad's truth is its nominal values and its
+Offsets; its window averages hold the truth, the noise and what disturbances add; the
+scheme's weights make statistics of them, from which the parameters are read. So a
+source that both triads share is drawn once and felt by both.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.calibration.schemes import scheme_of
+from budget.distributions import NORMAL
+from budget.earth import ROTATION_RATE
+from budget.model.response import Truth, read_errors
+from budget.model.scheme import STATISTICS
+from budget.model.source import (
+    TURN_ON,
+    Disturbance,
+    Noise,
+    Offset,
+    Statistics,
+    Triad,
+)
+from budget.model.sources import ENVIRONMENT, STATION, source_of
+from budget.names import ANGLES, AXES, Name
+from budget.problem import Group, Output, Problem, arguments
+from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G, PPM
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from budget.arrays import Array
+    from budget.model.scheme import Scheme
+    from budget.model.source import Act, Given, Source
+    from budget.spec.records import Procedure, Sensor
+
+TARGETS = ("bias", "scale_factor", "mounting_angle")
+REFERENCES = ("nominal", "as_tested", "next_turn_on")
+BIAS_UNITS = {"gyro": ("deg/h", DEG_PER_HOUR), "accelerometer": ("ug", MICRO_G)}
+
+# Spread below this part of a parameter's natural size is rounding of doubles: of a
+# scale factor 1, of an angle 1 rad, of a bias the input it is measured beside.
+ROUNDING = 1e-14  # [1]
+
+
+def calibration_problem(
+    sensors: tuple[Sensor, ...],
+    procedure: Procedure,
+    *,
+    reference: str = "nominal",
+    only: frozenset[str] | None = None,
+) -> Problem:
+    """Set up the calibration of one or two triads.
+
+    Parameters
+    ----------
+    sensors : tuple of Sensor
+        At most one gyro and one accelerometer.
+    procedure : Procedure
+        Windows, the place, the formulas, station and environment.
+    reference : str
+        What errors are counted from: 'nominal', 'as_tested', 'next_turn_on'.
+    only : frozenset of str, optional
+        Full names of the sources that count; all others are set to 0.
+
+    Returns
+    -------
+    Problem
+        Sources as groups, 12 outputs for each triad; errors, calibrated value minus
+        reference [1, rad, rad/s, m/s^2].
+
+    Raises
+    ------
+    CallError
+        A line is no error source that the program knows.
+    """
+    shared = {STATION: procedure.station, ENVIRONMENT: procedure.environment}
+    rows = [
+        *(_Row.of(sensor.kind, line) for sensor in sensors for line in sensor.lines),
+        *(_Row.of(owner, line) for owner, lines in shared.items() for line in lines),
+    ]
+    triads = {sensor.kind: _triad(sensor, procedure, rows) for sensor in sensors}
+    members = [
+        (row, row.group(triads, procedure, reference, only=only))
+        for row in rows
+        if row.is_input
+    ]
+    groups = tuple(group for _, group in members)
+    places = tuple(
+        (row, place) for (row, _), place in zip(members, arguments(groups), strict=True)
+    )
+    return Problem(
+        groups=groups,
+        outputs=tuple(
+            output for sensor in sensors for output in _outputs(sensor, procedure)
+        ),
+        function=Calibration(
+            triads=tuple(
+                _calibration(sensor, triads[sensor.kind], places, reference)
+                for sensor in sensors
+            )
+        ),
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Row:
+    """One line of a file with the source that it means."""
+
+    owner: str
+    given: Given
+    source: Source
+
+    @classmethod
+    def of(cls, owner: str, given: Given) -> _Row:
+        """Find the source; an unknown one is an error."""
+        return cls(owner=owner, given=given, source=source_of(owner, given.name))
+
+    @property
+    def is_input(self) -> bool:
+        """Whether it varies; a coefficient is fixed."""
+        return isinstance(self.source.effect, Offset | Noise | Disturbance)
+
+    def acts_on(self, kind: str) -> bool:
+        """Whether it can reach a triad: its own, or all from outside the sensors."""
+        return self.owner in {kind, STATION, ENVIRONMENT}
+
+    def group(
+        self,
+        triads: Mapping[str, Triad],
+        procedure: Procedure,
+        reference: str,
+        *,
+        only: frozenset[str] | None,
+    ) -> Group:
+        """Make the inputs of the source: constants, or statistics of a process."""
+        name = Name(self.given.name, owner=self.owner)
+        counts = only is None or name in only
+        effect, given = self.source.effect, self.given
+        if isinstance(effect, Noise):
+            covariance = _noise_covariance(
+                effect, given, triads[self.owner], procedure.sample_rate, counts=counts
+            )
+            n = len(covariance)
+            return Group(
+                name=name,
+                mean=np.zeros(n),
+                covariance=covariance,
+                distributions=(NORMAL,) * n,
+                pool=f"{self.owner}.noise",
+            )
+        times = 1 + (reference == "next_turn_on" and self.is_new)
+        if isinstance(effect, Disturbance):
+            own = triads.get(self.owner) or next(iter(triads.values()))
+            times = effect.size(given, own.scheme) // given.u.size
+        return Group.independent(
+            name,
+            u=np.tile(given.u * counts, times),
+            distribution=given.distributions * times,
+        )
+
+    @property
+    def is_new(self) -> bool:
+        """Whether a later turn-on draws it anew."""
+        return isinstance(self.source.effect, Offset) and self.source.stays == TURN_ON
+
+
+def _noise_covariance(
+    effect: Noise, given: Given, triad: Triad, sample_rate: float, *, counts: bool
+) -> Array:
+    """Return the covariance of the statistics of a process, correlated within an axis.
+
+    Axis after axis those of W, then axis after axis the others, so that a disturbance
+    that needs more of them moves no draws of the first.
+    """
+    weights = triad.statistics.weights
+    order = _statistics_order(weights.shape[1])
+    covariance = np.zeros((order.size, order.size))
+    for axis in range(3 if counts else 0):
+        process = effect.process(given, axis, sample_rate)
+        place = np.ix_(order[axis], order[axis])
+        covariance[place] = process.reduce(triad.scheme.schedule, weights[axis])
+    return covariance
+
+
+def _statistics_order(k: int) -> Array:
+    """Return where statistic j of axis i stands among the inputs, shape (3, k)."""
+    more = k - 4
+    return np.stack(
+        [
+            np.r_[4 * i : 4 * i + 4, 12 + more * i : 12 + more * (i + 1)]
+            for i in range(3)
+        ]
+    )
+
+
+def _triad(sensor: Sensor, procedure: Procedure, rows: list[_Row]) -> Triad:
+    """Set up one triad: its scheme, its lines, the statistics that it needs."""
+    scheme = scheme_of(sensor.kind, procedure)
+    wanted = [
+        weights
+        for row in rows
+        if row.acts_on(sensor.kind)
+        and isinstance(row.source.effect, Disturbance)
+        and row.given.u.any()
+        and (weights := row.source.effect.weights(scheme)) is not None
+    ]
+    return Triad(
+        scheme=scheme,
+        given={line.name: line for line in sensor.lines},
+        statistics=Statistics.of(scheme, wanted),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Constant:
+    """An Offset of one triad: its rows, those of a later turn-on, how it is counted."""
+
+    now: slice
+    later: slice | None
+
+    def departure(self, x: Array, reference: str) -> Array | float:
+        """Return true value minus what the reference holds.
+
+        The reference holds 0 (nominal), the value itself (as_tested), or, for what is
+        new at each turn-on, an independent draw (next_turn_on).
+        """
+        if reference == "nominal":
+            return x[self.now]
+        return 0.0 if self.later is None else x[self.now] - x[self.later]
+
+    def next_value(self, x: Array) -> Array:
+        """Return the value at the later turn-on."""
+        return x[self.now if self.later is None else self.later]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TriadCalibration:
+    """The 12 outputs of one triad as a function of all inputs.
+
+    Attributes
+    ----------
+    scheme : Scheme
+    bias : ndarray, shape (3,)
+        Nominal bias [unit of the input].
+    angle : ndarray, shape (6,)
+        Nominal mounting angles [rad].
+    offsets : mapping of str to tuple of _Constant
+        By what they are added to: 'bias', 'scale_factor', 'mounting_angle'.
+    noise : slice or None
+        Rows of the noise statistics.
+    order : ndarray, shape (3, k)
+        Of those rows by axis and statistic.
+    acts : tuple of (slice, Act)
+        Disturbances, with their rows.
+    reference : str
+        What the errors are counted from.
+    """
+
+    scheme: Scheme
+    bias: Array
+    angle: Array
+    offsets: Mapping[str, tuple[_Constant, ...]]
+    noise: slice | None
+    order: Array
+    acts: tuple[tuple[slice, Act], ...]
+    reference: str
+
+    def __call__(self, x: Array) -> Array:
+        """Return the errors, shape (12, trials), for inputs x, (n, trials) [SI].
+
+        Scale factors [1], mounting angles [rad], biases [unit of the input].
+        """
+        truth = Truth(
+            angle=self._add(self.angle, x, "mounting_angle"),
+            bias=self._add(self.bias, x, "bias"),
+        )
+        noise = self._noise(x)
+        epsilon = noise[:, :STATISTICS]
+        for rows, act in self.acts:
+            epsilon = epsilon + act(x[rows], truth, noise)
+        found = read_errors(self.scheme, truth, epsilon)
+        # Error = (calibrated - true during the test) + (that - reference); relative
+        # errors of the scale factor multiply: (1 + r)(1 + e) - 1.
+        r = self._scale_factor_departure(x)
+        return np.concatenate(
+            [
+                r + found.scale_factor * (1.0 + r),
+                found.mounting_angle + self._departure(x, "mounting_angle"),
+                found.bias + self._departure(x, "bias"),
+            ]
+        )
+
+    def _add(self, nominal: Array, x: Array, target: str) -> Array:
+        """Return nominal values plus their offsets, (n, trials)."""
+        value = np.repeat(nominal[:, None], x.shape[1], axis=1).astype(x.dtype)
+        for constant in self.offsets[target]:
+            value += x[constant.now]
+        return value
+
+    def _departure(self, x: Array, target: str) -> Array | float:
+        """Return true values during the test minus the reference's."""
+        zero: Array | float = 0.0
+        return sum((c.departure(x, self.reference) for c in self.offsets[target]), zero)
+
+    def _scale_factor_departure(self, x: Array) -> Array:
+        """Return (K true - K reference) / K reference, shape (3, trials) [1].
+
+        K = K0 (1 + sum of the offsets): Zhao 2019, eq. (14).
+        """
+        k = np.zeros((3, x.shape[1]), dtype=x.dtype) + self._departure(
+            x, "scale_factor"
+        )
+        if self.reference != "next_turn_on":
+            return k  # K reference is K0, or K itself and k is 0
+        zero: Array | float = 0.0
+        later = sum((c.next_value(x) for c in self.offsets["scale_factor"]), zero)
+        return np.asarray(k / (1.0 + later))
+
+    def _noise(self, x: Array) -> Array:
+        """Return the statistics of the noise, shape (3, k, trials)."""
+        if self.noise is None:
+            return np.zeros((*self.order.shape, x.shape[1]), dtype=x.dtype)
+        rows = x[self.noise]
+        if self.order.shape[1] == STATISTICS:  # in their order: a view, no copy
+            return rows.reshape(3, STATISTICS, -1)
+        return np.asarray(rows[self.order])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Calibration:
+    """The function of the Problem: all triads on the same inputs."""
+
+    triads: tuple[TriadCalibration, ...]
+
+    def __call__(self, x: Array) -> Array:
+        """Return all outputs, shape (n_outputs, trials), for x (n_inputs, trials)."""
+        return np.concatenate([triad(x) for triad in self.triads])
+
+
+def _calibration(
+    sensor: Sensor,
+    triad: Triad,
+    places: tuple[tuple[_Row, slice], ...],
+    reference: str,
+) -> TriadCalibration:
+    """Bind every source to one triad."""
+    own = [(row, place) for row, place in places if row.acts_on(sensor.kind)]
+    offsets: dict[str, tuple[_Constant, ...]] = dict.fromkeys(
+        ("bias", "scale_factor", "mounting_angle"), ()
+    )
+    noise = None
+    acts: list[tuple[slice, Act]] = []
+    for row, place in own:
+        effect = row.source.effect
+        if isinstance(effect, Offset):
+            n = row.given.u.size
+            later = (
+                slice(place.start + n, place.stop)
+                if place.stop - place.start > n
+                else None
+            )
+            constant = _Constant(now=slice(place.start, place.start + n), later=later)
+            offsets[effect.target] += (constant,)
+        elif isinstance(effect, Noise):
+            noise = place
+        elif isinstance(effect, Disturbance):
+            act = effect.bind(row.given, triad) if row.given.u.any() else None
+            if act is not None:
+                acts.append((place, act))
+    return TriadCalibration(
+        scheme=triad.scheme,
+        bias=sensor.nominal_bias,
+        angle=sensor.nominal_mounting_angle,
+        offsets=offsets,
+        noise=noise,
+        order=_statistics_order(triad.statistics.weights.shape[1]),
+        acts=tuple(acts),
+        reference=reference,
+    )
+
+
+def _outputs(sensor: Sensor, procedure: Procedure) -> Iterator[Output]:
+    """Name the outputs of one triad, with units and the size of their rounding."""
+    beside = ROTATION_RATE if sensor.kind == "gyro" else procedure.gravity  # [SI]
+    natural_bias = beside + float(np.abs(sensor.nominal_bias).max())
+    for quantity, axes, unit, si_per_unit, size in (
+        ("scale_factor", AXES, "ppm", PPM, 1.0),
+        ("mounting_angle", ANGLES, "arcsec", ARCSEC, 1.0),
+        ("bias", AXES, *BIAS_UNITS[sensor.kind], natural_bias),
+    ):
+        for axis in axes:
+            yield Output(
+                name=Name(quantity, owner=sensor.kind, axis=axis),
+                unit=unit,
+                si_per_unit=si_per_unit,
+                resolution=ROUNDING * size,
+            )

@@ -1,0 +1,334 @@
+"""The calibration done pulse by pulse, the paper's own way: referee for the methods.
+
+Every sample of every window is made: the turning table and earth, the constants of the
+run, each noise process in time; the pulses are counted (Zhao 2019, eqs. (1), (2)) and
+go through the scheme's weights. Of the closed forms for window averages nothing is used
+here, so agreement with them is evidence for both. What sources there are stands in the
+one table of budget.model.sources.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from hashlib import sha256
+from math import cos, sin
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.calibration.schemes import scheme_of
+from budget.distributions import LEAST
+from budget.errors import CallError
+from budget.model.response import CalibratedTriad, estimate
+from budget.model.source import (
+    TURN_ON,
+    Disturbance,
+    Moment,
+    Noise,
+    Offset,
+    Samples,
+    Table,
+)
+from budget.model.sources import ENVIRONMENT, STATION, source_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from budget.arrays import Array
+    from budget.model.scheme import Scheme
+    from budget.model.source import Effect, Given
+    from budget.model.windows import Window
+    from budget.spec.records import ErrorLine, Procedure, Sensor
+
+# Of one window, three axes and a few arrays of that length: some 0.2 GB.
+MOST_SAMPLES = 2_000_000
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TurnOn:
+    """The values that the constants of one triad have during one turn-on."""
+
+    k: Array  # K = K0 (1 + k), shape (3,) [1]
+    angle: Array  # shape (6,) [rad]
+    bias: Array  # shape (3,) [SI]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Drawn:
+    """A source in one run: what it is, its value, its samples."""
+
+    given: Given
+    effect: Effect
+    value: Array  # of a constant [SI]
+    later: Array  # its value at a later turn-on [SI]
+    samples: Callable[[Samples], Array] | None  # of a process
+
+
+def simulate(
+    sensors: tuple[Sensor, ...],
+    procedure: Procedure,
+    *,
+    run: int,
+    seed: int = 0,
+    reference: str = "nominal",
+    only: frozenset[str] | None = None,
+) -> Array:
+    """Simulate one run of the whole calibration.
+
+    Parameters
+    ----------
+    sensors : tuple of Sensor
+        At most one gyro and one accelerometer.
+    procedure : Procedure
+        Windows, the place, the formulas, station and environment.
+    run, seed : int
+        Which random numbers; each source has a stream of its own.
+    reference : str
+        What errors are counted from: 'nominal', 'as_tested', 'next_turn_on'.
+    only : frozenset of str, optional
+        Full names of the sources that count; all others are left out.
+
+    Returns
+    -------
+    ndarray, shape (12 times the number of sensors,)
+        Errors of scale factors (relative), mounting angles and biases, triad by triad
+        [1, rad, rad/s or m/s^2].
+
+    Raises
+    ------
+    CallError
+        A window holds too many samples to be made one by one.
+    """
+    schemes = {sensor.kind: scheme_of(sensor.kind, procedure) for sensor in sensors}
+    for kind, scheme in schemes.items():
+        _check_samples(kind, scheme, procedure.sample_rate)
+
+    def draw(owner: str, lines: tuple[ErrorLine, ...]) -> list[_Drawn]:
+        return [
+            _draw(
+                owner,
+                line,
+                schemes.get(owner) or next(iter(schemes.values())),
+                procedure.sample_rate,
+                partial(_generator, seed, run),
+            )
+            for line in lines
+            if only is None or f"{owner}.{line.name}" in only
+        ]
+
+    shared = [
+        *draw(STATION, procedure.station),
+        *draw(ENVIRONMENT, procedure.environment),
+    ]
+    return np.concatenate(
+        [
+            _simulate_triad(
+                sensor,
+                schemes[sensor.kind],
+                [*draw(sensor.kind, sensor.lines), *shared],
+                sample_rate=procedure.sample_rate,
+                reference=reference,
+            )
+            for sensor in sensors
+        ]
+    )
+
+
+def _check_samples(kind: str, scheme: Scheme, sample_rate: float) -> None:
+    """Refuse windows that would fill the memory."""
+    samples = scheme.schedule.lengths.max() * sample_rate
+    if samples > MOST_SAMPLES:
+        raise CallError(
+            f"a window of the {kind} procedure holds {samples:.3g} samples "
+            f"at {sample_rate:g} Hz; the simulation makes them one by "
+            f"one, {MOST_SAMPLES:.0e} at the most. Lower the sample rate or "
+            "shorten the window, or use another method, for which length is free"
+        )
+
+
+def _draw(
+    owner: str,
+    line: ErrorLine,
+    scheme: Scheme,
+    sample_rate: float,
+    rng_of: Callable[[str], np.random.Generator],
+) -> _Drawn:
+    """Draw what a source is in this run; any scheme tells how many turns there are."""
+    source = source_of(owner, line.name)
+    effect, name = source.effect, f"{owner}.{line.name}"
+    rng = rng_of(name)
+    value = later = np.zeros_like(line.u)
+    samples = None
+    if isinstance(effect, Noise):
+        samples = effect.sampler(line, rng, sample_rate)
+    elif isinstance(effect, Disturbance):
+        value = _values(line, rng, effect.size(line, scheme) // line.u.size)
+    elif isinstance(effect, Offset):
+        value = later = _values(line, rng)
+        if source.stays == TURN_ON:
+            later = _values(line, rng_of(f"{name}, later"))
+    return _Drawn(given=line, effect=effect, value=value, later=later, samples=samples)
+
+
+def _values(line: ErrorLine, rng: np.random.Generator, times: int = 1) -> Array:
+    """Draw random constants, shape (n,) [SI]."""
+    u, shapes = np.tile(line.u, times), line.distributions * times
+    p = rng.uniform(LEAST, 1.0, u.size)
+    z = [shape.quantile(p[i : i + 1])[0] for i, shape in enumerate(shapes)]
+    return np.asarray(u * z)
+
+
+def _simulate_triad(
+    sensor: Sensor,
+    scheme: Scheme,
+    drawn: list[_Drawn],
+    *,
+    sample_rate: float,
+    reference: str,
+) -> Array:
+    """Simulate one triad; shape (12,)."""
+    during = {one.given.name: one.value for one in drawn}
+    tested = _turn_on(sensor, drawn, during)
+    held = {
+        "nominal": _turn_on(sensor, drawn, {}),
+        "as_tested": tested,
+        "next_turn_on": _turn_on(sensor, drawn, {o.given.name: o.later for o in drawn}),
+    }[reference]
+    found = _calibrate(sensor, scheme, tested, drawn, sample_rate)
+    return np.concatenate(
+        [
+            (found.scale_factor - (1.0 + held.k)) / (1.0 + held.k),
+            found.mounting_angle - held.angle,
+            found.bias - held.bias,
+        ]
+    )
+
+
+def _turn_on(
+    sensor: Sensor, drawn: list[_Drawn], values: Mapping[str, Array]
+) -> TurnOn:
+    """Add the offsets to the nominal values."""
+    truth = {
+        "scale_factor": np.zeros(3),  # eq. (14)
+        "mounting_angle": sensor.nominal_mounting_angle.copy(),
+        "bias": sensor.nominal_bias.copy(),
+    }
+    for one in drawn:
+        if isinstance(one.effect, Offset) and one.given.name in values:
+            truth[one.effect.target] += values[one.given.name]
+    return TurnOn(
+        k=truth["scale_factor"], angle=truth["mounting_angle"], bias=truth["bias"]
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _At:
+    """One window, and its samples."""
+
+    place: int
+    samples: Samples
+
+
+def _calibrate(
+    sensor: Sensor,
+    scheme: Scheme,
+    tested: TurnOn,
+    drawn: list[_Drawn],
+    sample_rate: float,
+) -> CalibratedTriad:
+    """Run the windows in the order of time, and calibrate from the pulses."""
+    rates = []
+    for place, window in enumerate(scheme.schedule.windows):
+        n = max(1, round(window.length * sample_rate))
+        dt = window.length / n
+        at = Samples(n=n, dt=dt, first=window.start + dt / 2.0)
+        pulses = _count(sensor, scheme, tested, drawn, _At(place=place, samples=at))
+        rates.append(pulses / window.length)
+    return estimate(scheme, np.array(rates).T)
+
+
+def _count(
+    sensor: Sensor,
+    scheme: Scheme,
+    tested: TurnOn,
+    drawn: list[_Drawn],
+    where: _At,
+) -> Array:
+    """Count the pulses of one window, shape (3,): eqs. (1), (2), K0 = 1, summed."""
+    window, at = scheme.schedule.windows[where.place], where.samples
+    table = Table(
+        place=where.place,
+        angle=window.setting.angle,
+        earth=scheme.earth,
+        gravity=scheme.gravity,
+    )
+    disturbances = [
+        (one.effect, one) for one in drawn if isinstance(one.effect, Disturbance)
+    ]
+    for effect, one in disturbances:
+        table = effect.table(one.value, table)
+    rate, force = _inputs(window, table, at)
+    xy, xz, yx, yz, zx, zy = tested.angle
+    M = np.array([[1.0, xz, -xy], [-yz, 1.0, yx], [zy, -zx, 1.0]])  # I + dT, eq. (1)
+    reading = M @ (rate if sensor.kind == "gyro" else force) + tested.bias[:, None]
+    for one in drawn:
+        if one.samples is not None:
+            reading = reading + one.samples(at)
+    moment = Moment(
+        owner=sensor.kind,
+        window=window,
+        samples=at,
+        force=force,
+        reading=reading,
+        given={line.name: line for line in sensor.lines},
+    )
+    for effect, one in disturbances:
+        reading = reading + effect.reading(one.value, moment)
+    K = 1.0 + tested.k
+    if reading.shape[1] == 1:  # nothing varies within the window
+        return np.asarray(K * reading[:, 0] * window.length)
+    return np.asarray(K * reading.sum(axis=1) * at.dt)
+
+
+def _inputs(window: Window, table: Table, at: Samples) -> tuple[Array, Array]:
+    """Return body rate and specific force of the samples, each (3, n) or (3, 1).
+
+    The table's axes are turned back one after the other, the outer first; the one that
+    turns by the angle that it has reached in the middle of each sample.
+    """
+    setting = window.setting
+    earth, gravity = table.earth[:, None], table.gravity[:, None]
+    turn_rate = table.angle / window.length
+    turn = np.zeros((3, 1))
+    for axis, start in ((2, setting.outer), (1, setting.middle), (0, setting.inner)):
+        angle = np.array([start])
+        if axis == setting.turning:
+            angle = start + turn_rate * at.dt * (np.arange(at.n, dtype=float) + 0.5)
+            turn = turn_rate * np.eye(3)[:, [axis]]
+        elif turn.any():
+            turn = _turned_back(turn, axis, angle)
+        earth = _turned_back(earth, axis, angle)
+        gravity = _turned_back(gravity, axis, angle)
+    return earth + turn, gravity
+
+
+def _turned_back(vectors: Array, axis: int, angle: Array) -> Array:
+    """Return fixed vectors in a frame turned about a coordinate axis, (3, n)."""
+    one = float(angle[0])
+    c, s = (np.cos(angle), np.sin(angle)) if angle.size > 1 else (cos(one), sin(one))
+    j, k = (axis + 1) % 3, (axis + 2) % 3
+    n = max(vectors.shape[1], angle.size)
+    turned = np.empty((3, n))
+    turned[axis] = vectors[axis]
+    turned[j] = c * vectors[j] + s * vectors[k]
+    turned[k] = c * vectors[k] - s * vectors[j]
+    return turned
+
+
+def _generator(seed: int, run: int, name: str) -> np.random.Generator:
+    """Return the random stream of one source in one run."""
+    key = int.from_bytes(sha256(name.encode()).digest()[8:16], "big")
+    return np.random.Generator(
+        np.random.SFC64(np.random.SeedSequence(seed, spawn_key=(key, run)))
+    )

@@ -1,0 +1,1 @@
+"""One model of a calibration: windows, weights, sources; no files, no statistics."""

@@ -1,0 +1,310 @@
+"""What an error source is: whose it is, how long it stays, what it does to a window.
+
+A source acts in one of four ways. An Offset is part of the truth: a constant added to a
+bias, a scale factor or a mounting angle. A Noise is a process, seen through its window
+averages. A Disturbance is anything else that a reading or the table's input may hold. A
+Coefficient does nothing alone: a disturbance that both triads share multiplies it.
+
+Each Noise and Disturbance says the same thing twice, by closed form for the window
+averages and sample by sample for the simulation; their agreement is tested.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.arrays import Array
+from budget.names import AXES
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from budget.distributions import Distribution
+    from budget.model.noise import Process
+    from budget.model.response import Truth
+    from budget.model.scheme import Scheme
+    from budget.model.windows import Window
+
+GYRO, ACCELEROMETER = "gyro", "accelerometer"
+STATION, ENVIRONMENT = "station", "environment"
+SENSORS = (GYRO, ACCELEROMETER)
+
+# How long a source keeps its value.
+DEVICE, TURN_ON, TEST, IN_RUN = "device", "turn-on", "test", "in run"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Given:
+    """What a file gives of one source.
+
+    Attributes
+    ----------
+    name : str
+        The key: 'bias_stability'.
+    u : ndarray, shape (n_axes,)
+        Standard uncertainty, process sigma, density or coefficient by axis [SI].
+    distributions : tuple of Distribution
+        Shape by axis; processes are normal.
+    correlation_time : ndarray, shape (n_axes,), or None
+        Of a source that has one [s].
+    """
+
+    name: str
+    u: Array
+    distributions: tuple[Distribution, ...]
+    correlation_time: Array | None = None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Triad:
+    """One triad under test, as its disturbances see it.
+
+    Attributes
+    ----------
+    scheme : Scheme
+    given : mapping of str to Given
+        What its data sheet gives, by key.
+    statistics : Statistics
+        Of the window averages of its noise.
+    """
+
+    scheme: Scheme
+    given: Mapping[str, Given]
+    statistics: Statistics
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Statistics:
+    """Linear combinations of window averages that a calibration uses of its noise.
+
+    Attributes
+    ----------
+    weights : ndarray, shape (3, k, n)
+        For each axis: the rows of W, then those that disturbances ask for and that do
+        not follow from rows before them.
+    """
+
+    weights: Array
+
+    @classmethod
+    def of(cls, scheme: Scheme, more: list[Array]) -> Statistics:
+        """Take the rows of W and, of more rows (3, m, n), those that are new."""
+        T = scheme.weights
+        for row in (rows[:, k : k + 1] for rows in more for k in range(rows.shape[1])):
+            if (_remainder(T, row) > DEPENDENT).any():
+                T = np.concatenate([T, row], axis=1)
+        return cls(weights=T)
+
+    def coefficients(self, rows: Array) -> Array:
+        """Return R with rows = R weights, shape (3, m, k) for rows of (3, m, n)."""
+        R = np.stack(
+            [_solve(T, own) for T, own in zip(self.weights, rows, strict=True)]
+        )
+        R[np.abs(R) < DEPENDENT * np.abs(R).max(initial=0.0)] = 0.0
+        return R
+
+
+DEPENDENT = 1e-9  # part of a row that may be left of it if it follows from others [1]
+
+
+def _solve(T: Array, rows: Array) -> Array:
+    """Return R of least squares with rows = R T, both scaled to rows of length 1."""
+    size = np.linalg.norm(T, axis=1)
+    size[size == 0.0] = 1.0
+    return np.asarray(np.linalg.lstsq((T / size[:, None]).T, rows.T)[0].T / size)
+
+
+def _remainder(T: Array, row: Array) -> Array:
+    """Return what part of a row (3, 1, n) does not follow from T, shape (3,)."""
+    left = [
+        np.linalg.norm(own - _solve(t, own) @ t) / (np.linalg.norm(own) or 1.0)
+        for t, own in zip(T, row, strict=True)
+    ]
+    return np.array(left)
+
+
+class Effect:
+    """What a source does."""
+
+
+@dataclass(frozen=True)
+class Offset(Effect):
+    """A constant that is added to what the calibration is to find.
+
+    Attributes
+    ----------
+    target : str
+        'bias', 'scale_factor' (relative) or 'mounting_angle'.
+    """
+
+    target: str
+
+
+class Noise(Effect):
+    """A zero-mean Gaussian process of each axis."""
+
+    @abstractmethod
+    def process(self, given: Given, axis: int, sample_rate: float) -> Process:
+        """Return the process of one axis, for its window averages."""
+
+    @abstractmethod
+    def sampler(
+        self, given: Given, rng: np.random.Generator, sample_rate: float
+    ) -> Callable[[Samples], Array]:
+        """Return what yields the next samples of the process, shape (3, n)."""
+
+
+# Errors of the statistics, shape (3, 4, trials), from a source's inputs (n, trials),
+# the truth, and the noise of the statistics, shape (3, k, trials).
+Act = Callable[[Array, "Truth", Array], Array]
+
+
+class Disturbance(Effect):
+    """Anything else in a reading, or in the input that the table gives."""
+
+    def size(self, given: Given, scheme: Scheme | None) -> int:  # noqa: ARG002
+        """Return how many independent inputs the source has; one for each value."""
+        return given.u.size
+
+    def weights(self, scheme: Scheme) -> Array | None:  # noqa: ARG002
+        """Return rows of weights, (3, m, n), whose noise the effect needs besides W."""
+        return None
+
+    @abstractmethod
+    def bind(self, given: Given, triad: Triad) -> Act | None:
+        """Return what the source does to this triad; None: nothing at all."""
+
+    def reading(self, value: Array, moment: Moment) -> Array:  # noqa: ARG002
+        """Return what is added to the readings of a window's samples, (3, n)."""
+        return np.zeros((3, 1))
+
+    def table(self, value: Array, table: Table) -> Table:  # noqa: ARG002
+        """Return the table as it really stands during a window."""
+        return table
+
+
+class Coefficient(Effect):
+    """A fixed sensitivity of a device to something that its surroundings do."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Samples:
+    """The sampling of one window: n samples at the middle of steps of dt."""
+
+    n: int
+    dt: float  # [s]
+    first: float  # time of the first sample [s]
+
+    @property
+    def last(self) -> float:
+        """Time of the last sample [s]."""
+        return self.first + (self.n - 1) * self.dt
+
+    @property
+    def times(self) -> Array:
+        """Times of the samples, shape (n,) [s]."""
+        return self.first + self.dt * np.arange(self.n, dtype=float)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Table:
+    """The table and the place during one simulated window.
+
+    Attributes
+    ----------
+    place : int
+        Of the window among those of the triad.
+    angle : float
+        That the table really turns [rad].
+    earth, gravity : ndarray, shape (3,)
+        Earth rate [rad/s] and specific force of gravity [m/s^2] in the table's base.
+    """
+
+    place: int
+    angle: float
+    earth: Array
+    gravity: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Moment:
+    """The samples of one simulated window, before the scale factor.
+
+    Attributes
+    ----------
+    owner : str
+        Whose readings they are.
+    window : Window
+    samples : Samples
+    force : ndarray, shape (3, n) or (3, 1)
+        Specific force in body axes [m/s^2].
+    reading : ndarray, shape (3, n) or (3, 1)
+        M u + b + noise [unit of the input].
+    given : mapping of str to Given
+        What the data sheet of the triad gives.
+    """
+
+    owner: str
+    window: Window
+    samples: Samples
+    force: Array
+    reading: Array
+    given: Mapping[str, Given]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Source:
+    """One error source: a key in a file, and what becomes of it.
+
+    Attributes
+    ----------
+    name : str
+        The key; with dots where the file nests it.
+    units : mapping of str to str
+        Owner and most usual unit of the figure there.
+    model : str
+        What it is, in words.
+    effect : Effect
+    stays : str
+        DEVICE, TURN_ON, TEST or IN_RUN.
+    axes : tuple of str
+        Names of its values; ('',) where it has one.
+    expected : str
+        What a verdict 'meets' cannot do without: the line itself, 'noise' where any one
+        noise line will do, '' where the line may be absent.
+    colour : str
+        In figures: one of Okabe and Ito's, by name.
+    is_hatched : bool
+        The second source of a colour.
+    """
+
+    name: str
+    units: Mapping[str, str]
+    model: str
+    effect: Effect
+    stays: str
+    axes: tuple[str, ...] = AXES
+    expected: str = ""
+    colour: str = "purple"
+    is_hatched: bool = False
+
+    def like(self, owner: str) -> str:
+        """Return the most usual unit with that owner; '' where it has none."""
+        return self.units.get(owner, "")
+
+    @property
+    def process(self) -> bool:
+        """Whether it is a random process, so normal; else a constant."""
+        return isinstance(self.effect, Noise)
+
+    @property
+    def own(self) -> str:
+        """The parameter whose own spread it is; '' of all others."""
+        if isinstance(self.effect, Offset):
+            return self.effect.target
+        return getattr(self.effect, "own", "")

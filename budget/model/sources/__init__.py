@@ -1,0 +1,172 @@
+"""The error sources that there are: one row each.
+
+Everything else reads this table: files their keys and units, the calibration its
+inputs, the simulation its samples, results what is expected, figures their colours.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from budget.errors import CallError
+from budget.model.source import (
+    ACCELEROMETER,
+    DEVICE,
+    ENVIRONMENT,
+    GYRO,
+    IN_RUN,
+    SENSORS,
+    STATION,
+    TEST,
+    TURN_ON,
+    Offset,
+    Source,
+)
+from budget.model.sources.asymmetry import TurnAsymmetry
+from budget.model.sources.processes import SampleNoise, Stability, Walk, WhiteNoise
+from budget.names import ANGLES
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = [
+    "ACCELEROMETER",
+    "DEVICE",
+    "ENVIRONMENT",
+    "GYRO",
+    "IN_RUN",
+    "SENSORS",
+    "SOURCES",
+    "STATION",
+    "TEST",
+    "TURN_ON",
+    "lines_of",
+    "source_of",
+]
+
+# In the order of tables, figures and inputs.
+SOURCES = (
+    Source(
+        name="bias_repeatability",
+        units={GYRO: "deg/h", ACCELEROMETER: "ug"},
+        model="random constant, new at each turn-on",
+        effect=Offset("bias"),
+        stays=TURN_ON,
+        expected="bias_repeatability",
+        colour="blue",
+    ),
+    Source(
+        name="bias_stability",
+        units={GYRO: "deg/h", ACCELEROMETER: "ug"},
+        model="first-order Gauss-Markov process",
+        effect=Stability(),
+        stays=IN_RUN,
+        expected="bias_stability",
+        colour="orange",
+    ),
+    Source(
+        name="angle_random_walk",
+        units={GYRO: "deg/sqrt(h)"},
+        model="white noise of this one-sided density",
+        effect=WhiteNoise(),
+        stays=IN_RUN,
+        expected="noise",
+        colour="green",
+    ),
+    Source(
+        name="velocity_random_walk",
+        units={ACCELEROMETER: "ug/sqrt(Hz)"},
+        model="white noise of this one-sided density",
+        effect=WhiteNoise(),
+        stays=IN_RUN,
+        expected="noise",
+        colour="green",
+    ),
+    Source(
+        name="rate_random_walk",
+        units={GYRO: "deg/h/sqrt(h)"},
+        model="random walk from the start of the test",
+        effect=Walk(),
+        stays=IN_RUN,
+        colour="purple",
+    ),
+    Source(
+        name="acceleration_random_walk",
+        units={ACCELEROMETER: "ug/sqrt(h)"},
+        model="random walk from the start of the test",
+        effect=Walk(),
+        stays=IN_RUN,
+        colour="purple",
+    ),
+    Source(
+        name="sample_noise",
+        units={GYRO: "deg/h", ACCELEROMETER: "ug"},
+        model="white noise of every sample",
+        effect=SampleNoise(),
+        stays=IN_RUN,
+        expected="noise",
+        colour="sky",
+    ),
+    Source(
+        name="scale_factor_repeatability",
+        units={GYRO: "ppm", ACCELEROMETER: "ppm"},
+        model="random constant, new at each turn-on",
+        effect=Offset("scale_factor"),
+        stays=TURN_ON,
+        expected="scale_factor_repeatability",
+        colour="vermilion",
+    ),
+    Source(
+        name="scale_factor_nonlinearity",
+        units={GYRO: "ppm", ACCELEROMETER: "ppm"},
+        model="random constant of the device",
+        effect=Offset("scale_factor"),
+        stays=DEVICE,
+        colour="vermilion",
+        is_hatched=True,
+    ),
+    Source(
+        name="scale_factor_asymmetry",
+        units={GYRO: "ppm"},
+        model="random constant of the device: K(+) minus K(-), over their mean",
+        effect=TurnAsymmetry(),
+        stays=DEVICE,
+        colour="black",
+    ),
+    Source(
+        name="mounting_repeatability",
+        units={GYRO: "arcsec", ACCELEROMETER: "arcsec"},
+        model="random constant, new at each turn-on",
+        effect=Offset("mounting_angle"),
+        stays=TURN_ON,
+        axes=ANGLES,
+        expected="mounting_repeatability",
+        colour="yellow",
+    ),
+)
+
+
+def lines_of(owner: str) -> tuple[Source, ...]:
+    """Return the sources that an owner can have, in their order."""
+    return tuple(source for source in SOURCES if source.like(owner))
+
+
+def source_of(owner: str, name: str) -> Source:
+    """Return the source of that name.
+
+    Raises
+    ------
+    CallError
+        The table has no such source: nothing is taken for what it is not.
+    """
+    for source in lines_of(owner):
+        if source.name == name:
+            return source
+    raise CallError(
+        f"{owner}.{name} is no error source; there are: {_names(lines_of(owner))}. "
+        "A new source is a row of budget.model.sources"
+    )
+
+
+def _names(sources: Iterable[Source]) -> str:
+    return ", ".join(source.name for source in sources)

@@ -1,0 +1,132 @@
+"""Noise of the axes: white, of every sample, random walk, first-order Gauss-Markov."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import exp, expm1, sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.model.noise import GaussMarkov, Process, RandomWalk, White
+from budget.model.source import Given, Noise, Samples
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from budget.arrays import Array
+
+
+@dataclass(frozen=True)
+class WhiteNoise(Noise):
+    """Angle or velocity random walk: white noise of density N."""
+
+    def process(self, given: Given, axis: int, sample_rate: float) -> Process:  # noqa: ARG002
+        """Return white noise of that density."""
+        return White(float(given.u[axis]))
+
+    def sampler(
+        self,
+        given: Given,
+        rng: np.random.Generator,
+        sample_rate: float,  # noqa: ARG002
+    ) -> Callable[[Samples], Array]:
+        """Return samples of standard deviation N/sqrt(dt)."""
+        u = given.u[:, None]
+        return lambda at: np.asarray(u / sqrt(at.dt) * rng.standard_normal((3, at.n)))
+
+
+@dataclass(frozen=True)
+class SampleNoise(Noise):
+    """White noise of every sample, sigma at the sample rate: Zhao 2019, 2.2.2."""
+
+    def process(self, given: Given, axis: int, sample_rate: float) -> Process:
+        """Return white noise: the variance of an average is sigma^2 / (f L)."""
+        return White(float(given.u[axis]) / sqrt(sample_rate))
+
+    def sampler(
+        self, given: Given, rng: np.random.Generator, sample_rate: float
+    ) -> Callable[[Samples], Array]:
+        """Return samples of standard deviation sigma."""
+        u = given.u[:, None]
+
+        def samples(at: Samples) -> Array:
+            # Where a window is no whole number of sample periods, dt differs a little.
+            scale = 1.0 / sqrt(at.dt * sample_rate)
+            return np.asarray(u * scale * rng.standard_normal((3, at.n)))
+
+        return samples
+
+
+@dataclass(frozen=True)
+class Walk(Noise):
+    """Rate or acceleration random walk, 0 at the start of the test."""
+
+    def process(self, given: Given, axis: int, sample_rate: float) -> Process:  # noqa: ARG002
+        """Return the integral of white noise of density K."""
+        return RandomWalk(float(given.u[axis]))
+
+    def sampler(
+        self,
+        given: Given,
+        rng: np.random.Generator,
+        sample_rate: float,  # noqa: ARG002
+    ) -> Callable[[Samples], Array]:
+        """Return the running sum of steps K sqrt(dt)."""
+        u = given.u[:, None]
+        state, clock = np.zeros(3), 0.0  # last value and its time
+
+        def samples(at: Samples) -> Array:
+            nonlocal clock, state
+            steps = rng.standard_normal((3, at.n)) * sqrt(at.dt)
+            steps[:, 0] *= sqrt((at.first - clock) / at.dt)
+            walk = state[:, None] + np.cumsum(u * steps, axis=1)
+            clock, state = at.last, walk[:, -1]
+            return walk
+
+        return samples
+
+
+@dataclass(frozen=True)
+class Stability(Noise):
+    """First-order Gauss-Markov process, stationary: Zhao 2019, 2.1.1."""
+
+    own: str = "bias"
+
+    def process(self, given: Given, axis: int, sample_rate: float) -> Process:  # noqa: ARG002
+        """Return the process of that sigma and correlation time."""
+        return GaussMarkov(float(given.u[axis]), float(_tau(given)[axis]))
+
+    def sampler(
+        self,
+        given: Given,
+        rng: np.random.Generator,
+        sample_rate: float,  # noqa: ARG002
+    ) -> Callable[[Samples], Array]:
+        """Return x(t + dt) = a x(t) + sigma sqrt(1 - a^2) z, a = exp(-dt/tau)."""
+        from scipy.signal import lfilter
+
+        state, clock = np.zeros(3), 0.0  # last value and its time
+
+        def samples(at: Samples) -> Array:
+            nonlocal clock, state
+            z = rng.standard_normal((3, at.n))
+            values = np.empty_like(z)
+            for i, (sigma, tau) in enumerate(zip(given.u, _tau(given), strict=True)):
+                a = exp(-at.dt / tau)
+                innovation = sigma * sqrt(-expm1(-2.0 * at.dt / tau)) * z[i]
+                gap = (at.first - clock) / tau if clock else np.inf
+                before = exp(-gap) * state[i]
+                innovation[0] = before + sigma * sqrt(-expm1(-2.0 * gap)) * z[i, 0]
+                values[i] = lfilter([1.0], [1.0, -a], innovation)
+            clock, state = at.last, values[:, -1]
+            return values
+
+        return samples
+
+
+def _tau(given: Given) -> Array:
+    """Return tau by axis [s]; the reader gives one to every stability."""
+    if given.correlation_time is None:
+        raise ValueError(f"{given.name} without a correlation time")
+    return given.correlation_time

@@ -1,1 +1,0 @@
-"""Sensors on a turntable: from data sheet and schedule to a Problem."""
