@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from budget.names import Name
-from budget.ties import from_largest, largest, settle
+from budget.ties import first_largest, from_largest, largest, settle
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -132,6 +132,20 @@ class OutputBudget:
         """Contributions, the largest first."""
         shares = [part.share for part in self.contributions]
         return tuple(self.contributions[k] for k in from_largest(shares))
+
+
+def widest_of_each(rows: Sequence[OutputBudget]) -> tuple[OutputBudget, ...]:
+    """Return the output of each parameter with the largest u; of equal ones the first.
+
+    In the order of the parameters.
+    """
+    groups: dict[tuple[str, str], list[OutputBudget]] = {}
+    for row in rows:
+        groups.setdefault((row.sensor, row.parameter), []).append(row)
+    return tuple(
+        own[first_largest([row.standard_uncertainty for row in own])]
+        for own in groups.values()
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,6 +7,7 @@ from math import ceil, log10
 from typing import TYPE_CHECKING
 
 from budget.report.tables import output_title, source_title
+from budget.results import widest_of_each
 
 if TYPE_CHECKING:
     from budget.results import Budget, OutputBudget
@@ -39,16 +40,11 @@ class IndexTable:
 
 def index_tables(budget: Budget) -> tuple[IndexTable, ...]:
     """Return a table for every output that has indices."""
-    widest: dict[tuple[str, str], OutputBudget] = {}
-    for row in budget.outputs:
-        key = (row.sensor, row.parameter)
-        other = widest.get(key)
-        if other is None or row.standard_uncertainty > other.standard_uncertainty:
-            widest[key] = row
+    widest = {row.output.name for row in widest_of_each(budget.outputs)}
     return tuple(
         IndexTable(
             title=output_title(row.output.name),
-            is_widest=row is widest[row.sensor, row.parameter],
+            is_widest=row.output.name in widest,
             rows=tuple(r for r in rows if float(r.total) > 0.0),
             small=", ".join(r.title for r in rows if float(r.total) == 0.0),
         )

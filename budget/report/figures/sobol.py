@@ -21,6 +21,7 @@ from budget.report.figures.style import (
 )
 from budget.report.indices import print_index
 from budget.report.tables import output_title, source_title, words
+from budget.results import widest_of_each
 from budget.ties import first_largest
 
 if TYPE_CHECKING:
@@ -153,15 +154,13 @@ def sobol_alt(budget: Budget, sensor: str) -> str:
 
 def _widest(budget: Budget, sensor: str) -> tuple[Indices, ...]:
     """Return the indices of the output of each group with the largest spread."""
-    widest: dict[str, OutputBudget] = {}
-    for row in budget.outputs:
-        if row.sensor != sensor or not any(part.sobol for part in row.contributions):
-            continue
-        other = widest.get(row.parameter)
-        if other is None or row.standard_uncertainty > other.standard_uncertainty:
-            widest[row.parameter] = row
+    with_indices = [
+        row
+        for row in budget.outputs
+        if row.sensor == sensor and any(part.sobol for part in row.contributions)
+    ]
     found = []
-    for row in widest.values():
+    for row in widest_of_each(with_indices):
         own = {p.source: p.sobol for p in row.contributions if p.sobol is not None}
         shown = [name for name in in_order(own) if float(_texts(own[name])[1]) > 0.0]
         found.append(
