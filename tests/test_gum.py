@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 
 from budget.calibration.problem import calibration_problem
 from budget.distributions import ARCSINE, NORMAL, TRIANGULAR, UNIFORM
+from budget.errors import ProblemError
 from budget.methods.gum import propagate
 from budget.methods.monte_carlo import sample
 from budget.problem import Group, Output, Problem
@@ -158,3 +159,24 @@ def test_law_agrees_with_monte_carlo_on_uniform_inputs_that_multiply():
     # Kurtosis of the product is below 4: standard error below u sqrt(3/(4 n)).
     limit = 4.0 * np.sqrt(3.0 / (4.0 * 200_000))
     assert abs(drawn.standard_uncertainty[0] / u - 1.0) < limit
+
+
+@pytest.mark.parametrize(
+    ("function", "words"),
+    [
+        (lambda x: x * np.inf, "no finite value of y"),
+        (lambda x: (x - 0.5) * np.nan, "no finite value of y"),
+        (lambda x: x * 1e300 * 1e10, "no finite derivative of y"),
+        (lambda x: x * 1e200, "no finite variance of y"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_the_law_never_returns_what_is_no_number(function, words):
+    """Values, derivatives and variances that are not finite raise ProblemError."""
+    problem = Problem(
+        groups=(Group.independent("x", u=1.0),),
+        outputs=(Output(name="y"),),
+        function=function,
+    )
+    with pytest.raises(ProblemError, match=words):
+        propagate(problem)

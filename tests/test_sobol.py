@@ -245,3 +245,58 @@ def test_more_points_than_a_machine_keeps_are_refused():
 
     with pytest.raises(CallError, match="at the most"):
         sobol(problem, samples=2**62)
+
+
+G_A = np.array([0.0, 1.0, 4.5, 9.0])
+
+
+def g_function():
+    """Return Sobol's G function of four uniform inputs on (0, 1)."""
+    a = G_A[:, None]
+    return Problem(
+        groups=tuple(
+            Group.independent(
+                f"x{i}", mean=0.5, u=1.0 / np.sqrt(12.0), distribution=UNIFORM
+            )
+            for i in range(len(G_A))
+        ),
+        outputs=(Output(name="y"),),
+        function=lambda x: np.prod((np.abs(4.0 * x - 2.0) + a) / (1.0 + a), axis=0)[
+            None
+        ],
+    )
+
+
+def test_the_g_function_falls_back_to_no_control_variate():
+    """Indices are the closed form, and the result says why there was no tangent.
+
+    V_i = 1/(3 (1 + a_i)^2), V = prod(1 + V_i) - 1; first V_i/V, total V_i prod of the
+    others' (1 + V_j) over V (Saltelli et al. 2010).
+    """
+    V_i = 1.0 / (3.0 * (1.0 + G_A) ** 2)
+    V = np.prod(1.0 + V_i) - 1.0
+    r = sobol(g_function(), samples=4096)
+    assert_allclose(r.first.value[:, 0], V_i / V, rtol=0, atol=0.005)
+    total = V_i * np.prod(1.0 + V_i) / (1.0 + V_i) / V
+    assert_allclose(r.total.value[:, 0], total, rtol=0, atol=0.005)
+    assert "abs has no two derivatives at 0" in r.note
+    plain = sobol(g_function(), samples=64, control_variate=False)
+    assert plain.note == ""
+    assert_array_equal(plain.total.value, sobol(g_function(), samples=64).total.value)
+
+
+def test_a_control_variate_leaves_no_note():
+    """Where the tangent serves nothing is said."""
+    assert sobol(ishigami(), samples=64).note == ""
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_values_that_are_not_finite_are_refused():
+    """An infinite output raises ProblemError, where indices were nan."""
+    problem = Problem(
+        groups=(Group.independent("x", u=1.0),),
+        outputs=(Output(name="y"),),
+        function=lambda x: np.where(x > 1.0, np.inf, x),
+    )
+    with pytest.raises(ProblemError, match="not finite"):
+        sobol(problem, samples=64)

@@ -119,10 +119,13 @@ def propagate(problem: Problem) -> Propagation:
     Raises
     ------
     ProblemError
-        The model bends in an input whose shape has no finite kurtosis.
+        The model bends in an input whose shape has no finite kurtosis, has no
+        derivatives at the best estimates, or overflows.
     """
     taylor = expand(problem.evaluate, problem.mean)
     C, H = taylor.C, taylor.H
+    _refuse_no_number(problem, "value", taylor.value)
+    _refuse_no_number(problem, "derivative", C, H)
     blocks = [np.asarray(group.covariance) for group in problem.groups]
     U_x = _block_diagonal(blocks)
 
@@ -153,10 +156,12 @@ def propagate(problem: Problem) -> Propagation:
     within = np.zeros(pair.shape[1:], dtype=bool)
     for rows in problem.slices:
         within[rows, rows] = True
+    covariance = first_order + second
+    _refuse_no_number(problem, "variance", np.sqrt(np.diag(covariance)), covariance)
     return Propagation(
         value=taylor.value,
         mean=taylor.value + 0.5 * np.einsum("kii->k", HU),
-        covariance=first_order + second,
+        covariance=covariance,
         first_order=first_order,
         source_variance=alone,
         interaction_variance=np.where(within, 0.0, pair).sum(axis=(1, 2)),
@@ -198,6 +203,24 @@ def higher_moments(problem: Problem) -> tuple[Array, Array]:
         skew.append(np.where(counts, gamma, 0.0) * u2**1.5)
         excess.append(np.where(counts, (kurtosis - 3.0) / 4.0, 0.0) * u2**2)
     return np.concatenate(skew), np.concatenate(excess)
+
+
+def _refuse_no_number(problem: Problem, what: str, *found: Array) -> None:
+    """Refuse what is not finite, an array having a row for each output."""
+    bad = np.zeros(len(problem.outputs), dtype=bool)
+    for array in found:
+        bad |= ~np.isfinite(array.reshape(len(bad), -1)).all(axis=1)
+    if bad.any():
+        names = ", ".join(
+            output.name
+            for output, is_bad in zip(problem.outputs, bad, strict=True)
+            if is_bad
+        )
+        raise ProblemError(
+            f"the law of propagation finds no finite {what} of {names} at the best "
+            "estimates; mend the function where it overflows or divides by zero, or "
+            "use sample() (Monte Carlo)"
+        )
 
 
 def _refuse_infinite(problem: Problem, diagonal: Array, excess: Array) -> None:

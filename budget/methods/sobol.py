@@ -23,6 +23,7 @@ from budget.distributions import NORMAL
 from budget.errors import CallError, ProblemError
 from budget.methods.execution import in_order, local_executor, one_blas_thread
 from budget.methods.gum import propagate
+from budget.methods.trials import check_finite
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -73,6 +74,8 @@ class SobolResult:
         Total minus first, estimated scramble by scramble.
     evaluations : int
         How often the model was evaluated.
+    note : str
+        Why there was no control variate though one was wanted; empty otherwise.
     """
 
     factors: tuple[str, ...]
@@ -82,6 +85,7 @@ class SobolResult:
     samples: int
     scrambles: int
     evaluations: int
+    note: str = ""
 
     def ranks(self, output: int) -> tuple[int, ...]:
         """Return the rank of each factor by its total index for one output.
@@ -172,14 +176,7 @@ def sobol(
         )
     factors = _factors(problem, by_input=by_input)
     n = _power_of_two(samples)
-    # A Student t variate has another variance than the u^2 that the law counts; of
-    # infinite kurtosis there may be no law.
-    known = all(
-        isinf(shape.degrees_of_freedom) and isfinite(shape.kurtosis)
-        for g in problem.groups
-        for shape in g.distributions
-    )
-    linear = _linear_part(problem, factors) if control_variate and known else None
+    linear, note = _control_variate(problem, factors) if control_variate else (None, "")
     work = partial(
         _one_scramble, problem, factors, linear, _Draws(samples=n, seed=seed)
     )
@@ -201,6 +198,7 @@ def sobol(
         samples=n,
         scrambles=scrambles,
         evaluations=(len(factors) + 2) * n * scrambles,
+        note=note,
     )
 
 
@@ -218,6 +216,26 @@ class _LinearPart:
 
     C: Array
     variance: Array
+
+
+def _control_variate(
+    problem: Problem, factors: tuple[_Factor, ...]
+) -> tuple[_LinearPart | None, str]:
+    """Return the tangent as a control variate, or none and why."""
+    # A Student t variate has another variance than the u^2 that the law counts; of
+    # shapes without a finite kurtosis the law may know no variance at all.
+    if not all(
+        isinf(shape.degrees_of_freedom) and isfinite(shape.kurtosis)
+        for group in problem.groups
+        for shape in group.distributions
+    ):
+        return None, (
+            "no control variate: the law does not count the variance that is drawn"
+        )
+    try:
+        return _linear_part(problem, factors), ""
+    except ProblemError as error:
+        return None, f"no control variate, as the model has no tangent: {error}"
 
 
 def _linear_part(problem: Problem, factors: tuple[_Factor, ...]) -> _LinearPart:
@@ -267,6 +285,7 @@ def _estimate(
     points = engine.random(draws.samples).T
     a, b = (_inputs(problem, half) for half in (points[:k], points[k:]))
     y_a, y_b = problem.evaluate(a).T, problem.evaluate(b).T
+    check_finite(np.stack([y_a, y_b]))
 
     # SALib takes a variance below 2e-16 for none: scale every output to about 1.
     centre = np.mean(np.concatenate([y_a, y_b]), axis=0)
@@ -288,6 +307,7 @@ def _estimate(
         mixed = a.copy()
         mixed[factor.rows] = b[factor.rows]
         y_ab = (problem.evaluate(mixed).T - centre) / scale
+        check_finite(y_ab)
         l_ab = l_a
         if linear is not None:  # only the rows exchanged move the tangent
             step = b[factor.rows] - a[factor.rows]
