@@ -8,6 +8,8 @@ from numpy.testing import assert_allclose
 
 from budget.arrays import root_of_correlation
 
+pytestmark = pytest.mark.kernels
+
 HALF = np.full((3, 3), 0.5) + 0.5 * np.eye(3)
 PAIRS = np.kron(np.eye(3), np.array([[1.0, 0.5], [0.5, 1.0]]))
 CASES = {

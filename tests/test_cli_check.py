@@ -45,6 +45,7 @@ class TestShipped:
     """References that ship."""
 
     @pytest.mark.smoke
+    @pytest.mark.kernels
     def test_they_hold(self):
         """Without a name all are checked, all hold, each in one line."""
         run = call("check")

@@ -14,6 +14,8 @@ from budget.methods.gum import propagate
 from budget.methods.monte_carlo import sample
 from budget.problem import Group, Output, Problem
 
+pytestmark = pytest.mark.kernels
+
 
 def additive(*u):
     """Return Y = X1 + X2 + ... of independent rectangular inputs."""

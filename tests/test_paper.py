@@ -39,6 +39,8 @@ from budget.studies.paper.statistics import repeats
 from budget.studies.paper.study import SECTIONS, reproduce
 from budget.studies.paper.table1 import compute_rows
 
+pytestmark = pytest.mark.kernels
+
 SIGMAS = 5.0  # of the sampling error that a drawn spread may miss by
 
 

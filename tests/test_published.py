@@ -10,6 +10,8 @@ import budget
 from budget.distributions import NORMAL, UNIFORM, student_t
 from budget.methods.validation import validate
 
+pytestmark = pytest.mark.kernels
+
 
 def mass_calibration():
     """Return JCGM 101:2008, 9.3, in mg and kg/m^3."""

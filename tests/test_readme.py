@@ -64,6 +64,7 @@ def test_the_two_commands_come_first():
     assert "&& .venv/bin/pytest" in tests
 
 
+@pytest.mark.kernels
 def test_the_first_table_is_the_tools():
     """Names, units, digits and causes are the tool's, to the letter."""
     result = budget.analyze(budget.load_device("zhao-2019"), validate=False)
@@ -76,6 +77,7 @@ def test_the_first_table_is_the_tools():
     ] == table
 
 
+@pytest.mark.kernels
 def test_the_printed_block_is_the_terminals():
     """The text block stands in what `budget analyze` prints, to the letter."""
     (block,) = blocks("text")
@@ -98,6 +100,7 @@ def test_the_figure_is_the_tools(tmp_path):
     assert f"](docs/{drawn.name})" in README
 
 
+@pytest.mark.kernels
 def test_the_example_report_is_the_tools(tmp_path):
     """Verdict, headings and every number of the committed page are those of today."""
     script = ROOT / "docs" / "make_example.py"
