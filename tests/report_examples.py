@@ -8,8 +8,10 @@ from math import fsum, pi, sqrt
 import numpy as np
 
 from budget.distributions import NORMAL, UNIFORM
+from budget.names import Name
 from budget.problem import Output
 from budget.results import (
+    INTERACTION,
     Assessment,
     Budget,
     Contribution,
@@ -122,7 +124,7 @@ def make_output(
     u = sqrt(variance)
     return OutputBudget(
         output=Output(
-            name=f"{sensor}.{parameter}.{axis}",
+            name=Name(parameter, owner=sensor, axis=axis),
             unit=unit,
             si_per_unit=scale,
             resolution=resolution,
@@ -135,7 +137,9 @@ def make_output(
         ),
         contributions=tuple(
             Contribution(
-                source=name if name == "interaction" else f"{sensor}.{name}",
+                source=INTERACTION
+                if name == "interaction"
+                else Name(name, owner=sensor),
                 standard_uncertainty=u_source * scale,
                 share=u_source**2 / variance if variance > 0.0 else 0.0,
             )
@@ -196,11 +200,11 @@ def make_budget(**changes):
         outputs=outputs,
         covariance=np.diag([row.standard_uncertainty**2 for row in outputs]),
         not_given=(
-            "gyro.rate_random_walk",
-            "gyro.scale_factor_nonlinearity",
-            "gyro.scale_factor_asymmetry",
-            "accelerometer.acceleration_random_walk",
-            "accelerometer.scale_factor_nonlinearity",
+            Name("rate_random_walk", owner="gyro"),
+            Name("scale_factor_nonlinearity", owner="gyro"),
+            Name("scale_factor_asymmetry", owner="gyro"),
+            Name("acceleration_random_walk", owner="accelerometer"),
+            Name("scale_factor_nonlinearity", owner="accelerometer"),
         ),
         assumptions=(
             "gyro.bias_stability: the correlation time of 300 s is the file's own",
@@ -261,7 +265,10 @@ def make_device(name="Zhao 2019 optical IMU"):
                 distribution=UNIFORM,
             ),
         ),
-        not_given=("gyro.rate_random_walk", "gyro.scale_factor_asymmetry"),
+        not_given=(
+            Name("rate_random_walk", owner="gyro"),
+            Name("scale_factor_asymmetry", owner="gyro"),
+        ),
         expected_missing=(),
     )
     accelerometer = Sensor(
@@ -282,7 +289,7 @@ def make_device(name="Zhao 2019 optical IMU"):
             make_line("scale_factor_repeatability", 37.0, "ppm", PPM),
             make_line("mounting_repeatability", 2.0, "arcsec", ARCSEC, n=6),
         ),
-        not_given=("accelerometer.scale_factor_nonlinearity",),
+        not_given=(Name("scale_factor_nonlinearity", owner="accelerometer"),),
         expected_missing=(),
     )
     return Device(
@@ -367,7 +374,7 @@ def make_assessment(budget, limits=None, **verdicts):
                 worst_outputs=tuple(row.output.name for row in all_worst),
                 limiting_source=budget.output(worst.output.name).ranked[0].source,
                 expected_missing=(
-                    (f"{sensor}.noise",) if verdict == "undecidable" else ()
+                    (Name("noise", owner=sensor),) if verdict == "undecidable" else ()
                 ),
             )
         )
@@ -447,7 +454,7 @@ def make_coupling(sizes=None):
         groups=tuple(f"gyro.{name}" for name in groups),
         cells=tuple(
             Coupling(
-                source=f"gyro.{source}",
+                source=Name(source, owner="gyro"),
                 group=f"gyro.{group}",
                 u=sizes.get((source, group), 0.0),
                 size=sizes.get((source, group), 0.0),
@@ -469,7 +476,7 @@ def make_density(limit=0.1, mean=0.0):
     ends = (mean - 1.96 * u, mean + 1.96 * u)
     return Density(
         output=Output(
-            name="gyro.bias.z",
+            name=Name("bias", owner="gyro", axis="z"),
             unit="deg/h",
             si_per_unit=DEG_PER_HOUR,
             resolution=1e-20,
