@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
+import socket
 import subprocess
 import sys
 import warnings
@@ -16,12 +18,18 @@ from builders import paper_gyro, procedure
 from numpy.testing import assert_array_equal
 
 from budget.calibration.problem import calibration_problem
-from budget.errors import WorkerError
-from budget.methods.cluster import _check_versions, connect, versions
+from budget.errors import CallError, WorkerError
+from budget.methods.cluster import (
+    _check_versions,
+    connect,
+    read_address,
+    versions,
+)
 from budget.methods.monte_carlo import sample
 from budget.methods.sobol import sobol
 from budget.problem import Group, Output, Problem
 
+dask = pytest.importorskip("dask", reason="the extra 'dask' is absent")
 distributed = pytest.importorskip("distributed", reason="the extra 'dask' is absent")
 pytestmark = pytest.mark.filterwarnings("ignore")  # dask's own, none of ours
 
@@ -68,9 +76,113 @@ def test_cluster_gives_the_same_bits(cluster):
         assert_array_equal(here.total.value, there.total.value)
 
 
-def test_no_scheduler_is_an_error_for_people(monkeypatch):
+@pytest.mark.parametrize(
+    ("text", "read"),
+    [
+        ("tcp://host:8786", "tcp://host:8786"),
+        ("host.example:1", "tcp://host.example:1"),
+        ("tls://10.0.0.1:65535", "tls://10.0.0.1:65535"),
+        ("tcp://[::1]:8786", "tcp://[::1]:8786"),
+        ("tls://[fe80::1%eth0]:8786", "tls://[fe80::1%eth0]:8786"),
+    ],
+)
+def test_an_address_is_read(text, read):
+    """Without a scheme it is tcp; an IPv6 address stands in brackets."""
+    assert str(read_address(text)) == read
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("ucx://host:8786", "'ucx' is no protocol"),
+        ("http://host:8786", "'http' is no protocol"),
+        ("tcp://host", "has no port"),
+        ("host", "has no port"),
+        ("tcp://[::1]", "has no port"),
+        ("tcp://::1:8786", "without its brackets"),
+        ("tcp://host:99999", "is no address"),
+        ("tcp://host:0", "is no address"),
+        ("tcp://host:port", "is no address"),
+        ("tcp://a b:1", "is no address"),
+        ("tcp://", "has no port"),
+        ("", "has no port"),
+    ],
+)
+def test_what_is_no_address_is_refused_before_anything_is_tried(text, words):
+    """In words that say what is allowed; on the command line that is exit code 2."""
+    with pytest.raises(CallError, match=words) as caught, connect(text):
+        pass
+    assert "tcp://host:port" in str(caught.value)
+
+
+@pytest.mark.parametrize("scheme", ["tcp", "tls"])
+def test_a_port_of_something_else_is_an_error_for_people(scheme, monkeypatch):
+    """A listener that is no scheduler is told apart from no listener."""
+    monkeypatch.setattr("budget.methods.cluster.REACH_TIMEOUT", 1.0)
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        place = f"{scheme}://127.0.0.1:{silent.getsockname()[1]}"
+        words = f"does not answer as a Dask scheduler by {scheme}"
+        with pytest.raises(WorkerError, match=words), connect(place):
+            pass
+
+
+def test_a_name_of_no_machine_is_an_error_for_people():
+    """A name that cannot be looked up is said as such."""
+    words = r"no Dask scheduler answers at 'tcp://no-such-host\.invalid:8786'"
+    place = "tcp://no-such-host.invalid:8786"
+    with pytest.raises(WorkerError, match=words), connect(place):
+        pass
+
+
+@pytest.fixture(scope="module")
+def certificate(tmp_path_factory):
+    """Return Dask's settings for TLS, with a certificate made here."""
+    openssl = shutil.which("openssl")
+    if openssl is None:
+        pytest.skip("openssl is not installed: no certificate can be made")
+    folder = tmp_path_factory.mktemp("tls")
+    key, cert = folder / "key.pem", folder / "cert.pem"
+    request = "req -x509 -newkey rsa:2048 -nodes -days 2 -subj /CN=localhost"
+    subprocess.run(
+        [openssl, *request.split(), "-keyout", str(key), "-out", str(cert)],
+        check=True,
+        capture_output=True,
+    )
+    told = {"ca-file": cert, "client.cert": cert, "client.key": key}
+    for role in ("scheduler", "worker"):
+        told |= {f"{role}.cert": cert, f"{role}.key": key}
+    return {f"distributed.comm.tls.{name}": str(file) for name, file in told.items()}
+
+
+def test_a_cluster_by_tls_gives_the_same_bits(certificate):
+    """With the certificate all is as by tcp; without it nobody gets in."""
+    with dask.config.set(certificate):
+        running = distributed.LocalCluster(
+            n_workers=1,
+            threads_per_worker=1,
+            protocol="tls",
+            security=distributed.Security(),
+            host="127.0.0.1",
+            dashboard_address=None,
+            silence_logs=60,
+        )
+    with running:
+        address = running.scheduler_address
+        assert address.startswith("tls://")
+        here = sample(problem(), trials=50_000, seed=1)
+        with dask.config.set(certificate), connect(address) as c:
+            there = sample(problem(), trials=50_000, seed=1, executor=c.executor)
+        assert_array_equal(here.covariance, there.covariance)
+        words = "is told its certificates .DASK_DISTRIBUTED__COMM__TLS__CA_FILE"
+        with pytest.raises(WorkerError, match=words), connect(address):
+            pass
+        plain = address.replace("tls", "tcp")
+        with pytest.raises(WorkerError, match="speaks no TLS"), connect(plain):
+            pass
+
+
+def test_no_scheduler_is_an_error_for_people():
     """An address where nobody listens raises WorkerError with the address."""
-    monkeypatch.setattr("budget.methods.cluster.CONNECT_TIMEOUT", 1.0)
     words = r"no Dask scheduler answers.*127\.0\.0\.1:9"
     with pytest.raises(WorkerError, match=words), connect(NO_ONE):
         pass

@@ -5,11 +5,15 @@ A cluster runs what it is sent: connect only to one that you trust.
 
 from __future__ import annotations
 
+import asyncio
 import platform
+import re
 import socket
 from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from importlib.util import find_spec
+from threading import Thread
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,24 +23,77 @@ from budget.methods.execution import RemoteExecutor
 from budget.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
     from concurrent.futures import Executor, Future
 
-CONNECT_TIMEOUT = 10.0  # [s]
+REACH_TIMEOUT = 4.0  # [s]; whoever mistyped an address learns it within 5
+CONNECT_TIMEOUT = 10.0  # [s] of a scheduler that is known to be one
 LOOKS = 3  # a heartbeat apart, that find no worker until none is said to be left
+# A name, an IPv4 address, or an IPv6 address in brackets; then the port.
+ADDRESS = re.compile(
+    r"(?:\[(?P<six>[0-9A-Fa-f:.]+(?:%\w+)?)\]|(?P<host>[\w.-]+)):(?P<port>[0-9]{1,5})"
+)
+MOST_PORT = 65535
+SCHEMES = ("tcp", "tls")  # what Dask speaks without further libraries
+EXPECTED = "expected tcp://host:port, tls://host:port or tcp://[IPv6]:port"
+# What Dask reads, from the environment or its own files, where it speaks TLS.
+TLS_SETTINGS = ", ".join(
+    f"DASK_DISTRIBUTED__COMM__TLS__{name}"
+    for name in ("CA_FILE", "CLIENT__CERT", "CLIENT__KEY")
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Address:
+    """Where a scheduler listens."""
+
+    scheme: str
+    host: str  # an IPv6 address without its brackets
+    port: int
+
+    def __str__(self) -> str:
+        """Write it as Dask takes it."""
+        host = f"[{self.host}]" if ":" in self.host else self.host
+        return f"{self.scheme}://{host}:{self.port}"
+
+
+def read_address(text: str) -> Address:
+    """Read an address, as 'tcp://host:port'; without a scheme it is tcp.
+
+    Raises
+    ------
+    CallError
+        It is none.
+    """
+    scheme, separator, rest = text.strip().rpartition("://")
+    if separator and scheme not in SCHEMES:
+        raise CallError(
+            f"cluster {text!r}: {scheme!r} is no protocol that is spoken here, "
+            f"{EXPECTED}; start the scheduler with one of these"
+        )
+    found = ADDRESS.fullmatch(rest)
+    if found is None or not 0 < int(found["port"]) <= MOST_PORT:
+        has_port = re.search(r"[^:]:[^:]*$", re.sub(r"^\[.*\]", "x", rest))
+        fault = "is no address" if has_port else "has no port"
+        if rest.count(":") > 1 and not rest.startswith("["):
+            fault = "is an IPv6 address without its brackets, or none at all"
+        raise CallError(
+            f"cluster {text!r}: {fault}, {EXPECTED}; the scheduler prints its own when "
+            "it starts, mostly with port 8786"
+        )
+    host = found["six"] or found["host"]
+    return Address(scheme=scheme or "tcp", host=host, port=int(found["port"]))
 
 
 class DaskExecutor(RemoteExecutor):
     """Dask's own executor, and whether anyone is left to do its work."""
 
-    def __init__(self, client: Any, address: str) -> None:  # noqa: ANN401 - of an extra
+    def __init__(self, client: Any, address: Address) -> None:  # noqa: ANN401 - of an extra
         """Keep a client, its executor and the scheduler's address."""
         self._client = client
         # Workers retry nothing: a task that killed one would kill the next.
         self._executor: Executor = client.get_executor(retries=0, pure=False)
         self._address = address
-        self._host, _, port = address.rpartition("://")[2].rpartition(":")
-        self._port = int(port)
         self._looks_at_no_one = 0
 
     def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:  # noqa: ANN401 - as Executor has it
@@ -49,8 +106,9 @@ class DaskExecutor(RemoteExecutor):
         A worker that its nanny starts anew is missed for a moment: no one is left when
         several looks find no one.
         """
+        place = (self._address.host, self._address.port)
         try:
-            with socket.create_connection((self._host, self._port), CONNECT_TIMEOUT):
+            with socket.create_connection(place, CONNECT_TIMEOUT):
                 pass
             threads = self._client.sync(
                 self._client.scheduler.ncores,
@@ -68,7 +126,7 @@ class DaskExecutor(RemoteExecutor):
         if self._looks_at_no_one < LOOKS:
             return ""
         return (
-            f"no workers are left at {self._address!r}: the last one went away before "
+            f"no workers are left at '{self._address}': the last one went away before "
             "the work was done, and nothing was computed with what it left. Start "
             f"some with `dask worker {self._address}` and run again; if they ran out "
             "of memory, fewer threads each need less"
@@ -90,34 +148,50 @@ def connect(address: str) -> Iterator[Cluster]:
     Parameters
     ----------
     address : str
-        As tcp://host:port.
+        As tcp://host:port; by TLS, with Dask's own settings, tls://host:port.
 
     Raises
     ------
     CallError
-        The extra `dask` is not installed.
+        The extra `dask` is not installed, or the address is none.
     WorkerError
         No scheduler answers, it has no workers, or a worker has other versions.
     """
-    try:
-        from distributed import Client
-    except ImportError:
+    where = read_address(address)
+    if find_spec("distributed") is None:
         raise CallError(
             "a cluster needs the extra 'dask': pip install 'sins-budget[dask]'"
-        ) from None
+        )
+    if why := _why_out_of_reach(where):
+        raise WorkerError(
+            f"no Dask scheduler answers at {address!r} within {REACH_TIMEOUT:.0f} s "
+            f"({why}); see that it runs and that the address is its own, {EXPECTED}"
+        )
+    if why := _why_no_scheduler(where):
+        advice = "see that it is a scheduler's port, and that it speaks no TLS"
+        if where.scheme == "tls":
+            advice = (
+                "see that it is the port of a scheduler that speaks TLS, and that Dask "
+                f"is told its certificates ({TLS_SETTINGS})"
+            )
+        raise WorkerError(
+            f"what listens at {address!r} does not answer as a Dask scheduler by "
+            f"{where.scheme} ({why}); {advice}"
+        )
+    from distributed import Client
+
     try:
-        client = Client(address, timeout=CONNECT_TIMEOUT, set_as_default=False)
+        client = Client(str(where), timeout=CONNECT_TIMEOUT, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as error:
         raise WorkerError(
-            f"no Dask scheduler answers at {address!r} within {CONNECT_TIMEOUT:.0f} s "
-            f"({error}); see that it runs and that the address is its own, "
-            "as tcp://host:port"
+            f"the scheduler at {address!r} lets nobody in within "
+            f"{CONNECT_TIMEOUT:.0f} s ({error}); see its log"
         ) from None
     try:
         threads = _threads(client, address)
         _check_versions(client.run(versions))
         yield Cluster(
-            executor=DaskExecutor(client, address), workers=sum(threads.values())
+            executor=DaskExecutor(client, where), workers=sum(threads.values())
         )
     except Exception as error:
         if not _is_of_the_cluster(error):
@@ -148,6 +222,56 @@ def _is_of_the_cluster(error: Exception) -> bool:
     return package in {"dask", "distributed", "tornado"} or isinstance(
         error, (ConnectionError, TimeoutError, CancelledError)
     )
+
+
+def _why_out_of_reach(address: Address) -> str:
+    """Say why no connection to that place is taken; '' where one is."""
+
+    def reach() -> None:
+        with socket.create_connection((address.host, address.port), REACH_TIMEOUT):
+            pass
+
+    return _fault_of(reach)
+
+
+def _why_no_scheduler(address: Address) -> str:
+    """Say why what listens there is no scheduler; '' where Dask's handshake is done.
+
+    By a connection alone: a Client that does not come about tries on until the end.
+    """
+    from distributed.comm.core import connect as shake_hands
+    from distributed.security import Security
+
+    async def meet() -> None:
+        # What a stranger sends may be no message of Dask's: the fault is told below.
+        asyncio.get_running_loop().set_exception_handler(lambda *_: None)
+        arguments = Security().get_connection_args("client")
+        comm = await shake_hands(str(address), timeout=REACH_TIMEOUT, **arguments)
+        await comm.close()
+
+    return _fault_of(lambda: asyncio.run(meet()))
+
+
+def _fault_of(attempt: Callable[[], None]) -> str:
+    """Return what is wrong with a connection, in time; '' where nothing is.
+
+    In a thread of its own: nothing else ends the search for a name, and an event loop
+    may run in this one.
+    """
+    found: list[str] = []
+
+    def run() -> None:
+        try:
+            attempt()
+        except (OSError, ValueError, TypeError, RuntimeError, MemoryError) as error:
+            found.append(str(error) or type(error).__name__)
+        else:
+            found.append("")
+
+    thread = Thread(target=run, daemon=True)
+    thread.start()
+    thread.join(REACH_TIMEOUT + 0.5)
+    return found[0] if found else "no answer in time"
 
 
 def versions() -> dict[str, str]:
