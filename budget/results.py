@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 SCHEMA = "budget/1"
 INTERACTION = Name("interaction")  # the row of products of two sources
 TOTAL = "total"
+TINY = 1e-300  # in the place of a utilisation of 0 [1]
+BY_LAW = "law"  # an interval mean +- k u
+BY_TRIALS = "monte-carlo"  # an interval of trials
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,6 +92,7 @@ class OutputBudget:
     standard_uncertainty: float
     interval: tuple[float, float]
     contributions: tuple[Contribution, ...]
+    interval_by: str = BY_LAW  # or 'monte-carlo', 'simulation'
     validation: Validation | None = None
     lacks: tuple[str, ...] = ()  # expected lines, not given, that would widen it
 
@@ -198,6 +202,7 @@ class Budget:
     not_given: tuple[Name, ...]
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
+    assessment: Assessment | None = None  # against the requirement, where there is one
 
     @property
     def correlation(self) -> Array:
@@ -236,6 +241,7 @@ class Budget:
                     "mean": None,
                     "interval_low": None,
                     "interval_high": None,
+                    "interval_by": None,
                     "lower_bound": part.lower_bound,
                 }
             yield {
@@ -246,6 +252,7 @@ class Budget:
                 "mean": row.mean / scale,
                 "interval_low": row.interval[0] / scale,
                 "interval_high": row.interval[1] / scale,
+                "interval_by": row.interval_by,
                 "lower_bound": row.lower_bound,
             }
 
@@ -272,6 +279,9 @@ class Budget:
             "not_given": list(self.not_given),
             "assumptions": list(self.assumptions),
             "warnings": list(self.warnings),
+            "assessment": None
+            if self.assessment is None
+            else self.assessment.to_dict(),
         }
 
 
@@ -299,6 +309,7 @@ def _output_document(row: OutputBudget) -> dict[str, Any]:
         "lower_bound": row.lower_bound,
         "lacks": list(row.lacks),
         "interval": [end / scale for end in row.interval],
+        "interval_by": row.interval_by,
         "contributions": [
             _contribution_document(part, scale) for part in row.contributions
         ],
@@ -327,23 +338,70 @@ def _contribution_document(part: Contribution, scale: float) -> dict[str, Any]:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Probability:
+    """A probability with its 95 % sampling interval [1]."""
+
+    value: float
+    low: float | None  # None where it is computed by the law: not sampled, not exact
+    high: float | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of a conformance and its interval."""
+        ends = None if self.low is None else [self.low, self.high]
+        return {"conformance": self.value, "conformance_interval": ends}
+
+
+@dataclass(frozen=True, kw_only=True)
 class OutputAssessment:
     """One required output against its limit [SI]."""
 
     output: Output
     limit: float
     printed_limit: str  # as the requirement file gives it
-    standard_uncertainty: float
-    largest_error: float  # largest absolute end of the coverage interval
-    utilisation: float  # largest error over limit [1]
-    by_monte_carlo: bool = False  # because the law failed its check there
+    standard_uncertainty: float  # by the law
+    interval: tuple[float, float]  # coverage interval
+    interval_by: str  # 'law' or 'monte-carlo'
+    conformance: float  # probability that the error is within the limit [1]
     lower_bound: bool = False  # a line that is not given would widen it
     is_unknown: bool = False  # and no line that is given reaches it
+
+    @property
+    def largest_error(self) -> float:
+        """Largest absolute end of the coverage interval [SI]."""
+        return max(abs(self.interval[0]), abs(self.interval[1]))
+
+    @property
+    def utilisation(self) -> float:
+        """Largest error over limit [1]."""
+        return self.largest_error / self.limit
+
+    @property
+    def by_monte_carlo(self) -> bool:
+        """Whether the interval is of trials, the law not being sure enough."""
+        return self.interval_by == BY_TRIALS
 
     @property
     def is_within(self) -> bool:
         """Whether the largest error is at most the limit."""
         return settle(self.utilisation) <= 1.0
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it, in printed units."""
+        scale = self.output.si_per_unit
+        return {
+            "sensor": self.output.name.owner,
+            "parameter": self.output.name.quantity,
+            "axis": self.output.name.axis,
+            "unit": self.output.unit,
+            "limit": self.limit / scale,
+            "standard_uncertainty": self.standard_uncertainty / scale,
+            "interval": [end / scale for end in self.interval],
+            "interval_by": self.interval_by,
+            "largest_error": self.largest_error / scale,
+            "utilisation": self.utilisation,
+            "conformance": self.conformance,
+            "lower_bound": self.lower_bound,
+        }
 
 
 def worst_of(rows: Sequence[OutputAssessment]) -> OutputAssessment:
@@ -363,11 +421,13 @@ class SensorAssessment:
     sensor: str  # gyro or accelerometer
     verdict: str  # 'meets', 'fails', 'undecided' or 'undecidable'
     utilisation: float  # the largest over its required outputs [1]
+    utilisation_interval: tuple[float, float]  # 95 % sampling, and the law's error [1]
     worst_output: Name
     worst_outputs: tuple[Name, ...]  # that one and all that are equal to it
     limiting_source: Name
+    conformance: Probability | None  # of all its outputs together; None: not known
+    trials: int | None  # that were made; None by the law alone
     expected_missing: tuple[Name, ...]  # lines that a 'meets' cannot do without
-    advice: str = ""  # what would make the verdict surer
     nothing_known: bool = False  # no error line is given: a 0 is no good news
 
 
@@ -389,6 +449,7 @@ class Assessment:
     requirement: str  # its name
     outputs: tuple[OutputAssessment, ...]
     sensors: tuple[SensorAssessment, ...]
+    conformance: Probability | None  # of all outputs together; None: nothing known
     not_there: tuple[str, ...] = ()  # sensors with limits that no device has
     caps: tuple[CapAssessment, ...] = ()
 
@@ -401,3 +462,46 @@ class Assessment:
             for row in self.outputs
             if row.output.name.partition(".")[0] not in unknown and not row.is_unknown
         )
+
+    def outcome(self, row: OutputAssessment) -> str:
+        """Return 'within', 'beyond', or 'open' where its sensor's limit is."""
+        for sensor in self.sensors:
+            if row.output.name.owner == sensor.sensor:
+                low, high = sensor.utilisation_interval
+                part = row.utilisation / max(sensor.utilisation, TINY)
+                if sensor.verdict == "undecided" and low * part <= 1.0 < high * part:
+                    return "open"
+        return "within" if row.is_within else "beyond"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it, in printed units."""
+        return {
+            "requirement": self.requirement,
+            **_conformance(self.conformance),
+            "sensors": [
+                {
+                    "sensor": one.sensor,
+                    "verdict": one.verdict,
+                    "utilisation": one.utilisation,
+                    "utilisation_interval": list(one.utilisation_interval),
+                    "worst_output": one.worst_output,
+                    "worst_outputs": list(one.worst_outputs),
+                    "limiting_source": one.limiting_source,
+                    **_conformance(one.conformance),
+                    "trials": one.trials,
+                    "expected_missing": list(one.expected_missing),
+                    "nothing_known": one.nothing_known,
+                }
+                for one in self.sensors
+            ],
+            "outputs": [row.to_dict() for row in self.outputs],
+            "not_there": list(self.not_there),
+            "caps": [asdict(cap) for cap in self.caps],
+        }
+
+
+def _conformance(p: Probability | None) -> dict[str, Any]:
+    """Return a conformance for documents; None where nothing is known."""
+    if p is None:
+        return {"conformance": None, "conformance_interval": None}
+    return p.to_dict()

@@ -35,7 +35,8 @@ function evaluate(model, factors) {
     }
     const u = Math.sqrt(Math.max(variance, 0));
     const expanded = output.factor * u;
-    const largest = Math.max(Math.abs(mean - expanded), Math.abs(mean + expanded));
+    const middle = mean + output.shift * u;
+    const largest = Math.max(Math.abs(middle - expanded), Math.abs(middle + expanded));
     return {
       mean, u, expanded, largest,
       utilisation: output.limit === null ? null : largest / output.limit,
@@ -74,10 +75,12 @@ function judge(model, rows) {
     const all = own.filter((k) => rows[k].utilisation >= top * (1 - ALIKE));
     const worst = all[0];
     const utilisation = rows[worst].utilisation;
-    const passing = sensor.missing.length ? "UNDECIDABLE" : "MEETS";
+    let verdict = sensor.missing.length ? "UNDECIDABLE" : "MEETS";
+    const [low, high] = sensor.doubt.map((part) => settled(part * utilisation));
+    if (low <= 1 && high > 1) verdict = "UNDECIDED";
+    else if (settled(utilisation) > 1) verdict = "FAILS";
     verdicts.push({
-      sensor: sensor.name, worst, all, utilisation, missing: sensor.missing,
-      verdict: settled(utilisation) > 1 ? "FAILS" : passing,
+      sensor: sensor.name, worst, all, utilisation, verdict, missing: sensor.missing,
     });
   }
   return verdicts;
@@ -236,7 +239,7 @@ function sayVerdict(model, result, base, place) {
       ? "" : `; as it is: ${was.verdict}, ${perCent(was.utilisation)}`;
     return make("p", {},
       make("strong", {}, `${now.sensor[0].toUpperCase()}${now.sensor.slice(1)}: ${now.verdict}`),
-      ` by the law${missing}. ${joinOutputs(model, now.all)} at ${now.missing.length ? "\u2265\u00a0" : ""}${perCent(now.utilisation)} of its limit${before}.`);
+      `${missing}. ${joinOutputs(model, now.all)} at ${now.missing.length ? "\u2265\u00a0" : ""}${perCent(now.utilisation)} of its limit${before}.`);
   }));
   if (!result.sensors.length) place.append(make("p", {}, "No requirement: U of every output, as it is and changed."));
 }

@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import sqrt
 
-from builders import NOWHERE, PAPER_ACCELEROMETER, PAPER_GYRO, procedure, sensor
+from builders import (
+    NOWHERE,
+    PAPER_ACCELEROMETER,
+    PAPER_GYRO,
+    line,
+    procedure,
+    sensor,
+)
 from scipy.special import ndtri
 
-from budget.model.response import OUTPUT_NAMES
+from budget.distributions import UNIFORM
+from budget.names import ANGLES, AXES, Name
 from budget.spec.records import Device, Limit, Requirement, Source
 from budget.studies.comparison.compare import compare
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
@@ -22,6 +31,7 @@ SIZES = {  # limits of one unit [SI]
         "bias": 100 * MICRO_G,
     },
 }
+PARAMETERS = (("scale_factor", AXES), ("mounting_angle", ANGLES), ("bias", AXES))
 CONSTANTS = {  # independent errors: no process, one constant for each output
     "bias_repeatability": 0.3 * DEG_PER_HOUR,
     "scale_factor_repeatability": 4e-5,
@@ -73,12 +83,13 @@ def requirement(*, times=1.0, sensors=("gyro",), reference="nominal", caps=()):
         reference=reference,
         limits=tuple(
             Limit(
-                output=f"{kind}.{name}",
-                limit=times * SIZES[kind][name.split(".")[0]],
+                output=Name(quantity, owner=kind, axis=axis),
+                limit=times * SIZES[kind][quantity],
                 printed=f"{times:g} units",
             )
             for kind in sensors
-            for name in OUTPUT_NAMES
+            for quantity, axes in PARAMETERS
+            for axis in axes
         ),
         caps=tuple(caps),
         assumptions=(),
@@ -107,3 +118,14 @@ def by_name(comparison, name, sensor_kind="gyro"):
 def only_bias(name, u, **more):
     """Return a gyro whose only error is its bias repeatability [deg/h]."""
     return device(name, gyro={"bias_repeatability": u * DEG_PER_HOUR}, **more)
+
+
+def bounded_bias(name, used, **more):
+    """Return a gyro whose only error is a uniform bias, at a utilisation in truth.
+
+    95 % of a uniform quantity of half-width a lie within 0.95 a, whereas the law says
+    1.96 a/sqrt(3) = 1.13 a.
+    """
+    u = used * SIZES["gyro"]["bias"] / (0.95 * sqrt(3.0))
+    lines = [line("bias_repeatability", u, distribution=UNIFORM)]
+    return device(name, gyro=lines, **more)

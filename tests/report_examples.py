@@ -18,6 +18,7 @@ from budget.results import (
     InputFile,
     OutputAssessment,
     OutputBudget,
+    Probability,
     SensorAssessment,
     Settings,
     SobolIndex,
@@ -355,8 +356,9 @@ def make_assessment(budget, limits=None, **verdicts):
                     limit=limit,
                     printed_limit=printed,
                     standard_uncertainty=row.standard_uncertainty,
-                    largest_error=row.largest_error,
-                    utilisation=row.largest_error / limit,
+                    interval=row.interval,
+                    interval_by=row.interval_by,
+                    conformance=0.99,
                 )
             )
     sensors = []
@@ -370,6 +372,9 @@ def make_assessment(budget, limits=None, **verdicts):
                 sensor=sensor,
                 verdict=verdict,
                 utilisation=worst.utilisation,
+                utilisation_interval=(worst.utilisation, worst.utilisation),
+                conformance=Probability(value=0.9, low=0.89, high=0.91),
+                trials=100_000,
                 worst_output=worst.output.name,
                 worst_outputs=tuple(row.output.name for row in all_worst),
                 limiting_source=budget.output(worst.output.name).ranked[0].source,
@@ -379,7 +384,10 @@ def make_assessment(budget, limits=None, **verdicts):
             )
         )
     return Assessment(
-        requirement="tactical grade", outputs=tuple(outputs), sensors=tuple(sensors)
+        requirement="tactical grade",
+        outputs=tuple(outputs),
+        sensors=tuple(sensors),
+        conformance=Probability(value=0.81, low=0.80, high=0.82),
     )
 
 

@@ -93,6 +93,7 @@ def test_the_allocated_device_meets_what_it_was_made_for(strategy):
     made = device(*allocation.sensors)
     budget = analyze(
         made,
+        requirement=NAVIGATION,
         validate=False,
         coverage=NAVIGATION.coverage,
         reference=NAVIGATION.reference,

@@ -33,6 +33,7 @@ from budget.studies.comparison.figures_of_merit import (
     read_amount,
 )
 from budget.studies.comparison.grades import completeness, grade, kind_of_device
+from budget.studies.judgement import screen
 from budget.units import DEG_PER_HOUR, MICRO_G
 
 # What limits it, and what is missing
@@ -44,8 +45,9 @@ def test_remedy_brings_the_worst_output_to_its_limit():
     one = candidate(bad, bad.gyro, procedure(), requirement())
     law = propagate(one.problem)
     ends = np.abs(law.interval(0.95)).max(axis=1) / one.limits
-    worst = int(np.argmax(ends))
-    remedy = find_remedy(one, law, worst, 0.95)
+    judged = screen(one, law, coverage=0.95, seed=0)
+    worst = judged.worst
+    remedy = find_remedy(one, law, judged)
     mended = replace(
         bad.gyro,
         lines=tuple(
@@ -185,8 +187,8 @@ def test_front_of_a_comparison_names_its_merit():
     assert fronts == {"light": ("mass",), "good": ("mass",), "beaten": ()}
 
 
-def test_pairs_multiply_probabilities():
-    """Every gyro with every accelerometer: conformance the product, worse verdict."""
+def test_pairs_are_counted_together():
+    """Every gyro with every accelerometer: no surer than either, the worse verdict."""
     both = ("gyro", "accelerometer")
     devices = [
         paper_device("a", sensors=both, times=2.0),
@@ -198,7 +200,10 @@ def test_pairs_multiply_probabilities():
     for pair in found.pairs:
         g = by_name(found, pair.gyro)
         a = by_name(found, pair.accelerometer, "accelerometer")
-        assert pair.conformance.value == g.conformance.value * a.conformance.value
+        p, q = g.conformance.value, a.conformance.value
+        error = sqrt(p * q * (1.0 - p * q) / 16_384)  # own sources: the product
+        assert_allclose(pair.conformance.value, p * q, rtol=0, atol=4.0 * error)
+        assert pair.conformance.value <= min(p, q)
         assert pair.utilisation == max(g.utilisation, a.utilisation)
         if "fails" in (g.verdict, a.verdict):
             assert pair.verdict == "fails"

@@ -166,6 +166,7 @@ def test_with_limits_the_worst_of_each_limited_group_is_drawn(tmp_path):
     budget = analyze(
         device,
         procedure=procedure,
+        requirement=requirement,
         validate=False,
         coverage=requirement.coverage,
         reference=requirement.reference,

@@ -33,7 +33,8 @@ from budget.report.comparison.terminal import render_comparison
 from budget.report.comparison.utilisation_map import map_alt, utilisation_map
 from budget.report.page import render_page
 from budget.report.typeset import typeset
-from budget.studies.comparison.records import Ahead, Probability, Remedy
+from budget.results import Probability
+from budget.studies.comparison.records import Ahead, Remedy
 
 BOTH = ("gyro", "accelerometer")
 DATE = "2026-01-01"

@@ -190,7 +190,7 @@ def test_verdicts_are_those_of_the_assessment(factor, missing):
     changes = {"gyro.bias_stability": factor}
     outlook = what_if(device, requirement=wanted).evaluate(changes)
     changed = scaled(device, changes)
-    budget = analyzed(changed, coverage=0.9, reference="as_tested")
+    budget = analyzed(changed, requirement=wanted, coverage=0.9, reference="as_tested")
     assessed = assess(budget, wanted, [changed])
 
     (ours,), (theirs,) = outlook.sensors, assessed.sensors

@@ -112,8 +112,8 @@ def compare(
     from budget.errors import CallError
     from budget.report.comparison.tables import find_column
     from budget.spec import load_catalogue, load_procedure, load_requirement
-    from budget.studies.comparison.compare import TRIALS
     from budget.studies.comparison.compare import compare as run
+    from budget.studies.judgement import TRIALS
 
     check_destinations(
         json,

@@ -23,6 +23,7 @@ COLUMNS = (
     "mean",
     "interval_low",
     "interval_high",
+    "interval_by",
     "lower_bound",
 )
 

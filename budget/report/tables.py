@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from decimal import ROUND_HALF_UP, Context, Decimal
 from itertools import groupby
-from math import fsum, isfinite
+from math import floor, fsum, isfinite, log10
 from typing import TYPE_CHECKING
 
 from budget.results import INTERACTION, Contribution
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from budget.names import Name
     from budget.problem import Output
-    from budget.results import Budget, OutputBudget, Settings
+    from budget.results import Budget, OutputBudget, Probability, Settings
 
 # Plain notation between 1e-4 and 1e7, as 2.3e-9 outside: nobody counts nine zeros.
 PLAIN_FROM, PLAIN_BELOW = -4, 7  # decimal exponents of the first digit
@@ -28,6 +28,8 @@ UNKNOWN = "?"  # stands for a number of which nothing is known
 SMALL_SHARE = 0.01  # of the variance [1]; below it a cause is not worth a sentence
 ALL = 1.0 - 1e-9  # [1]; a share above is the whole, short of it by rounding only
 NO_SHARE = 1e-20  # [1]; a share below is what the rounding of doubles leaves of zero
+CERTAIN = 4  # decimals of a per cent that nearly certain probabilities get at most
+PER_CENT = 100.0
 NEAR_LIMIT = 0.01  # [1]; a utilisation this close to 1 gets one more digit
 
 
@@ -241,6 +243,27 @@ def print_utilisation(utilisation: float) -> str:
 def print_decimals(value: float, decimals: int) -> str:
     """Print a number with that many decimals; halves go up, never a negative zero."""
     return f"{_quantize(value, -decimals):f}"
+
+
+def print_three(value: float) -> str:
+    """Print three digits, zeros kept: '2.50'."""
+    return round_value(value, value / 10.0)  # two digits of a tenth
+
+
+def print_probability(p: Probability) -> str:
+    """Print a probability in per cent as far as its 95 % interval makes it sure."""
+    if p.low is None or p.high is None:  # of the joint normal law
+        if p.value in {0.0, 1.0}:
+            return ">99.9" if p.value else "<0.1"
+        return print_three(PER_CENT * p.value)
+    if p.low == p.high:
+        return print_given(PER_CENT * p.value)
+    if p.value == 1.0:  # every trial: what is known is the lower end
+        nines = min(max(floor(-log10(1.0 - p.low)) - 2, 0), CERTAIN)
+        return f">{floor(PER_CENT * p.low * 10**nines) / 10**nines:.{nines}f}"
+    if p.value == 0.0:
+        return f"<{print_given(PER_CENT * p.high, digits=1)}"
+    return round_value(PER_CENT * p.value, 10.0 * PER_CENT * (p.high - p.low) / 2.0)
 
 
 def print_coverage(coverage: float) -> str:

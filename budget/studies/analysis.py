@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from budget.calibration.problem import calibration_problem
 from budget.calibration.simulation import simulate
+from budget.errors import CallError
 from budget.methods.gum import propagate
 from budget.methods.intervals import interval_of_values
 from budget.methods.monte_carlo import (
@@ -23,6 +24,8 @@ from budget.methods.validation import MAX_TRIALS as VALIDATION_TRIALS
 from budget.methods.validation import validate as validate_law
 from budget.model.sources import SENSORS
 from budget.results import (
+    BY_LAW,
+    BY_TRIALS,
     INTERACTION,
     Budget,
     Contribution,
@@ -34,6 +37,7 @@ from budget.results import (
 )
 from budget.spec import load_procedure
 from budget.studies import cautions
+from budget.studies.conformity import assess_devices
 from budget.studies.cost import describe_cost, seconds_per_trial
 from budget.studies.lower_bounds import lacking
 from budget.studies.progress import stage
@@ -65,6 +69,7 @@ SIMULATED_RUNS = 200  # where no number is asked for
 class Estimate:
     """What one method says of all outputs, in their order [SI]."""
 
+    method: str  # 'law', 'monte-carlo' or 'simulation'
     trials: int | None
     mean: Array  # shape (n_out,)
     covariance: Array  # shape (n_out, n_out)
@@ -101,7 +106,9 @@ def analyze(
     procedure : Procedure, optional
         The paper's, if none is given.
     requirement : Requirement, optional
-        Noted among the inputs; it decides nothing here (see choose_basis).
+        The budget is judged against it, and the intervals of required outputs are
+        those that were judged; its coverage and reference must be those of the budget
+        (see choose_basis).
     method : str
         'gum' (law of propagation), 'monte-carlo' or 'simulation'. Contributions of
         the sources are the law's under every method.
@@ -175,6 +182,7 @@ def analyze(
     validations: tuple[Validation | None, ...] = (None,) * len(problem.outputs)
     if method == "gum":
         estimate = Estimate(
+            method=BY_LAW,
             trials=None,
             mean=law.mean,
             covariance=law.covariance,
@@ -214,6 +222,7 @@ def analyze(
         )
         warnings += cautions.unsettled(problem, drawn)
         estimate = Estimate(
+            method=BY_TRIALS,
             trials=drawn.trials,
             mean=drawn.mean,
             covariance=drawn.covariance,
@@ -240,7 +249,7 @@ def analyze(
             executor=executor,
             progress=stage(progress, "Sobol' indices"),
         )
-    return Budget(
+    budget = Budget(
         command=command,
         title=" + ".join(device.name for device in devices),
         inputs=_input_files(devices, procedure, requirement),
@@ -277,6 +286,50 @@ def analyze(
         ),
         warnings=warnings,
     )
+    return _judge(budget, devices, procedure, requirement)
+
+
+def _judge(
+    budget: Budget,
+    devices: Sequence[Device],
+    procedure: Procedure,
+    requirement: Requirement | None,
+) -> Budget:
+    """Judge a budget; its required outputs get the intervals that were judged."""
+    if requirement is None:
+        return budget
+    settings = budget.settings
+    if (settings.coverage, settings.reference) != (
+        requirement.coverage,
+        requirement.reference,
+    ):
+        raise CallError(
+            f"the budget is for coverage {settings.coverage} and reference "
+            f"{settings.reference}, {requirement.name} asks for {requirement.coverage} "
+            f"and {requirement.reference}; compute it with those"
+        )
+    assessment = assess_devices(
+        devices,
+        procedure,
+        requirement,
+        seed=settings.seed,
+        only=frozenset(settings.only) or None,
+    )
+    judged = {row.output.name: row for row in assessment.outputs}
+    return replace(
+        budget,
+        assessment=assessment,
+        outputs=tuple(
+            replace(row, interval=found.interval, interval_by=found.interval_by)
+            if (found := judged.get(row.output.name)) is not None
+            else row
+            for row in budget.outputs
+        ),
+        warnings=(
+            *budget.warnings,
+            *cautions.judged_otherwise(assessment, settings.interval),
+        ),
+    )
 
 
 def _simulate(
@@ -294,6 +347,7 @@ def _simulate(
             progress(run + 1, runs)
     errors = np.stack(columns, axis=1)
     return Estimate(
+        method="simulation",
         trials=runs,
         mean=errors.mean(axis=1),
         covariance=np.cov(errors),
@@ -377,6 +431,7 @@ def _output_budgets(
                     )
                     for name, variance in variances
                 ),
+                interval_by=estimate.method,
                 validation=validations[k],
                 lacks=lacks[output.name],
             )

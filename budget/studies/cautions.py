@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from budget.methods.gum import Propagation
     from budget.methods.monte_carlo import Sample
     from budget.problem import Problem
-    from budget.results import Validation
+    from budget.results import Assessment, Validation
     from budget.spec.records import Sensor
 
 # Trials that a tail of the interval should hold at the least: JCGM 101:2008, 7.2.2 asks
@@ -60,6 +60,17 @@ def doubts(problem: Problem, validations: Sequence[Validation]) -> tuple[str, ..
     text = (
         "the law of propagation is not confirmed by Monte Carlo (JCGM 101, clause 8) "
         f"for {', '.join(doubtful)}: use the method monte-carlo for these"
+    )
+    return (text,)
+
+
+def judged_otherwise(assessment: Assessment, interval: str) -> tuple[str, ...]:
+    """Say which intervals are not of the kind that was asked for."""
+    if interval == "symmetric" or not any(r.by_monte_carlo for r in assessment.outputs):
+        return ()
+    text = (
+        "limits are judged by intervals symmetric in probability, as everywhere: those "
+        f"of required outputs are, not the {interval}"
     )
     return (text,)
 

@@ -4,42 +4,39 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from budget.calibration.problem import calibration_problem
 from budget.errors import CallError
-from budget.results import (
-    Assessment,
-    CapAssessment,
-    OutputAssessment,
-    SensorAssessment,
-    all_worst_of,
-)
+from budget.methods.gum import propagate
+from budget.results import Assessment, CapAssessment, SensorAssessment
 from budget.studies.comparison.figures_of_merit import over_cap, read_amount
+from budget.studies.judgement import (
+    assess_outputs,
+    judge,
+    limit_problem,
+    together,
+)
+from budget.studies.lower_bounds import lacking
+from budget.ties import first_largest
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.results import Budget, OutputBudget
-    from budget.spec.records import Device, Limit, Requirement, Sensor
-
-NEAR = (0.95, 1.05)  # utilisations that one sure digit of u leaves open
-NEAR_ADVICE = "near the limit: --method monte-carlo --digits 2 makes it sure"
+    from budget.methods.gum import Propagation
+    from budget.results import Budget, OutputAssessment
+    from budget.spec.records import Device, Procedure, Requirement, Sensor
+    from budget.studies.judgement import Judged, Limited
 
 
 def assess(
     budget: Budget, requirement: Requirement, devices: Sequence[Device]
 ) -> Assessment:
-    """Hold a budget against the limits on its absolute errors.
-
-    The utilisation of an output is the largest absolute end of its coverage interval
-    over its limit; where the law failed its check by Monte Carlo, that interval is the
-    Monte Carlo one. A sensor `meets` if none exceeds 1, `fails` if one does, and is
-    `undecidable` if it would meet but lacks a line that has to be known.
+    """Return how a budget stands against the limits that it was computed for.
 
     Parameters
     ----------
     budget : Budget
-        Computed at the coverage and reference of the requirement.
+        Of `analyze` with that requirement.
     requirement : Requirement
-        Limits; outputs without one are not required.
     devices : sequence of Device
         Those of the budget.
 
@@ -51,37 +48,86 @@ def assess(
     Raises
     ------
     CallError
-        The budget has another coverage or reference, or the requirement sets no limit
-        for any sensor that is there.
+        The budget was computed for another requirement, or for none.
     """
-    settings = budget.settings
-    if (settings.coverage, settings.reference) != (
-        requirement.coverage,
-        requirement.reference,
-    ):
+    found = budget.assessment
+    if found is None or found.requirement != requirement.name:
+        names = " and ".join(device.name for device in devices)
         raise CallError(
-            f"the budget is for coverage {settings.coverage} and reference "
-            f"{settings.reference}, {requirement.name} asks for {requirement.coverage} "
-            f"and {requirement.reference}; compute it with those"
+            f"the budget of {names} was not judged against {requirement.name}; give "
+            "the requirement to analyze"
         )
-    present = {row.output.name: row for row in budget.outputs}
-    outputs = tuple(
-        _hold(row, limit)
-        for limit in requirement.limits
-        if (row := present.get(limit.output)) is not None
-    )
-    if not outputs:
+    return found
+
+
+def assess_devices(
+    devices: Sequence[Device],
+    procedure: Procedure,
+    requirement: Requirement,
+    *,
+    seed: int,
+    only: frozenset[str] | None = None,
+) -> Assessment:
+    """Judge devices as every command does (budget.studies.judgement).
+
+    A sensor `meets` if the largest of its utilisations is below 1, `fails` if it is
+    above, is `undecided` where its interval holds 1, and is `undecidable` if it would
+    meet but lacks a line that has to be known.
+
+    Parameters
+    ----------
+    devices : sequence of Device
+        Together at most one gyro and one accelerometer.
+    procedure : Procedure
+    requirement : Requirement
+        Limits, coverage and reference; outputs without a limit are not required.
+    seed : int
+        Of Monte Carlo.
+    only : frozenset of str, optional
+        Sources that count, by their full names.
+
+    Returns
+    -------
+    Assessment
+        A sensor without limits has no verdict.
+
+    Raises
+    ------
+    CallError
+        The requirement sets no limit for any sensor that is there.
+    """
+    sensors = tuple(s for device in devices for s in device.sensors)
+    outputs: list[OutputAssessment] = []
+    found: list[Judged] = []
+    verdicts: list[SensorAssessment] = []
+    for sensor in sensors:
+        problem = calibration_problem(
+            (sensor,), procedure, reference=requirement.reference, only=only
+        )
+        held = limit_problem(problem, requirement)
+        if held is None:
+            continue
+        law = propagate(problem)
+        judged = judge(held, law, coverage=requirement.coverage, seed=seed)
+        lacks = lacking(
+            (sensor,), procedure, reference=requirement.reference, only=only
+        )
+        outputs += assess_outputs(held, judged, lacks)
+        if sensor.lines:
+            found.append(judged)
+        verdicts.append(_verdict(sensor, held, law, judged))
+    if not verdicts:
         raise CallError(
             f"{requirement.name} sets no limit for a sensor that is there "
-            f"({', '.join(sorted({row.sensor for row in budget.outputs}))}); "
+            f"({', '.join(sorted({sensor.kind for sensor in sensors}))}); "
             "add limits for it, or leave the requirement out"
         )
-    sensors = tuple(s for device in devices for s in device.sensors)
-    verdicts = (_judge(sensor, outputs, budget) for sensor in sensors)
+    order = {limit.output: place for place, limit in enumerate(requirement.limits)}
     return Assessment(
         requirement=requirement.name,
-        outputs=outputs,
-        sensors=tuple(verdict for verdict in verdicts if verdict is not None),
+        outputs=tuple(sorted(outputs, key=lambda row: order[row.output.name])),
+        sensors=tuple(verdicts),
+        conformance=together(found) if found else None,
         not_there=limited_but_absent(requirement, sensors),
         caps=tuple(
             _cap(device, merit, cap)
@@ -114,53 +160,21 @@ def _cap(device: Device, merit: str, cap: str) -> CapAssessment:
     )
 
 
-def _hold(row: OutputBudget, limit: Limit) -> OutputAssessment:
-    """Hold one output against its limit, by an interval that passed its check."""
-    refused = row.validation is not None and not row.validation.holds
-    interval = row.interval
-    if row.validation is not None and refused:
-        interval = row.validation.interval
-    largest = max(abs(interval[0]), abs(interval[1]))
-    return OutputAssessment(
-        output=row.output,
-        limit=limit.limit,
-        printed_limit=limit.printed,
-        standard_uncertainty=row.standard_uncertainty,
-        largest_error=largest,
-        utilisation=largest / limit.limit,
-        by_monte_carlo=refused,
-        lower_bound=row.lower_bound,
-        is_unknown=row.is_unknown,
-    )
-
-
-def _judge(
-    sensor: Sensor, outputs: tuple[OutputAssessment, ...], budget: Budget
-) -> SensorAssessment | None:
-    """Return the verdict on one sensor, None where nothing is required of it."""
-    own = [row for row in outputs if row.output.name.startswith(f"{sensor.kind}.")]
-    if not own:
-        return None
-    all_worst = all_worst_of(own)
-    worst = all_worst[0]
-    # The law is checked, and trials are made, to one digit of u: that near to a limit
-    # they cannot decide. Only trials made to two digits can.
-    is_sure = budget.settings.method == "monte-carlo" and budget.settings.digits > 1
-    near = not is_sure and NEAR[0] <= worst.utilisation <= NEAR[1]
-    if not worst.is_within:
-        verdict = "fails"
-    elif sensor.expected_missing:
-        verdict = "undecidable"
-    else:
-        verdict = "meets"
+def _verdict(
+    sensor: Sensor, held: Limited, law: Propagation, judged: Judged
+) -> SensorAssessment:
+    """Return the verdict on one sensor."""
+    parts = law.source_variance[:, held.rows[judged.worst]]
     return SensorAssessment(
         sensor=sensor.kind,
-        verdict=verdict,
-        utilisation=worst.utilisation,
-        worst_output=worst.output.name,
-        worst_outputs=tuple(row.output.name for row in all_worst),
-        limiting_source=budget.output(worst.output.name).ranked[0].source,
+        verdict=judged.verdict(sensor.expected_missing),
+        utilisation=judged.utilisation,
+        utilisation_interval=judged.utilisation_interval,
+        worst_output=held.outputs[judged.worst].name,
+        worst_outputs=tuple(held.outputs[k].name for k in judged.all_worst),
+        limiting_source=held.problem.groups[first_largest(parts.tolist())].name,
+        conformance=judged.conformance if sensor.lines else None,
+        trials=judged.trials,
         expected_missing=sensor.expected_missing,
-        advice=NEAR_ADVICE if near else "",
         nothing_known=not sensor.lines,
     )

@@ -15,6 +15,7 @@ from budget.calibration.problem import calibration_problem
 from budget.methods.gum import propagate
 from budget.methods.intervals import interval_of_values
 from budget.methods.trials import first_trials
+from budget.results import BY_TRIALS
 from budget.studies.request import choose_sources, sensors_of
 from budget.ties import first_largest
 
@@ -115,6 +116,10 @@ def critical_densities(
     values = first_trials(problem, trials=trials, seed=settings.seed, outputs=rows)
     values.sort(axis=1)
     ends_mc = interval_of_values(values, settings.coverage, settings.interval)
+    for place, k in enumerate(rows):  # one interval of each output on a page
+        row = budget.outputs[k]
+        if row.interval_by == BY_TRIALS:
+            ends_mc[place] = row.interval
     densities = []
     for place, k in enumerate(rows):
         density, edges = np.histogram(values[place], bins=BINS, density=True)

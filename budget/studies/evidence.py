@@ -31,7 +31,7 @@ class Evidence:
     densities : tuple of Density
         How the errors of the critical outputs are distributed; by Monte Carlo.
     what_if : WhatIf
-        The budget as a function of the sizes of its sources, by the law.
+        The budget as a function of the sizes of its sources.
     """
 
     coupling: CouplingTable
@@ -79,5 +79,6 @@ def gather_evidence(
             coverage=settings.coverage,
             reference=settings.reference,
             only=settings.only,
+            budget=budget,
         ),
     )

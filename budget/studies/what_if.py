@@ -1,16 +1,19 @@
 """What one source more or less would do: the law of a budget for any sizes of it.
 
-With f_g the factor on the standard uncertainty of source g, k the coverage factor and
-the sums over sources (budget.methods.scaling), of every output
+With f_g the factor on the standard uncertainty of source g, k the coverage factor, d
+how far the middle of the interval lies off the mean (0 by the law) and the sums over
+sources (budget.methods.scaling), of every output
 
     mean = value + sum_g f_g^2 m_g ,
     u^2  = sum_g (f_g^2 A_g + f_g^4 Q_g) + sum_{g<h} f_g^2 f_h^2 P_gh ,
-    interval = mean +- k u ,    utilisation = largest |end| / limit ,
+    interval = mean + d u +- k u ,    utilisation = largest |end| / limit ,
     share of g = (f_g^2 A_g + f_g^4 Q_g) / u^2 .
 
 It is the law, not near it: the calibration is expanded about values that no factor
 moves. Multiplying a figure of the device file by f_g and analysing again by gum gives
-the same numbers. What Monte Carlo found where the law failed its check is not in it.
+the same numbers. Where the interval of the budget is not the law's, k and d are those
+of that interval, (U_p/u, JCGM 100:2008, annex G): its shape is kept, which is exact
+at factors of 1 and an approximation elsewhere.
 """
 
 from __future__ import annotations
@@ -24,6 +27,7 @@ from budget.calibration.problem import calibration_problem
 from budget.errors import CallError
 from budget.methods.gum import propagate
 from budget.methods.scaling import scaled_law
+from budget.results import BY_LAW
 from budget.spec import load_procedure
 from budget.studies.request import (
     check_numbers,
@@ -38,8 +42,10 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from budget.arrays import Array
+    from budget.methods.gum import Propagation
     from budget.methods.scaling import ScaledLaw
     from budget.problem import Output
+    from budget.results import Budget
     from budget.spec.records import Device, Procedure, Requirement, Sensor
 
 
@@ -60,6 +66,7 @@ class WhatIfSensor:
 
     name: str  # 'gyro' or 'accelerometer'
     missing: tuple[str, ...]  # expected lines that are not given, 'gyro.noise'
+    doubt: tuple[float, float] = (1.0, 1.0)  # interval of the utilisation over it [1]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,7 +74,7 @@ class SensorOutlook:
     """The verdict on one sensor at changed sources."""
 
     sensor: str
-    verdict: str  # 'meets', 'fails' or 'undecidable'
+    verdict: str  # 'meets', 'fails', 'undecided' or 'undecidable'
     utilisation: float  # the largest over its required outputs [1]
     worst_output: str  # dotted name
 
@@ -81,7 +88,7 @@ class Outlook:
     mean, u : ndarray, shape (n_out,)
         Expected errors and standard uncertainties [SI].
     interval : ndarray, shape (n_out, 2)
-        mean +- k u [SI].
+        Coverage intervals [SI].
     share : ndarray, shape (n_out, n_src)
         Of each source alone in the variance; 0 where the variance is 0 [1].
     utilisation : tuple of float or None
@@ -113,7 +120,9 @@ class WhatIf:
         Those that are not 0 in this run; a factor on 0 changes nothing.
     outputs : tuple of Output
     factor : ndarray, shape (n_out,)
-        Coverage factors k [1].
+        Coverage factors k: half an interval over u [1].
+    shift : ndarray, shape (n_out,)
+        d: the middle of an interval less the mean, over u [1].
     limit : tuple of float or None
         On the absolute error of each output; None where there is none [SI].
     law : ScaledLaw
@@ -126,6 +135,7 @@ class WhatIf:
     sources: tuple[WhatIfSource, ...]
     outputs: tuple[Output, ...]
     factor: Array = field(repr=False)
+    shift: Array = field(repr=False)
     limit: tuple[float | None, ...]
     law: ScaledLaw = field(repr=False)
 
@@ -150,7 +160,8 @@ class WhatIf:
         s = self._factors(factors)
         mean, variance = self.law.mean(s), self.law.variance(s)
         u = np.sqrt(variance)
-        interval = np.stack([mean - self.factor * u, mean + self.factor * u], axis=1)
+        ends = [self.shift - self.factor, self.shift + self.factor]
+        interval = np.stack([mean + end * u for end in ends], axis=1)
         share = (
             self.law.variance_alone(s)
             / np.where(variance > 0.0, variance, 1.0)[:, None]
@@ -187,6 +198,7 @@ class WhatIf:
                     "missing": [
                         _words(name.partition(".")[2]) for name in sensor.missing
                     ],
+                    "doubt": list(sensor.doubt),
                 }
                 for sensor in self.sensors
             ],
@@ -209,6 +221,7 @@ class WhatIf:
                     "unit": output.unit,
                     "value": float(law.value[k] / unit[k]),
                     "factor": float(self.factor[k]),
+                    "shift": float(self.shift[k]),
                     "limit": _in_unit(self.limit[k], output),
                     "resolution": output.resolution / output.si_per_unit,
                 }
@@ -247,7 +260,7 @@ class WhatIf:
         return s
 
     def _judge(self, utilisation: Sequence[float | None]) -> tuple[SensorOutlook, ...]:
-        """Return the verdicts, by the rules of budget.studies.conformity."""
+        """Return the verdicts, by the rules of budget.studies.judgement."""
         outlooks = []
         for sensor in self.sensors:
             own = [
@@ -258,11 +271,16 @@ class WhatIf:
             if not own:
                 continue
             used, worst = own[first_largest([row[0] for row in own])]
-            passing = "undecidable" if sensor.missing else "meets"
+            low, high = (settle(part * used) for part in sensor.doubt)
+            verdict = "undecidable" if sensor.missing else "meets"
+            if low <= 1.0 < high:
+                verdict = "undecided"
+            elif settle(used) > 1.0:
+                verdict = "fails"
             outlooks.append(
                 SensorOutlook(
                     sensor=sensor.name,
-                    verdict="fails" if settle(used) > 1.0 else passing,
+                    verdict=verdict,
                     utilisation=used,
                     worst_output=worst,
                 )
@@ -277,6 +295,7 @@ def what_if(
     coverage: float | None = None,
     reference: str | None = None,
     only: Sequence[str] = (),
+    budget: Budget | None = None,
 ) -> WhatIf:
     """Set up the budget of devices as a function of their sources.
 
@@ -294,11 +313,13 @@ def what_if(
         What errors are counted from: 'nominal', 'as_tested', 'next_turn_on'.
     only : sequence of str
         Sources that count, as for `analyze`.
+    budget : Budget, optional
+        Of the same devices: its intervals and verdicts are those at factors of 1.
 
     Returns
     -------
     WhatIf
-        With all factors 1 it is the budget by gum.
+        With all factors 1 it is that budget; without one, the budget by the law alone.
 
     Raises
     ------
@@ -320,19 +341,53 @@ def what_if(
     limits = (
         {} if requirement is None else {r.output: r.limit for r in requirement.limits}
     )
+    factor, shift = _shape(law, basis.coverage, budget)
+    doubts = {} if budget is None else _doubts(budget)
     return WhatIf(
         coverage=basis.coverage,
         reference=basis.reference,
         sensors=tuple(
-            WhatIfSensor(name=sensor.kind, missing=sensor.expected_missing)
+            WhatIfSensor(
+                name=sensor.kind,
+                missing=sensor.expected_missing,
+                doubt=doubts.get(sensor.kind, (1.0, 1.0)),
+            )
             for sensor in sensors
         ),
         sources=tuple(known[name] for name in varying),
         outputs=problem.outputs,
-        factor=law.coverage_factor(basis.coverage),
+        factor=factor,
+        shift=shift,
         limit=tuple(limits.get(output.name) for output in problem.outputs),
         law=scaled_law(problem, law).select_sources(varying),
     )
+
+
+def _shape(
+    law: Propagation, coverage: float, budget: Budget | None
+) -> tuple[Array, Array]:
+    """Return k and d of every output, shape (n_out,) each [1]."""
+    factor = law.coverage_factor(coverage)
+    shift = np.zeros_like(factor)
+    for k, row in enumerate(() if budget is None else budget.outputs):
+        u = law.standard_uncertainty[k]
+        if row.interval_by != BY_LAW and u > 0.0:
+            low, high = ((end - law.mean[k]) / u for end in row.interval)
+            factor[k], shift[k] = (high - low) / 2.0, (high + low) / 2.0
+    return factor, shift
+
+
+def _doubts(budget: Budget) -> dict[str, tuple[float, float]]:
+    """Return the interval of each sensor's utilisation, over the utilisation [1]."""
+    sensors = () if budget.assessment is None else budget.assessment.sensors
+    return {
+        one.sensor: (
+            one.utilisation_interval[0] / one.utilisation,
+            one.utilisation_interval[1] / one.utilisation,
+        )
+        for one in sensors
+        if one.utilisation > 0.0
+    }
 
 
 def _sources(sensor: Sensor) -> tuple[WhatIfSource, ...]:

@@ -32,6 +32,7 @@ from budget.report.tables import (
     print_causes,
     print_coverage,
     print_decimals,
+    print_probability,
     print_share,
     print_utilisation,
     round_error,
@@ -105,7 +106,7 @@ def limits_section(budget: Budget, assessment: Assessment) -> Section:
         RowGroup(
             title=output_title(name),
             rows=tuple(
-                _limit_row(row, is_known=row in assessment.judged) for row in outputs
+                _limit_row(row, word=_outcome(assessment, row)) for row in outputs
             ),
         )
         for name, outputs in groupby(
@@ -128,7 +129,8 @@ def limits_section(budget: Budget, assessment: Assessment) -> Section:
     )
     text = (
         f"{first_up(assessment.requirement)}. A limit is on the absolute error: the "
-        f"largest absolute end of the {coverage} % interval is held against it."
+        f"largest absolute end of the {coverage} % interval of each output is held "
+        f"against it. {_jointly(assessment)}".rstrip()
     )
     blocks: tuple[Block, ...] = (Paragraph(words=(text,)), table)
     if assessment.caps:
@@ -136,18 +138,21 @@ def limits_section(budget: Budget, assessment: Assessment) -> Section:
     return Section(name="limits", title="Limits", blocks=blocks)
 
 
-def _limit_row(row: OutputAssessment, *, is_known: bool) -> tuple[Cell, ...]:
+def _outcome(assessment: Assessment, row: OutputAssessment) -> str:
+    """Say on which side of its limit an output is, if anybody knows."""
+    if row not in assessment.judged:
+        return "not known"
+    word = assessment.outcome(row)
+    if row.lower_bound and row.is_within:
+        return "open: lines missing"
+    return f"{word}, by Monte Carlo" if row.by_monte_carlo else word
+
+
+def _limit_row(row: OutputAssessment, *, word: str) -> tuple[Cell, ...]:
     """Return one required output against its limit."""
     error = _error(row)
     used = _used(row)
     strong = not row.is_within
-    word = "within" if row.is_within else "beyond"
-    if row.by_monte_carlo:
-        word += ", by Monte Carlo"
-    if row.lower_bound and row.is_within:
-        word = "open: lines missing"
-    if not is_known:
-        word = "not known"
     return (
         Cell(text=row.output.name.rpartition(".")[2], strong=strong),
         Cell(text=error.text, exact=error.exact, strong=strong),
@@ -157,7 +162,7 @@ def _limit_row(row: OutputAssessment, *, is_known: bool) -> tuple[Cell, ...]:
             text=used.text.removesuffix(" %"),
             exact=used.exact,
             strong=strong,
-            share=min(row.utilisation, 1.0) if is_known else None,
+            share=None if word == "not known" else min(row.utilisation, 1.0),
         ),
         Cell(text=word, strong=strong),
     )
@@ -216,25 +221,46 @@ def _margin(budget: Budget, assessment: Assessment | None) -> Words:
     if not judged:
         return (*nothing, basis)
     total = len(judged)
-    beyond = sum(not row.is_within for row in judged)
+    outcomes = [assessment.outcome(row) for row in judged]
+    beyond, unsure = outcomes.count("beyond"), outcomes.count("open")
     worst = max(row.utilisation for row in judged)
     if beyond:
         by = _print_excess(worst - 1.0)
         found = f"{beyond} of {total} required outputs exceed their limits, by up to "
-        return (*nothing, f"{found}{by} of the limit. ", basis)
-    open_ones = sum(row.lower_bound for row in assessment.outputs)
-    if open_ones:
+        found += f"{by} of the limit"
+    elif unsure:
+        found = (
+            f"{unsure} of {total} required outputs are so near their limits that their "
+            "intervals do not tell on which side"
+        )
+    elif open_ones := sum(row.lower_bound for row in assessment.outputs):
         found = (
             f"{len(assessment.outputs) - open_ones} of {len(assessment.outputs)} "
             "required outputs are within their limits; "
             f"{open_ones} cannot be decided, as lines are missing"
         )
-        return (*nothing, f"{found}. ", basis)
-    found = f"All {total} required outputs stay within their limits"
-    if 1.0 - worst >= SPARE:
-        spare = print_decimals(100.0 * (1.0 - worst), 1)
-        found += f", with {spare} % of the nearest one to spare"
-    return (*nothing, f"{found}. ", basis)
+    else:
+        found = f"Each of the {total} required outputs, taken alone, stays"
+        if total == 1:
+            found = "The required output stays"
+        found += " within its limit"
+        if 1.0 - worst >= SPARE:
+            spare = print_decimals(100.0 * (1.0 - worst), 1)
+            found += f", with {spare} % of the nearest one to spare"
+    return (*nothing, f"{found}. ", _jointly(assessment), basis)
+
+
+def _jointly(assessment: Assessment) -> str:
+    """Say how probable it is that all are within together: no verdict says that."""
+    if assessment.conformance is None:
+        return ""
+    total = len(assessment.judged)
+    what = "That it is" if total == 1 else f"That all {total} are within together"
+    most = any(sensor.expected_missing for sensor in assessment.sensors)
+    return (
+        f"{what} has a probability of {'at the most ' if most else ''}"
+        f"{print_probability(assessment.conformance)} %. "
+    )
 
 
 def _verdict_card(
@@ -256,10 +282,8 @@ def _verdict_card(
             (f"It would meet, but the data sheet does not give {missing}.",),
         )
     elif sensor.verdict == "undecided":
-        text = (
-            "The trials do not tell on which side of the limit it is; "
-            "more of them will."
-        )
+        low, high = (print_utilisation(end) for end in sensor.utilisation_interval)
+        text = f"It uses {low} to {high} of the limit: on which side is not decided."
         lines.append((text,))
     lines.append(
         (
@@ -274,9 +298,17 @@ def _verdict_card(
         )
     )
     if worst.by_monte_carlo:
-        lines.append(("By Monte Carlo: the law failed its check there.",))
-    if sensor.advice:
-        lines.append((f"{first_up(sensor.advice)}.",))
+        lines.append(("By Monte Carlo: the law is not sure enough there.",))
+    if sensor.conformance is not None:
+        most = "at the most " if sensor.expected_missing else ""
+        used = print_probability(sensor.conformance)
+        lines.append(
+            (
+                f"Probability that all its limits are kept together: {most}",
+                Run(text=f"{used} %", exact=sensor.conformance.value),
+                ".",
+            )
+        )
     because = print_causes(
         [
             (source_title(part.source), part.share)

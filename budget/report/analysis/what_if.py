@@ -24,6 +24,7 @@ from budget.report.tables import (
     round_error,
     source_title,
 )
+from budget.results import BY_LAW
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -93,19 +94,32 @@ def _departures(budget: Budget, *, required: bool) -> str:
     """Say where the rest of the report does not stand on the law."""
     if budget.settings.method != "gum":
         return f" The budget itself is by {budget.settings.method}."
+    overruled = [
+        output_title(row.output.name)
+        for row in budget.outputs
+        if row.interval_by != BY_LAW
+    ]
     refused = [
         output_title(row.output.name)
         for row in budget.outputs
-        if row.validation is not None and not row.validation.holds
+        if row.interval_by == BY_LAW
+        and row.validation is not None
+        and not row.validation.holds
+        and not required
     ]
-    if not refused:
-        return ""
-    instead = (
-        "the verdict on page one stands on Monte Carlo"
-        if required
-        else "the numbers of this section are in doubt"
-    )
-    return f" The law failed its check for {', '.join(refused)}: there {instead}."
+    text = ""
+    if overruled:
+        text += (
+            f" The interval of {', '.join(overruled)} is not the law's: its own "
+            "coverage factor U/u is used here (JCGM 100, annex G), as if the shape "
+            "stayed the same; with the sources as they are it is exact."
+        )
+    if refused:
+        text += (
+            f" The law failed its check for {', '.join(refused)}: there the numbers "
+            "of this section are in doubt."
+        )
+    return text
 
 
 def _row(row: SourceSteps, *, required: bool) -> tuple[Cell, ...]:

@@ -12,13 +12,12 @@ from budget.report.comparison.tables import lists, ranks
 from budget.results import SCHEMA
 
 if TYPE_CHECKING:
+    from budget.results import OutputAssessment
     from budget.studies.comparison.records import (
         Comparison,
         DeviceVerdict,
         Entrant,
         Pair,
-        Probability,
-        RequiredOutput,
     )
 
 COLUMNS = (
@@ -38,6 +37,9 @@ COLUMNS = (
     "largest_error",
     "utilisation",
     "conformance",
+    "interval_low",
+    "interval_high",
+    "interval_by",
     "lower_bound",
     "device_lower_bound",
 )
@@ -98,7 +100,7 @@ def to_csv(comparison: Comparison) -> str:
                         "device_utilisation": one.utilisation,
                         "device_conformance": one.conformance.value,
                         "device_lower_bound": _flag(value=one.lower_bound),
-                        **_output(output),
+                        **_flat(output),
                         "lower_bound": _flag(value=output.lower_bound),
                     }
                 )
@@ -155,7 +157,7 @@ def _device(one: DeviceVerdict, rank: str) -> dict[str, Any]:
         "margin": one.margin,
         "worst_output": one.worst_output,
         "worst_outputs": list(one.worst_outputs),
-        **_probability(one.conformance),
+        **one.conformance.to_dict(),
         "limiting_source": one.remedy.source,
         "limiting_share": one.remedy.share,
         "improvement_factor": one.remedy.factor,
@@ -169,7 +171,7 @@ def _device(one: DeviceVerdict, rank: str) -> dict[str, Any]:
         "on_front": list(one.on_front),
         "advice": one.advice,
         "trials": one.trials,
-        "outputs": [_output(output) for output in one.outputs],
+        "outputs": [output.to_dict() for output in one.outputs],
     }
 
 
@@ -183,21 +185,11 @@ def _number(rank: str) -> int:
     return int(rank.rstrip("="))
 
 
-def _output(row: RequiredOutput) -> dict[str, Any]:
-    """Return one required output of a device."""
-    _, parameter, axis = row.output.name.split(".")
-    scale = row.output.si_per_unit
-    return {
-        "parameter": parameter,
-        "axis": axis,
-        "unit": row.output.unit,
-        "limit": row.limit / scale,
-        "standard_uncertainty": row.standard_uncertainty / scale,
-        "largest_error": row.largest_error / scale,
-        "utilisation": row.utilisation,
-        "conformance": row.conformance,
-        "lower_bound": row.lower_bound,
-    }
+def _flat(row: OutputAssessment) -> dict[str, Any]:
+    """Return the same without a list, as columns have it."""
+    document = row.to_dict()
+    document["interval_low"], document["interval_high"] = document.pop("interval")
+    return document
 
 
 def _pair(pair: Pair) -> dict[str, Any]:
@@ -209,10 +201,5 @@ def _pair(pair: Pair) -> dict[str, Any]:
         "verdict": pair.verdict,
         "lower_bound": pair.lower_bound,
         "utilisation": pair.utilisation,
-        **_probability(pair.conformance),
+        **pair.conformance.to_dict(),
     }
-
-
-def _probability(p: Probability) -> dict[str, Any]:
-    """Return a conformance with its 95 % interval."""
-    return {"conformance": p.value, "conformance_interval": [p.low, p.high]}

@@ -29,7 +29,7 @@ from budget.report.comparison.table_blocks import (
     ranking_note,
     ranking_table,
 )
-from budget.report.comparison.tables import PAIRS_SHOWN, PER_CENT, tables
+from budget.report.comparison.tables import PAIRS_SHOWN, tables
 from budget.report.comparison.utilisation_map import map_picture
 from budget.report.comparison.wording import (
     advice_lines,
@@ -47,7 +47,7 @@ from budget.report.comparison.wording import (
     verdict_lines,
 )
 from budget.report.figures.picture import capital
-from budget.report.tables import settings_lines, words
+from budget.report.tables import PER_CENT, settings_lines, words
 from budget.studies.comparison.figures_of_merit import MERITS
 from budget.version import __version__
 
@@ -65,8 +65,10 @@ METHODS = {
         "joint conformance from the joint normal distribution"
     ),
     "monte-carlo": (
-        "propagation of distributions by Monte Carlo (JCGM 101), every device on the "
-        "same random numbers; open verdicts and ranks get more trials"
+        "the law of propagation of uncertainty (JCGM 100) where what it can be off by "
+        "is less than the sampling error of the trials, else Monte Carlo (JCGM 101); "
+        "every device on the same random numbers; open verdicts and ranks get more "
+        "trials"
     ),
 }
 

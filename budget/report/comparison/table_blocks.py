@@ -8,16 +8,16 @@ from budget.report.blocks import Cell, Column, RowGroup, Table
 from budget.report.comparison.fronts import merit_points
 from budget.report.comparison.tables import (
     PAIRS_SHOWN,
-    PER_CENT,
     print_at_most,
     print_output,
-    print_probability,
     side_by_side,
 )
 from budget.report.tables import (
     AT_LEAST,
+    PER_CENT,
     output_title,
     print_given,
+    print_probability,
     print_utilisation,
     words,
 )
@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from budget.report.comparison.tables import Row
     from budget.report.comparison.tables import Table as Devices
     from budget.report.comparison.wording import MissingEffect
-    from budget.studies.comparison.records import Comparison, Pair, RequiredOutput
+    from budget.results import OutputAssessment
+    from budget.studies.comparison.records import Comparison, Pair
 
 LONG = 8  # rows from which a table is worth searching
 FEW = 2  # devices that are named, even where they are all
@@ -309,7 +310,7 @@ def _utilisation(row: Row) -> Cell:
     return Cell(text=row.utilisation, exact=PER_CENT * row.of.utilisation)
 
 
-def _part_of_limit(output: RequiredOutput) -> Cell:
+def _part_of_limit(output: OutputAssessment) -> Cell:
     """Return the part of one limit that one device uses; beyond it in bold."""
     part = output.utilisation
     return Cell(

@@ -5,17 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from difflib import get_close_matches
 from itertools import pairwise
-from math import floor, inf, log10
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 from budget.errors import CallError
 from budget.report.tables import (
     AT_LEAST,
     AT_MOST,
+    PER_CENT,
     Number,
     bound_number,
     join_outputs,
-    print_given,
+    print_probability,
+    print_three,
     print_utilisation,
     round_value,
     source_title,
@@ -26,19 +28,17 @@ from budget.studies.comparison.records import VERDICTS
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from budget.results import OutputAssessment, Probability
     from budget.studies.comparison.records import (
         Comparison,
         DeviceVerdict,
         MissingLines,
-        Probability,
         Remedy,
-        RequiredOutput,
     )
 
 PAIRS_SHOWN = 20
 MOST_FACTOR = 1000.0  # beyond, a line does not limit anything in any case
-CERTAIN = 4  # decimals of a per cent that nearly certain probabilities get at most
-PER_CENT = 100.0
+SURE = 5e-4  # of a utilisation [1]: half a unit in the third digit
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -264,33 +264,17 @@ def print_parts(value: float, interval: tuple[float, float]) -> tuple[str, str]:
     """Print a part of a limit in per cent, and its sampling interval.
 
     The part is printed as everywhere, the interval to the first digit of its
-    half-width; by the law there is no sampling, and so none.
+    half-width, and where the law is surer than three digits tell only if the limit
+    lies in it.
     """
     low, high = interval
     half = (high - low) / 2.0
     text = print_utilisation(value).removesuffix(" %")
-    if half == 0.0:
+    if half <= SURE * abs(value) and not low <= 1.0 < high:
         return text, ""
     # round_value keeps two digits of an uncertainty; of ten times it, one.
     ends = [round_value(PER_CENT * x, 10.0 * PER_CENT * half) for x in (low, high)]
     return text, f"{ends[0]} to {ends[1]}"
-
-
-def print_three(value: float) -> str:
-    """Print three digits, zeros kept: '2.50'."""
-    return round_value(value, value / 10.0)  # two digits of a tenth
-
-
-def print_probability(p: Probability) -> str:
-    """Print a probability in per cent as far as its 95 % interval makes it sure."""
-    if p.low == p.high:
-        return print_given(PER_CENT * p.value)
-    if p.value == 1.0:  # every trial: what is known is the lower end
-        nines = min(max(floor(-log10(1.0 - p.low)) - 2, 0), CERTAIN)
-        return f">{floor(PER_CENT * p.low * 10**nines) / 10**nines:.{nines}f}"
-    if p.value == 0.0:
-        return f"<{print_given(PER_CENT * p.high, digits=1)}"
-    return round_value(PER_CENT * p.value, 10.0 * PER_CENT * (p.high - p.low) / 2.0)
 
 
 def print_at_most(p: Probability) -> str:
@@ -299,7 +283,7 @@ def print_at_most(p: Probability) -> str:
     return text if text.startswith("<") else f"{AT_MOST} {text}"
 
 
-def print_output(row: RequiredOutput) -> str:
+def print_output(row: OutputAssessment) -> str:
     """Print the part of its limit that an output uses, in per cent: '≥ 42.0', '?'."""
     used = Number(
         text=print_utilisation(row.utilisation).removesuffix(" %"),

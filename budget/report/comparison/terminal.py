@@ -8,7 +8,6 @@ from budget.report.comparison.tables import (
     COLUMNS,
     PAIRS_SHOWN,
     print_at_most,
-    print_probability,
     side_by_side,
     tables,
 )
@@ -21,7 +20,12 @@ from budget.report.comparison.wording import (
     unknown_cap_lines,
     verdict_lines,
 )
-from budget.report.tables import align_decimals, print_utilisation, settings_lines
+from budget.report.tables import (
+    align_decimals,
+    print_probability,
+    print_utilisation,
+    settings_lines,
+)
 from budget.report.terminal import GAP, SETTING, SIGNS, Page, set_columns
 
 if TYPE_CHECKING:
@@ -48,7 +52,7 @@ FLUSH_LEFT = (
 LONGEST_DEVICE = 30  # characters; a longer name is cut
 LEGEND = {
     "": "=: not told apart from a neighbour at 95 %.",
-    "interval": "interval: 95 %, of the sampling.",
+    "interval": "interval: 95 %, of the sampling, and what the law can be off by.",
     "conformance": "conform %: probability that all required outputs are within their "
     "limits.",
     "factor": "factor: times this, the u of the limiting source alone would bring the "

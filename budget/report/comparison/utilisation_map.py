@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from budget.report.blocks import Picture
     from budget.report.blocks import Table as DataTable
     from budget.report.comparison.tables import Row, Table
-    from budget.studies.comparison.records import RequiredOutput
+    from budget.results import OutputAssessment
 
 LEFT, RIGHT, TOP, BELOW = 184.0, 4.0, 34.0, 36.0  # room for names, heads, scale [pt]
 CELL = 16.0  # height [pt]
@@ -180,7 +180,7 @@ def map_tips(table: Table) -> dict[str, str]:
     }
 
 
-def print_error(output: RequiredOutput) -> str:
+def print_error(output: OutputAssessment) -> str:
     """Print a largest error, rounded like its standard uncertainty."""
     error = round_error(
         output.largest_error, output.standard_uncertainty, output.output
@@ -204,7 +204,7 @@ def _opacity(part: float) -> float:
     return BEYOND + (DARKEST - BEYOND) * share
 
 
-def _cell(output: RequiredOutput) -> str:
+def _cell(output: OutputAssessment) -> str:
     """Print a part of a limit as everywhere, as far as a cell has room for it."""
     if 100.0 * output.utilisation >= MOST_PER_CENT:
         return ">999"

@@ -13,44 +13,34 @@ from budget.methods.gum import propagate
 from budget.spec.lines import lines_of
 from budget.studies.comparison.grades import UNKNOWN, grade
 from budget.studies.comparison.records import MissingLines, Remedy
+from budget.studies.judgement import Limited, limit_problem
 from budget.ties import first_largest
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.arrays import Array
     from budget.methods.gum import Propagation
-    from budget.problem import Problem
     from budget.spec.records import Device, ErrorLine, Procedure, Requirement, Sensor
+    from budget.studies.judgement import Judged
 
 # What makers call their technology has one of these in it, mostly.
 FAMILIES = ("mems", "fog", "rlg", "hrg", "quartz flexure")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Candidate:
-    """What is judged: a Problem with its limits.
+class Candidate(Limited):
+    """What is judged: a Problem with its limits, and whose it is.
 
     Attributes
     ----------
     place : int
         Of the device among those compared.
-    rows : ndarray of int, shape (n_required,)
-        Required outputs among those of the Problem.
-    limits : ndarray, shape (n_required,)
-        On their absolute errors [SI].
-    printed : tuple of str
-        The limits as the requirement file gives them.
     """
 
     device: Device
     place: int
     sensor: Sensor
     procedure: Procedure
-    problem: Problem
-    rows: Array
-    limits: Array
-    printed: tuple[str, ...]
 
 
 def candidate(
@@ -63,9 +53,8 @@ def candidate(
 ) -> Candidate | None:
     """Set up one sensor of a device; None where nothing is required of it."""
     problem = calibration_problem((sensor,), procedure, reference=requirement.reference)
-    places = {output.name: row for row, output in enumerate(problem.outputs)}
-    required = [limit for limit in requirement.limits if limit.output in places]
-    if not required:
+    held = limit_problem(problem, requirement)
+    if held is None:
         return None
     return Candidate(
         device=device,
@@ -73,41 +62,39 @@ def candidate(
         sensor=sensor,
         procedure=procedure,
         problem=problem,
-        rows=np.array([places[limit.output] for limit in required]),
-        limits=np.array([limit.limit for limit in required]),
-        printed=tuple(limit.printed for limit in required),
+        rows=held.rows,
+        limits=held.limits,
+        printed=held.printed,
     )
 
 
-def find_remedy(
-    one: Candidate, law: Propagation, worst: int, coverage: float
-) -> Remedy:
+def find_remedy(one: Candidate, law: Propagation, judged: Judged) -> Remedy:
     """Return the source that makes most of the worst output, and what would mend it.
 
     With the other sources as they are, k^2 (V - V_s + f^2 V_s) = (limit - |mean|)^2
-    gives the factor f on its standard uncertainty, by the law; its small part in
-    products with other sources is left as it is.
+    gives the factor f on its standard uncertainty, by the law and with the k of the
+    interval that was judged; its small part in products with other sources is left as
+    it is.
 
     Parameters
     ----------
     one : Candidate
     law : Propagation
         Of its Problem.
-    worst : int
-        Place of the worst output among the required ones.
-    coverage : float
-        Of the interval that is held against the limit.
+    judged : Judged
+        How it stands against its limits.
     """
+    worst = judged.worst
     row = one.rows[worst]
     parts = law.source_variance[:, row]
     source = first_largest(parts.tolist())
     total = float(law.covariance[row, row])
-    k = float(law.coverage_factor(coverage)[row])
-    allowed = (max(one.limits[worst] - abs(law.mean[row]), 0.0) / k) ** 2
-    rest = total - float(parts[source])
     name = one.problem.groups[source].name
     if total == 0.0:
         return Remedy(source=name, share=0.0, factor=None)
+    k = float(judged.factor[worst])
+    allowed = (max(one.limits[worst] - abs(law.mean[row]), 0.0) / k) ** 2
+    rest = total - float(parts[source])
     can_mend = allowed > rest and parts[source] > 0.0
     return Remedy(
         source=name,

@@ -21,10 +21,9 @@ from budget.studies.comparison.records import (
     Comparison,
     DeviceVerdict,
     Entrant,
-    RequiredOutput,
     UnknownCap,
 )
-from budget.studies.conformity import NEAR
+from budget.studies.judgement import MAX_TRIALS, TRIALS, assess_outputs
 from budget.studies.lower_bounds import lacking
 from budget.studies.progress import stage
 
@@ -37,8 +36,9 @@ if TYPE_CHECKING:
 
 LEAST_TRIALS = 2
 METHODS = ("gum", "monte-carlo")
-TRIALS = 100_000
-MAX_TRIALS = 1_600_000  # where more trials stop trying to settle a verdict or a rank
+NEAR = (0.95, 1.05)  # utilisations at which the fast screen is not the last word
+ADVICE = "near the limit: use --method monte-carlo"
+UNSURE = "the law is not sure enough here: use --method monte-carlo"
 
 
 def compare(
@@ -70,13 +70,15 @@ def compare(
     catalogue : sequence of Device
         Where the worst value of a line that is not given is taken from.
     method : str
-        'monte-carlo' on common random numbers, or 'gum', the fast screen.
+        'monte-carlo' on common random numbers, with the law where that is surer
+        (budget.studies.judgement), or 'gum', the law alone: the fast screen.
     trials : int
         Of each device at first; verdicts and ranks that they leave open get more.
     max_trials : int, optional
         The most that a device gets; MAX_TRIALS without, or `trials` if that is more.
     validate : bool
-        Whether Monte Carlo checks the law of every sensor, by gum.
+        By gum: judge as by 'monte-carlo' does, and say where Monte Carlo does not
+        confirm the law (JCGM 101, clause 8).
     pairs : bool
         Whether gyros and accelerometers are paired too.
     seed, workers, executor
@@ -128,7 +130,7 @@ def compare(
             progress=stage(progress, "comparison of devices"),
         )
     verdicts = [
-        _verdict(one, finding, requirement, catalogue, method)
+        _verdict(one, finding, requirement, catalogue)
         for one, finding in zip(judged, findings, strict=True)
     ]
     ranked = rank(verdicts)
@@ -138,7 +140,7 @@ def compare(
         inputs=_inputs(devices, requirement, procedures),
         settings=Settings(
             method=method,
-            trials=trials if method == "monte-carlo" else None,
+            trials=trials if method == "monte-carlo" or validate else None,
             seed=seed,
             coverage=requirement.coverage,
             interval="symmetric",
@@ -200,40 +202,29 @@ def _verdict(
     finding: Finding,
     requirement: Requirement,
     catalogue: Sequence[Device],
-    method: str,
 ) -> DeviceVerdict:
     """Turn a finding into the verdict on one sensor of one device."""
-    result, worst = finding.judged, finding.worst
-    utilisation = float(result.largest_error[worst] / one.limits[worst])
-    near = method == "gum" and NEAR[0] <= utilisation <= NEAR[1]
-    outputs = [one.problem.outputs[row] for row in one.rows]
+    judged = finding.judged
+    advice = ""
+    if judged.trials is None and NEAR[0] <= judged.utilisation <= NEAR[1]:
+        advice = ADVICE
+    elif judged.trials is None and judged.is_open:
+        advice = UNSURE
     lacks = lacking((one.sensor,), one.procedure, reference=requirement.reference)
     return DeviceVerdict(
         **vars(_entrant(one, requirement, catalogue)),
         verdict=finding.verdict,
-        utilisation=utilisation,
-        utilisation_interval=(result.utilisation_low, result.utilisation_high),
-        worst_output=outputs[worst].name,
-        worst_outputs=tuple(outputs[k].name for k in finding.all_worst),
-        conformance=result.conformance,
-        outputs=tuple(
-            RequiredOutput(
-                output=output,
-                limit=float(one.limits[k]),
-                printed_limit=one.printed[k],
-                standard_uncertainty=float(result.u[k]),
-                largest_error=float(result.largest_error[k]),
-                conformance=float(result.within[k]),
-                lower_bound=bool(lacks[output.name]),
-                is_unknown=bool(lacks[output.name])
-                and bool(result.u[k] <= output.resolution),
-            )
-            for k, output in enumerate(outputs)
-        ),
+        utilisation=judged.utilisation,
+        utilisation_interval=judged.utilisation_interval,
+        worst_output=one.outputs[judged.worst].name,
+        worst_outputs=tuple(one.outputs[k].name for k in judged.all_worst),
+        conformance=judged.conformance,
+        outputs=assess_outputs(one, judged, lacks),
         remedy=finding.remedy,
-        trials=result.trials,
-        advice="near the limit: use --method monte-carlo" if near else "",
-        batches=result.batches,
+        trials=judged.trials,
+        advice=advice,
+        judged=judged,
+        closer=finding.closer,
     )
 
 

@@ -1,9 +1,9 @@
-"""Judge every candidate; those that the trials leave open, again with more trials."""
+"""Judge every candidate; look closer at neighbours that cannot be told apart."""
 
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -11,22 +11,22 @@ import numpy as np
 
 from budget.methods.execution import in_order
 from budget.methods.gum import propagate
+from budget.methods.largest import probability_smaller
 from budget.methods.validation import validate
 from budget.studies.comparison.candidates import Candidate, find_remedy
 from budget.studies.comparison.records import Ahead, Remedy
-from budget.studies.comparison.sampling import (
+from budget.studies.judgement import (
+    STEP,
     Judged,
-    judge_by_law,
-    judge_by_trials,
-    probability_smaller,
+    can_sharpen,
+    judge,
+    judge_with,
+    screen,
 )
-from budget.ties import equal_to, first_largest
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from concurrent.futures import Executor
-
-STEP = 4  # times as many trials in each try
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,15 +56,28 @@ class How:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Finding:
-    """What is kept of one candidate; its law and its trials are not."""
+    """What is kept of one candidate; its law and its trials are not.
+
+    Attributes
+    ----------
+    judged : Judged
+        With as many trials as the verdict took: what every command says of it.
+    closer : Judged
+        With as many as its rank took, for nothing but the rank.
+    verdict : str
+    remedy : Remedy
+    impossible : tuple of str
+        Outputs beyond their limits without any source.
+    doubtful : tuple of str
+        Outputs for which Monte Carlo does not confirm the law.
+    """
 
     judged: Judged
+    closer: Judged
     verdict: str
-    worst: int  # place of the worst output among the required ones
-    all_worst: tuple[int, ...]  # with the outputs that are equal to it by the law
     remedy: Remedy
-    impossible: tuple[str, ...]  # outputs beyond their limits without any source
-    doubtful: tuple[str, ...]  # outputs for which Monte Carlo does not confirm the law
+    impossible: tuple[str, ...]
+    doubtful: tuple[str, ...]
 
 
 def judge_all(
@@ -75,7 +88,7 @@ def judge_all(
     ahead: int,
     progress: Callable[[int, int], None] | None,
 ) -> list[Finding]:
-    """Judge all; those whose verdict or rank is open again, with more trials.
+    """Judge all; those whose rank is open are looked at again with more trials.
 
     Parameters
     ----------
@@ -88,79 +101,84 @@ def judge_all(
     progress : callable, optional
         Called with the judgements done and those in all.
     """
-    open_ones = list(range(len(candidates)))
     findings: dict[int, Finding] = {}
-    number, done = how.trials, 0
-    while open_ones:
-        work = partial(judge, how=how, trials=number)
-        chosen = [candidates[place] for place in open_ones]
-        total = done + len(chosen)
+    done = 0
+
+    def take(places: Sequence[int], work: Callable[..., Finding]) -> None:
+        nonlocal done
+        total = done + len(places)
+        tasks = [(candidates[place], findings.get(place)) for place in places]
         for place, finding in zip(
-            open_ones, in_order(work, chosen, executor, ahead=ahead), strict=True
+            places, in_order(work, tasks, executor, ahead=ahead), strict=True
         ):
             findings[place] = finding
             done += 1
             if progress is not None:
                 progress(done, total)
-        if how.method == "gum" or number >= how.max_trials:
-            break
+
+    take(range(len(candidates)), partial(_judge, how=how))
+    number = how.trials
+    while number < how.max_trials:
         number = min(STEP * number, how.max_trials)
-        open_ones = _unsettled(candidates, findings)
+        tied = _tied(candidates, findings, how.max_trials)
+        if not tied:
+            break
+        take(tied, partial(_look_closer, how=how, trials=number))
     return [findings[place] for place in range(len(candidates))]
 
 
-def judge(one: Candidate, *, how: How, trials: int) -> Finding:
-    """Judge one candidate, by the law or by that many trials."""
+def _judge(task: tuple[Candidate, None], *, how: How) -> Finding:
+    """Judge one candidate, by the law alone or as every command does."""
+    one, _ = task
     law = propagate(one.problem)
     doubtful: tuple[str, ...] = ()
-    if how.method == "gum":
-        judged = judge_by_law(
-            law, one.rows, one.limits, coverage=how.coverage, seed=how.seed
-        )
-        if how.validate:
-            checks = validate(one.problem, law, coverage=how.coverage, seed=how.seed)
-            doubtful = tuple(
-                one.problem.outputs[row].name
-                for row in one.rows
-                if not checks[row].holds
-            )
+    if how.method == "gum" and not how.validate:
+        judged = screen(one, law, coverage=how.coverage, seed=how.seed)
     else:
-        judged = judge_by_trials(
-            one.problem,
-            one.rows,
-            one.limits,
+        judged = judge(
+            one,
+            law,
             coverage=how.coverage,
-            trials=trials,
             seed=how.seed,
+            trials=how.trials,
+            max_trials=how.max_trials,
         )
-    worst = first_largest((judged.largest_error / one.limits).tolist())
-    ends = np.abs(law.interval(how.coverage)[one.rows]).max(axis=1)
+    if how.validate:
+        checks = validate(one.problem, law, coverage=how.coverage, seed=how.seed)
+        doubtful = tuple(
+            one.problem.outputs[row].name for row in one.rows if not checks[row].holds
+        )
     beyond = np.abs(law.value[one.rows]) >= one.limits
     return Finding(
         judged=judged,
-        verdict=_verdict(one, judged, worst),
-        worst=worst,
-        all_worst=equal_to((ends / one.limits).tolist(), worst),
-        remedy=find_remedy(one, law, worst, how.coverage),
+        closer=judged,
+        verdict=judged.verdict(one.sensor.expected_missing),
+        remedy=find_remedy(one, law, judged),
         impossible=tuple(one.problem.outputs[row].name for row in one.rows[beyond]),
         doubtful=doubtful,
     )
 
 
-def _verdict(one: Candidate, judged: Judged, worst: int) -> str:
-    """Return one of VERDICTS; a missing expected line stops nothing but a `meets`."""
-    if judged.utilisation_low <= 1.0 < judged.utilisation_high:
-        return "undecided"
-    if judged.largest_error[worst] > one.limits[worst]:
-        return "fails"
-    return "undecidable" if one.sensor.expected_missing else "meets"
+def _look_closer(task: tuple[Candidate, Finding], *, how: How, trials: int) -> Finding:
+    """Judge one candidate again with more trials, for its rank."""
+    one, finding = task
+    if (finding.closer.trials or 0) >= trials:
+        return finding
+    closer = judge_with(
+        one,
+        propagate(one.problem),
+        coverage=how.coverage,
+        seed=how.seed,
+        trials=trials,
+    )
+    return replace(finding, closer=closer)
 
 
-def _unsettled(
-    candidates: Sequence[Candidate], findings: dict[int, Finding]
+def _tied(
+    candidates: Sequence[Candidate], findings: dict[int, Finding], max_trials: int
 ) -> list[int]:
-    """Return the places whose verdict is open, or that a neighbour ties with."""
-    found = {p for p, finding in findings.items() if finding.verdict == "undecided"}
+    """Return the places that a neighbour ties with, where more trials can tell."""
+    found: set[int] = set()
     lists: dict[tuple[str, str, str], list[int]] = {}
     for place, one in enumerate(candidates):
         if one.sensor.expected_missing:
@@ -168,22 +186,18 @@ def _unsettled(
         key = (one.sensor.kind, one.procedure.name, findings[place].verdict)
         lists.setdefault(key, []).append(place)
     for places in lists.values():
-        order = sorted(places, key=lambda p: _largest(candidates[p], findings[p]))
+        order = sorted(places, key=lambda p: findings[p].judged.utilisation)
         for better, worse in itertools.pairwise(order):
-            a, b = (findings[place].judged for place in (better, worse))
-            if np.array_equal(a.largest_error, b.largest_error) and np.array_equal(
-                a.batches, b.batches
+            a, b = (findings[place].closer for place in (better, worse))
+            if np.array_equal(a.ends.value, b.ends.value) and np.array_equal(
+                a.ends.noise, b.ends.noise
             ):
                 continue  # the same lines under two names: no trial parts them
-            step = Ahead(
-                other="", probability=probability_smaller(a.batches, b.batches)
-            )
+            step = Ahead(other="", probability=probability_smaller(a.ends, b.ends))
             if step.is_tied:
-                found |= {better, worse}
+                found |= {
+                    place
+                    for place, one in ((better, a), (worse, b))
+                    if can_sharpen(one, max_trials, above=one.utilisation_interval[0])
+                }
     return sorted(found)
-
-
-def _largest(one: Candidate, finding: Finding) -> float:
-    """Return the largest utilisation [1]."""
-    worst = finding.worst
-    return float(finding.judged.largest_error[worst] / one.limits[worst])

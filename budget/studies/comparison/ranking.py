@@ -6,15 +6,15 @@ from dataclasses import replace
 from math import inf
 from typing import TYPE_CHECKING
 
+from budget.methods.largest import probability_smaller
 from budget.studies.comparison.figures_of_merit import MERITS, front, read_amount
 from budget.studies.comparison.records import (
     VERDICTS,
     Ahead,
     DeviceVerdict,
     Pair,
-    Probability,
 )
-from budget.studies.comparison.sampling import probability_smaller
+from budget.studies.judgement import together
 from budget.ties import settle
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ def _ahead(row: DeviceVerdict, following: DeviceVerdict | None) -> Ahead | None:
         return None  # of what is not given nobody knows a probability
     return Ahead(
         other=following.name,
-        probability=probability_smaller(row.batches, following.batches),
+        probability=probability_smaller(row.closer.ends, following.closer.ends),
     )
 
 
@@ -98,7 +98,6 @@ def pair_up(rows: Sequence[DeviceVerdict]) -> tuple[Pair, ...]:
         for other in (row for row in rows if row.sensor == "accelerometer"):
             if other.procedure != gyro.procedure:
                 continue
-            a, b = gyro.conformance, other.conformance
             found.append(
                 Pair(
                     gyro=gyro.name,
@@ -107,9 +106,7 @@ def pair_up(rows: Sequence[DeviceVerdict]) -> tuple[Pair, ...]:
                     verdict=max(gyro.verdict, other.verdict, key=GRAVEST.index),
                     lower_bound=gyro.lower_bound or other.lower_bound,
                     utilisation=max(gyro.utilisation, other.utilisation),
-                    conformance=Probability(
-                        value=a.value * b.value, low=a.low * b.low, high=a.high * b.high
-                    ),
+                    conformance=together((gyro.judged, other.judged)),
                 )
             )
     found.sort(

@@ -5,49 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from budget.ties import settle
-
 if TYPE_CHECKING:
-    from budget.arrays import Array
-    from budget.problem import Output
-    from budget.results import InputFile, Settings
+    from budget.results import InputFile, OutputAssessment, Probability, Settings
+    from budget.studies.judgement import Judged
 
 # Best first; what nobody can decide comes after all that is decided, so that a maker
 # who publishes less is not ranked higher.
 VERDICTS = ("meets", "undecided", "fails", "undecidable")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Probability:
-    """A probability with its 95 % sampling interval [1]."""
-
-    value: float
-    low: float
-    high: float
-
-
-@dataclass(frozen=True, kw_only=True)
-class RequiredOutput:
-    """One required output of one device [SI]."""
-
-    output: Output
-    limit: float
-    printed_limit: str
-    standard_uncertainty: float
-    largest_error: float  # largest absolute end of the coverage interval
-    conformance: float  # probability that the error is within the limit [1]
-    lower_bound: bool = False  # a line that is not given would widen it
-    is_unknown: bool = False  # and no line that is given reaches it
-
-    @property
-    def utilisation(self) -> float:
-        """Largest error over limit [1]."""
-        return self.largest_error / self.limit
-
-    @property
-    def is_within(self) -> bool:
-        """Whether the largest error is at most the limit."""
-        return settle(self.utilisation) <= 1.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,17 +89,18 @@ class DeviceVerdict(Entrant):
 
     verdict: str  # one of VERDICTS
     utilisation: float  # the largest of its required outputs [1]
-    utilisation_interval: tuple[float, float]  # 95 % sampling interval [1]
+    utilisation_interval: tuple[float, float]  # 95 % sampling, and the law's error [1]
     worst_output: str
     worst_outputs: tuple[str, ...]  # that one and all that are equal to it by the law
     conformance: Probability  # all required outputs together
-    outputs: tuple[RequiredOutput, ...]
+    outputs: tuple[OutputAssessment, ...]
     remedy: Remedy
     trials: int | None
     advice: str
     ahead: Ahead | None = None  # of the next one with the same verdict
     on_front: tuple[str, ...] = ()  # 'price', 'mass', 'power' it is Pareto-best in
-    batches: Array = field(repr=False, compare=False)
+    judged: Judged = field(repr=False, compare=False)
+    closer: Judged = field(repr=False, compare=False)  # for the rank
 
     @property
     def lower_bound(self) -> bool:
@@ -155,7 +120,7 @@ class DeviceVerdict(Entrant):
 
 @dataclass(frozen=True, kw_only=True)
 class Pair:
-    """A gyro and an accelerometer together; their errors are independent."""
+    """A gyro and an accelerometer together, counted in the same trials."""
 
     gyro: str
     accelerometer: str

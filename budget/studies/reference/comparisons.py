@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from budget.calibration.problem import calibration_problem
-from budget.studies.comparison.sampling import NORMAL_TRIALS
+from budget.studies.judgement import NORMAL_TRIALS
 from budget.studies.reference.numbers import PART
 from budget.studies.reference.records import Key, Number, Snapshot, Word
 from budget.studies.reference.sampling import standard_errors

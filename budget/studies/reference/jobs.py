@@ -17,8 +17,9 @@ from budget.spec.requirement import read_requirement
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.cases import Bounds
 from budget.studies.analysis import analyze
-from budget.studies.comparison.compare import TRIALS, compare
+from budget.studies.comparison.compare import compare
 from budget.studies.conformity import assess
+from budget.studies.judgement import TRIALS
 from budget.studies.reference.comparisons import Compared, comparison_numbers
 from budget.studies.reference.numbers import allocation_numbers, budget_numbers
 from budget.studies.reference.records import JOBS, Asked, files_fault

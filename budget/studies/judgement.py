@@ -1,0 +1,434 @@
+"""One judgement whatever the command: a Problem held against limits.
+
+The largest absolute end of each coverage interval is held against its limit. The end is
+the law's, mean +- k u, where what the law can be off by (budget.methods.normality) is
+no more than the sampling error of the trials made; elsewhere it is that of the trials.
+So a linear model with normal inputs is judged exactly, and a bound of uniform shape by
+Monte Carlo. Trials are four times as many until the limit lies outside the interval of
+the utilisation, or until there are as many as may be: then it is undecided.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import lru_cache
+from math import sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.arrays import root_of_correlation
+from budget.methods.execution import BLOCK, one_blas_thread, stream
+from budget.methods.intervals import interval_of_values
+from budget.methods.largest import (
+    CONFIDENCE,
+    Ends,
+    ends_of_trials,
+    half_widths,
+    sampling_interval,
+)
+from budget.methods.normality import end_accuracy
+from budget.methods.trials import first_trials
+from budget.results import (
+    BY_LAW,
+    BY_TRIALS,
+    OutputAssessment,
+    Probability,
+)
+from budget.ties import equal_to, first_largest, settle
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from budget.arrays import Array
+    from budget.methods.gum import Propagation
+    from budget.problem import Output, Problem
+    from budget.spec.records import Requirement
+
+TRIALS = 100_000  # at first
+MAX_TRIALS = 1_600_000  # where more trials stop trying to settle a verdict
+STEP = 4  # times as many trials in each try
+NORMAL_TRIALS = 16_384  # of the joint normal law, where there are no others
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Limited:
+    """What is judged: the Problem of one sensor, and limits on its outputs.
+
+    Attributes
+    ----------
+    problem : Problem
+    rows : ndarray of int, shape (n_required,)
+        Required outputs among those of the Problem.
+    limits : ndarray, shape (n_required,)
+        On their absolute errors [SI].
+    printed : tuple of str
+        The limits as the requirement file gives them.
+    """
+
+    problem: Problem
+    rows: Array
+    limits: Array
+    printed: tuple[str, ...]
+
+    @property
+    def outputs(self) -> tuple[Output, ...]:
+        """The required outputs."""
+        return tuple(self.problem.outputs[row] for row in self.rows)
+
+
+def limit_problem(problem: Problem, requirement: Requirement) -> Limited | None:
+    """Put the limits of a requirement on a Problem; None where it has none there."""
+    places = {output.name: row for row, output in enumerate(problem.outputs)}
+    required = [limit for limit in requirement.limits if limit.output in places]
+    if not required:
+        return None
+    return Limited(
+        problem=problem,
+        rows=np.array([places[limit.output] for limit in required]),
+        limits=np.array([limit.limit for limit in required]),
+        printed=tuple(limit.printed for limit in required),
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Judged:
+    """How the required outputs of one Problem stand against their limits.
+
+    Attributes
+    ----------
+    interval : ndarray, shape (n_required, 2)
+        Coverage intervals [SI].
+    by_trials : ndarray of bool, shape (n_required,)
+        Whether an interval is of the trials, else it is the law's.
+    factor : ndarray, shape (n_required,)
+        Coverage factors: what times u gives the largest end from |mean| on [1].
+    u : ndarray, shape (n_required,)
+        Standard uncertainties, by the law [SI].
+    used : ndarray, shape (n_required,)
+        Utilisations: largest absolute end over limit [1].
+    used_by_law : ndarray, shape (n_required,)
+        The same by the law, which knows of equal axes that they are equal [1].
+    utilisation_interval : tuple of float
+        Of the largest: sampling at 95 %, and what the law can be off by [1].
+    within : ndarray, shape (n_required,)
+        Probability of each error to be within its limit [1].
+    conformance : Probability
+        Of all together.
+    inside : ndarray of bool, shape (trials,)
+        In which trials all are within; of the joint normal law where `trials` is None.
+    ends : Ends
+        What the interval of the utilisation was taken from.
+    sampled : ndarray, shape (n_required,)
+        Half the 95 % sampling interval of each utilisation, were it of the trials [1].
+    trials : int or None
+        None: by the law alone.
+    """
+
+    interval: Array
+    by_trials: Array
+    factor: Array
+    u: Array
+    used: Array
+    used_by_law: Array = field(repr=False)
+    utilisation_interval: tuple[float, float]
+    within: Array
+    conformance: Probability
+    inside: Array = field(repr=False)
+    ends: Ends = field(repr=False)
+    sampled: Array = field(repr=False)
+    trials: int | None
+
+    @property
+    def worst(self) -> int:
+        """Place of the output that uses most of its limit; of equal ones the first."""
+        return first_largest(self.used.tolist())
+
+    @property
+    def all_worst(self) -> tuple[int, ...]:
+        """That place and those of all outputs that are equal to it by the law."""
+        return equal_to(self.used_by_law.tolist(), self.worst)
+
+    @property
+    def utilisation(self) -> float:
+        """The largest of all outputs [1]."""
+        return float(self.used.max())
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the limit lies within the interval of the utilisation."""
+        low, high = (settle(end) for end in self.utilisation_interval)
+        return low <= 1.0 < high
+
+    def verdict(self, missing: Sequence[str] = ()) -> str:
+        """Return 'meets', 'fails', 'undecided' or 'undecidable'.
+
+        Parameters
+        ----------
+        missing : sequence of str
+            Expected lines that are not given: they stop a `meets`, nothing else.
+        """
+        if self.is_open:
+            return "undecided"
+        if settle(self.utilisation) > 1.0:
+            return "fails"
+        return "undecidable" if missing else "meets"
+
+
+def judge(
+    held: Limited,
+    law: Propagation,
+    *,
+    coverage: float,
+    seed: int,
+    trials: int = TRIALS,
+    max_trials: int = MAX_TRIALS,
+) -> Judged:
+    """Judge required outputs, with as many trials as the verdict takes.
+
+    Parameters
+    ----------
+    held : Limited
+        A Problem with its limits.
+    law : Propagation
+        Of that Problem.
+    coverage : float
+        Probability of the intervals [1].
+    seed : int
+        The first trials of the same streams count for every problem.
+    trials, max_trials : int
+        How many at first, and at most.
+
+    Returns
+    -------
+    Judged
+    """
+    number = trials
+    while True:
+        judged = judge_with(held, law, coverage=coverage, seed=seed, trials=number)
+        settles = judged.is_open and can_sharpen(judged, max_trials, above=1.0)
+        if not settles or number >= max_trials:
+            return judged
+        number = min(STEP * number, max_trials)
+
+
+def judge_with(
+    held: Limited, law: Propagation, *, coverage: float, seed: int, trials: int
+) -> Judged:
+    """Judge with so many trials and no more; arguments as of `judge`."""
+    limits = held.limits
+    values = first_trials(held.problem, trials=trials, seed=seed, outputs=held.rows)
+    ordered = np.sort(values, axis=1)
+    drawn = ends_of_trials(values, ordered, limits, coverage)
+    given = _ends_of_law(held, law, coverage)
+    sampled = half_widths(drawn).reshape(2, -1).max(axis=0)
+    by_trials = given.bound.reshape(2, -1)[0] > sampled
+    chosen = np.tile(by_trials, 2)
+    inside = np.abs(values) <= limits[:, None]
+    all_inside = np.logical_and.reduce(inside)
+    return _judged(
+        held,
+        law,
+        interval=np.where(
+            by_trials[:, None],
+            interval_of_values(ordered, coverage, "symmetric"),
+            law.interval(coverage)[held.rows],
+        ),
+        by_trials=by_trials,
+        within=inside.mean(axis=1),
+        conformance=_binomial(int(all_inside.sum()), trials),
+        inside=all_inside,
+        ends=Ends(
+            value=np.where(chosen, drawn.value, given.value),
+            noise=np.where(chosen, drawn.noise, 0.0),
+            bound=np.where(chosen, 0.0, given.bound),
+        ),
+        given=given,
+        sampled=sampled,
+        trials=trials,
+    )
+
+
+def screen(held: Limited, law: Propagation, *, coverage: float, seed: int) -> Judged:
+    """Judge by the law alone: fast, and undecided where the law is not sure enough.
+
+    The joint probability of a box has no closed form; it is counted in draws of the
+    normal distribution with the law's means and joint covariance, and says nothing of
+    what the law is off by: it has no interval. Arguments as of `judge`.
+    """
+    from scipy.special import ndtr
+
+    limits = held.limits
+    mean, u = law.mean[held.rows], law.standard_uncertainty[held.rows]
+    safe = np.where(u > 0.0, u, 1.0)
+    within = np.where(
+        u > 0.0,
+        ndtr((limits - mean) / safe) - ndtr((-limits - mean) / safe),
+        np.abs(mean) <= limits,
+    )
+    inside = _inside_normal(held, law, seed)
+    ends = _ends_of_law(held, law, coverage)
+    return _judged(
+        held,
+        law,
+        interval=law.interval(coverage)[held.rows],
+        by_trials=np.zeros(held.rows.size, dtype=bool),
+        within=within,
+        conformance=Probability(value=float(inside.mean()), low=None, high=None),
+        inside=inside,
+        ends=ends,
+        given=ends,
+        sampled=np.zeros(held.rows.size),
+        trials=None,
+    )
+
+
+def can_sharpen(judged: Judged, max_trials: int, *, above: float) -> bool:
+    """Whether more trials can make surer what reaches above a utilisation.
+
+    They cannot where the law gave it, and is surer than the last of them would be.
+    """
+    if judged.trials is None:
+        return False
+    bound = judged.ends.bound.reshape(2, -1)[0]
+    doubt = np.where(judged.by_trials, judged.sampled, bound)
+    sharpest = judged.sampled * sqrt(judged.trials / max_trials)
+    return bool(
+        (judged.by_trials | (bound > sharpest))[judged.used + doubt > above].any()
+    )
+
+
+def assess_outputs(
+    held: Limited, judged: Judged, lacks: Mapping[str, tuple[str, ...]]
+) -> tuple[OutputAssessment, ...]:
+    """Return every required output against its limit.
+
+    `lacks` are the lines that are not given and would widen an output, by its name.
+    """
+    return tuple(
+        OutputAssessment(
+            output=output,
+            limit=float(held.limits[k]),
+            printed_limit=held.printed[k],
+            standard_uncertainty=float(judged.u[k]),
+            interval=(float(judged.interval[k, 0]), float(judged.interval[k, 1])),
+            interval_by=BY_TRIALS if judged.by_trials[k] else BY_LAW,
+            conformance=float(judged.within[k]),
+            lower_bound=bool(lacks[output.name]),
+            is_unknown=bool(lacks[output.name] and judged.u[k] <= output.resolution),
+        )
+        for k, output in enumerate(held.outputs)
+    )
+
+
+def together(judged: Sequence[Judged]) -> Probability:
+    """Return the probability that all outputs of several problems are within.
+
+    Counted in the same trials: sources that problems share have the same draws there.
+    """
+    n = min(one.inside.size for one in judged)
+    inside = np.logical_and.reduce([one.inside[:n] for one in judged])
+    if any(one.trials is None for one in judged):
+        return Probability(value=float(inside.mean()), low=None, high=None)
+    return _binomial(int(inside.sum()), n)
+
+
+def _judged(
+    held: Limited,
+    law: Propagation,
+    *,
+    interval: Array,
+    by_trials: Array,
+    within: Array,
+    conformance: Probability,
+    inside: Array,
+    ends: Ends,
+    given: Ends,
+    sampled: Array,
+    trials: int | None,
+) -> Judged:
+    """Add to intervals what follows from them."""
+    largest = np.abs(interval).max(axis=1)
+    u = law.standard_uncertainty[held.rows]
+    beyond_mean = largest - np.abs(law.mean[held.rows])
+    return Judged(
+        interval=interval,
+        by_trials=by_trials,
+        factor=np.where(u > 0.0, beyond_mean / np.where(u > 0.0, u, 1.0), 0.0),
+        u=u,
+        used=largest / held.limits,
+        used_by_law=given.value.reshape(2, -1).max(axis=0),
+        utilisation_interval=sampling_interval(ends),
+        within=within,
+        conformance=conformance,
+        inside=inside,
+        ends=ends,
+        sampled=sampled,
+        trials=trials,
+    )
+
+
+def _ends_of_law(held: Limited, law: Propagation, coverage: float) -> Ends:
+    """Return the law's ends, which have a bound and no noise."""
+    low, high = law.interval(coverage)[held.rows].T
+    off = end_accuracy(held.problem, law, coverage)[held.rows]
+    return Ends(
+        value=np.concatenate([high / held.limits, -low / held.limits]),
+        noise=np.zeros((1, 2 * held.rows.size)),
+        bound=np.tile(off / held.limits, 2),
+    )
+
+
+def _inside_normal(held: Limited, law: Propagation, seed: int) -> Array:
+    """Return which of NORMAL_TRIALS draws of the law lie within all limits."""
+    rows, limits = held.rows, held.limits
+    sensor = held.outputs[0].name.owner
+    normals = _unit_normals(seed, sensor, rows.size)
+    # Scaled by the limits: the box becomes the unit cube.
+    mean = law.mean[rows] / limits
+    covariance = law.covariance[np.ix_(rows, rows)] / np.outer(limits, limits)
+    reach = normals.longest * np.sqrt(np.diag(covariance))
+    if (np.abs(mean) + reach <= 1.0).all():  # no draw is long enough to get out
+        return np.ones(NORMAL_TRIALS, dtype=bool)
+    u = np.sqrt(np.diag(covariance))
+    safe = np.where(u > 0.0, u, 1.0)
+    factor = u[:, None] * root_of_correlation(covariance / np.outer(safe, safe))
+    inside = np.empty(NORMAL_TRIALS, dtype=bool)
+    with one_blas_thread():
+        for start in range(0, NORMAL_TRIALS, BLOCK):  # blocks stay in the cache
+            y = factor @ normals.z[:, start : start + BLOCK]
+            y += mean[:, None]
+            inside[start : start + BLOCK] = np.abs(y, out=y).max(axis=0) <= 1.0
+    return inside
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Normals:
+    """Independent unit normals that all devices with one kind of sensor share."""
+
+    z: Array  # shape (n, NORMAL_TRIALS)
+    longest: float  # the largest norm of a draw
+
+
+@lru_cache(maxsize=4)
+def _unit_normals(seed: int, sensor: str, n: int) -> _Normals:
+    """Draw unit normals for n outputs; those of two sensors are independent."""
+    rng = stream(seed, f"joint conformance {sensor}", 0)
+    z = rng.standard_normal((n, NORMAL_TRIALS))
+    z.flags.writeable = False
+    return _Normals(z=z, longest=float(np.sqrt((z**2).sum(axis=0).max())))
+
+
+def _binomial(successes: int, trials: int) -> Probability:
+    """Return a proportion with its 95 % interval (Clopper and Pearson)."""
+    from scipy.special import betaincinv
+
+    tail = (1.0 - CONFIDENCE) / 2.0
+    failures = trials - successes
+    return Probability(
+        value=successes / trials,
+        low=float(betaincinv(successes, failures + 1, tail)) if successes else 0.0,
+        high=float(betaincinv(successes + 1, failures, 1.0 - tail))
+        if failures
+        else 1.0,
+    )
