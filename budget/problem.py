@@ -23,7 +23,7 @@ from budget.names import Name, as_name
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import ArrayLike
+    from numpy.typing import ArrayLike, NDArray
 
 Record = TypeVar("Record")
 Function = Callable[[Array], Array]
@@ -304,8 +304,8 @@ class Problem:
 
     @property
     def normals_per_trial(self) -> int:
-        """Number of variates that one Monte Carlo trial draws."""
-        return sum(group.size for group in self.groups if not group.is_constant)
+        """Number of variates that one Monte Carlo trial of the totals draws."""
+        return sum(group.size for group in self.pooled.groups if not group.is_constant)
 
     @cached_property
     def slices(self) -> tuple[slice, ...]:
@@ -327,8 +327,9 @@ class Problem:
         pools = [group.pool for group in self.groups if group.pool]
         return len(set(pools)) < len(pools)
 
+    @cached_property
     def pooled(self) -> Problem:
-        """Return the Problem with the normal groups of each pool drawn as one.
+        """The Problem with the normal groups of each pool drawn as one.
 
         Its outputs have the same joint distribution: a sum of independent normal
         vectors is normal, with the sum of their means and covariances. For whoever asks
@@ -362,12 +363,19 @@ class Problem:
 
     def add_up(self, x: Array) -> Array:
         """Return the function's argument, (n_arguments, trials): pools added up."""
-        argument = np.zeros(
-            (max(rows.stop for rows in self.arguments), x.shape[1]), dtype=x.dtype
-        )
+        if not self.has_pools:
+            return x
+        n = max(rows.stop for rows in self.arguments)
+        argument = np.zeros((n, x.shape[1]), dtype=x.dtype)
         for rows, place in zip(self.slices, self.arguments, strict=True):
             argument[place] += x[rows]
         return argument
+
+    @cached_property
+    def columns(self) -> NDArray[np.intp]:
+        """Row of the function's argument that each input is added to, (n_inputs,)."""
+        places = [np.arange(rows.start, rows.stop) for rows in self.arguments]
+        return np.concatenate([np.empty(0, dtype=np.intp), *places])
 
     def evaluate(self, x: Array) -> Array:
         """Call the function and hold it to its shape.
@@ -387,7 +395,11 @@ class Problem:
         ProblemError
             The function returns another shape, or no array.
         """
-        returned = self.function(self.add_up(x) if self.has_pools else x)
+        return self.evaluate_argument(self.add_up(x))
+
+    def evaluate_argument(self, argument: Array) -> Array:
+        """Call the function as `evaluate` does, on inputs whose pools are added up."""
+        returned = self.function(argument)
         try:
             y = np.asarray(returned)
         except ValueError as error:  # rows of different length
@@ -395,11 +407,11 @@ class Problem:
                 f"the function returned no array ({error}); return one row for each "
                 "output, as np.stack makes it"
             ) from error
-        expected = (len(self.outputs), x.shape[1])
+        expected = (len(self.outputs), argument.shape[1])
         if y.shape != expected:
             raise ProblemError(
-                f"the function returned shape {y.shape} for {x.shape[1]} trials, "
-                f"expected {expected}: one row for each output"
+                f"the function returned shape {y.shape} for {argument.shape[1]} "
+                f"trials, expected {expected}: one row for each output"
             )
         return y
 

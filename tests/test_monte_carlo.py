@@ -55,7 +55,7 @@ def test_workers_change_no_number(trials):
 
 def test_trials_are_the_first_of_the_stream():
     """The mean of 1000 trials is that of the first 1000 draws of block 0."""
-    problem = paper_problem()
+    problem = paper_problem().pooled
     x = draw(problem, 0, 0, np.empty((problem.n_inputs, BLOCK)))
     expected = problem.evaluate(x)[:, :1000].mean(axis=1)
     assert_array_equal(sample(problem, trials=1000).mean, expected)

@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose
 
 from budget.distributions import NORMAL, UNIFORM
 from budget.errors import ProblemError
+from budget.methods.gum import propagate
 from budget.problem import Group, Output, Problem
 
 
@@ -203,3 +204,70 @@ def test_groups_cannot_be_changed_behind_ones_back():
     """Means and covariances are read-only."""
     with pytest.raises(ValueError, match="read-only"):
         group([[1.0]]).mean[0] = 3.0
+
+
+def pool_of_two(second):
+    """Return x1 + x2 squared, both of one pool, x3 on its own; `second` is x2's."""
+    return Problem(
+        groups=(
+            Group(
+                name="x1",
+                mean=[1.0],
+                covariance=[[4.0]],
+                distributions=[NORMAL],
+                pool="sum",
+            ),
+            Group.independent("x3", u=[0.5]),
+            Group(
+                name="x2",
+                mean=[2.0],
+                covariance=[[9.0]],
+                distributions=[second],
+                pool="sum",
+            ),
+        ),
+        outputs=(Output(name="y"),),
+        function=lambda z: z[:1] ** 2 + z[1:],
+    )
+
+
+def test_groups_of_a_pool_reach_the_function_as_their_sum():
+    """Y = (x1 + x2)^2 + x3: value, law and the law of the pooled Problem agree."""
+    problem = pool_of_two(NORMAL)
+    x = np.array([[3.0], [0.25], [4.0]])
+    assert_allclose(problem.evaluate(x), [[49.25]], rtol=1e-14)
+    pooled = problem.pooled
+    assert [group.name for group in pooled.groups] == ["sum", "x3"]
+    assert_allclose(pooled.groups[0].covariance, [[13.0]], rtol=1e-14)
+    apart, together = propagate(problem), propagate(pooled)
+    # E = 3^2 + 13, Var = 4 3^2 13 + 2 13^2 + 0.25.
+    for law in (apart, together):
+        assert_allclose(law.mean, [22.0], rtol=1e-13)
+        assert_allclose(law.covariance, [[806.25]], rtol=1e-13)
+
+
+def test_a_pool_keeps_members_that_are_not_normal():
+    """Only normal vectors add up to a normal one: a uniform member stays apart."""
+    problem = pool_of_two(UNIFORM)
+    pooled = problem.pooled
+    assert sorted(group.name for group in pooled.groups) == ["x1", "x2", "x3"]
+    x = {"x1": 3.0, "x2": 4.0, "x3": 0.25}
+    at = np.array([[x[group.name]] for group in pooled.groups])
+    assert_allclose(pooled.evaluate(at), [[49.25]], rtol=1e-14)
+
+
+def test_a_pool_of_two_sizes_is_refused():
+    """Members of one pool have one size, or nobody knows what to add to what."""
+    groups = tuple(
+        Group(
+            name=f"x{n}",
+            mean=np.zeros(n),
+            covariance=np.eye(n),
+            distributions=(NORMAL,) * n,
+            pool="sum",
+        )
+        for n in (1, 2)
+    )
+    problem = Problem(groups=groups, outputs=(Output(name="y"),), function=np.sin)
+    with pytest.raises(ProblemError, match="'sum'"):
+        problem.evaluate(np.zeros((3, 1)))

@@ -122,8 +122,11 @@ def propagate(problem: Problem) -> Propagation:
         The model bends in an input whose shape has no finite kurtosis, has no
         derivatives at the best estimates, or overflows.
     """
-    taylor = expand(problem.evaluate, problem.mean)
-    C, H = taylor.C, taylor.H
+    # Derivatives by the function's arguments; inputs of a pool share them.
+    point = problem.add_up(problem.mean[:, None])[:, 0]
+    taylor = expand(problem.evaluate_argument, point)
+    columns = problem.columns
+    C, H = taylor.C[:, columns], taylor.H[:, columns[:, None], columns]
     _refuse_no_number(problem, "value", taylor.value)
     _refuse_no_number(problem, "derivative", C, H)
     blocks = [np.asarray(group.covariance) for group in problem.groups]

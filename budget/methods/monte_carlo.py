@@ -179,6 +179,7 @@ def sample(
         A worker died, or the model cannot be sent to it.
     """
     _check(trials, digits, coverage, interval)
+    problem = problem.pooled
     adaptive = trials is None
     blocks = (_macro_block_size(coverage) if adaptive else _macro_block_size()) // BLOCK
     first_stage = FIRST_STAGE if digits == 1 else FIRST_STAGE_FINE

@@ -53,6 +53,7 @@ def first_trials(
     """
     if trials < 1:
         raise CallError(f"trials is {trials}, allowed: 1 or more")
+    problem = problem.pooled
     rows = np.arange(len(problem.outputs)) if outputs is None else np.asarray(outputs)
     values = np.empty((rows.size, trials))
     x = np.empty((problem.n_inputs, BLOCK))
