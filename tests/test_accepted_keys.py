@@ -20,7 +20,7 @@ from budget.report.comparison.document import to_dict
 from budget.spec import load_costs, load_device, validate
 from budget.spec.device import read_device
 from budget.spec.files import find, open_file
-from budget.spec.lines import SENSORS, lines_of
+from budget.spec.lines import SENSORS, lines_of, walk_of
 from budget.spec.records import ANGLES, AXES
 from budget.studies.allocation.allocate import allocate
 
@@ -45,6 +45,8 @@ def example(key):
         return {"order": ["x", "y", "z"], "azimuths": ["10 deg", "100 deg"]}[
             key.path[-1]
         ]
+    if key.path[-1] == "distribution" and "arcsine" in schema.get("enum", ()):
+        return "arcsine"  # the last words of the list are other words for uniform
     if "enum" in schema:
         return next(word for word in reversed(schema["enum"]) if word != default)
     if schema.get("type") in {"integer", "number"}:
@@ -55,6 +57,13 @@ def example(key):
 # Keys whose value has to stand beside another one to be allowed, or to mean something.
 AXES_OF = {"bias": AXES, "mounting_angle": ANGLES}
 BESIDE = {"distribution": {"meaning": "max"}}
+# A unit per root of hertz, beside which `density` may stand.
+DENSITIES = {
+    "deg/sqrt(h)": "deg/h/sqrt(Hz)",
+    "ug/sqrt(Hz)": "ug/sqrt(Hz)",
+    "deg/h/sqrt(h)": "deg/s^2/sqrt(Hz)",
+    "ug/sqrt(h)": "ug/s/sqrt(Hz)",
+}
 
 
 def device(key):
@@ -79,6 +88,8 @@ def device(key):
         (line,) = (one for one in lines_of(sensor) if one.name == name)
         figure = {"value": f"1 {line.like(sensor)}"}
         beside = BESIDE.get(key.path[-1], {})
+        if key.path[-1] == "density":
+            beside = {"value": f"1 {DENSITIES[line.like(sensor)]}"}
         tree[sensor]["errors"][name] = figure | beside
         if len(rest) > 2:  # a key of an axis that is a mapping
             tree[sensor]["errors"][name]["axes"] = {rest[1]: figure | beside}
@@ -242,6 +253,9 @@ def test_a_key_of_a_procedure_moves_a_number(key, load):
             for line in lines_of(sensor)
             if line.process
         }
+        walk = walk_of(sensor)
+        noise = {"value": errors["sample_noise"], "adds_to": walk}
+        errors["sample_noise"] = noise
         tree[sensor] = {"nominal": {"mounting_angle": "1 deg"}, "errors": errors}
     one = load(load_device, tree)
     own = replaced({"latitude": "34.2394 deg"}, key.path, example(key))

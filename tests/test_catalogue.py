@@ -8,6 +8,7 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
+from numpy.testing import assert_allclose
 from ruamel.yaml import YAML
 
 import budget
@@ -221,7 +222,8 @@ def meaning_of(place, words):
         return "1 sigma"
     if "nominal" in words or "typical" in words:
         return "typical"
-    return "max" if place.endswith(CONSTANTS) else "1 sigma"
+    bound = place.endswith(CONSTANTS) or words.startswith(("≤", "<", "±"))
+    return "max" if bound else "1 sigma"
 
 
 @pytest.mark.parametrize("ref", REFS)
@@ -236,6 +238,17 @@ def test_meaning_and_definition_follow_the_rules(ref):
             assert figure.get("definition", "sigma") == expected
 
 
+def test_both_figures_of_a_maker_decide_the_sides_of_a_density():
+    """MS1010 prints the rms in 1 Hz too, D sqrt(1 Hz): one-sided, so N is D/sqrt(2)."""
+    device = raw("ms1000#MS1010")
+    (band,) = [f for f in device["figures"] if f["name"] == "accel.resolution"]
+    assert (band["value"], band["condition"]) == ("34 μg rms", "in 1 Hz, typical")
+    line = load_device("ms1000#MS1010").accelerometer.line("velocity_random_walk")
+    assert line.density == device["accelerometer"]["errors"][line.name]["density"]
+    assert line.density == "one-sided"
+    assert_allclose(line.u, 34e-6 * 9.80665 / math.sqrt(2.0), rtol=1e-14)
+
+
 @pytest.mark.parametrize("ref", REFS)
 def test_nothing_is_invented(ref):
     """No correlation time, no shape and no nominal value: no maker here prints one."""
@@ -243,7 +256,7 @@ def test_nothing_is_invented(ref):
     assert not any("nominal" in device.get(sensor, {}) for sensor in SENSORS)
     for place, figure in lines_in(device):
         assert figure.keys() <= {
-            *("value", "meaning", "definition", "includes", "horizon"),
+            *("value", "meaning", "definition", "density", "includes", "horizon"),
             *("condition", "source"),
         }, place
 

@@ -36,6 +36,7 @@ accelerometer:
     bias_repeatability: {value: 50 \u00b5g, axes: {z: 80 \u00b5g}}
     bias_stability: {value: 10 ug, correlation_time: 100 s}
     velocity_random_walk: 20 ug/sqrt(Hz)
+    sample_noise: {value: 100 ug, adds_to: velocity_random_walk}
     scale_factor_repeatability: {value: 60 ppm, meaning: max, distribution: arcsine}
     mounting_repeatability: 3 arcsec
 """
@@ -227,6 +228,26 @@ def test_max_takes_any_unit_of_the_line():
 
     assert_allclose(row["allowed"], 1e-6 * 60.0, rtol=1e-12)
     assert row["at_ceiling"] is True
+
+
+@pytest.mark.parametrize("sides", ["", ", density: one-sided", ", density: two-sided"])
+def test_a_density_stays_in_the_terms_of_the_file(odd, tmp_path, sides):
+    """Now, allowed and --max are densities as the maker prints them; the walk is N."""
+    figure = f"{{value: 20 ug/sqrt(Hz){sides}}}"
+    text = ODD.replace("20 ug/sqrt(Hz)", figure).replace("9.80708", "9.80665")
+    odd.write_text(text, encoding="utf-8")
+    name, path = "accelerometer.velocity_random_walk", tmp_path / "out.yaml"
+    rows = document(
+        odd, "--max", f"{name}=1 ug/sqrt(Hz)", "--write", path, "--strategy", "equal"
+    )["sources"]
+    (row,) = [row for row in rows if row["source"] == name]
+    assert_allclose([row["now"], row["allowed"]], [20.0, 1.0], rtol=1e-12)
+    before, after = (
+        load_device(one).accelerometer.line("velocity_random_walk")
+        for one in (odd, path)
+    )
+    assert after.density == before.density
+    assert_allclose(after.u, before.u / 20.0, rtol=1e-9)
 
 
 def test_costs_choose_their_strategy(tmp_path):

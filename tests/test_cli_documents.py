@@ -39,10 +39,8 @@ GIVEN = {
 }
 NOT_GIVEN = [
     "gyro.rate_random_walk",
-    "gyro.sample_noise",
     "gyro.scale_factor_nonlinearity",
     "gyro.scale_factor_asymmetry",
-    "accelerometer.velocity_random_walk",
     "accelerometer.acceleration_random_walk",
     "accelerometer.scale_factor_nonlinearity",
 ]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from budget.errors import SpecError
 from budget.spec import load_device
 from budget.spec.lines import SENSORS, lines_of
 
@@ -78,12 +79,10 @@ def test_the_shipped_device_needs_no_assumption_and_misses_nothing_expected():
     assert device.assumptions == ()
     assert device.gyro.not_given == (
         "gyro.rate_random_walk",
-        "gyro.sample_noise",
         "gyro.scale_factor_nonlinearity",
         "gyro.scale_factor_asymmetry",
     )
     assert device.accelerometer.not_given == (
-        "accelerometer.velocity_random_walk",
         "accelerometer.acceleration_random_walk",
         "accelerometer.scale_factor_nonlinearity",
     )
@@ -125,12 +124,171 @@ def test_a_meaning_gives_its_standard_uncertainty_and_shape(gyro, words):
     assert {one.name for one in line.distributions} == {shape}
 
 
-@pytest.mark.parametrize("words", ["meaning: max", "meaning: peak to peak"])
-def test_a_process_is_normal_whatever_its_figure_means(gyro, words):
-    """The bound of a process gives u as a uniform one; the process stays normal."""
-    line = gyro(f"sample_noise: {{value: 6 deg/h, {words}}}").gyro.lines[0]
-    assert_allclose(line.u, [MEANINGS[words][0] * DEG_H] * 3, rtol=1e-14)
+PROCESSES = {
+    "bias_stability": "deg/h",
+    "angle_random_walk": "deg/sqrt(h)",
+    "rate_random_walk": "deg/h/sqrt(h)",
+    "sample_noise": "deg/h",
+}
+
+
+@pytest.mark.parametrize("name", PROCESSES)
+@pytest.mark.parametrize(
+    ("words", "part"),
+    [("max", 1.0), ("peak to peak", 0.5), ("max, distribution: normal", 1.0)],
+)
+def test_a_bound_on_a_process_is_its_sigma(gyro, name, words, part):
+    """A maker's largest noise or stability is the sigma of the worst unit, and said so.
+
+    It is not divided by sqrt(3), and the process is normal.
+    """
+    unit = PROCESSES[name]
+    device = gyro(f"{name}: {{value: 6 {unit}, meaning: {words}}}")
+    whole = gyro(f"{name}: 6 {unit}").gyro.lines[0]
+    line = device.gyro.lines[0]
+    assert_allclose(line.u, part * whole.u, rtol=1e-14)
     assert {one.name for one in line.distributions} == {"normal"}
+    (said,) = [text for text in device.assumptions if "taken as a bound" in text]
+    assert said.startswith(f"gyro.{name}: ")
+
+
+@pytest.mark.parametrize(
+    ("word", "meaning", "shape"),
+    [
+        ("meaning: 3\N{GREEK SMALL LETTER SIGMA}", "3 sigma", "normal"),
+        ("meaning: 1 \N{GREEK SMALL LETTER SIGMA}", "1 sigma", "normal"),
+        ("meaning: 2-sigma", "2 sigma", "normal"),
+        ("meaning: p-p", "peak to peak", "uniform"),
+        ("meaning: pk-pk", "peak to peak", "uniform"),
+        ("meaning: max, distribution: rectangular", "max", "uniform"),
+        ("distribution: rectangular", "1 sigma", "uniform"),
+        ("distribution: gaussian", "1 sigma", "normal"),
+        ("meaning: 3 sigma, distribution: Gaussian", "3 sigma", "normal"),
+    ],
+)
+def test_makers_words_are_read_as_ours(gyro, word, meaning, shape):
+    """Another spelling of a meaning or a shape is that one, to the last bit."""
+    line = gyro(f"bias_repeatability: {{value: 6 deg/h, {word}}}").gyro.lines[0]
+    ours = gyro(
+        f"bias_repeatability: {{value: 6 deg/h, meaning: {meaning}, "
+        f"distribution: {shape}}}"
+    ).gyro.lines[0]
+    assert (line.meaning, line.distributions) == (meaning, ours.distributions)
+    assert_allclose(line.u, ours.u, rtol=0)
+
+
+# Printed density, unit, and the random walk of it in that of the sensor's walk line.
+# One-sided by default: N = D / sqrt(2); deg/h/sqrt(Hz) is a 60th of deg/sqrt(h).
+DENSITIES = [
+    ("angle_random_walk: 0.008 deg/s/sqrt(Hz)", "0.34 deg/sqrt(h)", 1.0 / 480.0),
+    ("angle_random_walk: 8.485281374 deg/h/sqrt(Hz)", "0.1 deg/sqrt(h)", 1e-9),
+    (
+        "angle_random_walk: {value: 8.485281374 deg/h/sqrt(Hz), density: one-sided}",
+        "0.1 deg/sqrt(h)",
+        1e-9,
+    ),
+    (
+        "angle_random_walk: {value: 6 deg/h/sqrt(Hz), density: two-sided}",
+        "0.1 deg/sqrt(h)",
+        1e-14,
+    ),
+]
+
+
+@pytest.mark.parametrize(("density", "walk", "rtol"), DENSITIES)
+def test_a_density_is_one_sided_unless_said(gyro, density, walk, rtol):
+    """ADIS16470 prints both 0.008 deg/s/sqrt(Hz) and 0.34 deg/sqrt(h) for one noise.
+
+    0.008 x 60 / sqrt(2) is 0.3394, which rounds to what is printed: half of its last
+    digit over 0.3394 is the tolerance. The rest are exact.
+    """
+    line = gyro(density).gyro.lines[0]
+    same = gyro(f"angle_random_walk: {walk}").gyro.lines[0]
+    tolerance = 0.005 / 0.3394 if "0.008" in density else rtol
+    assert_allclose(line.u, same.u, rtol=tolerance)
+    # What a table shows stays in the maker's terms.
+    printed = float(density.replace("{", "").replace("value:", "").split()[1])
+    assert_allclose(line.u / line.si_per_unit, printed, rtol=1e-14)
+
+
+def test_a_two_sided_density_would_contradict_the_maker(gyro):
+    """Control: read as two-sided, the first of those is 0.48 and not 0.34."""
+    figure = "{value: 0.008 deg/s/sqrt(Hz), density: two-sided}"
+    line = gyro(f"angle_random_walk: {figure}").gyro.lines[0]
+    printed = gyro("angle_random_walk: 0.34 deg/sqrt(h)").gyro.lines[0]
+    assert_allclose(line.u / printed.u, 0.48 / 0.34, rtol=1e-14)
+
+
+def test_the_default_of_a_density_is_said_and_a_stated_one_is_not(gyro):
+    """The assumption names the factor 0.7071; what the file says is none."""
+    head = "accelerometer: {}\n"
+    texts = gyro("angle_random_walk: 1 deg/h/sqrt(Hz)", head=head).assumptions
+    (said,) = [text for text in texts if "density" in text]
+    assert said.startswith("gyro.angle_random_walk: density taken as one-sided")
+    assert "0.7071" in said
+    for sides in ("one-sided", "two-sided"):
+        figure = f"{{value: 1 deg/h/sqrt(Hz), density: {sides}}}"
+        stated = gyro(f"angle_random_walk: {figure}", head=head).assumptions
+        assert not any("density" in text for text in stated)
+    walk = gyro("angle_random_walk: 1 deg/sqrt(h)", head=head).assumptions
+    assert not any("density" in text for text in walk)
+
+
+def test_axes_may_be_densities_and_walks(gyro):
+    """Each axis goes by its own unit and words; 1 deg/s/sqrt(Hz) is 60 deg/sqrt(h)."""
+    line = gyro(
+        "angle_random_walk: {value: 1 deg/s/sqrt(Hz), axes: {y: 60 deg/sqrt(h), "
+        "z: {value: 1 deg/s/sqrt(Hz), density: two-sided}}}"
+    ).gyro.lines[0]
+    assert_allclose(line.u / line.u[1], [sqrt(0.5), 1.0, 1.0], rtol=1e-14)
+
+
+@pytest.mark.parametrize(
+    "figure",
+    [
+        "{value: 0.1 deg/sqrt(h), density: one-sided}",
+        "{value: 0.1 deg/h/sqrt(Hz), axes: {x: 1 deg/sqrt(h)}, density: two-sided}",
+        "{axes: {x: {value: 1 deg/sqrt(h), density: one-sided}, y: 1 dps, z: 1 dps}}",
+    ],
+)
+def test_a_random_walk_itself_has_no_sides(gyro, figure):
+    """A figure in deg/sqrt(h) is N, and refuses to be called a density."""
+    with pytest.raises(SpecError, match=r"random walk itself .*remove 'density'"):
+        gyro(f"angle_random_walk: {figure}")
+
+
+BOTH = "angle_random_walk: 0.1 deg/sqrt(h)\n    sample_noise: "
+
+
+def test_the_same_noise_is_not_taken_twice(gyro):
+    """A random walk and a noise of every sample are refused together, with remedies."""
+    with pytest.raises(SpecError) as caught:
+        gyro(BOTH + "60 deg/h")
+    (issue,) = caught.value.issues
+    assert issue.field == "gyro.errors.sample_noise"
+    for words in ("would count twice", "Remove one", "adds_to: angle_random_walk"):
+        assert words in issue.message
+
+
+def test_two_noises_that_differ_are_both_taken(gyro):
+    """`adds_to` says that the noise of the sample is no part of the random walk."""
+    sensor = gyro(BOTH + "{value: 60 deg/h, adds_to: angle_random_walk}").gyro
+    assert {line.name for line in sensor.lines} == {"angle_random_walk", "sample_noise"}
+    with pytest.raises(SpecError, match="adds_to"):
+        gyro(BOTH + "{value: 60 deg/h, adds_to: velocity_random_walk}")
+
+
+@pytest.mark.parametrize(
+    ("noise", "other"),
+    [
+        ("angle_random_walk: 1 deg/sqrt(h)", "gyro.sample_noise"),
+        ("sample_noise: 1 deg/h", "gyro.angle_random_walk"),
+    ],
+)
+def test_the_second_way_to_give_one_noise_is_no_gap(gyro, noise, other):
+    """Where one noise line is given, the other is not among those that could widen."""
+    assert other not in gyro(noise).gyro.not_given
+    assert other in gyro("bias_repeatability: 1 deg/h").gyro.not_given
 
 
 @pytest.mark.parametrize(
@@ -197,7 +355,7 @@ def test_a_correlation_time_is_kept(gyro):
         ("definition: sigma", 6.0),
         ("definition: allan_minimum", 6.0 / 0.664),
         ("definition: allan_minimum, meaning: typical", 6.0 / 0.664),
-        ("definition: allan_minimum, meaning: max", 6.0 / sqrt(3.0) / 0.664),
+        ("definition: allan_minimum, meaning: max", 6.0 / 0.664),
     ],
 )
 def test_a_definition_gives_the_sigma_of_the_process(gyro, words, u):

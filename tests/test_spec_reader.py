@@ -59,7 +59,32 @@ BAD = {
     "line of the other sensor": (
         GYRO + "    velocity_random_walk: 1 ug/sqrt(Hz)\n",
         "4:5",
-        "unknown key.*angle_random_walk",
+        "unknown key.*did you mean 'angle_random_walk'",
+    ),
+    "line of the other sensor, accelerometer": (
+        "name: x\naccelerometer: {errors: {angle_random_walk: 1 deg/sqrt(h)}}\n",
+        "2:26",
+        "did you mean 'velocity_random_walk'",
+    ),
+    "line of one sensor only": (
+        "name: x\naccelerometer: {errors: {scale_factor_asymmetry: 1 ppm}}\n",
+        "2:26",
+        "mounting_repeatability$",
+    ),
+    "another number of sigmas": (
+        GYRO + "    sample_noise: {value: 1 deg/h, meaning: 4 sigma}\n",
+        "4:45",
+        "or 'peak to peak'$",
+    ),
+    "another shape": (
+        GYRO + "    bias_repeatability: {value: 1 deg/h, distribution: lognormal}\n",
+        "4:56",
+        "or 'arcsine'$",
+    ),
+    "a bound in the text": (
+        GYRO + "    angle_random_walk: 0.012 deg/sqrt(h) max\n",
+        "4:24",
+        r"\{value: 0.012 deg/sqrt\(h\), meaning: max\}",
     ),
     "correlation time of a constant": (
         GYRO + "    bias_repeatability: {value: 1 deg/h, correlation_time: 1 s}\n",

@@ -191,9 +191,13 @@ def _values(
 ) -> dict[str, float]:
     """Read SOURCE=VALUE [SI]; every unit of the line will do."""
     from budget.errors import CallError, UnitError
+    from budget.spec.figures import standard_size
     from budget.spec.lines import lines_of
     from budget.units import parse_quantity
 
+    densities = {
+        f"{s.kind}.{line.name}": line.density for s in sensors for line in s.lines
+    }
     units = {
         f"{s.kind}.{line.name}": line.like(s.kind)
         for s in sensors
@@ -209,7 +213,8 @@ def _values(
             )
         for full in _names(sensors, option, name.strip()):
             try:
-                value = parse_quantity(figure, units[full]).value
+                quantity = parse_quantity(figure, units[full])
+                value = standard_size(quantity, densities.get(full, ""))
             except UnitError as error:
                 raise CallError(f"{option} {name.strip()}: {error}") from None
             if value <= 0.0:

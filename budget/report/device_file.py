@@ -9,7 +9,13 @@ import numpy as np
 
 from budget.distributions import NORMAL
 from budget.spec.records import ANGLES, AXES
-from budget.units import ARCSEC, DEG_PER_HOUR, STANDARD_GRAVITY, parse_quantity
+from budget.units import (
+    ARCSEC,
+    DEG_PER_HOUR,
+    STANDARD_GRAVITY,
+    WALK_PER_DENSITY,
+    parse_quantity,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -77,19 +83,24 @@ def _figure(line: ErrorLine) -> str:
         for key, text in _says(shapes[0], times[0]).items()
         if len(set(shapes)) == len(set(times)) == 1
     }
+    whole = {
+        key: text
+        for key, text in (("density", line.density), ("adds_to", line.adds_to))
+        if text
+    }
     own = [
         {} if common else _says(shape, time)
         for shape, time in zip(shapes, times, strict=True)
     ]
     if len(set(values)) == 1 and not any(own):
-        if not common:
+        if not common and not whole:
             return values[0]
-        return _mapping({"value": values[0], **common})
+        return _mapping({"value": values[0], **common, **whole})
     by_axis = {
         axis: _mapping({"value": value, **more}) if more else value
         for axis, value, more in zip(axes, values, own, strict=True)
     }
-    return _mapping({**common, "axes": _mapping(by_axis)})
+    return _mapping({**common, **whole, "axes": _mapping(by_axis)})
 
 
 def _says(shape: str, time: float | None) -> dict[str, str]:
@@ -115,7 +126,7 @@ def _gravity(sensors: Sequence[Sensor]) -> float | None:
     for sensor in sensors:
         for line in sensor.lines:
             standard = parse_quantity(f"1 {line.unit}", line.unit).si_per_unit
-            ratio = line.si_per_unit / standard
+            ratio = line.si_per_unit / standard / WALK_PER_DENSITY[line.density]
             if not np.abs(ratio - 1.0) <= SAME_SIZE:
                 return STANDARD_GRAVITY * ratio
     return None

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
+from budget.spec.lines import LINES, twin_of
 from budget.spec.tree import MOST_ISSUES, all_of, describe, plain
 
 if TYPE_CHECKING:
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     from budget.spec.tree import Document, Node
 
 Model = TypeVar("Model", bound=BaseModel)
+
+_SLIP = 0.85  # likeness from which a word of a file is a slip of another
 
 _EXPECTED = {
     "string_type": "expected text; put it in quotes",
@@ -87,6 +90,23 @@ def nearest(word: str, allowed: tuple[str, ...]) -> str:
     return f"; did you mean {by_lower[near[0]]!r}?" if near else ""
 
 
+def _slip(word: str, allowed: tuple[str, ...]) -> str:
+    """Return a hint at the word of a file that another is a slip of, or ''.
+
+    Near is not enough here: '4 sigma' is no slip of '1 sigma' nor 'lognormal' of
+    'normal', and a line of one kind of sensor has its own twin on the other.
+    """
+    if any(line.name == word for line in LINES):
+        twin = twin_of(word)
+        return f"; did you mean {twin!r}?" if twin in allowed else ""
+    digits = re.findall("[0-9]", word)
+    same = {
+        name.lower(): name for name in allowed if re.findall("[0-9]", name) == digits
+    }
+    near = get_close_matches(word.lower(), same, n=1, cutoff=_SLIP)
+    return f"; did you mean {same[near[0]]!r}?" if near else ""
+
+
 def _issue(
     document: Document, root: Node, model: type[BaseModel], detail: ErrorDetails
 ) -> Issue:
@@ -100,7 +120,7 @@ def _issue(
         allowed = tuple(_model_at(model, steps[:-1]).model_fields)
         message = (
             f"unknown key {describe(str(steps[-1]))}, allowed: {', '.join(allowed)}"
-            f"{nearest(str(steps[-1]), allowed)}"
+            f"{_slip(str(steps[-1]), allowed)}"
         )
         return document.issue(node, message, on_key=True)
     found = node.written if isinstance(given, int | float) else describe(given)
@@ -108,7 +128,7 @@ def _issue(
         message = detail["msg"]
     elif kind == "literal_error":
         words = tuple(re.findall(r"'([^']*)'", detail["ctx"]["expected"]))
-        hint = nearest(node.written, words)
+        hint = _slip(node.written, words)
         message = f"found {found}, expected {detail['ctx']['expected']}{hint}"
     elif kind in _EXPECTED:
         message = f"found {found}, {_EXPECTED[kind]}{_mended(node, kind)}"

@@ -8,9 +8,10 @@ from pydantic import Field, create_model
 
 from budget.spec.checking import check
 from budget.spec.fields import Measured, Sign, Strict, mapping_of
+from budget.spec.figures import DENSITY_NOTE, standard_size
 from budget.spec.lines import SENSORS, lines_of
 from budget.spec.records import Cost, Costs, Source
-from budget.units import Quantity
+from budget.units import Quantity, per_root_hertz
 
 if TYPE_CHECKING:
     from budget.spec.tree import Document
@@ -76,7 +77,7 @@ def read_costs(document: Document) -> Costs:
                 source=key,
                 a=part.a,
                 p=part.p,
-                u_ref=None if part.u_ref is None else part.u_ref.value,
+                u_ref=None if part.u_ref is None else standard_size(part.u_ref),
             )
             for key, part in given.items()
         ),
@@ -85,6 +86,11 @@ def read_costs(document: Document) -> Costs:
             for key, part in given.items()
             for name, default in defaults.items()
             if name not in part.model_fields_set
+        )
+        + tuple(
+            f"{key}.u_ref: {DENSITY_NOTE}"
+            for key, part in given.items()
+            if part.u_ref and per_root_hertz(part.u_ref.unit)
         ),
         origin=Source(file=document.base_name, sha256=document.sha256),
     )

@@ -23,7 +23,14 @@ from budget.spec.fields import (
     per_axis,
 )
 from budget.spec.figures import figure_type, take
-from budget.spec.lines import ACCELEROMETER, GYRO, SENSORS, lines_of
+from budget.spec.lines import (
+    ACCELEROMETER,
+    GYRO,
+    SAMPLE_NOISE,
+    SENSORS,
+    WHITE,
+    lines_of,
+)
 from budget.spec.records import ANGLES, AXES, Device, MakerFigure, Sensor, Source
 from budget.spec.tree import all_of, describe, merge
 from budget.units import STANDARD_GRAVITY, Quantity, parse_quantity
@@ -55,6 +62,22 @@ class SensorPart(Strict):
     errors: Strict | None = Field(
         default=None, description="the lines of the data sheet"
     )
+
+    @model_validator(mode="after")
+    def _check_noise(self) -> Self:
+        noise = getattr(self.errors, SAMPLE_NOISE, None)
+        walk = next(
+            (n for n in WHITE if n != SAMPLE_NOISE and getattr(self.errors, n, None)),
+            "",
+        )
+        if noise is None or not walk or getattr(noise, "adds_to", None):
+            return self
+        message = (
+            f"stands beside {walk}: white noise, given by the sample and as a random "
+            "walk, would count twice; expected one of them. Remove one, or, where they "
+            "are two noises, write {value: ..., adds_to: " + walk + "}"
+        )
+        raise faults({("errors", SAMPLE_NOISE): message})
 
 
 def _sensor_type(sensor: str) -> Any:  # noqa: ANN401
@@ -281,7 +304,7 @@ def _take_sensor(kind: str, device: str, part: SensorPart) -> _TakenSensor:
     figures = {line: getattr(part.errors, line.name, None) for line in model_lines}
     taken = [take(line, kind, figure) for line, figure in figures.items() if figure]
     given = {one.line.name for one in taken}
-    met = {line.expected for line in model_lines if line.name in given}
+    met = {line.expected for line in model_lines if line.name in given} - {""}
     expected = dict.fromkeys(line.expected for line in model_lines if line.expected)
     bias = _nominal(part, "bias", AXES)
     angle = _nominal(part, "mounting_angle", ANGLES)
@@ -301,7 +324,8 @@ def _take_sensor(kind: str, device: str, part: SensorPart) -> _TakenSensor:
             not_given=tuple(
                 Name(line.name, owner=kind)
                 for line in model_lines
-                if line.name not in given
+                # Of lines for one thing the second is no gap where the first is given.
+                if line.name not in given and line.expected not in met
             ),
             expected_missing=tuple(
                 Name(name, owner=kind) for name in expected if name not in met

@@ -126,6 +126,35 @@ class Measured:
 
 
 @dataclass(frozen=True)
+class Synonyms:
+    """Beside the words that a text may be, other spellings of them."""
+
+    meant: Mapping[str, str]  # by the other spelling
+
+    def __hash__(self) -> int:
+        """Return one number for all: types are kept by what they are made of."""
+        return hash(tuple(self.meant))
+
+    def __get_pydantic_core_schema__(
+        self, source: object, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        """Tell pydantic how to read either spelling."""
+
+        def read(value: object) -> object:
+            return self.meant.get(value, value) if isinstance(value, str) else value
+
+        return core_schema.no_info_before_validator_function(read, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Tell pydantic how to describe all spellings; of one word that is enough."""
+        words = handler(schema)
+        own = words.get("enum")
+        return {**words, "enum": [*own, *self.meant]} if own else words
+
+
+@dataclass(frozen=True)
 class OrText:
     """Beside the mapping it annotates, a text that says one quantity for all of it."""
 

@@ -16,11 +16,13 @@ from budget.spec.fields import (
     ShortText,
     Sign,
     Strict,
+    Synonyms,
     faults,
     mapping_of,
 )
+from budget.spec.lines import SAMPLE_NOISE, WALKS, walk_of
 from budget.spec.records import ErrorLine
-from budget.units import Quantity
+from budget.units import ONE_SIDED, WALK_PER_DENSITY, Quantity, per_root_hertz
 
 if TYPE_CHECKING:
     from budget.spec.lines import Line
@@ -30,9 +32,26 @@ SIGMAS = {"1 sigma": 1.0, "2 sigma": 2.0, "3 sigma": 3.0, "rms": 1.0, "typical":
 # The half-width, over what is printed [1].
 HALF_WIDTHS = {"max": 1.0, "peak to peak": 0.5}
 
+# Spellings of makers, and ours.
+MEANINGS = {
+    **{
+        f"{n}{gap}\N{GREEK SMALL LETTER SIGMA}": f"{n} sigma"
+        for n in "123"
+        for gap in ("", " ")
+    },
+    **{f"{n}-sigma": f"{n} sigma" for n in "123"},
+    **dict.fromkeys(("p-p", "pk-pk", "peak-to-peak"), "peak to peak"),
+}
+GAUSSIAN = {"gaussian": "normal", "Gaussian": "normal"}
+SHAPES = {**GAUSSIAN, "rectangular": "uniform"}
+
 # The lowest Allan deviation of flicker noise over its coefficient B: sqrt(2 ln 2 / pi)
 # to three digits, as data sheets use it [1].
 ALLAN_MINIMUM = 0.664
+DENSITY_NOTE = (
+    "density taken as one-sided, the random walk is the value over sqrt(2), "
+    f"a factor of {WALK_PER_DENSITY[ONE_SIDED]:.4f}"
+)
 CORRELATION_TIME = 300.0  # of a stability that names none [s]
 
 
@@ -40,8 +59,11 @@ class Part(Strict):
     """What a file may say about one figure, or about one axis of it."""
 
     value: Quantity | None = None
-    meaning: Literal[
-        "1 sigma", "2 sigma", "3 sigma", "rms", "typical", "max", "peak to peak"
+    meaning: Annotated[
+        Literal[
+            "1 sigma", "2 sigma", "3 sigma", "rms", "typical", "max", "peak to peak"
+        ],
+        Synonyms(MEANINGS),
     ] = Field(default="1 sigma", description="what the maker means by the value")
     distribution: str | None = None
     includes: ShortText | None = Field(
@@ -55,6 +77,20 @@ class Part(Strict):
     )
     source: ShortText | None = Field(default=None, description="where it is printed")
 
+
+class ConstantPart(Part):
+    """A figure of a random constant."""
+
+    distribution: (
+        Annotated[
+            Literal["normal", "uniform", "triangular", "arcsine"], Synonyms(SHAPES)
+        ]
+        | None
+    ) = Field(
+        default=None,
+        description="shape; unset: normal for a sigma, uniform for a half-width",
+    )
+
     @model_validator(mode="after")
     def _check_shape(self) -> Self:
         if self.meaning in HALF_WIDTHS and self.distribution == "normal":
@@ -66,21 +102,35 @@ class Part(Strict):
         return self
 
 
-class ConstantPart(Part):
-    """A figure of a random constant."""
-
-    distribution: Literal["normal", "uniform", "triangular", "arcsine"] | None = Field(
-        default=None,
-        description="shape; unset: normal for a sigma, uniform for a half-width",
-    )
-
-
 class ProcessPart(Part):
     """A figure of a random process."""
 
-    distribution: Literal["normal"] | None = Field(
+    distribution: Annotated[Literal["normal"], Synonyms(GAUSSIAN)] | None = Field(
         default=None, description="a process is normal"
     )
+
+
+class WalkPart(ProcessPart):
+    """A figure of a random walk, as its coefficient N or as a density of noise."""
+
+    density: Literal["one-sided", "two-sided"] | None = Field(
+        default=None,
+        description="of a value per root of hertz; unset: one-sided, N = D / sqrt(2)",
+    )
+
+    @model_validator(mode="after")
+    def _check_density(self) -> Self:
+        own = getattr(getattr(self, "axes", None), "__dict__", {})
+        governed = [self.value, *(q for q in own.values() if isinstance(q, Quantity))]
+        for quantity in governed:
+            if self.density and quantity and not per_root_hertz(quantity.unit):
+                message = (
+                    f"found {self.density!r} with {quantity.printed!r}, which is the "
+                    "random walk itself and no density, expected a value per root of "
+                    "hertz; remove 'density'"
+                )
+                raise faults({("density",): message})
+        return self
 
 
 class StabilityPart(ProcessPart):
@@ -133,7 +183,8 @@ class Taken:
 
 def figure_type(line: Line, sensor: str) -> Any:  # noqa: ANN401
     """Return the type of a figure of that line: a text or a mapping."""
-    return _figure_type(line.like(sensor), _family(line), line.axes)
+    beside = walk_of(sensor) if line.name == SAMPLE_NOISE else ""
+    return _figure_type(line.like(sensor), _family(line), line.axes, beside)
 
 
 def take(line: Line, sensor: str, figure: Quantity | Whole) -> Taken:
@@ -141,6 +192,12 @@ def take(line: Line, sensor: str, figure: Quantity | Whole) -> Taken:
 
     A text is 1 sigma and normal. A sigma meaning divides the value; `max` and `peak to
     peak` give a half-width, which its shape divides (JCGM 100:2008, 4.3.7 to 4.3.9).
+    Of a process they bound its sigma or density over units, and are taken as that: a
+    maker who prints at most 0.3 deg/sqrt(h) says of every unit that its noise is no
+    larger, not that the noise of one never exceeds it.
+
+    A value per root of hertz is a spectral density D, whose random walk coefficient is
+    N = D / sqrt(2) if it is one-sided (rms in a band B is D sqrt(B)), and N = D if not.
 
     Parameters
     ----------
@@ -184,7 +241,9 @@ def take(line: Line, sensor: str, figure: Quantity | Whole) -> Taken:
         correlation_time=np.array(times) if times else None,
         printed=say([a.quantity.printed for a in axes]),
         unit=axes[0].quantity.unit,
-        si_per_unit=axes[0].quantity.si_per_unit,
+        si_per_unit=axes[0].quantity.si_per_unit * WALK_PER_DENSITY[axes[0].density],
+        density=axes[0].density,
+        adds_to=getattr(part, "adds_to", None) or "",
         meaning=say([a.part.meaning for a in axes]),
         definition=say([a.definition for a in axes]),
         includes=say([a.part.includes or "" for a in axes]),
@@ -195,9 +254,24 @@ def take(line: Line, sensor: str, figure: Quantity | Whole) -> Taken:
     return Taken(line=taken, assumptions=tuple(dict.fromkeys(assumptions)))
 
 
+def standard_size(quantity: Quantity, density: str = "") -> float:
+    """Return the u that a bare value of a line is [SI]: of a density the random walk.
+
+    `density` says of which sides it is; one-sided where nobody has said it.
+    """
+    if not per_root_hertz(quantity.unit):
+        return quantity.value
+    return quantity.value * WALK_PER_DENSITY[density or ONE_SIDED]
+
+
 @cache
-def _figure_type(like: str, family: type[Part], axes: tuple[str, ...]) -> Any:  # noqa: ANN401
-    """Return the type of the figures that have this unit and these axes."""
+def _figure_type(
+    like: str, family: type[Part], axes: tuple[str, ...], beside: str
+) -> Any:  # noqa: ANN401
+    """Return the type of the figures that have this unit and these axes.
+
+    `beside` is a line of which the figure may say that it is no part of it.
+    """
     measured = Measured(like)
     value = Annotated[Quantity, measured]
     title = f"{family.__name__.removesuffix('Part')} in {like}"
@@ -209,6 +283,10 @@ def _figure_type(like: str, family: type[Part], axes: tuple[str, ...]) -> Any:  
         "value": (value | None, None),
         "axes": (by_axis | None, None),
     }
+    if beside:
+        says = f"noise that is no part of {beside}, given as well"
+        word = Literal[beside]  # type: ignore[valid-type]
+        fields["adds_to"] = (word | None, Field(default=None, description=says))
     whole = create_model(title, __base__=(family, Whole), **fields)
     return Annotated[whole, OrText(measured)]
 
@@ -217,6 +295,8 @@ def _family(line: Line) -> type[Part]:
     """Return what a file may say about a figure of that line."""
     if line.name == "bias_stability":
         return StabilityPart
+    if line.name in WALKS:
+        return WalkPart
     return ProcessPart if line.process else ConstantPart
 
 
@@ -230,6 +310,7 @@ class _Axis:
     shape: Distribution
     definition: str  # as given
     correlation_time: float | None  # of a stability [s]
+    density: str  # of a random walk per root of hertz, 'one-sided' or 'two-sided'
     notes: tuple[str, ...]  # what was assumed
 
 
@@ -240,30 +321,20 @@ def _axis(figure: Part, axis: str) -> _Axis:
     part = own if isinstance(own, Part) else figure
     # Whole lets no figure pass that leaves an axis without a value.
     quantity = cast("Quantity", own if isinstance(own, Quantity) else part.value)
-    notes = _density_notes(quantity.unit)
+    notes: list[str] = []
     if isinstance(own, Part):
-        stated = {"meaning", "distribution", "definition", "correlation_time"}
+        stated = {
+            *("meaning", "distribution", "definition", "correlation_time", "density"),
+        }
         lost = sorted((figure.model_fields_set - own.model_fields_set) & stated)
         if lost:
             notes.append(
                 f"{', '.join(lost).replace('_', ' ')} of the line not taken, the axis "
                 "is a mapping of its own"
             )
-    if part.meaning in HALF_WIDTHS:
-        shape = BY_NAME[part.distribution or "uniform"]
-        u = quantity.value * HALF_WIDTHS[part.meaning] / shape.half_width
-        if isinstance(part, ProcessPart):
-            notes.append(
-                f"{part.meaning!r} taken as a half-width, sigma that over sqrt(3); the "
-                "process itself is normal"
-            )
-        elif part.distribution is None:
-            notes.append(f"{part.meaning!r} taken as uniform, half-width over sqrt(3)")
-    else:
-        shape = BY_NAME[part.distribution or "normal"]
-        u = quantity.value / SIGMAS[part.meaning]
-        if part.meaning == "typical":
-            notes.append("'typical' taken as 1 sigma")
+    level = _level(part, quantity)
+    u = level.u
+    notes += level.notes
     definition, correlation_time = "", None
     if isinstance(part, StabilityPart):
         definition = part.definition if "definition" in part.model_fields_set else ""
@@ -282,19 +353,50 @@ def _axis(figure: Part, axis: str) -> _Axis:
         part=part,
         quantity=quantity,
         u=u,
-        shape=shape,
+        shape=level.shape,
+        density=level.density,
         definition=definition,
         correlation_time=correlation_time,
         notes=tuple(notes),
     )
 
 
-def _density_notes(unit: str) -> list[str]:
-    """Say how a density in the root of hertz is read; the contract takes factor 60."""
-    if "Hz" not in unit:
-        return []
-    note = (
-        "density taken as the random walk itself; if the maker means a one-sided "
-        "spectral density, that is 1.41 times too large"
+@dataclass(frozen=True, kw_only=True)
+class _Level:
+    """What a value is as a standard uncertainty, of a density as a random walk."""
+
+    u: float  # [SI]
+    shape: Distribution
+    density: str
+    notes: list[str]  # what was assumed
+
+
+def _level(part: Part, quantity: Quantity) -> _Level:
+    """Return the standard uncertainty that a value means."""
+    notes: list[str] = []
+    density = ""
+    if isinstance(part, WalkPart) and per_root_hertz(quantity.unit):
+        density = part.density or ONE_SIDED
+        if part.density is None:
+            notes.append(DENSITY_NOTE)
+    if part.meaning in HALF_WIDTHS and isinstance(part, ProcessPart):
+        shape = NORMAL
+        u = quantity.value * HALF_WIDTHS[part.meaning]
+        half = "" if part.meaning == "max" else "half of "
+        notes.append(
+            f"{part.meaning!r} taken as a bound on the sigma of every unit, which is "
+            f"set to {half}the value itself"
+        )
+    elif part.meaning in HALF_WIDTHS:
+        shape = BY_NAME[part.distribution or "uniform"]
+        u = quantity.value * HALF_WIDTHS[part.meaning] / shape.half_width
+        if part.distribution is None:
+            notes.append(f"{part.meaning!r} taken as uniform, half-width over sqrt(3)")
+    else:
+        shape = BY_NAME[part.distribution or "normal"]
+        u = quantity.value / SIGMAS[part.meaning]
+        if part.meaning == "typical":
+            notes.append("'typical' taken as 1 sigma")
+    return _Level(
+        u=u * WALK_PER_DENSITY[density], shape=shape, density=density, notes=notes
     )
-    return [note]

@@ -26,9 +26,14 @@ class ErrorLine(Given):
     unit : str
         Its unit as the file gives it (of the first axis).
     si_per_unit : float
-        Size of that unit [SI].
+        u of one of that unit [SI]: the size of the unit, of a one-sided density that
+        over sqrt(2). So u / si_per_unit is in the maker's own terms.
     meaning : str
         '1 sigma', 'max', ... as the file gives it or by default.
+    density : str
+        Of a random walk per root of hertz 'one-sided' or 'two-sided', else ''.
+    adds_to : str
+        The random walk that a noise of every sample is no part of; '' if not said.
     definition, includes, horizon, condition, source : str
         The maker's own words; '' where not given.
     """
@@ -37,6 +42,8 @@ class ErrorLine(Given):
     unit: str
     si_per_unit: float
     meaning: str = "1 sigma"
+    density: str = ""
+    adds_to: str = ""
     definition: str = ""
     includes: str = ""
     horizon: str = ""

@@ -13,7 +13,8 @@ NUMBERS = ("0.5", "1", "20", "1e-3", ".5", "5.", "+3E1", "1.25e+1")
 # Where a number of any size would break a rule that the schema does not know.
 FIXED = {"gravity_unit": "9.80708 m/s^2", "sample_rate": "100 Hz", "coverage": "90 %"}
 TEXTS = ("x", "a: b", "5", "no", "\N{DEGREE SIGN}/\N{SQUARE ROOT}h", "'", "# c", "{")
-HALF_WIDTHS = ("max", "peak to peak")
+HALF_WIDTHS = ("max", "peak to peak", "p-p", "pk-pk", "peak-to-peak")
+NORMAL = ("normal", "gaussian", "Gaussian")
 
 
 @dataclass(frozen=True)
@@ -108,8 +109,12 @@ def _keep_rules(tree):
     if not isinstance(tree, dict):
         return tree
     tree = {key: _keep_rules(value) for key, value in tree.items()}
-    if tree.get("meaning") in HALF_WIDTHS and tree.get("distribution") == "normal":
+    if tree.get("meaning") in HALF_WIDTHS and tree.get("distribution") in NORMAL:
         del tree["distribution"]
+    tree.pop("density", None)  # only beside some units
+    if "sample_noise" in tree:
+        tree.pop("angle_random_walk", None)
+        tree.pop("velocity_random_walk", None)
     if tree.get("definition") == "allan_minimum":
         tree.pop("meaning", None)
     if "order" in tree:

@@ -67,7 +67,7 @@ SOURCES = (
     Source(
         name="angle_random_walk",
         units={GYRO: "deg/sqrt(h)"},
-        model="white noise of this one-sided density",
+        model="white noise, whose integral is this random walk",
         effect=WhiteNoise(),
         stays=IN_RUN,
         expected="noise",
@@ -76,7 +76,7 @@ SOURCES = (
     Source(
         name="velocity_random_walk",
         units={ACCELEROMETER: "ug/sqrt(Hz)"},
-        model="white noise of this one-sided density",
+        model="white noise, whose integral is this random walk",
         effect=WhiteNoise(),
         stays=IN_RUN,
         expected="noise",
