@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+import subprocess
 import sys
 import tomllib
 from importlib.metadata import packages_distributions, version
@@ -20,8 +21,12 @@ NEEDED = PROJECT["project"]["dependencies"]
 EXTRAS = PROJECT["project"]["optional-dependencies"]
 BUILD = PROJECT["build-system"]["requires"]
 DECLARED = [*NEEDED, *EXTRAS["dask"], *EXTRAS["test"], *BUILD]
-LOCK = (ROOT / "requirements-dev.txt").read_text(encoding="utf-8").splitlines()
-PINS = [line for line in LOCK if not line.startswith("#")]
+LOCK = (ROOT / "requirements-dev.txt").read_text(encoding="utf-8")
+# One entry: 'name==version ; marker --hash=sha256:... --hash=sha256:...'.
+ENTRIES = [
+    line for line in LOCK.replace("\\\n", " ").splitlines() if not line.startswith("#")
+]
+PINS = [line.split()[0] for line in ENTRIES]
 
 
 def names(requirements):
@@ -38,7 +43,8 @@ def imported():
                 modules |= {alias.name.split(".")[0] for alias in node.names}
             elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
                 modules.add(node.module.split(".")[0])
-    outside = modules - sys.stdlib_module_names - {"budget"}
+    # Type checkers bring _typeshed; nothing imports it at run time.
+    outside = modules - sys.stdlib_module_names - {"budget", "_typeshed"}
     where = packages_distributions()
     return {canonicalize_name(name) for module in outside for name in where[module]}
 
@@ -78,10 +84,13 @@ def test_python_is_bounded():
     assert [text.rpartition(" ")[2] for text in listed] == ["3.11", "3.12", "3.13"]
 
 
-@pytest.mark.parametrize("line", PINS)
-def test_the_lock_holds_names_and_versions_alone(line):
-    """No address of an index, no folder, no open range."""
-    assert re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*==[0-9][0-9A-Za-z.]*", line)
+@pytest.mark.parametrize("line", ENTRIES)
+def test_the_lock_holds_names_versions_and_hashes_alone(line):
+    """No address of an index, no folder, no open range, no entry without a hash."""
+    pin = r"[a-z0-9]+(-[a-z0-9]+)*==[0-9][0-9A-Za-z.]*"
+    marker = r"( ; [a-z_]+ [=!<>]+ '[A-Za-z0-9.]+'( (and|or) [a-z_]+ [=!<>]+ '\S+')*)?"
+    hashes = r"( +--hash=sha256:[0-9a-f]{64})+"
+    assert re.fullmatch(pin + marker + hashes, line)
 
 
 def test_the_lock_holds_every_direct_dependency_within_its_bounds():
@@ -102,3 +111,27 @@ def test_the_run_with_the_lowest_versions_reads_the_bounds():
     for text, declared in zip(lowest, NEEDED, strict=True):
         assert re.fullmatch(r"[A-Za-z0-9.]+==[0-9.]+", text)
         assert Requirement(text).specifier != Requirement(declared).specifier
+
+
+def test_every_run_installs_the_lock_by_its_hashes():
+    """.ci/run takes nothing whose hash is not that of what was tested."""
+    script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+    assert "pip install -q --require-hashes -r requirements-dev.txt" in script
+    assert "pip install -q --no-deps --no-build-isolation ." in script
+
+
+def test_licences_are_listed():
+    """Every package that users get names its licence."""
+    run = subprocess.run(
+        [sys.executable, str(ROOT / ".ci" / "licences")],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if "is not installed here" in run.stderr:
+        pytest.skip(run.stderr.strip())
+    assert run.returncode == 0, run.stderr
+    said = dict(line.split(": ", 1) for line in run.stdout.splitlines())
+    listed = {name.split()[0] for name in said}
+    assert names(NEEDED) <= listed
+    assert all(said.values())
