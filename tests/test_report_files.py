@@ -6,6 +6,7 @@ import os
 import signal
 import time
 from pathlib import Path
+from stat import S_IMODE, S_ISDIR
 
 import pytest
 
@@ -212,3 +213,43 @@ def test_a_signal_that_is_ignored_stays_ignored(tmp_path, monkeypatch):
         signal.signal(signal.SIGHUP, before)
 
     assert listing(tmp_path) == {"a": b"new"}
+
+
+def test_a_private_file_stays_private_while_it_is_replaced(tmp_path, monkeypatch):
+    """Nothing that stands beside it, new or former, can be read by others."""
+    target = tmp_path / "private.json"
+    target.write_text("old")
+    target.chmod(0o640)
+    seen = {}
+
+    def look(descriptor, sync=os.fsync):
+        for file in tmp_path.glob(".*.budget-tmp"):
+            seen.setdefault(file.name, S_IMODE(file.stat().st_mode))
+        sync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", look)
+    before = os.umask(0o022)
+    try:
+        write_all({target: "new", tmp_path / "public.json": "new"})
+    finally:
+        os.umask(before)
+    private = [mode for name, mode in seen.items() if "private" in name]
+    assert len(private) == 2
+    assert set(private) == {0o600}
+    assert S_IMODE(target.stat().st_mode) == 0o640
+    assert S_IMODE((tmp_path / "public.json").stat().st_mode) == 0o644
+    assert target.read_text() == "new"
+
+
+def test_the_folder_is_synced_after_the_renames(tmp_path, monkeypatch):
+    """The last thing synced is the folder, with the new name in it."""
+    synced = []
+
+    def look(descriptor, sync=os.fsync):
+        is_folder = S_ISDIR(os.fstat(descriptor).st_mode)
+        synced.append((is_folder, (tmp_path / "new.json").exists()))
+        sync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", look)
+    write_all({tmp_path / "new.json": "{}"})
+    assert synced == [(False, False), (True, True)]

@@ -6,7 +6,7 @@ import errno
 import os
 import shutil
 import signal
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from secrets import token_hex
 from signal import SIG_DFL
 from stat import S_ISFIFO, S_ISREG, S_ISSOCK
@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 WRITABLE = 0o222  # permission bits
+# What is written in the place of a file is nobody else's to read until it has its mode.
+PRIVATE, UNMASKED = 0o600, 0o666
+NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
 
 
 def write_all(files: Mapping[Path, str | bytes]) -> None:
@@ -60,6 +63,8 @@ def write_all(files: Mapping[Path, str | bytes]) -> None:
                     _take_place(target, temporary, scraps, undo)
                 except OSError as error:
                     raise _refused(path, error) from error
+            for folder in dict.fromkeys(target.parent for target in targets):
+                _sync_folder(folder)
             undo.pop_all()
             note_written(files)
 
@@ -186,13 +191,30 @@ def _stage(target: Path, content: bytes, scraps: ExitStack) -> Path:
     """Write the content beside the target under a temporary name."""
     temporary = _beside(target)
     scraps.callback(temporary.unlink, missing_ok=True)
-    with temporary.open("xb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())  # a full disk shows here, not after the rename
-    if target.exists():
+    is_there = target.exists()
+    _write(temporary, content, mode=PRIVATE if is_there else UNMASKED)
+    if is_there:
         shutil.copymode(target, temporary)
     return temporary
+
+
+def _write(path: Path, content: bytes, *, mode: int) -> None:
+    """Write a new file down to the disk, where a full one shows: before any rename."""
+    descriptor = os.open(path, NEW, mode)
+    with os.fdopen(descriptor, "wb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def _sync_folder(folder: Path) -> None:
+    """See that renames outlast a loss of power, where a folder can be asked to."""
+    with suppress(OSError):
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
 
 
 def _take_place(
@@ -205,7 +227,8 @@ def _take_place(
         return
     former = _beside(target)
     scraps.callback(former.unlink, missing_ok=True)
-    shutil.copy2(target, former)
+    _write(former, target.read_bytes(), mode=PRIVATE)
+    shutil.copystat(target, former)
     temporary.replace(target)
     undo.callback(former.replace, target)
 
