@@ -22,7 +22,8 @@ class Issue:
     def __str__(self) -> str:
         """Format as `file:line:column: field: message`."""
         field = f"{self.field}: " if self.field else ""
-        return f"{self.file}:{self.line}:{self.column}: {field}{self.message}"
+        file = self.file.replace("\n", "\\n")  # an issue is one line
+        return f"{file}:{self.line}:{self.column}: {field}{self.message}"
 
 
 class SpecError(BudgetError):

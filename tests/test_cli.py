@@ -140,7 +140,7 @@ def test_csv_on_stdout_stands_alone(tmp_path):
     assert (run.code, run.err) == (0, NOTE)
     rows = list(csv.reader(io.StringIO(run.out)))
     assert rows[0][0] == "sensor"
-    assert {len(row) for row in rows} == {10}
+    assert {len(row) for row in rows} == {len(rows[0])}
 
 
 def test_two_documents_on_one_stdout_are_refused():
@@ -338,6 +338,55 @@ def test_an_interrupted_run_says_what_it_wrote(tmp_path, monkeypatch):
     assert run.code == 130
     assert f"interrupted; written before: {names[0]}, {names[1]}\n" in run.err
     assert sorted(tmp_path.iterdir()) == sorted(names)
+
+
+HOSTILE = "a\x1b[2J\u202e\u200eb\x9b"
+SHOWN = "a\\x1b[2J\\u202e\\u200eb\\x9b"
+
+
+def test_no_printed_name_gives_the_terminal_orders(tmp_path, monkeypatch):
+    """In tables, results and talk, of every command, names are shown as escapes."""
+    monkeypatch.chdir(tmp_path)
+    device = device_file(tmp_path, f"{HOSTILE}.yaml").name
+    limits = ("--requirement", f"{HOSTILE}l.yaml")
+    text = "name: l\nlimits: {gyro: {bias: 5 deg/h}}\n"
+    (tmp_path / limits[1]).write_text(text)
+    for words in (
+        ("validate", device),
+        ("devices", device),
+        ("check", device_file(tmp_path).name, "--save", f"{HOSTILE}.json"),
+        ("check", f"{HOSTILE}.json"),
+        ("diff", f"{HOSTILE}.json", "zhao-2019"),
+        ("compare", device, *limits, "--method", "gum", "-o", f"{HOSTILE}.html"),
+        ("allocate", device, *limits, "--no-validate", "--write", f"{HOSTILE}w.yml"),
+        ("report", device, "--no-validate", "-o", f"{HOSTILE}r.html"),
+    ):
+        run = call(*words)
+        said = run.out + run.err
+        assert run.code in {0, 1}, said
+        assert SHOWN[:4] in said.replace("\n", ""), words
+        assert not set("\x1b\u202e\u200e\x9b") & set(said), words
+
+
+def test_a_name_does_not_end_its_line(tmp_path, monkeypatch):
+    """What looks like a second file in a name is no line of its own."""
+    monkeypatch.chdir(tmp_path)
+    run = call("validate", device_file(tmp_path, "a\nb: device, valid.yaml").name)
+
+    assert run.out.splitlines()[0] == "a\\nb: device, valid.yaml: device, valid"
+
+
+def test_names_are_printed_in_one_place_only():
+    """No command writes past the functions that escape; documents alone do."""
+    folder = Path(__file__).parent.parent / "budget" / "cli"
+    past = re.compile(r"typer\.echo|\bConsole\(|stderr\.write|(?<![.\w])print\(")
+    found = {
+        path.name
+        for path in folder.glob("*.py")
+        if past.search(path.read_text(encoding="utf-8"))
+    }
+    # A schema is our own text, and the bar of progress names no file.
+    assert found == {"streams.py", "check_files.py", "progress.py"}
 
 
 @pytest.fixture

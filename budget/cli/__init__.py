@@ -24,7 +24,7 @@ from budget.cli.devices import devices
 from budget.cli.diff import diff
 from budget.cli.paper import paper
 from budget.cli.report import report
-from budget.cli.streams import prepare_streams, without_controls
+from budget.cli.streams import in_line, prepare_streams, say, tell
 from budget.errors import BudgetError, WorkerError
 from budget.journal import keep_journal
 from budget.version import __version__
@@ -81,7 +81,7 @@ app.command()(schema)
 def _print_version(wanted: bool) -> None:  # noqa: FBT001 - typer calls it so
     """Print the version and stop, if asked to."""
     if wanted:
-        typer.echo(f"budget {__version__}")
+        tell(f"budget {__version__}\n")
         raise typer.Exit
 
 
@@ -134,7 +134,7 @@ def _guard(journal: Journal) -> None:
     except SystemExit as end:
         said = ENDINGS.get(end.code) if isinstance(end.code, int) else None
         if said is not None:  # typer answers Ctrl-C with its code, in silence
-            sys.stderr.write(f"{said}; {_written(journal)}\n")
+            say(f"{said}; {_written(journal)}")
         raise
     except Exception as error:  # noqa: BLE001 - the last net
         _fail(error)
@@ -142,7 +142,7 @@ def _guard(journal: Journal) -> None:
 
 def _written(journal: Journal) -> str:
     """Say which files stand, all of them whole."""
-    names = without_controls(", ".join(journal.written))
+    names = ", ".join(map(in_line, journal.written))
     return f"written before: {names}" if names else "nothing was written"
 
 
@@ -183,7 +183,7 @@ def _end(number: int, _: FrameType | None) -> NoReturn:
 
 def _stop(message: str, code: int = EXIT_BAD_INPUT) -> NoReturn:
     """Say what is wrong and end."""
-    sys.stderr.write(f"{without_controls(message)}\n")
+    say(message)
     raise SystemExit(code) from None
 
 
@@ -194,7 +194,7 @@ def _fail(error: Exception) -> NoReturn:
     where = f" in {Path(ours[-1].filename).name}:{ours[-1].lineno}" if ours else ""
     said = " ".join(str(error).split())
     if os.environ.get(DETAILS):
-        sys.stderr.write(without_controls("".join(traceback.format_exception(error))))
+        say("".join(traceback.format_exception(error)).rstrip())
     _stop(
         f"internal error: {type(error).__name__}{where}: {said}; this is a fault of "
         f"budget {__version__}, not of your files: please report this line with the "

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from budget.cli import options
+from budget.cli.streams import console, say, say_written, tell
 
 if TYPE_CHECKING:
     from budget.spec.records import Sensor
@@ -142,7 +143,7 @@ def allocate(
             files[write] = allocated_device(allocation)
         write_all(files)
         if write is not None:
-            typer.echo(f"{write}: written", err=True)
+            say_written([write])
     render = documents.get(options.STDOUT)
     with printing():
         if render is not None:
@@ -151,19 +152,17 @@ def allocate(
             _show(allocation)
     if not allocation.feasible:
         if files or write is not None:
-            typer.echo("the requirement cannot be met: no file was written", err=True)
+            say("the requirement cannot be met: no file was written")
         raise typer.Exit(EXIT_NOT_MET)
 
 
 def _show(allocation: Allocation) -> None:
     """Print the text for people, in characters that the terminal has."""
-    from rich.console import Console
-
     from budget.report.allocation.terminal import allocation_text
 
-    text = allocation_text(allocation, width=Console().width)
+    text = allocation_text(allocation, width=console().width)
     encoding = sys.stdout.encoding or "utf-8"
-    sys.stdout.write(text.encode(encoding, errors="replace").decode(encoding))
+    tell(text.encode(encoding, errors="replace").decode(encoding))
 
 
 def _names(sensors: tuple[Sensor, ...], option: str, name: str) -> tuple[str, ...]:

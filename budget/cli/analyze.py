@@ -31,8 +31,9 @@ def analyze(
     For every scale factor, mounting angle and bias: its expected error, standard
     uncertainty and coverage interval, and which line of the data sheet causes it.
     """
-    from budget.cli.computing import computing, say
+    from budget.cli.computing import computing
     from budget.cli.output import check_destinations, deliver
+    from budget.cli.streams import say
     from budget.methods.monte_carlo import MAX_TRIALS
     from budget.methods.sobol import SAMPLES
     from budget.spec import load_procedure

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from budget.cli import options
+from budget.cli.streams import console, in_line, say
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -202,7 +203,7 @@ def _save(
     )
     write_all({path: reference_text(reference)})
     numbers = len(reference.snapshot.numbers)
-    typer.echo(f"{path}: written, {kind}, {numbers} numbers", err=True)
+    say(f"{in_line(path)}: written, {kind}, {numbers} numbers")
 
 
 def _take_in(files: dict[str, list[str]], folder: Path) -> tuple[StoredInput, ...]:
@@ -213,10 +214,9 @@ def _take_in(files: dict[str, list[str]], folder: Path) -> tuple[StoredInput, ..
 
     defaults = {"device": options.BUILT_IN_DEVICE, "procedure": PAPER}
     if not files["device"]:
-        typer.echo(
+        say(
             f"No device given: using the built-in {options.BUILT_IN_DEVICE} "
-            "(Zhao 2019).",
-            err=True,
+            "(Zhao 2019)."
         )
     inputs: list[StoredInput] = []
     issues: list[Issue] = []
@@ -266,7 +266,7 @@ def _check(
                 errors.append(str(error))
             show("check", done, len(found))
     for text in errors:
-        typer.echo(text, err=True)
+        say(text)
     documents: dict[Path | None, Callable[[], str]] = {
         json: lambda: checks_json(checks, errors),
         csv: lambda: checks_csv(checks),
@@ -283,9 +283,7 @@ def _check(
         if document is not None:
             sys.stdout.write(document())
         else:
-            from rich.console import Console
-
-            render_checks(checks, len(errors), Console())
+            render_checks(checks, len(errors), console())
     if errors:
         raise typer.Exit(EXIT_BAD_INPUT)
     if not all(one.holds for one in checks):

@@ -6,6 +6,8 @@ from typing import Annotated, Literal
 
 import typer
 
+from budget.cli.streams import in_line, tell
+
 
 def validate(
     files: Annotated[
@@ -25,9 +27,9 @@ def validate(
             issues.extend(error.issues)
             continue
         with printing():
-            typer.echo(f"{name}: {found.kind}, valid")
+            tell(f"{in_line(name)}: {found.kind}, valid\n")
             for text in found.assumptions:
-                typer.echo(f"  assumed: {text}")
+                tell(f"  assumed: {text}\n")
     if issues:
         raise SpecError(tuple(issues))
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from budget.cli import options
+from budget.cli.streams import console, say, say_written
 
 if TYPE_CHECKING:
     from budget.errors import Issue
@@ -128,7 +129,7 @@ def compare(
     procedures = [load_procedure(path) for path in paths]
     loaded, issues = _load(devices, strict=strict)
     for issue in issues:
-        typer.echo(str(issue), err=True)
+        say(str(issue))
     if not loaded:
         raise CallError("none of the device files can be read; mend them and try again")
 
@@ -215,15 +216,12 @@ def _deliver(
         )
         files |= render_pages(document, pages)
     write_all(files)
-    for path in pages:
-        typer.echo(f"{path}: written", err=True)
+    say_written(pages)
     on_stdout = [render for path, render in documents if path == options.STDOUT]
     with printing():
         if on_stdout:
             sys.stdout.write(on_stdout[0](comparison))
             return
-        from rich.console import Console
-
         from budget.report.comparison.terminal import render_comparison
 
-        render_comparison(comparison, Console(), sort=sort)
+        render_comparison(comparison, console(), sort=sort)

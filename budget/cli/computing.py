@@ -6,8 +6,6 @@ from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import typer
-
 from budget.cli.progress import progress
 
 if TYPE_CHECKING:
@@ -22,11 +20,6 @@ class Workshop:
     executor: Executor | None
     workers: int
     progress: Callable[[str, int, int], None]
-
-
-def say(text: str) -> None:
-    """Talk on stderr; stdout is for results."""
-    typer.echo(text, err=True)
 
 
 @contextmanager

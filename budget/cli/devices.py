@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from budget.cli import options
+from budget.cli.streams import console
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -51,15 +52,13 @@ def devices(
 
 def _render(found: Sequence[Device], *, is_list: bool) -> None:
     """Print the list, or one device after the other."""
-    from rich.console import Console
-
     from budget.report.catalogue import render_device, render_list
 
-    console = Console()
+    out = console()
     if is_list:
-        render_list(found, console)
+        render_list(found, out)
         return
     for place, device in enumerate(found):
         if place:
-            console.print()
-        render_device(device, console)
+            out.print()
+        render_device(device, out)

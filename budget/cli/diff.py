@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from budget.cli import options
+from budget.cli.streams import console
 
 if TYPE_CHECKING:
     from budget.studies.reference.check import NamedSide
@@ -89,9 +90,7 @@ def diff(
         if on_stdout:
             sys.stdout.write(on_stdout[0](difference))
             return
-        from rich.console import Console
-
-        render_difference(difference, Console())
+        render_difference(difference, console())
 
 
 def _reference(name: str) -> Reference | None:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from budget.cli.streams import say
+
 if TYPE_CHECKING:
     from budget.spec.records import Device
 
@@ -173,10 +175,7 @@ def load_devices(names: list[str] | None) -> tuple[Device, ...]:
     from budget.spec import load_device
 
     if not names:
-        typer.echo(
-            f"No device given: using the built-in {BUILT_IN_DEVICE} (Zhao 2019).",
-            err=True,
-        )
+        say(f"No device given: using the built-in {BUILT_IN_DEVICE} (Zhao 2019).")
         names = [BUILT_IN_DEVICE]
     devices: list[Device] = []
     issues: list[Issue] = []

@@ -10,6 +10,7 @@ from threading import current_thread, main_thread
 from typing import TYPE_CHECKING
 
 from budget.cli.options import STDOUT
+from budget.cli.streams import console, say
 from budget.errors import CallError
 from budget.journal import note_read
 
@@ -90,13 +91,11 @@ def deliver(budget: Budget, *, json: Path | None, csv: Path | None) -> None:
     on_stdout = [render for path, render in documents if path == STDOUT]
     if csv == STDOUT:  # the only output that has no room for them
         for text in budget.warnings:
-            sys.stderr.write(f"warning: {text}\n")
+            say(f"warning: {text}")
     with printing():
         if on_stdout:
             sys.stdout.write(on_stdout[0](budget))
             return
-        from rich.console import Console
-
         from budget.report.terminal import render_budget
 
-        render_budget(budget, Console())
+        render_budget(budget, console())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import typer
+from budget.cli.streams import in_line, say
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -52,11 +52,10 @@ def render_pages(document: Document, paths: Sequence[Path]) -> dict[Path, str | 
             made[suffix] = found.pdf
             if found.replaced:
                 names = ", ".join(found.replaced)
-                typer.echo(
-                    f"warning: {path}: no font on this machine has {names}; the code "
-                    "points stand in their place. Install a font that has them, as "
-                    "Noto Sans CJK has Chinese, and write the report again",
-                    err=True,
+                say(
+                    f"warning: {in_line(path)}: no font on this machine has {names}; "
+                    "the code points stand in their place. Install a font that has "
+                    "them, as Noto Sans CJK has Chinese, and write the report again"
                 )
         files[path] = made[suffix]
     return files

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from budget.cli import options
+from budget.cli.streams import console, say_written, tell
 
 
 def paper(
@@ -54,12 +55,9 @@ def paper(
     if pages:
         files |= render_pages(paper_document(study, date=document_date()), pages)
     write_all(files)
-    for path in pages:
-        typer.echo(f"{path}: written", err=True)
+    say_written(pages)
     with printing():
         if on_stdout:
             sys.stdout.write(on_stdout[0](study))
         elif not pages:
-            from rich.console import Console
-
-            sys.stdout.write(paper_text(study, width=Console().width))
+            tell(paper_text(study, width=console().width))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from budget.cli import options
+from budget.cli.streams import say_written
 
 if TYPE_CHECKING:
     from budget.cli.computing import Workshop
@@ -77,10 +78,11 @@ def report(
     change the sources.
     """
     from budget.cli.command_line import command_line
-    from budget.cli.computing import computing, say
+    from budget.cli.computing import computing
     from budget.cli.dates import document_date
     from budget.cli.output import check_destinations, printing
     from budget.cli.pages import check_suffixes, render_pages
+    from budget.cli.streams import say
     from budget.methods.monte_carlo import MAX_TRIALS
     from budget.methods.sobol import SAMPLES
     from budget.report.analysis.build import report_document
@@ -166,8 +168,7 @@ def report(
         texts[csv] = to_csv(budget)
     on_stdout = texts.pop(options.STDOUT, None)
     write_all({**files, **texts})
-    for path in output:
-        typer.echo(f"{path}: written", err=True)
+    say_written(output)
     if on_stdout is not None:
         with printing():
             sys.stdout.write(on_stdout)

@@ -12,12 +12,19 @@ from typing import TYPE_CHECKING, Any, TextIO
 from budget.errors import OutputError
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+    from pathlib import Path
+
     from _typeshed import ReadableBuffer
+    from rich.console import Console, ConsoleOptions, RenderableType
+    from rich.segment import Segment
 
 EXIT_BROKEN_PIPE = 141  # SIGPIPE
-# C0 without tab and line feed, DEL and C1, line separators, changes of direction.
+# C0 without tab and line feed, DEL and C1, line separators, marks and changes of
+# direction.
 CONTROL = re.compile(
-    "[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069]"
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f"
+    "\u2028\u2029\u202a-\u202e\u2066-\u2069]"
 )
 ESCAPE = "budget-escape"  # name of our way with characters that a stream cannot take
 
@@ -107,6 +114,53 @@ def without_controls(text: str) -> str:
     The name of a file can hold them; a terminal would obey.
     """
     return CONTROL.sub(lambda found: ascii(found[0])[1:-1], text)
+
+
+def in_line(name: object) -> str:
+    """Write a name so that it cannot end its line either."""
+    text = without_controls(str(name))
+    return text.replace("\n", "\\n").replace("\t", "\\t")
+
+
+def say(text: str) -> None:
+    """Talk on stderr; stdout is for results."""
+    sys.stderr.write(f"{without_controls(text)}\n")
+
+
+def say_written(paths: Iterable[Path]) -> None:
+    """Say which files were written."""
+    for path in paths:
+        say(f"{in_line(path)}: written")
+
+
+def tell(text: str) -> None:
+    """Print a result for people on stdout."""
+    sys.stdout.write(without_controls(text))
+
+
+def console() -> Console:
+    """Return the console that tables for people are printed on.
+
+    What gives a terminal orders is escaped in their text; the console's own colours
+    come after that.
+    """
+    from rich.console import Console
+
+    class Escaped(Console):
+        """A console whose texts give no orders."""
+
+        def render(
+            self, renderable: RenderableType, options: ConsoleOptions | None = None
+        ) -> Iterator[Segment]:
+            """Render, and escape what is text."""
+            for part in super().render(renderable, options):
+                yield (
+                    part
+                    if part.control
+                    else part._replace(text=without_controls(part.text))
+                )
+
+    return Escaped()
 
 
 def _nowhere() -> TextIO:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from typing import TYPE_CHECKING, Any
+
+from budget.report.csv_text import csv_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -55,18 +55,4 @@ def to_json(
 
 def to_csv(budget: Budget) -> str:
     """Write one row for each output and source and one `total`, in printed units."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
-    writer.writeheader()
-    for row in budget.rows():
-        writer.writerow({name: _cell(row[name]) for name in COLUMNS})
-    return text.getvalue()
-
-
-def _cell(value: str | float | None) -> str:
-    """Write a number with all its digits, nothing for None."""
-    if value is None:
-        return ""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    return value if isinstance(value, str) else repr(float(value))
+    return csv_text(COLUMNS, budget.rows())

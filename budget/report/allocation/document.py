@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+from budget.report.csv_text import csv_text
 from budget.report.device_file import device_yaml
 from budget.report.tables import print_coverage
 from budget.results import SCHEMA
@@ -108,12 +107,7 @@ def allocation_json(allocation: Allocation) -> str:
 
 def allocation_csv(allocation: Allocation) -> str:
     """Write one row for each source, values in the units of the file."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
-    writer.writeheader()
-    for row in _rows(allocation):
-        writer.writerow({key: _cell(row[key]) for key in COLUMNS})
-    return text.getvalue()
+    return csv_text(COLUMNS, _rows(allocation))
 
 
 def allocated_device(allocation: Allocation) -> str:
@@ -198,12 +192,3 @@ def _match_document(match: Match) -> dict[str, Any]:
         ],
         "extra": list(match.extra),
     }
-
-
-def _cell(value: str | float | None) -> str:
-    """Write a number with all its digits, nothing for None."""
-    if value is None:
-        return ""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    return value if isinstance(value, str) else repr(float(value))

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from budget.report.comparison.tables import lists, ranks
+from budget.report.csv_text import csv_text
 from budget.results import SCHEMA
 
 if TYPE_CHECKING:
@@ -83,38 +82,35 @@ def to_json(comparison: Comparison) -> str:
 
 def to_csv(comparison: Comparison) -> str:
     """Write one row for each device and required output, in printed units."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
-    writer.writeheader()
-    for (sensor, procedure), devices in lists(comparison).items():
-        for one, rank in zip(devices, ranks(devices), strict=True):
-            for output in one.outputs:
-                writer.writerow(
-                    {
-                        "procedure": procedure,
-                        "sensor": sensor,
-                        "rank": _number(rank),
-                        "device": one.name,
-                        "file": one.file,
-                        "verdict": one.verdict,
-                        "device_utilisation": one.utilisation,
-                        "device_conformance": one.conformance.value,
-                        "device_lower_bound": _flag(value=one.lower_bound),
-                        **_flat(output),
-                        "lower_bound": _flag(value=output.lower_bound),
-                    }
-                )
-    for entrant in comparison.nothing_known:  # no figure: a 0 would look like the best
-        writer.writerow(
-            {
-                "procedure": entrant.procedure,
-                "sensor": entrant.sensor,
-                "device": entrant.name,
-                "file": entrant.file,
-                "verdict": "undecidable",
-            }
-        )
-    return text.getvalue()
+    rows: list[dict[str, Any]] = [
+        {
+            "procedure": procedure,
+            "sensor": sensor,
+            "rank": _number(rank),
+            "device": one.name,
+            "file": one.file,
+            "verdict": one.verdict,
+            "device_utilisation": one.utilisation,
+            "device_conformance": one.conformance.value,
+            "device_lower_bound": one.lower_bound,
+            **_flat(output),
+            "lower_bound": output.lower_bound,
+        }
+        for (sensor, procedure), devices in lists(comparison).items()
+        for one, rank in zip(devices, ranks(devices), strict=True)
+        for output in one.outputs
+    ]
+    rows += [  # no figure: a 0 would look like the best
+        {
+            "procedure": entrant.procedure,
+            "sensor": entrant.sensor,
+            "device": entrant.name,
+            "file": entrant.file,
+            "verdict": "undecidable",
+        }
+        for entrant in comparison.nothing_known
+    ]
+    return csv_text(COLUMNS, rows)
 
 
 def _entrant(one: Entrant) -> dict[str, Any]:
@@ -173,11 +169,6 @@ def _device(one: DeviceVerdict, rank: str) -> dict[str, Any]:
         "trials": one.trials,
         "outputs": [output.to_dict() for output in one.outputs],
     }
-
-
-def _flag(*, value: bool) -> str:
-    """Write true or false as JSON does."""
-    return "true" if value else "false"
 
 
 def _number(rank: str) -> int:

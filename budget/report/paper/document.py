@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from typing import TYPE_CHECKING, Any
 
+from budget.report.csv_text import csv_text
 from budget.results import SCHEMA
 from budget.studies.paper.findings import VERDICTS
 from budget.studies.paper.study import ASSUMPTIONS, TITLE
@@ -74,16 +73,4 @@ def to_json(study: PaperStudy) -> str:
 
 def to_csv(study: PaperStudy) -> str:
     """Write one line for each row, numbers with all their digits."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    for row in study.findings:
-        writer.writerow([_cell(getattr(row, name)) for name in COLUMNS])
-    return text.getvalue()
-
-
-def _cell(value: str | float | None) -> str:
-    """Write a number with all its digits, nothing for None."""
-    if value is None:
-        return ""
-    return value if isinstance(value, str) else repr(float(value))
+    return csv_text(COLUMNS, map(vars, study.findings))

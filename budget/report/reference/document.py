@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+from budget.report.csv_text import csv_text
 from budget.report.reference.tables import TOGETHER, cause_texts, together_text
 from budget.results import SCHEMA
 
@@ -52,10 +51,13 @@ def checks_json(checks: Sequence[Checked], errors: Sequence[str]) -> str:
 
 def checks_csv(checks: Sequence[Checked]) -> str:
     """Write one row for each number or word that moved."""
-    return _csv(
-        {"reference": one.name, **_move(move, one.changes)}
-        for one in checks
-        for move in one.moves
+    return csv_text(
+        COLUMNS,
+        (
+            {"reference": one.name, **_move(move, one.changes)}
+            for one in checks
+            for move in one.moves
+        ),
     )
 
 
@@ -77,9 +79,12 @@ def difference_json(difference: Difference) -> str:
 
 def difference_csv(difference: Difference) -> str:
     """Write one row for each number or word that differs, the largest change first."""
-    return _csv(
-        {"reference": difference.first, **_move(move, difference.changes)}
-        for move in difference.moves
+    return csv_text(
+        COLUMNS,
+        (
+            {"reference": difference.first, **_move(move, difference.changes)}
+            for move in difference.moves
+        ),
     )
 
 
@@ -109,22 +114,3 @@ def _move(move: Move, changes: Sequence[Change]) -> dict[str, Any]:
 def _json(document: dict[str, Any]) -> str:
     """Write a document at full precision; JSON has no infinite number."""
     return json.dumps(document, allow_nan=False, ensure_ascii=False, indent=1) + "\n"
-
-
-def _csv(rows: Any) -> str:  # noqa: ANN401 - an iterable of flat records
-    """Write rows under COLUMNS."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n", extrasaction="ignore")
-    writer.writeheader()
-    for row in rows:
-        writer.writerow({name: _cell(row[name]) for name in COLUMNS})
-    return text.getvalue()
-
-
-def _cell(value: str | float | None) -> str:
-    """Write a number with all its digits, nothing for None."""
-    if value is None:
-        return ""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    return value if isinstance(value, str) else repr(float(value))
