@@ -19,6 +19,7 @@ from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.cases import STRATEGIES, Bounds
 from budget.studies.allocation.market import best_offered, load_catalogue
 from budget.studies.analysis import analyze
+from budget.studies.comparison.compare import compare
 from budget.studies.conformity import assess
 from budget.units import ARCSEC, DEG_PER_HOUR, PPM
 
@@ -106,6 +107,43 @@ def test_the_allocated_device_meets_what_it_was_made_for(strategy):
     for row in allocation.binding:
         assert_allclose(found[row.output.name].utilisation, row.allowed, rtol=1e-9)
         assert_allclose(row.allowed, 1.0, rtol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("name", "limits", "strategy"),
+    [
+        *(("zhao-2019", "navigation-grade", strategy) for strategy in STRATEGIES),
+        ("hg4930#C", "tactical-grade", "proportional"),
+    ],
+)
+def test_what_is_allocated_meets_by_compare(name, limits, strategy):
+    """Judged as a device of its own it meets; without the last check it may not."""
+    wanted = load_requirement(limits)
+    allocation = allot(
+        load_device(name), wanted=wanted, strategy=strategy, validate=True
+    )
+    found = compare([device(*allocation.sensors)], wanted)
+
+    assert {row.verdict for row in found.devices} == {"meets"}
+
+
+def test_without_the_last_check_an_allocation_may_stay_undecided():
+    """Control: shared out to the limit itself, the law is not sure to the last bit."""
+    wanted = load_requirement("navigation-grade")
+    found = compare([device(*allot(wanted=wanted).sensors)], wanted)
+
+    assert "undecided" in {row.verdict for row in found.devices}
+
+
+def test_what_trials_judge_is_allocated_so_that_it_does_not_fail():
+    """A bound of uniform shape ends at its limit: undecided at the worst."""
+    wanted = load_requirement("tactical-grade")
+    allocation = allot(load_device("dg068#10"), wanted=wanted, validate=True)
+    (row,) = compare([device(*allocation.sensors)], wanted).devices
+
+    assert row.verdict in {"meets", "undecided"}
+    assert row.utilisation > 0.99
+    assert "monte-carlo" in {one.interval_by for one in row.outputs}
 
 
 def test_monte_carlo_returns_the_limit():

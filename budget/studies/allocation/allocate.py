@@ -33,6 +33,7 @@ from budget.studies.allocation.rows import (
     limited_outputs,
     source_allotments,
 )
+from budget.studies.judgement import judge, limit_problem
 from budget.studies.request import sensors_of
 
 if TYPE_CHECKING:
@@ -48,6 +49,7 @@ COVERAGE_OFF = 0.002  # [1]; a coverage further off corrects the allocation
 MARGIN = 0.001  # that a corrected k has over the trials', which vary by as much [1]
 SETTLED = 0.001  # relative change of k that needs no further correction [1]
 CORRECTIONS = 6  # at the most
+ASSURED = 1e-9  # more than an interval reaches over a limit, for a file's digits [1]
 
 
 def allocate(
@@ -134,6 +136,9 @@ def allocate(
             solved = solve(case, strategy, costs)
             if validate:
                 solved = _correct(
+                    solved, procedure, requirement, strategy, costs, seed=seed
+                )
+                solved = _assure(
                     solved, procedure, requirement, strategy, costs, seed=seed
                 )
             cases[place] = solved
@@ -273,6 +278,45 @@ def _correct(
         if not corrected.is_feasible:
             break
         case = solve(replace(case, task=corrected, by_law=by_law), strategy, costs)
+    return case
+
+
+def _assure(
+    case: SensorCase,
+    procedure: Procedure,
+    requirement: Requirement,
+    strategy: str,
+    costs: Costs | None,
+    *,
+    seed: int,
+) -> SensorCase:
+    """Judge the allocated device as every command does; tighten what would fail.
+
+    The k of the outputs at their limits grows by what the interval of the utilisation
+    reaches over 1: until it is within, and where trials judge until it does not fail.
+    Trials leave it undecided then, as an allocation is at its limit by design.
+    """
+    for _ in range(CORRECTIONS):
+        task, s = case.task, case.factors
+        problem = calibration_problem(
+            (resize(case.sensor, task.law.sources, s),),
+            procedure,
+            reference=requirement.reference,
+        )
+        held = limit_problem(problem, requirement)
+        if held is None:
+            break
+        judged = judge(
+            held, propagate(problem), coverage=requirement.coverage, seed=seed
+        )
+        verdict, over = judged.verdict(), judged.utilisation_interval[1]
+        if verdict == "meets" or (verdict == "undecided" and judged.by_trials.any()):
+            break
+        factor = np.where(task.binding(s), over * (1.0 + ASSURED), 1.0)
+        tightened = replace(task, coverage_factor=factor * task.coverage_factor)
+        if not tightened.is_feasible:
+            break
+        case = solve(replace(case, task=tightened), strategy, costs)
     return case
 
 
