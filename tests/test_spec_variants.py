@@ -36,6 +36,7 @@ variants:
       errors:
         bias_stability: 5 deg/h
         angle_random_walk: 1 deg/sqrt(h)
+        sample_noise: {adds_to: angle_random_walk}
     accelerometer: {errors: {bias_repeatability: 1 ug}}
 """
 
