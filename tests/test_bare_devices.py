@@ -28,6 +28,7 @@ COMMANDS = (
     f"analyze DEVICE --method monte-carlo {FEW}",
     "analyze DEVICE --method simulation --trials 2",
     "analyze DEVICE --no-validate --sobol --samples 64",
+    "analyze DEVICE --no-validate --sobol --samples 64 --reference as_tested",
     "analyze DEVICE --no-validate --only bias_repeatability",
     f"report DEVICE -o out.html {GRADE} --no-validate",
     f"report DEVICE -o out.html {GRADE} --no-validate --allocate",

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from functools import partial
 from math import ceil, isfinite, isinf, log2
 from typing import TYPE_CHECKING
+from warnings import catch_warnings, filterwarnings
 
 import numpy as np
 
@@ -313,7 +314,7 @@ def _estimate(
             step = b[factor.rows] - a[factor.rows]
             l_ab = l_a + (linear.C[:, factor.rows] @ step).T / scale
         for kind, out in ((first_order, first), (total_order, total)):
-            model = kind(y_a, y_ab, y_b) * _variance(y_a, y_b)
+            model = _quiet(kind, y_a, y_ab, y_b) * _variance(y_a, y_b)
             tangent = _tangent(kind, l_a, l_ab, l_b)
             out[f] = model - tangent + known[f]
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -329,7 +330,19 @@ def _tangent(
     """Return the estimated partial variance of the tangent; 0 where there is none."""
     if not (a.any() or b.any()):
         return np.zeros(a.shape[1])
-    return estimate(a, ab, b) * _variance(a, b)
+    return _quiet(estimate, a, ab, b) * _variance(a, b)
+
+
+def _quiet(
+    estimate: Callable[[Array, Array, Array], Array], a: Array, ab: Array, b: Array
+) -> Array:
+    """Return an estimate without SALib's warning about outputs that do not vary.
+
+    Those have no indices, and the caller says so.
+    """
+    with catch_warnings():
+        filterwarnings("ignore", message="Constant values encountered")
+        return estimate(a, ab, b)
 
 
 def _variance(a: Array, b: Array) -> Array:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from budget.calibration.problem import calibration_problem
 from budget.errors import CallError
 from budget.methods.gum import propagate
-from budget.results import Assessment, CapAssessment, SensorAssessment
+from budget.results import INTERACTION, Assessment, CapAssessment, SensorAssessment
 from budget.studies.comparison.figures_of_merit import over_cap, read_amount
 from budget.studies.judgement import (
     assess_outputs,
@@ -164,7 +164,9 @@ def _verdict(
     sensor: Sensor, held: Limited, law: Propagation, judged: Judged
 ) -> SensorAssessment:
     """Return the verdict on one sensor."""
-    parts = law.source_variance[:, held.rows[judged.worst]]
+    parts = law.source_variance[:, held.rows[judged.worst]].tolist()
+    # A sensor without lines has no source, only the row of products, which is 0.
+    limiting = held.problem.groups[first_largest(parts)].name if parts else INTERACTION
     return SensorAssessment(
         sensor=sensor.kind,
         verdict=judged.verdict(sensor.expected_missing),
@@ -172,7 +174,7 @@ def _verdict(
         utilisation_interval=judged.utilisation_interval,
         worst_output=held.outputs[judged.worst].name,
         worst_outputs=tuple(held.outputs[k].name for k in judged.all_worst),
-        limiting_source=held.problem.groups[first_largest(parts.tolist())].name,
+        limiting_source=limiting,
         conformance=judged.conformance if sensor.lines else None,
         trials=judged.trials,
         expected_missing=sensor.expected_missing,
