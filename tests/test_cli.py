@@ -448,3 +448,18 @@ def test_too_many_open_files_are_not_blamed_on_a_stream(monkeypatch):
     assert run.err.startswith("the system refused: Too many open files; ")
     assert "standard output" not in run.err
     assert "ulimit" in run.err
+
+
+def test_more_workers_than_processors_are_cut_with_a_word(monkeypatch):
+    """As many processes as processors, said on stderr; the numbers are the same."""
+    monkeypatch.setattr("budget.cli.options.processors", lambda: 1)
+    asked = ("analyze", "--method", "monte-carlo", "--trials", "5000", "--json", "-")
+    cut = call(*asked, "--workers", "5000")
+    assert cut.code == 0, cut.err
+    assert (
+        "--workers 5000: this run may use 1 processor, so that many are started"
+        in cut.err
+    )
+    one = call(*asked, "--workers", "1")
+    assert "--workers" not in one.err
+    assert cut.out == one.out

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -45,6 +46,29 @@ def _trials(text: str) -> int | None:
             f"{LEAST_TRIALS} or more, or 'adaptive'"
         )
     return int(text)
+
+
+def _processes(wanted: int) -> int:
+    """Cut the number of processes to that of the processors, and say so.
+
+    More would share the same processors, and each takes some 100 MB.
+    """
+    there = processors()
+    if wanted <= there:
+        return wanted
+    some = "1 processor" if there == 1 else f"{there} processors"
+    typer.echo(
+        f"--workers {wanted}: this run may use {some}, so that many are started",
+        err=True,
+    )
+    return there
+
+
+def processors() -> int:
+    """Return how many processors this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 Devices = Annotated[
@@ -117,7 +141,14 @@ NoValidate = Annotated[
 ]
 Seed = Annotated[int, typer.Option(min=0, metavar="S", help="Same seed, same numbers.")]
 Workers = Annotated[
-    int, typer.Option(min=1, metavar="N", help="Processes; changes no number.")
+    int,
+    typer.Option(
+        min=1,
+        metavar="N",
+        callback=_processes,
+        help="Processes, as many as there are processors at the most; changes no "
+        "number.",
+    ),
 ]
 Cluster = Annotated[
     str | None,
