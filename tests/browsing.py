@@ -49,7 +49,7 @@ def opened(browser, path, **options):
         **({"viewport": {"width": 1280, "height": 900}} | options)
     )
     page = context.new_page()
-    page.set_default_timeout(10_000.0)
+    page.set_default_timeout(300_000.0)
     page.on("request", lambda request: record.requests.append(request.url))
     page.on("console", lambda message: record.complaints.append(message.text))
     page.on("pageerror", lambda error: record.complaints.append(str(error)))

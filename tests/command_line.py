@@ -38,13 +38,16 @@ def surroundings():
     return kept | TERMINAL
 
 
-def call(*args):
-    """Call the command line in this process, which saves the start of another."""
+def call(*args, **environment):
+    """Call the command line in this process, which saves the start of another.
+
+    Keywords are more of its environment.
+    """
     out, err = io.StringIO(), io.StringIO()
     code = 0
     with (
         patch.object(sys, "argv", ["budget", *map(str, args)]),
-        patch.dict(os.environ, surroundings(), clear=True),
+        patch.dict(os.environ, surroundings() | environment, clear=True),
         redirect_stdout(out),
         redirect_stderr(err),
     ):

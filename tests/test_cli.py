@@ -275,7 +275,7 @@ def test_interrupt_writes_nothing(tmp_path):
     )
     note = run.stderr.readline()  # the command is at work now
     run.send_signal(signal.SIGINT)
-    out, err = run.communicate(timeout=60)
+    out, err = run.communicate(timeout=600)
 
     assert note == NOTE
     assert (run.returncode, out) == (130, "")

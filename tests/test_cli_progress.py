@@ -37,7 +37,7 @@ def on_terminal(*args, cwd):
             break
         shown += part
     os.close(mine)
-    assert run.wait(timeout=60) == 0
+    assert run.wait(timeout=600) == 0
     return shown.decode()
 
 

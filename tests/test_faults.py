@@ -9,12 +9,32 @@ import subprocess
 from contextlib import contextmanager
 
 import pytest
-from failing import BUDGET, FOREIGN, WRITING, contents, environment, run, said
+from failing import (
+    BUDGET,
+    FOREIGN,
+    WRITING,
+    contents,
+    environment,
+    run,
+    run_here,
+    said,
+)
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="faults of POSIX systems")
 
 NOBODY = 65_534  # user and group without rights
 ADDRESS_SPACE = 500 << 20  # [bytes] libraries take 350 MB, 2e6 trials 384
+
+
+@contextmanager
+def small_files(most):
+    """Let this process write no file beyond a size [byte]."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (most, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
 @pytest.mark.parametrize("name", WRITING)
@@ -24,10 +44,8 @@ def test_a_limit_on_the_size_of_files(name, tmp_path):
         (tmp_path / path).write_text(f"old {path}", encoding="utf-8")
     before = contents(tmp_path)
 
-    def limit():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (2048, 2048))
-
-    outcome = run(*WRITING[name], folder=tmp_path, before=limit)
+    with small_files(2048):
+        outcome = run_here(*WRITING[name], folder=tmp_path)
     refused = {  # a PDF is prepared first, in the folder for temporary files
         "paper": "the folder for temporary files (File too large)",
     }.get(name, "the system refused: File too large")
@@ -58,7 +76,7 @@ def test_a_full_disk(name, tmp_path):
     with small_disk(tmp_path / "disk", "size=8k") as disk:
         (disk / "a.json").write_text("old", encoding="utf-8")
         before = contents(disk)
-        outcome = run(*WRITING[name], folder=disk)
+        outcome = run_here(*WRITING[name], folder=disk)
         text = said(outcome)
         assert contents(disk) == before
     assert "the system refused: No space left on device" in text
@@ -70,7 +88,7 @@ def test_a_full_disk(name, tmp_path):
 def test_a_read_only_disk(name, tmp_path):
     """Exit 2, and the folder is named."""
     with small_disk(tmp_path / "disk", "size=8k,ro") as disk:
-        outcome = run(*WRITING[name], folder=disk)
+        outcome = run_here(*WRITING[name], folder=disk)
         text = said(outcome)
         assert contents(disk) == {}
     assert "cannot be written" in text or "the system refused: Read-only" in text

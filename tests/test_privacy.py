@@ -8,8 +8,12 @@ import os
 import shutil
 import subprocess
 import sys
+from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
 from pathlib import Path
 
+import matplotlib as mpl
 import pytest
 from command_line import call, surroundings
 
@@ -84,26 +88,80 @@ sys.addaudithook(watch)
 """
 
 
-@pytest.fixture
-def watched(tmp_path):
-    """Return a way to start Python, and what it did of what is watched."""
-    hooks, work, log = tmp_path / "hooks", tmp_path / "work", tmp_path / "log"
-    hooks.mkdir()
-    work.mkdir()
+PERSON, HOST = "someuserhere", "somehosthere"
+TRACED = ("report", "paper", "analyze, two workers")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Watched:
+    """One run of Python: its process, what it did of what is watched, its folder."""
+
+    run: subprocess.CompletedProcess[bytes]
+    events: list[str]
+    folder: Path
+    is_offline: bool
+    system_calls: str | None  # None: not traced
+
+
+def is_allowed(*wrapper):
+    """Return whether a program is there that may run another one."""
+    if not shutil.which(wrapper[0]):
+        return False
+    probe = subprocess.run([*wrapper, "true"], capture_output=True, check=False)
+    return probe.returncode == 0
+
+
+def watch(folder, *words, is_traced=False, is_offline=False):
+    """Run Python under the hooks, and where asked and allowed under more than that."""
+    hooks, work, log = folder / "hooks", folder / "work", folder / "log"
+    for path in (hooks, work, folder / "home"):
+        path.mkdir()
     (hooks / "sitecustomize.py").write_text(HOOK, encoding="utf-8")
+    trace = ["strace", "-f", "-qq", "-e", "trace=socket,connect,sendto"]
+    trace += ["-o", str(folder / "trace")]
+    inside = ["unshare", "--map-root-user", "--net"]
+    is_traced = is_traced and is_allowed(*trace)
+    is_offline = is_offline and is_allowed(*inside)
+    started = [*inside * is_offline, *trace * is_traced, sys.executable, *words]
+    run = subprocess.run(
+        started,
+        cwd=work,
+        env=surroundings()
+        | {"PYTHONPATH": str(hooks), "AUDIT_LOG": str(log)}
+        # Without its list of fonts matplotlib asks fc-list, a program, for them.
+        | {"MPLCONFIGDIR": mpl.get_cachedir()}
+        | {"HOME": str(folder / "home"), "HOSTNAME": HOST}
+        | {"USER": PERSON, "LOGNAME": PERSON},
+        capture_output=True,
+        check=False,
+    )
+    return Watched(
+        run=run,
+        events=log.read_text(encoding="utf-8").splitlines() if log.exists() else [],
+        folder=work,
+        is_offline=is_offline,
+        system_calls=(folder / "trace").read_text("utf-8") if is_traced else None,
+    )
 
-    def start(*words):
-        run = subprocess.run(
-            [sys.executable, *words],
-            cwd=work,
-            env=surroundings() | {"PYTHONPATH": str(hooks), "AUDIT_LOG": str(log)},
-            capture_output=True,
-            check=False,
+
+@pytest.fixture(scope="module")
+def call_of(tmp_path_factory):
+    """Return a way to get the run of a command: one run, for all that is asked of it.
+
+    The report is made without a network, where that is allowed.
+    """
+    import_module("matplotlib.font_manager")  # makes the list, once on a machine
+
+    @cache
+    def run_once(name):
+        return watch(
+            tmp_path_factory.mktemp("watched"),
+            *("-m", "budget", *CALLS[name]),
+            is_traced=name in TRACED,
+            is_offline=name == "report",
         )
-        events = log.read_text(encoding="utf-8").splitlines() if log.exists() else []
-        return run, events
 
-    return start
+    return run_once
 
 
 def test_every_command_is_called_here():
@@ -112,10 +170,12 @@ def test_every_command_is_called_here():
 
 
 @pytest.mark.parametrize("name", CALLS)
-def test_no_network_no_program_no_pickle(name, watched):
+def test_no_network_no_program_no_pickle(name, call_of):
     """No command connects, starts a program or loads a pickle; workers alone may."""
-    run, events = watched("-m", "budget", *CALLS[name])
-    assert run.returncode == (1 if name in NOT_MET else 0), run.stderr.decode()
+    found = call_of(name)
+    code = 1 if name in NOT_MET else 0
+    assert found.run.returncode == code, found.run.stderr.decode()
+    events = found.events
     if name == "analyze, two workers":
         # Python's own processes, and tasks that they get through a private pipe.
         allowed = ("os.posix_spawn", "subprocess.Popen", "os.fork", "pickle.find_class")
@@ -133,48 +193,36 @@ def test_no_network_no_program_no_pickle(name, watched):
         "import subprocess; subprocess.run(['true'])",
     ],
 )
-def test_the_watch_sees_what_it_watches(code, watched):
+def test_the_watch_sees_what_it_watches(code, tmp_path):
     """Control: each of these is written down."""
-    _, events = watched("-c", code)
-    assert events
+    assert watch(tmp_path, "-c", code).events
 
 
-@pytest.mark.skipif(not shutil.which("strace"), reason="needs strace")
-@pytest.mark.parametrize("name", ["report", "paper", "analyze, two workers"])
-def test_no_system_call_to_a_network(name, tmp_path):
+@pytest.mark.parametrize("name", TRACED)
+def test_no_system_call_to_a_network(name, call_of):
     """Libraries that are no Python open no internet socket either."""
-    log = tmp_path / "calls"
-    words = [sys.executable, "-m", "budget", *CALLS[name]]
-    trace = ["strace", "-f", "-qq", "-e", "trace=socket,connect,sendto", "-o", log]
-    probe = subprocess.run([*trace, "true"], capture_output=True, check=False)
-    if probe.returncode:
+    found = call_of(name)
+    if found.system_calls is None:
         pytest.skip("tracing is not allowed here")
-    run = subprocess.run(
-        [*trace, *words],
-        cwd=tmp_path,
-        env=surroundings(),
-        capture_output=True,
-        check=False,
-    )
-    assert run.returncode == 0, run.stderr.decode()
-    assert "AF_INET" not in log.read_text(encoding="utf-8")
+    assert found.run.returncode == 0, found.run.stderr.decode()
+    assert "AF_INET" not in found.system_calls
 
 
-@pytest.mark.skipif(not shutil.which("unshare"), reason="needs unshare")
-def test_a_machine_without_a_network(tmp_path):
+def test_the_trace_sees_a_socket(tmp_path):
+    """Control: a socket that no hook is asked about is written down."""
+    found = watch(tmp_path, "-c", "import socket; socket.socket()", is_traced=True)
+    if found.system_calls is None:
+        pytest.skip("tracing is not allowed here")
+    assert "AF_INET" in found.system_calls
+
+
+def test_a_machine_without_a_network(call_of):
     """In a network namespace without any interface a report is written."""
-    inside = ["unshare", "--map-root-user", "--net"]
-    if subprocess.run([*inside, "true"], capture_output=True, check=False).returncode:
+    found = call_of("report")
+    if not found.is_offline:
         pytest.skip("namespaces are not allowed here")
-    run = subprocess.run(
-        [*inside, sys.executable, "-m", "budget", *CALLS["report"]],
-        cwd=tmp_path,
-        env=surroundings(),
-        capture_output=True,
-        check=False,
-    )
-    assert run.returncode == 0, run.stderr.decode()
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.html", "a.pdf"]
+    assert found.run.returncode == 0, found.run.stderr.decode()
+    assert sorted(p.name for p in found.folder.iterdir()) == ["a.html", "a.pdf"]
 
 
 def test_only_a_cluster_that_is_asked_for_is_connected_to():
@@ -312,22 +360,20 @@ def test_files_beside_the_user_are_no_templates(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("name", ["report", "paper"])
-def test_documents_name_no_place_and_no_person(name, tmp_path):
+def test_documents_name_no_place_and_no_person(name, call_of):
     """No folder, user or host of the run stands in what is written."""
-    person, host = "someuserhere", "somehosthere"
-    home = tmp_path / "home"
-    home.mkdir()
-    run = subprocess.run(
-        [sys.executable, "-m", "budget", *CALLS[name]],
-        cwd=tmp_path,
-        env=surroundings()
-        | {"HOME": str(home), "USER": person, "LOGNAME": person, "HOSTNAME": host},
-        capture_output=True,
-        check=False,
+    found = call_of(name)
+    assert found.run.returncode == 0, found.run.stderr.decode()
+    secrets = (
+        str(found.folder.parent),
+        str(PACKAGE),
+        PERSON,
+        HOST,
+        os.uname().nodename,
     )
-    assert run.returncode == 0, run.stderr.decode()
-    told = (str(tmp_path), str(PACKAGE), person, host, os.uname().nodename)
-    for path in tmp_path.glob("a.*"):
+    written = list(found.folder.glob("a.*"))
+    assert written
+    for path in written:
         data = path.read_bytes()
-        for secret in told:
+        for secret in secrets:
             assert len(secret) < 4 or secret.encode() not in data, (path.name, secret)
