@@ -112,6 +112,17 @@ def check(
             show_default=False,
         ),
     ] = None,
+    root: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER",
+            exists=True,
+            file_okay=False,
+            help="Folder that inputs of references must be in (this one, or that of "
+            "the reference).",
+            show_default=False,
+        ),
+    ] = None,
     workers: options.Workers = 1,
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
@@ -157,7 +168,7 @@ def check(
             "settings are those of the stored references and cannot be given to a "
             "check; leave them out, or store a new reference with --save FILE"
         )
-    _check(names or [], json=json, csv=csv, workers=workers)
+    _check(names or [], root=root, json=json, csv=csv, workers=workers)
 
 
 def _samples(samples: int | None, *, wanted: bool) -> int | None:
@@ -234,7 +245,12 @@ def _take_in(files: dict[str, list[str]], folder: Path) -> tuple[StoredInput, ..
 
 
 def _check(
-    names: list[str], *, json: Path | None, csv: Path | None, workers: int
+    names: list[str],
+    *,
+    root: Path | None,
+    json: Path | None,
+    csv: Path | None,
+    workers: int,
 ) -> None:
     """Check references one by one; one that is bad does not stop the others."""
     from budget.cli.output import check_destinations, printing
@@ -261,7 +277,9 @@ def _check(
             try:
                 stored = read_reference(one.path, one.shown)
                 folder = one.path.parent
-                checks.append(run(stored, folder, name=one.shown, workers=workers))
+                checks.append(
+                    run(stored, folder, name=one.shown, workers=workers, root=root)
+                )
             except BudgetError as error:
                 errors.append(str(error))
             show("check", done, len(found))

@@ -54,7 +54,8 @@ def compare(
     trials: Annotated[
         int | None,
         typer.Option(
-            min=2,
+            min=options.LEAST_TRIALS,
+            max=options.MOST_TRIALS,
             metavar="N",
             help="Monte Carlo trials of each device at first (100000).",
             show_default=False,
@@ -63,7 +64,8 @@ def compare(
     max_trials: Annotated[
         int | None,
         typer.Option(
-            min=2,
+            min=options.LEAST_TRIALS,
+            max=options.MOST_TRIALS,
             metavar="N",
             help="The most of a device whose verdict or rank is open (1600000).",
             show_default=False,

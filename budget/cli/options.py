@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 
 BUILT_IN_DEVICE = "zhao-2019"
 STDOUT = Path("-")
-LEAST_TRIALS = 2
+LONGEST_NUMBER = 20  # digits; longer ones cost time to read
+LEAST_TRIALS, MOST_TRIALS = 2, 100_000_000  # also of stored references
 
 
 def _coverage(text: str) -> float:
@@ -40,10 +41,12 @@ def _trials(text: str) -> int | None:
     """Read a number of trials; 'adaptive' is none."""
     if text == "adaptive":
         return None
-    if not text.isascii() or not text.isdigit() or int(text) < LEAST_TRIALS:
+    if not (text.isascii() and text.isdigit() and len(text) <= LONGEST_NUMBER) or not (
+        LEAST_TRIALS <= int(text) <= MOST_TRIALS
+    ):
         raise typer.BadParameter(
             f"{text!r} is no number of trials; give a whole number, "
-            f"{LEAST_TRIALS} or more, or 'adaptive'"
+            f"{LEAST_TRIALS} or more and {MOST_TRIALS} at the most, or 'adaptive'"
         )
     return int(text)
 
@@ -116,7 +119,8 @@ Digits = Annotated[
 MaxTrials = Annotated[
     int | None,
     typer.Option(
-        min=2,
+        min=LEAST_TRIALS,
+        max=MOST_TRIALS,
         metavar="N",
         help="Where adaptive trials stop at the latest (2000000).",
         show_default=False,

@@ -51,6 +51,7 @@ def read(path: Path, shown: str) -> Document:
         sha256=sha256(data).hexdigest(),
         root=root,
         issues=tuple(issues),
+        text=data.decode(),  # with its byte order mark, if it has one
     )
 
 

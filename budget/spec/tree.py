@@ -76,6 +76,7 @@ class Document:
     root: Node
     issues: tuple[Issue, ...]
     kind: str = ""  # 'device', ..., once its keys have said so
+    text: str = ""  # of the bytes that `sha256` is of
 
     def issue(self, node: Node, message: str, *, on_key: bool = False) -> Issue:
         """Return an issue with that node."""

@@ -73,7 +73,12 @@ def make_reference(
 
 
 def check(
-    reference: Reference, folder: Path, *, name: str, workers: int = 1
+    reference: Reference,
+    folder: Path,
+    *,
+    name: str,
+    workers: int = 1,
+    root: Path | None = None,
 ) -> Checked:
     """Compute a reference again from its files as they are now, and compare.
 
@@ -87,15 +92,17 @@ def check(
         How it is called in the result.
     workers : int
         Number of processes; changes no number.
+    root : Path, optional
+        Folder that its files must be in; see `parts.tree_of`.
 
     Raises
     ------
     ReferenceFileError, SpecError, CallError
-        A file is gone or cannot be computed with.
+        A file is gone, is outside the tree, or cannot be computed with.
     """
     job, asked = reference.job, reference.asked
     check_asked(job, asked)
-    now = present_parts(reference.inputs, folder, reference=name, job=job)
+    now = present_parts(reference.inputs, folder, reference=name, job=job, root=root)
     snapshot = compute(job, now, asked, workers=workers)
     moves = find_moves(reference.snapshot, snapshot)
     stored = reference.snapshot

@@ -12,7 +12,9 @@ from budget.spec.fields import Strict
 # Files hold quantities between 1e-30 and 1e30 SI: no budget comes near this, and what
 # is computed of two such numbers does not overflow.
 LARGEST = 1e100
-MOST_SAMPLES = 2**30  # Sobol' points of one scramble, which have 30 bits
+# No more than the command line allows: a forged reference keeps no machine busy.
+MOST_TRIALS = 100_000_000
+MOST_SAMPLES = 2**20  # Sobol' points of one scramble
 
 Line = Annotated[str, Field(max_length=400, pattern=r"^[^\x00-\x1f\x7f-\x9f]*$")]
 Finite = Annotated[float, Field(allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
@@ -37,8 +39,8 @@ class SettingsEntry(Strict):
     """What was asked for besides the files."""
 
     method: Literal["gum", "monte-carlo", "simulation"] = "gum"
-    trials: Annotated[Count, Field(ge=2)] | None = None
-    max_trials: Annotated[Count, Field(ge=2)] | None = None
+    trials: Annotated[int, Field(ge=2, le=MOST_TRIALS)] | None = None
+    max_trials: Annotated[int, Field(ge=2, le=MOST_TRIALS)] | None = None
     digits: Annotated[int, Field(ge=1, le=2)] = 1
     seed: Annotated[int, Field(ge=0)] = 0
     coverage: Annotated[float, Field(ge=LEAST_COVERAGE, le=MOST_COVERAGE)] | None = None

@@ -69,12 +69,17 @@ def _take(role: str, file: NamedFile) -> StoredInput:
         file=file.shown,
         variant=file.variant,
         sha256=document.sha256,
-        text=file.path.read_bytes().decode(),  # just read, so it is there, and UTF-8
+        text=document.text,  # of the bytes that were hashed: none is read twice
     )
 
 
 def present_parts(
-    inputs: Sequence[StoredInput], folder: Path, *, reference: str, job: str
+    inputs: Sequence[StoredInput],
+    folder: Path,
+    *,
+    reference: str,
+    job: str,
+    root: Path | None = None,
 ) -> tuple[Part, ...]:
     """Return the parts as their files are now.
 
@@ -88,17 +93,22 @@ def present_parts(
         How messages name it.
     job : str
         Of a comparison a device file is its base and every variant.
+    root : Path, optional
+        Folder that the files must be in; without it that of `tree_of`.
 
     Raises
     ------
     ReferenceFileError
-        A file is gone.
+        A file is gone, or would be outside the tree of the reference.
     SpecError
         A file cannot be read on.
     """
     parts: list[Part] = []
+    tree = tree_of(folder) if root is None else root
     for one in inputs:
         path = _locate(one, folder)
+        if not _is_bare(one.file):
+            _confine(one, path, tree, reference)
         if not is_there(path, folder=False):
             where = "among the files that ship" if _is_bare(one.file) else "there"
             raise ReferenceFileError(
@@ -140,6 +150,37 @@ def stored_parts(
         )
         parts.extend(_parts(document, one, job))
     return tuple(parts)
+
+
+def tree_of(folder: Path) -> Path:
+    """Return the tree that a reference in that folder may read its inputs from.
+
+    The folder one works in, where the reference is in it; the files that ship, where it
+    ships; else its own folder.
+    """
+    here = folder.resolve()
+    for tree in (shipped("specs"), Path.cwd()):
+        if here.is_relative_to(tree.resolve()):
+            return tree
+    return folder
+
+
+def _confine(one: StoredInput, path: Path, tree: Path, reference: str) -> None:
+    """Refuse a file outside the tree, links followed, before it is opened.
+
+    Whoever forges a reference would else have any file of the reader's read, and lines
+    of it in a message.
+    """
+    try:
+        inside = path.resolve().is_relative_to(tree.resolve())
+    except (OSError, ValueError, RuntimeError):  # no name of a file, or links in a ring
+        inside = False
+    if not inside:
+        raise ReferenceFileError(
+            f"{reference}: its {one.role} {one.file} is outside {tree}, expected a "
+            "file in the tree of the reference; it was not opened. If you trust the "
+            "reference, give a folder that both are in: --root FOLDER"
+        )
 
 
 def is_there(path: Path, *, folder: bool) -> bool:
