@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Self
+from typing import TYPE_CHECKING, Self
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 AXES = ("x", "y", "z")
 ANGLES = ("xy", "xz", "yx", "yz", "zx", "zy")  # order of the six mounting angles
+PARAMETERS = {"scale_factor": AXES, "mounting_angle": ANGLES, "bias": AXES}
 
 
 class Name(str):
@@ -52,10 +56,31 @@ class Name(str):
         """The name within its owner: 'bias.x'."""
         return Name(self.quantity, axis=self.axis)
 
+    def within(self, owner: str) -> Name:
+        """Leave the owner out where it is that one: what stands among its own."""
+        return self.without_owner if self.owner == owner else self
+
 
 def as_name(text: str) -> Name:
     """Return a name as it is; another text becomes a name without owner or axis."""
     return text if isinstance(text, Name) else Name(text)
+
+
+def meant(text: str, known: Iterable[Name]) -> tuple[Name, ...]:
+    """Return the known names that a person or a stored document means by a text.
+
+    In full, or without the owner: 'bias_stability' is that of both triads.
+    """
+    return tuple(name for name in known if text in {name, name.without_owner})
+
+
+def parameters_of(owner: str) -> tuple[Name, ...]:
+    """Return the names of the 12 outputs of a triad, in their order."""
+    return tuple(
+        Name(quantity, owner=owner, axis=axis)
+        for quantity, axes in PARAMETERS.items()
+        for axis in axes
+    )
 
 
 def _name(quantity: str, owner: str, axis: str) -> Name:

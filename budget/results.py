@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 SCHEMA = "budget/1"
 INTERACTION = Name("interaction")  # the row of products of two sources
-TOTAL = "total"
+TOTAL = Name("total")
 TINY = 1e-300  # in the place of a utilisation of 0 [1]
 BY_LAW = "law"  # an interval mean +- k u
 BY_TRIALS = "monte-carlo"  # an interval of trials
@@ -94,7 +94,7 @@ class OutputBudget:
     contributions: tuple[Contribution, ...]
     interval_by: str = BY_LAW  # or 'monte-carlo', 'simulation'
     validation: Validation | None = None
-    lacks: tuple[str, ...] = ()  # expected lines, not given, that would widen it
+    lacks: tuple[Name, ...] = ()  # expected lines, not given, that would widen it
 
     @property
     def sensor(self) -> str:
@@ -164,7 +164,7 @@ class Settings:
     reference: str
     formulas: str
     normals_per_trial: int | None
-    only: tuple[str, ...] = ()
+    only: tuple[Name, ...] = ()
     digits: int = 1  # that adaptive trials and validation make sure
     sobol_samples: int | None = None  # points in one scramble
     sobol_scrambles: int | None = None
@@ -460,7 +460,7 @@ class Assessment:
         return tuple(
             row
             for row in self.outputs
-            if row.output.name.partition(".")[0] not in unknown and not row.is_unknown
+            if row.output.name.owner not in unknown and not row.is_unknown
         )
 
     def outcome(self, row: OutputAssessment) -> str:

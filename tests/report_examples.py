@@ -458,12 +458,12 @@ def make_coupling(sizes=None):
         method="gum",
         formulas="corrected",
         # In another order than the figures have them.
-        sources=tuple(f"gyro.{name}" for name in reversed(sources)),
-        groups=tuple(f"gyro.{name}" for name in groups),
+        sources=tuple(Name(name, owner="gyro") for name in reversed(sources)),
+        groups=tuple(Name(name, owner="gyro") for name in groups),
         cells=tuple(
             Coupling(
                 source=Name(source, owner="gyro"),
-                group=f"gyro.{group}",
+                group=Name(group, owner="gyro"),
                 u=sizes.get((source, group), 0.0),
                 size=sizes.get((source, group), 0.0),
                 reaches=sizes.get((source, group), 0.0) > 0.0,

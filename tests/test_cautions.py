@@ -19,6 +19,7 @@ from budget.methods.gum import propagate
 from budget.methods.monte_carlo import sample
 from budget.methods.sobol import sobol
 from budget.methods.validation import validate
+from budget.names import Name
 from budget.problem import Group, Output, Problem
 from budget.spec.records import Device, Limit, Requirement
 from budget.studies.analysis import analyze
@@ -70,7 +71,9 @@ def test_a_verdict_stands_on_an_interval_that_passed_its_check(
         reference="nominal",
         limits=(
             Limit(
-                output="accelerometer.bias.x", limit=limit_ug * MICRO_G, printed="limit"
+                output=Name("bias", owner="accelerometer", axis="x"),
+                limit=limit_ug * MICRO_G,
+                printed="limit",
             ),
         ),
         caps=(),

@@ -102,6 +102,64 @@ def test_the_house_checks_can_fail(tmp_path, monkeypatch):
     assert silent_modules([bad]) == ["bad.py"]
 
 
+# Dots that are no names': of numbers, of files, of Python's modules, of keys in a file.
+OTHER_DOTS = {
+    "text.partition('.')",
+    "document.base_name.partition('.')",
+    "type(error).__module__.partition('.')",
+    "f'{path}.{_shown(word)}'",
+}
+SPLITTERS = {"partition", "rpartition", "split", "rsplit"}
+CUTTERS = {"startswith", "endswith", "removeprefix", "removesuffix"}
+
+
+def is_dotted(node):
+    """Whether it is a text with a blank in it that begins or ends with a dot."""
+    parts = getattr(node, "values", [])
+    ends = [getattr(parts[place], "value", None) for place in (0, -1) if parts]
+    return isinstance(node, ast.JoinedStr) and len(parts) > 1 and "." in ends
+
+
+def handled_names(path):
+    """Return where a module takes dotted names apart or puts them together."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        found = False
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
+            first = node.args[0] if node.args else None
+            dot = isinstance(first, ast.Constant) and first.value == "."
+            found = (node.func.attr in SPLITTERS and dot) or (
+                node.func.attr in CUTTERS and is_dotted(first)
+            )
+        elif isinstance(node, ast.JoinedStr):
+            found = len(node.values) == 3 and (
+                getattr(node.values[1], "value", None) == "."
+            )
+        if found and ast.unparse(node) not in OTHER_DOTS:
+            yield f"{path.name}: {ast.unparse(node)}"
+
+
+def test_nobody_splits_names():
+    """Names of outputs and sources are read by their attributes, nowhere as texts."""
+    found = [
+        text
+        for path in MODULES
+        if path.name != "names.py"
+        for text in handled_names(path)
+    ]
+    assert found == []
+
+
+def test_the_check_of_names_can_fail(tmp_path):
+    """Control: a name split, one cut by its owner and one joined are seen."""
+    bad = tmp_path / "bad.py"
+    bad.write_text(
+        "name.partition('.')\nname.rsplit('.', 1)\nname.startswith(f'{sensor}.')\n"
+        "f'{owner}.{name}'\nname.removeprefix('x')\ntext.partition(': ')\n",
+        encoding="utf-8",
+    )
+    assert len(list(handled_names(bad))) == 4
+
+
 def test_help_wakes_nothing_heavy():
     """`budget --help` imports no numpy, scipy, pandas, matplotlib, pint or pydantic."""
     code = (

@@ -213,7 +213,7 @@ def test_utilisation_title_without_failing():
 
     assert utilisation_title(assessment) == (
         "All 3 outputs stay within their limits, "
-        "the nearest is gyro bias z at 12 % of the limit"
+        "the nearest is gyro bias z at 11.9 % of the limit"
     )
 
 
@@ -230,7 +230,7 @@ def test_far_exceeded_limits_fit_the_axis():
     figure = utilisation_dots(make_assessment(make_budget(), limits))
 
     assert figure.axes[0].get_xscale() == "log"
-    assert "1194 %" in texts(figure)
+    assert "1190 %" in texts(figure)
 
 
 def test_styles_cover_the_example_sources():

@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 from report_examples import GYRO, make_budget, make_output, make_outputs
 
+from budget.names import Name
 from budget.report.not_given import NOTHING, not_given_lines
 from budget.report.tables import (
     align_decimals,
@@ -173,8 +174,8 @@ def test_causes_of_no_spread():
 @pytest.mark.parametrize(
     ("name", "title"),
     [
-        ("gyro.bias_repeatability", "bias repeatability"),
-        ("accelerometer.velocity_random_walk", "velocity random walk"),
+        (Name("bias_repeatability", owner="gyro"), "bias repeatability"),
+        (Name("velocity_random_walk", owner="accelerometer"), "velocity random walk"),
         ("interaction", "products of two sources"),
     ],
 )
@@ -185,7 +186,10 @@ def test_titles_of_sources(name, title):
 
 def test_title_of_output():
     """An output is named sensor, parameter, axis."""
-    assert output_title("gyro.mounting_angle.xy") == "gyro mounting angle xy"
+    assert (
+        output_title(Name("mounting_angle", owner="gyro", axis="xy"))
+        == "gyro mounting angle xy"
+    )
 
 
 def test_groups_hold_every_output_once():
@@ -301,9 +305,9 @@ def test_points_are_in_line():
 def test_not_given_says_what_it_could_change():
     """Absent lines stand together where they reach the same, each by its name."""
     names = [
-        "gyro.rate_random_walk",
-        "gyro.scale_factor_nonlinearity",
-        "gyro.scale_factor_asymmetry",
+        Name("rate_random_walk", owner="gyro"),
+        Name("scale_factor_nonlinearity", owner="gyro"),
+        Name("scale_factor_asymmetry", owner="gyro"),
     ]
 
     wide = (

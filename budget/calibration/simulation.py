@@ -31,6 +31,7 @@ from budget.model.source import (
     Table,
 )
 from budget.model.sources import ENVIRONMENT, STATION, source_of
+from budget.names import Name
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -114,7 +115,7 @@ def simulate(
                 partial(_generator, seed, run),
             )
             for line in lines
-            if only is None or f"{owner}.{line.name}" in only
+            if only is None or Name(line.name, owner=owner) in only
         ]
 
     shared = [
@@ -156,7 +157,7 @@ def _draw(
 ) -> _Drawn:
     """Draw what a source is in this run; any scheme tells how many turns there are."""
     source = source_of(owner, line.name)
-    effect, name = source.effect, f"{owner}.{line.name}"
+    effect, name = source.effect, Name(line.name, owner=owner)
     rng = rng_of(name)
     value = later = np.zeros_like(line.u)
     samples = None

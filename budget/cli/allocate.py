@@ -12,6 +12,7 @@ from budget.cli import options
 from budget.cli.streams import console, say, say_written, tell
 
 if TYPE_CHECKING:
+    from budget.names import Name
     from budget.spec.records import Sensor
     from budget.studies.allocation.records import Allocation
 
@@ -99,7 +100,7 @@ def allocate(
     from budget.spec import load_costs, load_procedure, load_requirement
     from budget.studies.allocation.allocate import allocate as run
     from budget.studies.allocation.cases import Bounds
-    from budget.studies.request import sensors_of
+    from budget.studies.request import find_sources, sensors_of, source_names
 
     others = () if write is None else (write,)
     check_destinations(
@@ -113,9 +114,7 @@ def allocate(
     wanted = load_requirement(requirement)
     sensors = sensors_of(loaded)
     bounds = Bounds(
-        held=frozenset(
-            name for text in fix or () for name in _names(sensors, "--fix", text)
-        ),
+        held=frozenset(find_sources(fix or (), source_names(sensors), option="--fix")),
         most=_values(sensors, "--max", most or []),
         least=_values(sensors, "--min", least or []),
     )
@@ -165,44 +164,18 @@ def _show(allocation: Allocation) -> None:
     tell(text.encode(encoding, errors="replace").decode(encoding))
 
 
-def _names(sensors: tuple[Sensor, ...], option: str, name: str) -> tuple[str, ...]:
-    """Return the full names of a source; a bare name means every sensor."""
-    from difflib import get_close_matches
-
-    from budget.errors import CallError
-    from budget.spec.lines import lines_of
-
-    known = [f"{s.kind}.{line.name}" for s in sensors for line in lines_of(s.kind)]
-    full = tuple(k for k in known if name in {k, k.partition(".")[2]})
-    if not full:
-        every = [*known, *(k.partition(".")[2] for k in known)]
-        near = get_close_matches(name, every)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
-        raise CallError(
-            f"{option}: {name!r} is no source of these devices{hint}. Known: "
-            + ", ".join(known)
-        )
-    return full
-
-
 def _values(
     sensors: tuple[Sensor, ...], option: str, texts: list[str]
-) -> dict[str, float]:
+) -> dict[Name, float]:
     """Read SOURCE=VALUE [SI]; every unit of the line will do."""
     from budget.errors import CallError, UnitError
+    from budget.model.sources import source_of
     from budget.spec.figures import standard_size
-    from budget.spec.lines import lines_of
+    from budget.studies.request import find_sources, source_names
     from budget.units import parse_quantity
 
-    densities = {
-        f"{s.kind}.{line.name}": line.density for s in sensors for line in s.lines
-    }
-    units = {
-        f"{s.kind}.{line.name}": line.like(s.kind)
-        for s in sensors
-        for line in lines_of(s.kind)
-    }
-    values: dict[str, float] = {}
+    kinds = {sensor.kind: sensor for sensor in sensors}
+    values: dict[Name, float] = {}
     for text in texts:
         name, sign, figure = text.partition("=")
         if not sign:
@@ -210,10 +183,12 @@ def _values(
                 f"{option}: found {text!r}, expected SOURCE=VALUE, as "
                 "'bias_stability=0.1 deg/h'"
             )
-        for full in _names(sensors, option, name.strip()):
+        for full in find_sources([name.strip()], source_names(sensors), option=option):
+            given = kinds[full.owner].line(full.quantity)
+            unit = source_of(full.owner, full.quantity).like(full.owner)
             try:
-                quantity = parse_quantity(figure, units[full])
-                value = standard_size(quantity, densities.get(full, ""))
+                quantity = parse_quantity(figure, unit)
+                value = standard_size(quantity, given.density if given else "")
             except UnitError as error:
                 raise CallError(f"{option} {name.strip()}: {error}") from None
             if value <= 0.0:

@@ -132,8 +132,8 @@ def _print_sensor(sensor: Sensor, page: Page) -> None:
         remarks = _remarks(line)
         if remarks:
             page.paragraph(remarks, first=f"- {words(line.name)}: ")
-    missing = [name.partition(".")[2] for name in sensor.expected_missing]
-    absent = [name.partition(".")[2] for name in sensor.not_given]
+    missing = [name.quantity for name in sensor.expected_missing]
+    absent = [name.quantity for name in sensor.not_given]
     if absent:
         page.paragraph(
             ", ".join(words(name) for name in absent), first=f"{'not given':<{LABEL}}"

@@ -84,7 +84,7 @@ class SourceCell:
 class SourceRow:
     """One source over a parameter group, cells in the order of its outputs."""
 
-    source: str
+    source: Name
     title: str
     share: Number  # of the variance, over the group
     cells: tuple[SourceCell, ...]
@@ -294,23 +294,31 @@ def words(name: str) -> str:
     return name.replace("_", " ")
 
 
-def source_title(source: str) -> str:
-    """Name a source for people: 'gyro.bias_stability' to 'bias stability'."""
-    product = source == INTERACTION
-    return "products of two sources" if product else words(source.rpartition(".")[2])
+def source_title(source: Name, *, of: str = "") -> str:
+    """Name a source for people: 'gyro.bias_stability' to 'bias stability'.
+
+    With its owner where it stands among those of another one: 'station levelling'.
+    """
+    if source == INTERACTION:
+        return "products of two sources"
+    return output_title(source.within(of) if of else source.without_owner)
 
 
-def output_title(name: str) -> str:
+def output_title(name: Name) -> str:
     """Name an output for people: 'gyro.bias.z' to 'gyro bias z'."""
-    return words(name.replace(".", " "))
+    return key_title(name)
 
 
-def join_outputs(names: Sequence[str]) -> str:
+def key_title(key: str) -> str:
+    """Write a key of a file as words, 'gyro bias stability'."""
+    return words(key.replace(".", " "))
+
+
+def join_outputs(names: Sequence[Name]) -> str:
     """Gather outputs of one parameter: 'gyro bias x, y, z'; of all six, every axis."""
-    groups: dict[str, list[str]] = {}
+    groups: dict[Name, list[str]] = {}
     for name in names:
-        group, _, axis = name.rpartition(".")
-        groups.setdefault(group, []).append(axis)
+        groups.setdefault(name.group, []).append(name.axis)
     return "; ".join(
         f"{output_title(group)} "
         + ("(every axis)" if len(axes) == len(ANGLES) else ", ".join(axes))
@@ -376,7 +384,7 @@ def _group_table(
         sources.append(
             SourceRow(
                 source=source,
-                title=source_title(source),
+                title=source_title(source, of=sensor),
                 share=Number(text=print_share(share), exact=share),
                 cells=tuple(_source_cell(row, source) for row in outputs),
             )

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, create_model
 
+from budget.names import Name
 from budget.spec.checking import check
 from budget.spec.fields import Measured, Sign, Strict, mapping_of
 from budget.spec.figures import DENSITY_NOTE, standard_size
@@ -47,13 +48,14 @@ def _cost_type(like: str) -> Any:  # noqa: ANN401
     return create_model(f"Cost in {like}", __base__=CostPart, u_ref=u_ref)
 
 
+_SOURCES = {
+    Name(line.name, owner=sensor): line
+    for sensor in SENSORS
+    for line in lines_of(sensor)
+}
 _COSTS: Any = mapping_of(
     "costs by line",
-    {
-        f"{sensor}.{line.name}": _cost_type(line.like(sensor))
-        for sensor in SENSORS
-        for line in lines_of(sensor)
-    },
+    {name: _cost_type(line.like(name.owner)) for name, line in _SOURCES.items()},
 )
 CostsFile = create_model("Costs", __base__=CostsBase, costs=(_COSTS, ...))
 
@@ -67,8 +69,9 @@ def read_costs(document: Document) -> Costs:
         Every issue of the file.
     """
     model = check(document, CostsFile)
-    given: dict[str, CostPart] = {
-        key: part for key, part in dict(model.costs).items() if part is not None
+    parts = dict(model.costs)
+    given: dict[Name, CostPart] = {
+        name: part for name in _SOURCES if (part := parts.get(name)) is not None
     }
     defaults = {"a": "1", "p": "1", "u_ref": "the present value"}
     return Costs(

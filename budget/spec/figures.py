@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import Field, create_model, model_validator
 
 from budget.distributions import BY_NAME, NORMAL, Distribution
+from budget.names import Name
 from budget.spec.fields import (
     Measured,
     OrText,
@@ -216,11 +217,11 @@ def take(line: Line, sensor: str, figure: Quantity | Whole) -> Taken:
     part = _family(line)(value=figure) if isinstance(figure, Quantity) else figure
     axes = [_axis(part, axis) for axis in line.axes]
     notes = list(dict.fromkeys(note for a in axes for note in a.notes))
-    key = f"{sensor}.{line.name}"
+    key = Name(line.name, owner=sensor)
     assumptions = [
         f"{key}: {note}"
         if all(note in a.notes for a in axes)
-        else f"{key}.{name}: {note}"
+        else f"{Name(line.name, owner=sensor, axis=name)}: {note}"
         for note in notes
         for name, a in zip(line.axes, axes, strict=True)
         if note in a.notes

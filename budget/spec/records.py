@@ -197,7 +197,7 @@ class Requirement:
 class Cost:
     """What it costs to make one line better: a (u_ref / u)^p."""
 
-    source: str  # 'gyro.bias_stability'
+    source: Name  # 'gyro.bias_stability'
     a: float  # cost at u_ref [1]
     p: float  # [1]
     u_ref: float | None  # [SI]; None: the value the device has now

@@ -56,6 +56,7 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.methods.gum import Propagation
+    from budget.names import Name
     from budget.problem import Problem
     from budget.spec.records import Device, Procedure, Requirement
     from budget.studies.progress import Progress
@@ -167,7 +168,7 @@ def analyze(
             "workers": (workers, 1),
         },
     )
-    chosen, warnings = choose_sources(sensors, only)
+    chosen, warnings = choose_sources(sensors, procedure, only)
     problem = calibration_problem(sensors, procedure, reference=reference, only=chosen)
     if talk is not None:
         two_digits = method == "gum" and validate and digits > 1
@@ -395,7 +396,7 @@ def _output_budgets(
     validations: tuple[Validation | None, ...],
     *,
     indices: SobolResult | None,
-    lacks: Mapping[str, tuple[str, ...]],
+    lacks: Mapping[Name, tuple[Name, ...]],
 ) -> tuple[OutputBudget, ...]:
     """Put the estimate and the law's contributions together, output by output."""
     names = [group.name for group in problem.groups]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.model.sources import DEVICE, source_of
+from budget.names import Name
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -97,7 +98,7 @@ def unknown_zeros(problem: Problem, law: Propagation) -> tuple[str, ...]:
     resolution = np.array([output.resolution for output in problem.outputs])
     still = law.standard_uncertainty <= resolution
     groups = dict.fromkeys(
-        output.name.rpartition(".")[0].replace(".", " ").replace("_", " ")
+        output.name.group.replace(".", " ").replace("_", " ")
         for output, is_still in zip(problem.outputs, still, strict=True)
         if is_still
     )
@@ -115,7 +116,7 @@ def shared_constants(sensors: Sequence[Sensor], reference: str) -> tuple[str, ..
     if reference == "nominal":
         return ()
     return tuple(
-        f"{sensor.kind}.{line.name}: a constant of the device, so it is "
+        f"{Name(line.name, owner=sensor.kind)}: a constant of the device, so it is "
         f"also in the reference {reference} and counts nothing"
         for sensor in sensors
         for line in sensor.lines

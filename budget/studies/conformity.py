@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.methods.gum import Propagation
+    from budget.names import Name
     from budget.results import Budget, OutputAssessment
     from budget.spec.records import Device, Procedure, Requirement, Sensor
     from budget.studies.judgement import Judged, Limited
@@ -66,7 +67,7 @@ def assess_devices(
     requirement: Requirement,
     *,
     seed: int,
-    only: frozenset[str] | None = None,
+    only: frozenset[Name] | None = None,
 ) -> Assessment:
     """Judge devices as every command does (budget.studies.judgement).
 
@@ -141,7 +142,7 @@ def limited_but_absent(
     requirement: Requirement, sensors: Sequence[Sensor]
 ) -> tuple[str, ...]:
     """Return the kinds of sensor that a requirement limits and no device has."""
-    limited = dict.fromkeys(r.output.partition(".")[0] for r in requirement.limits)
+    limited = dict.fromkeys(r.output.owner for r in requirement.limits)
     present = {sensor.kind for sensor in sensors}
     return tuple(kind for kind in limited if kind not in present)
 

@@ -106,7 +106,7 @@ def critical_densities(
     if not wanted:
         return ()
     sensors = sensors_of(devices)
-    chosen, _ = choose_sources(sensors, settings.only)
+    chosen, _ = choose_sources(sensors, procedure, settings.only)
     problem = calibration_problem(
         sensors, procedure, reference=settings.reference, only=chosen
     )

@@ -66,7 +66,7 @@ def gather_evidence(
     """
     settings = budget.settings
     sensors = sensors_of(devices)
-    only, _ = choose_sources(sensors, settings.only)
+    only, _ = choose_sources(sensors, procedure, settings.only)
     return Evidence(
         coupling=coupling(sensors, procedure, reference=settings.reference, only=only),
         densities=critical_densities(

@@ -42,6 +42,7 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.methods.gum import Propagation
+    from budget.names import Name
     from budget.problem import Output, Problem
     from budget.spec.records import Requirement
 
@@ -299,7 +300,7 @@ def can_sharpen(judged: Judged, max_trials: int, *, above: float) -> bool:
 
 
 def assess_outputs(
-    held: Limited, judged: Judged, lacks: Mapping[str, tuple[str, ...]]
+    held: Limited, judged: Judged, lacks: Mapping[Name, tuple[Name, ...]]
 ) -> tuple[OutputAssessment, ...]:
     """Return every required output against its limit.
 

@@ -15,6 +15,7 @@ import numpy as np
 from budget.calibration.problem import calibration_problem
 from budget.distributions import NORMAL
 from budget.methods.gum import propagate
+from budget.names import Name
 from budget.spec.lines import lines_of
 from budget.spec.records import ErrorLine
 from budget.units import parse_quantity
@@ -33,8 +34,8 @@ def lacking(
     procedure: Procedure,
     *,
     reference: str,
-    only: frozenset[str] | None = None,
-) -> Mapping[str, tuple[str, ...]]:
+    only: frozenset[Name] | None = None,
+) -> Mapping[Name, tuple[Name, ...]]:
     """Return for each output the expected lines that are not given and would reach it.
 
     Parameters
@@ -50,15 +51,15 @@ def lacking(
 
     Returns
     -------
-    mapping of str to tuple of str
+    mapping of Name to tuple of Name
         By the name of the output; () where its number is complete.
     """
-    found: dict[str, tuple[str, ...]] = {}
+    found: dict[Name, tuple[Name, ...]] = {}
     for sensor in sensors:
         probes = {
             name: line
             for name in sensor.expected_missing
-            if (line := _stand_in(sensor.kind, name, only)) is not None
+            if (line := _stand_in(name, only)) is not None
         }
         bare = replace(
             sensor, lines=tuple(_probe(line, sensor.kind) for line in probes.values())
@@ -72,15 +73,17 @@ def lacking(
     return found
 
 
-def _stand_in(kind: str, name: str, only: frozenset[str] | None) -> Line | None:
+def _stand_in(name: Name, only: frozenset[Name] | None) -> Line | None:
     """Return the model line of a missing one; None where it is not asked for.
 
     'gyro.noise' is the first of the noise lines, a random walk.
     """
-    wanted = name.partition(".")[2]
-    lines = [line for line in lines_of(kind) if wanted in (line.expected, line.name)]
-    if only is not None:
-        lines = [line for line in lines if f"{kind}.{line.name}" in only]
+    lines = [
+        line
+        for line in lines_of(name.owner)
+        if name.quantity in (line.expected, line.name)
+        and (only is None or Name(line.name, owner=name.owner) in only)
+    ]
     return lines[0] if lines else None
 
 

@@ -59,7 +59,7 @@ def one_at_a_time(what_if: WhatIf) -> tuple[SourceSteps, ...]:
                 output=what_if.outputs[k],
                 share=float(present.share[k, g]),
                 steps=tuple(
-                    _step(what_if, outlook, factor, k, source.name.partition(".")[0])
+                    _step(what_if, outlook, factor, k, source.name.owner)
                     for factor, outlook in zip(FACTORS, outlooks, strict=True)
                 ),
             )

@@ -10,15 +10,17 @@ from budget.calibration.problem import REFERENCES
 from budget.distributions import COVERAGES, is_coverage
 from budget.errors import CallError
 from budget.methods.intervals import KINDS as INTERVALS
-from budget.spec.lines import lines_of
+from budget.model.sources import ENVIRONMENT, SENSORS, STATION, lines_of
+from budget.names import Name, meant, parameters_of
 from budget.spec.records import Device
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.spec.records import Requirement, Sensor
+    from budget.spec.records import ErrorLine, Procedure, Requirement, Sensor
 
 METHODS = ("gum", "monte-carlo", "simulation")
+SHARED = (STATION, ENVIRONMENT)  # what all triads share
 DEFAULT_COVERAGE = 0.95  # [1]
 DEFAULT_REFERENCE = "nominal"
 
@@ -77,7 +79,7 @@ def sensors_of(devices: Sequence[Device]) -> tuple[Sensor, ...]:
             "and give a procedure as procedure=budget.load_procedure(FILE)"
         )
     found: list[Sensor] = []
-    for kind in ("gyro", "accelerometer"):
+    for kind in SENSORS:
         of_kind = [s for d in devices for s in d.sensors if s.kind == kind]
         if len(of_kind) > 1:
             names = " and ".join(f"{sensor.device!r}" for sensor in of_kind)
@@ -91,15 +93,78 @@ def sensors_of(devices: Sequence[Device]) -> tuple[Sensor, ...]:
     return tuple(found)
 
 
+def source_names(
+    sensors: Sequence[Sensor], procedure: Procedure | None = None
+) -> tuple[Name, ...]:
+    """Return all sources that these sensors, and with a procedure the place, can have.
+
+    Those of sensors first, then those that all triads share.
+    """
+    shared = () if procedure is None else SHARED
+    owners = [*(sensor.kind for sensor in sensors), *shared]
+    return tuple(
+        Name(line.name, owner=owner) for owner in owners for line in lines_of(owner)
+    )
+
+
+def given_lines(
+    sensors: Sequence[Sensor], procedure: Procedure
+) -> dict[Name, ErrorLine]:
+    """Return every line that is given: those of the sensors, then the shared ones."""
+    owned = [(sensor.kind, sensor.lines) for sensor in sensors]
+    owned += [(STATION, procedure.station), (ENVIRONMENT, procedure.environment)]
+    return {
+        Name(line.name, owner=owner): line for owner, lines in owned for line in lines
+    }
+
+
+def find_sources(
+    texts: Sequence[str], known: Sequence[Name], *, option: str
+) -> tuple[Name, ...]:
+    """Turn what a person wrote into names; a bare one means every owner that has it.
+
+    Raises
+    ------
+    CallError
+        A text names none of those that are known.
+    """
+    words = [*known, *(name.without_owner for name in known)]
+    unknown = []
+    for text in texts:
+        if not meant(text, known):
+            near = get_close_matches(text, words)
+            hint = f"; did you mean {near[0]!r}?" if near else "."
+            unknown.append(f"{text!r} is no source of these devices{hint}")
+    if unknown:
+        raise CallError(f"{option}: {' '.join(unknown)} Known: {', '.join(known)}")
+    return tuple(dict.fromkeys(name for text in texts for name in meant(text, known)))
+
+
+def read_name(text: str) -> Name:
+    """Turn a text of a stored document into the source or output that it names.
+
+    What the tool does not know, such as the name of a file, is a name of one part.
+    """
+    known = (
+        name
+        for owner in (*SENSORS, *SHARED)
+        for name in (
+            *(Name(line.name, owner=owner) for line in lines_of(owner)),
+            *(parameters_of(owner) if owner in SENSORS else ()),
+        )
+    )
+    return next((name for name in known if name == text), Name(text))
+
+
 def choose_sources(
-    sensors: Sequence[Sensor], only: Sequence[str]
-) -> tuple[frozenset[str] | None, tuple[str, ...]]:
+    sensors: Sequence[Sensor], procedure: Procedure, only: Sequence[str]
+) -> tuple[frozenset[Name] | None, tuple[str, ...]]:
     """Resolve the names after `--only`.
 
     Returns
     -------
-    frozenset of str or None
-        Full names; None where nothing was chosen, so that everything counts.
+    frozenset of Name or None
+        None where nothing was chosen, so that everything counts.
     tuple of str
         Warnings about lines that a device does not give.
 
@@ -112,21 +177,10 @@ def choose_sources(
         return None, ()
     if isinstance(only, str):  # one name, not a sequence of letters
         only = (only,)
-    known = [f"{s.kind}.{line.name}" for s in sensors for line in lines_of(s.kind)]
-    given = {f"{s.kind}.{line.name}" for s in sensors for line in s.lines}
-    chosen: set[str] = set()
-    unknown = []
-    for name in only:
-        full = [k for k in known if name in (k, k.split(".")[1])]
-        if not full:
-            near = get_close_matches(name, [*known, *(k.split(".")[1] for k in known)])
-            hint = f"; did you mean {near[0]!r}?" if near else "."
-            unknown.append(f"{name!r} is no source of these devices{hint}")
-        chosen.update(full)
-    if unknown:
-        raise CallError(f"--only: {' '.join(unknown)} Known: {', '.join(known)}")
-    absent = sorted(chosen - given)
-    return frozenset(chosen), tuple(
+    known = source_names(sensors, procedure)
+    chosen = frozenset(find_sources(only, known, option="--only"))
+    absent = sorted(chosen - given_lines(sensors, procedure).keys())
+    return chosen, tuple(
         f"{name} was asked for alone, but the device does not give it: taken as 0"
         for name in absent
     )

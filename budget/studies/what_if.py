@@ -27,6 +27,7 @@ from budget.calibration.problem import calibration_problem
 from budget.errors import CallError
 from budget.methods.gum import propagate
 from budget.methods.scaling import scaled_law
+from budget.names import Name
 from budget.results import BY_LAW
 from budget.spec import load_procedure
 from budget.studies.request import (
@@ -53,7 +54,7 @@ if TYPE_CHECKING:
 class WhatIfSource:
     """A source whose size can be changed; one factor for all its axes."""
 
-    name: str  # 'gyro.bias_repeatability'
+    name: Name  # 'gyro.bias_repeatability'
     u: float  # present standard uncertainty, of the largest axis [SI]
     unit: str  # as the device file gives it
     si_per_unit: float
@@ -65,7 +66,7 @@ class WhatIfSensor:
     """A triad that is there, and what a verdict on it cannot do without."""
 
     name: str  # 'gyro' or 'accelerometer'
-    missing: tuple[str, ...]  # expected lines that are not given, 'gyro.noise'
+    missing: tuple[Name, ...]  # expected lines that are not given, 'gyro.noise'
     doubt: tuple[float, float] = (1.0, 1.0)  # interval of the utilisation over it [1]
 
 
@@ -76,7 +77,7 @@ class SensorOutlook:
     sensor: str
     verdict: str  # 'meets', 'fails', 'undecided' or 'undecidable'
     utilisation: float  # the largest over its required outputs [1]
-    worst_output: str  # dotted name
+    worst_output: Name  # dotted name
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -195,9 +196,7 @@ class WhatIf:
             "sensors": [
                 {
                     "name": sensor.name,
-                    "missing": [
-                        _words(name.partition(".")[2]) for name in sensor.missing
-                    ],
+                    "missing": [_words(name.quantity) for name in sensor.missing],
                     "doubt": list(sensor.doubt),
                 }
                 for sensor in self.sensors
@@ -216,8 +215,8 @@ class WhatIf:
                 {
                     "name": output.name,
                     "title": _words(output.name),
-                    "group": _words(output.name.rpartition(".")[0]),
-                    "axis": output.name.rpartition(".")[2],
+                    "group": _words(output.name.group),
+                    "axis": output.name.axis,
                     "unit": output.unit,
                     "value": float(law.value[k] / unit[k]),
                     "factor": float(self.factor[k]),
@@ -266,7 +265,7 @@ class WhatIf:
             own = [
                 (used, output.name)
                 for used, output in zip(utilisation, self.outputs, strict=True)
-                if used is not None and output.name.startswith(f"{sensor.name}.")
+                if used is not None and output.name.owner == sensor.name
             ]
             if not own:
                 continue
@@ -331,7 +330,7 @@ def what_if(
     basis = choose_basis(requirement, coverage=coverage, reference=reference)
     check_words(method="gum", interval="symmetric", reference=basis.reference)
     check_numbers(basis.coverage, {})
-    chosen, _ = choose_sources(sensors, only)
+    chosen, _ = choose_sources(sensors, procedure, only)
     problem = calibration_problem(
         sensors, procedure, reference=basis.reference, only=chosen
     )
@@ -394,7 +393,7 @@ def _sources(sensor: Sensor) -> tuple[WhatIfSource, ...]:
     """Return the lines of a sensor as sources."""
     return tuple(
         WhatIfSource(
-            name=f"{sensor.kind}.{line.name}",
+            name=Name(line.name, owner=sensor.kind),
             u=float(line.u.max()),
             unit=line.unit,
             si_per_unit=line.si_per_unit,

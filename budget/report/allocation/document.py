@@ -156,7 +156,7 @@ def _rows(allocation: Allocation) -> list[dict[str, Any]]:
         room = row.headroom
         rows.append(
             {
-                "sensor": row.source.partition(".")[0],
+                "sensor": row.source.owner,
                 "source": row.source,
                 "unit": row.unit,
                 "status": row.status,

@@ -12,7 +12,7 @@ from budget.report.allocation.words import (
     print_headroom,
     print_value,
 )
-from budget.report.figures import INK, MUTED, PAPER, SMALL, STYLES, house_style
+from budget.report.figures import INK, MUTED, PAPER, SMALL, house_style, look_of
 from budget.report.figures.picture import as_picture
 from budget.report.tables import print_given, source_title
 from budget.studies.allocation.records import FREE
@@ -37,7 +37,7 @@ def headroom_picture(rows: Sequence[SourceAllotment]) -> Picture | None:
     shown = [row for row in rows if row.headroom is not None]
     if not shown:
         return None
-    sensor = shown[0].source.partition(".")[0]
+    sensor = shown[0].source.owner
     return as_picture(
         headroom_bars(rows),
         name=f"headroom-{sensor}",
@@ -69,7 +69,7 @@ def headroom_bars(rows: Sequence[SourceAllotment]) -> Figure:
     axes.set_yticks(range(len(shown)), [source_title(row.source) for row in shown])
     axes.axvline(1.0, color=INK, linewidth=0.8)
     for place, row in enumerate(shown):
-        colour, hatch, _ = STYLES.get(row.source.rpartition(".")[2], STYLES["other"])
+        colour, hatch, _ = look_of(row.source)
         factor = _factor(row)
         drawn = min(max(factor, LEAST_FACTOR), MOST_FACTOR)
         low, high = sorted((1.0, drawn))
@@ -112,7 +112,7 @@ def headroom_title(rows: Sequence[SourceAllotment]) -> str:
     """State the finding: how many lines may grow alone, and which most."""
     shown = [row for row in rows if row.headroom is not None]
     growing = [row for row in shown if _factor(row) > 1.0]
-    sensor = shown[0].source.partition(".")[0] if shown else ""
+    sensor = shown[0].source.owner if shown else ""
     if not growing:
         return f"No {sensor} line alone may grow"
     most = growing[first_largest([_factor(row) for row in growing])]
@@ -155,7 +155,7 @@ def headroom_tips(rows: Sequence[SourceAllotment]) -> dict[str, str]:
 
 def _gid(row: SourceAllotment) -> str:
     """Name the bar of a line."""
-    return f"tip-{row.source.rpartition('.')[2]}"
+    return f"tip-{row.source.quantity}"
 
 
 def _factor(row: SourceAllotment) -> float:

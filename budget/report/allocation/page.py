@@ -96,11 +96,9 @@ def allocation_section(allocation: Allocation) -> Section:
         *_points("What would make it feasible", relaxations(allocation.impossible)),
     ]
     pictures: list[Picture] = [waterfall_picture(row) for row in figured(allocation)]
-    sensors = dict.fromkeys(row.source.partition(".")[0] for row in allocation.sources)
+    sensors = dict.fromkeys(row.source.owner for row in allocation.sources)
     for sensor in sensors:
-        rows = [
-            row for row in allocation.sources if row.source.startswith(f"{sensor}.")
-        ]
+        rows = [row for row in allocation.sources if row.source.owner == sensor]
         limits = _limits(allocation, sensor)
         tables: list[Block] = [_lines_table(sensor, rows)]
         if idle := explain_idle(rows):
@@ -146,13 +144,8 @@ def _limits(allocation: Allocation, sensor: str) -> tuple[LimitedOutput, ...]:
     Of parameters without one the tightest.
     """
     own = [row for row in allocation.outputs if row.sensor == sensor]
-    drawn = {_group(row): row for row in figured(allocation)}
-    return tuple(drawn.get(_group(row), row) for row in tightest(own))
-
-
-def _group(row: LimitedOutput) -> str:
-    """Return the parameter of an output: 'gyro.bias'."""
-    return row.output.name.rpartition(".")[0]
+    drawn = {row.output.name.group: row for row in figured(allocation)}
+    return tuple(drawn.get(row.output.name.group, row) for row in tightest(own))
 
 
 def _lines_table(sensor: str, rows: Sequence[SourceAllotment]) -> Table:

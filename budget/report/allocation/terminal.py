@@ -74,12 +74,8 @@ def allocation_text(allocation: Allocation, *, width: int) -> str:
     if not allocation.feasible:
         lines += ["", "What would make it feasible"]
         lines += _items(relaxations(allocation.impossible), width)
-    for sensor in dict.fromkeys(
-        row.source.partition(".")[0] for row in allocation.sources
-    ):
-        rows = [
-            row for row in allocation.sources if row.source.startswith(f"{sensor}.")
-        ]
+    for sensor in dict.fromkeys(row.source.owner for row in allocation.sources):
+        rows = [row for row in allocation.sources if row.source.owner == sensor]
         limited = [row for row in allocation.outputs if row.sensor == sensor]
         lines += _sensor_lines(sensor, rows, limited, width)
     lines += _cost_lines(allocation, width)
@@ -175,7 +171,7 @@ def _short(name: str) -> str:
 def _part_cells(outputs: Sequence[LimitedOutput], *, feasible: bool) -> list[list[str]]:
     """Return head and rows of the parts, at the tightest output of each group."""
     chosen = tightest(outputs)
-    cells = [["", *(output_title(row.output.name.partition(".")[2]) for row in chosen)]]
+    cells = [["", *(output_title(row.output.name.without_owner) for row in chosen)]]
     for place, part in enumerate(chosen[0].parts):
         parts = [row.parts[place] for row in chosen]
         shown = [

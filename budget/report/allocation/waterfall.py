@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from budget.report.allocation.rows import THICK, named_rows, write_beside
 from budget.report.allocation.words import part_title, print_part, print_used
-from budget.report.figures import GRID, MUTED, PAPER, SMALL, STYLES, house_style
+from budget.report.figures import GRID, MUTED, PAPER, SMALL, house_style, look_of
 from budget.report.figures.picture import as_picture, capital
 from budget.report.tables import output_title
 from budget.ties import first_largest
@@ -59,8 +59,7 @@ def waterfall(row: LimitedOutput) -> Figure:
     axes.barh(0, 100.0, height=THICK, color=GRID)
     left, left_now = 1.0, 1.0
     for place, part in enumerate(parts, start=1):
-        name = part.source.rpartition(".")[2]
-        colour, hatch, _ = STYLES.get(name, STYLES["other"])
+        colour, hatch, _ = look_of(part.source)
         after = _after(part)
         (bar,) = axes.barh(
             place,
@@ -131,7 +130,7 @@ def _shown(row: LimitedOutput) -> list[Part]:
 
 def _gid(part: Part) -> str:
     """Name the bar of a source."""
-    return f"tip-{part.source.rpartition('.')[2]}"
+    return f"tip-{part.source.quantity}"
 
 
 def _after(part: Part) -> float:

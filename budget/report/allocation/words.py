@@ -17,6 +17,7 @@ from budget.ties import first_largest, from_largest
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from budget.names import Name
     from budget.studies.allocation.records import (
         Allocation,
         Lever,
@@ -62,9 +63,9 @@ def print_headroom(row: SourceAllotment) -> tuple[str, str]:
     return up_to if room.value else NONE, stop
 
 
-def print_stop(names: Sequence[str]) -> str:
+def print_stop(names: Sequence[Name]) -> str:
     """Name outputs without their sensor; a dash where there are none."""
-    return join_outputs([name.partition(".")[2] for name in names]) or DASH
+    return join_outputs([name.without_owner for name in names]) or DASH
 
 
 def explain_idle(rows: Sequence[SourceAllotment]) -> str:
@@ -97,15 +98,15 @@ def print_used(row: LimitedOutput, *, now: bool) -> str:
 
 def tightest(outputs: Sequence[LimitedOutput]) -> tuple[LimitedOutput, ...]:
     """Return the output of each parameter group that is nearest to its limit."""
-    groups: dict[str, list[LimitedOutput]] = {}
+    groups: dict[Name, list[LimitedOutput]] = {}
     for row in outputs:
-        groups.setdefault(row.output.name.rpartition(".")[0], []).append(row)
+        groups.setdefault(row.output.name.group, []).append(row)
     return tuple(
         rows[first_largest([_used(row) for row in rows])] for rows in groups.values()
     )
 
 
-def part_title(source: str) -> str:
+def part_title(source: Name) -> str:
     """Name what takes a part of a limit."""
     return "mean error" if source == MEAN else source_title(source)
 
@@ -145,9 +146,9 @@ def headline(allocation: Allocation) -> str:
 
 def relaxations(rows: Sequence[LimitedOutput]) -> tuple[str, ...]:
     """Say how far limits that cannot be met must be relaxed, like ones together."""
-    groups: dict[tuple[str, str], list[LimitedOutput]] = {}
+    groups: dict[tuple[Name, str], list[LimitedOutput]] = {}
     for row in rows:
-        key = (row.output.name.rpartition(".")[0], row.printed_limit)
+        key = (row.output.name.group, row.printed_limit)
         groups.setdefault(key, []).append(row)
     return tuple(_relaxation(group) for group in groups.values())
 

@@ -34,7 +34,7 @@ from budget.report.blocks import (
 )
 from budget.report.document import to_json
 from budget.report.not_given import not_given_lines
-from budget.report.tables import group_tables, output_title
+from budget.report.tables import group_tables, key_title
 from budget.studies.one_at_a_time import one_at_a_time
 from budget.version import __version__
 
@@ -276,7 +276,7 @@ def _in_words(assumption: str) -> str:
     """Write the key that an assumption begins with as words."""
     key, colon, note = assumption.partition(": ")
     is_key = re.fullmatch(r"[a-z_.]+", key) is not None
-    return f"{output_title(key)}{colon}{note}" if is_key else assumption
+    return f"{key_title(key)}{colon}{note}" if is_key else assumption
 
 
 def _coupling(evidence: Evidence, sensors: Sequence[str]) -> Section | None:

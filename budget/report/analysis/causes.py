@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from budget.names import Name
 from budget.report.tables import SMALL_SHARE, output_title, source_title
 from budget.results import INTERACTION
 
@@ -50,12 +51,12 @@ def rank_causes(
     """
     weight = _weights(groups, assessment)
     printed = {
-        f"{sensor.kind}.{line.name}": _as_meant(line)
+        Name(line.name, owner=sensor.kind): _as_meant(line)
         for device in devices
         for sensor in device.sensors
         for line in sensor.lines
     }
-    effects: dict[tuple[str, str], list[tuple[tuple[bool, float], Effect]]] = {}
+    effects: dict[tuple[str, Name], list[tuple[tuple[bool, float], Effect]]] = {}
     for group in groups:
         used = weight[group.title]
         for row in group.sources:
@@ -94,7 +95,7 @@ def _weights(
     idle = 1.0 if assessment is None else 0.0
     weight = dict.fromkeys((group.title for group in groups), idle)
     for required in assessment.outputs if assessment else ():
-        title = output_title(required.output.name.rpartition(".")[0])
+        title = output_title(required.output.name.group)
         weight[title] = max(weight[title], required.utilisation)
     return weight
 

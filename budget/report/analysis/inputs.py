@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from budget.model.sources import source_of
+from budget.names import Name
 from budget.report.analysis.wording import first_up, texts, without_empty
 from budget.report.blocks import (
     Cell,
@@ -84,8 +86,7 @@ def _lines_table(sensor: Sensor, assumptions: Sequence[str]) -> Table:
         groups=(
             RowGroup(
                 rows=tuple(
-                    _line_row(line, f"{sensor.kind}.{line.name}", assumptions)
-                    for line in sensor.lines
+                    _line_row(line, sensor.kind, assumptions) for line in sensor.lines
                 )
             ),
         ),
@@ -95,7 +96,7 @@ def _lines_table(sensor: Sensor, assumptions: Sequence[str]) -> Table:
 
 
 def _line_row(
-    line: ErrorLine, name: str, assumptions: Sequence[str]
+    line: ErrorLine, owner: str, assumptions: Sequence[str]
 ) -> tuple[Cell, ...]:
     """Return one line of a data sheet."""
     meaning = line.meaning
@@ -109,13 +110,18 @@ def _line_row(
         f"includes {line.includes}" if line.includes else "",
         f"over {line.horizon}" if line.horizon else "",
     ]
-    assumed = []
-    for text in assumptions:
-        key, _, note = text.partition(": ")
-        if key == name:
-            assumed.append(note)
-        elif key.startswith(f"{name}."):  # of one axis
-            assumed.append(f"{key.rpartition('.')[2]}: {note}")
+    key = Name(line.name, owner=owner)
+    of_axis: dict[str, str] = {
+        Name(line.name, owner=owner, axis=axis): f"{axis}: "
+        for axis in source_of(owner, line.name).axes
+        if axis
+    }
+    notes = [text.partition(": ") for text in assumptions]
+    assumed = [
+        of_axis.get(start, "") + note
+        for start, _, note in notes
+        if start == key or start in of_axis
+    ]
     return (
         Cell(text=words(line.name)),
         Cell(text=line.printed, note=meaning),

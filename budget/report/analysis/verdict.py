@@ -110,7 +110,7 @@ def limits_section(budget: Budget, assessment: Assessment) -> Section:
             ),
         )
         for name, outputs in groupby(
-            assessment.outputs, key=lambda row: row.output.name.rpartition(".")[0]
+            assessment.outputs, key=lambda row: row.output.name.group
         )
     )
     table = Table(
@@ -154,7 +154,7 @@ def _limit_row(row: OutputAssessment, *, word: str) -> tuple[Cell, ...]:
     used = _used(row)
     strong = not row.is_within
     return (
-        Cell(text=row.output.name.rpartition(".")[2], strong=strong),
+        Cell(text=row.output.name.axis, strong=strong),
         Cell(text=error.text, exact=error.exact, strong=strong),
         Cell(text=row.output.unit, strong=strong),
         Cell(text=row.printed_limit, strong=strong),

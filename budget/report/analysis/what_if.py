@@ -74,7 +74,7 @@ def what_if_section(
                 rows=tuple(_row(row, required=required) for row in of_sensor),
             )
             for sensor, of_sensor in groupby(
-                rows, key=lambda row: row.source.name.partition(".")[0]
+                rows, key=lambda row: row.source.name.owner
             )
         ),
         is_wide=True,
@@ -128,7 +128,7 @@ def _row(row: SourceSteps, *, required: bool) -> tuple[Cell, ...]:
     cells = [
         Cell(text=source_title(row.source.name)),
         Cell(text=row.source.printed),
-        Cell(text=output_title(row.output.name.partition(".")[2])),
+        Cell(text=output_title(row.output.name.without_owner)),
         Cell(text=share.text.removesuffix(" %"), exact=share.exact, share=share.exact),
         *(_expanded(row, step) for step in row.steps),
         Cell(text=row.output.unit),

@@ -128,7 +128,7 @@ def _entrant(one: Entrant) -> dict[str, Any]:
         if missing is None
         else {
             "lines": list(missing.lines),
-            "assumed": list(missing.assumed),
+            "assumed": [str(line) for line in missing.assumed],
             "utilisation": missing.utilisation,
             "verdict": missing.verdict or None,
         },

@@ -15,16 +15,17 @@ from budget.report.comparison.tables import (
 from budget.report.tables import (
     AT_LEAST,
     PER_CENT,
+    key_title,
     output_title,
     print_given,
     print_probability,
     print_utilisation,
-    words,
 )
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from budget.names import Name
     from budget.report.comparison.tables import Row
     from budget.report.comparison.tables import Table as Devices
     from budget.report.comparison.wording import MissingEffect
@@ -265,7 +266,7 @@ def missing_table(effects: Sequence[MissingEffect]) -> Table:
 
 def _figure(name: str) -> str:
     """Name a figure of a file: 'gyro bias stability'."""
-    return words(name.replace(".", " "))
+    return key_title(name)
 
 
 def _owners(devices: Sequence[str], number: int) -> str:
@@ -276,9 +277,9 @@ def _owners(devices: Sequence[str], number: int) -> str:
     return ", ".join(named)
 
 
-def _output_head(name: str) -> str:
+def _output_head(name: Name) -> str:
     """Name an output above a narrow column: 'angle xy'."""
-    return output_title(name.partition(".")[2]).removeprefix("mounting ")
+    return output_title(name.without_owner).removeprefix("mounting ")
 
 
 def _ranked(row: Row, *, intervals: bool, missing: bool) -> tuple[Cell, ...]:

@@ -249,9 +249,7 @@ def _row(one: DeviceVerdict, rank: str) -> Row:
         conformance=print_at_most(one.conformance)
         if one.lower_bound
         else print_probability(one.conformance),
-        worst_output=join_outputs(
-            [name.partition(".")[2] for name in one.worst_outputs]
-        ),
+        worst_output=join_outputs([name.without_owner for name in one.worst_outputs]),
         limiting_source=source_title(one.remedy.source),
         factor="" if one.lower_bound else print_factor(one.remedy),
         missing="" if one.missing is None else f"{len(one.missing.lines)}",

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from budget.names import Name
     from budget.report.blocks import Picture
     from budget.report.blocks import Table as DataTable
     from budget.report.comparison.tables import Row, Table
@@ -152,7 +153,7 @@ def map_title(table: Table) -> str:
 
 def output_group(row: Row) -> str:
     """Name the parameter whose output is the tightest of a device: 'bias'."""
-    return words(row.of.worst_output.split(".")[1])
+    return words(row.of.worst_output.quantity)
 
 
 def map_alt(table: Table) -> str:
@@ -212,7 +213,7 @@ def _cell(output: OutputAssessment) -> str:
     return text if len(text) <= ROOM or text[:1] == AT_LEAST else "<0.1"
 
 
-def _draw_output_heads(axes: Axes, names: list[str]) -> None:
+def _draw_output_heads(axes: Axes, names: list[Name]) -> None:
     """Name the axes above the columns, and their parameters above those."""
     style: dict[str, Any] = {
         "fontsize": SMALL,
@@ -221,9 +222,9 @@ def _draw_output_heads(axes: Axes, names: list[str]) -> None:
     }
     start = 0
     for place, name in enumerate(names):
-        _, parameter, axis = name.split(".")
-        axes.text(place + 0.5, -0.3, axis, va="bottom", **style)
-        is_last = place + 1 == len(names) or names[place + 1].split(".")[1] != parameter
+        parameter = name.quantity
+        axes.text(place + 0.5, -0.3, name.axis, va="bottom", **style)
+        is_last = place + 1 == len(names) or names[place + 1].quantity != parameter
         if is_last:
             middle = (start + place + 1) / 2.0
             title = words(parameter) if place - start > 1 else SHORT[parameter]

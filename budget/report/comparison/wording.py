@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING
 
 from budget.report.analysis.wording import REFERENCES
 from budget.report.comparison.tables import COLUMNS
-from budget.report.tables import print_count, print_coverage, source_title, words
+from budget.report.tables import print_count, print_coverage, source_title
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from budget.names import Name
     from budget.report.comparison.tables import Row, Table
-    from budget.studies.comparison.records import Comparison
+    from budget.studies.comparison.records import AssumedLine, Comparison
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -132,7 +133,7 @@ def missing_effects(comparison: Comparison) -> tuple[MissingEffect, ...]:
 
     Of devices that do not fail in any case; those with the same lines in one.
     """
-    names: dict[tuple[str, tuple[str, ...], tuple[str, ...]], list[str]] = {}
+    names: dict[tuple[str, tuple[Name, ...], tuple[AssumedLine, ...]], list[str]] = {}
     failed = {id(one) for one in comparison.devices if one.verdict == "fails"}
     for one in comparison.entrants:
         if one.missing is not None and id(one) not in failed:
@@ -148,7 +149,9 @@ def missing_effects(comparison: Comparison) -> tuple[MissingEffect, ...]:
             )
         else:
             effect = ", ".join(
-                words(text.removeprefix(f"{sensor}.")) for text in assumed
+                f"{source_title(line.source, of=sensor)} {line.printed} "
+                f"(of {line.device})"
+                for line in assumed
             )
         found.append(
             MissingEffect(

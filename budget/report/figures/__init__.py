@@ -74,6 +74,7 @@ from budget.report.figures.style import (
     canvas,
     fits,
     house_style,
+    look_of,
     text_width,
 )
 from budget.report.figures.svg import (
@@ -138,6 +139,7 @@ __all__ = [
     "fits",
     "house_style",
     "in_order",
+    "look_of",
     "overview_alt",
     "overview_dots",
     "overview_picture",

@@ -241,7 +241,7 @@ def _data(table: CouplingTable, sensor: str) -> Table:
         columns=(
             Column(head="source"),
             *(
-                Column(head=f"{words(group.rpartition('.')[2])} [%]", kind="number")
+                Column(head=f"{words(group.quantity)} [%]", kind="number")
                 for group in groups
             ),
         ),

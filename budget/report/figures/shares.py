@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import fsum
 from typing import TYPE_CHECKING
 
-from budget.report.figures.picture import as_picture, capital
+from budget.report.figures.picture import as_picture, capital, in_order
 from budget.report.figures.style import (
     GRID,
     INK,
@@ -18,6 +18,7 @@ from budget.report.figures.style import (
     canvas,
     fits,
     house_style,
+    look_of,
 )
 from budget.report.tables import SMALL_SHARE, print_share, source_title
 
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from budget.names import Name
     from budget.report.blocks import Picture
     from budget.report.tables import GroupTable
 
@@ -61,10 +63,12 @@ def share_bars(group: GroupTable) -> Figure:
     named = {
         source
         for source, share in bars[0]
-        if source != OTHER and fits(source_title(source), share * span)
+        if source != OTHER and fits(source_title(source, of=group.sensor), share * span)
     }
-    seen = {name for bar in bars for name, share in bar if share >= VISIBLE}
-    legend = [name for name in STYLES if name in seen and name not in named]
+    seen = dict.fromkeys(
+        name for bar in bars for name, share in bar if share >= VISIBLE
+    )
+    legend = [name for name in in_order(seen) if name not in named]
     below = 32.0 + LEGEND_LINE * ((len(legend) + 1) // 2)
     height = top + PITCH * len(bars) + below
     figure, axes = canvas(height, left=left, right=right, top=top, below=below)
@@ -76,12 +80,14 @@ def share_bars(group: GroupTable) -> Figure:
     axes.set_xlabel("share of the variance [%]", fontsize=SMALL, color=MUTED)
     axes.grid(axis="x", color=GRID, linewidth=0.6)
     for place, bar in enumerate(bars):
-        _draw_bar(axes, place, bar, span, name=group.rows[place].axis)
+        _draw_bar(
+            axes, place, bar, span, name=group.rows[place].axis, sensor=group.sensor
+        )
     start = 0.0
     for source, share in bars[0]:
         if source in named:
             axes.annotate(
-                source_title(source),
+                source_title(source, of=group.sensor),
                 (100.0 * start, -BAR / PITCH / 2.0),
                 xytext=(0.0, 3.0),
                 textcoords="offset points",
@@ -89,7 +95,7 @@ def share_bars(group: GroupTable) -> Figure:
                 color=INK,
             )
         start += share
-    _draw_legend(figure, legend, left)
+    _draw_legend(figure, legend, left, group.sensor)
     return figure
 
 
@@ -111,7 +117,7 @@ def share_alt(group: GroupTable) -> str:
     bars = []
     for place, row in enumerate(group.rows):
         parts = [
-            f"{source_title(source)} {print_share(share)}"
+            f"{source_title(source, of=group.sensor)} {print_share(share)}"
             for source, share in _segments(group, place)
         ]
         bars.append(f"{row.axis}: {', '.join(parts) or 'no spread'}")
@@ -120,42 +126,42 @@ def share_alt(group: GroupTable) -> str:
 
 def share_tips(group: GroupTable) -> dict[str, str]:
     """Return a tooltip for each segment, by its gid: 'tip-z-bias_stability'."""
-    alone = {
-        row.source.rpartition(".")[2]: [cell.u.text for cell in row.cells]
-        for row in group.sources
-    }
+    alone = {row.source: [cell.u.text for cell in row.cells] for row in group.sources}
     tips = {}
     for place, row in enumerate(group.rows):
         for source, share in _segments(group, place):
-            name = "all others together" if source == OTHER else source_title(source)
+            name = (
+                "all others together"
+                if source == OTHER
+                else source_title(source, of=group.sensor)
+            )
             text = f"{group.title} {row.axis}: {name} {print_share(share)}"
             text += " of the variance"
             if source in alone:
                 text += f", alone u {alone[source][place]} {group.unit}"
-            tips[_gid(row.axis, source)] = text
+            tips[_gid(row.axis, source.within(group.sensor))] = text
     return tips
 
 
-def _gid(axis: str, source: str) -> str:
+def _gid(axis: str, source: Name) -> str:
     """Name a segment."""
     return f"tip-{axis}-{source}"
 
 
-def _name(source: str) -> str:
+def _name(source: Name, sensor: str) -> str:
     """Name a segment for people."""
-    return "other, each below 1 %" if source == OTHER else source_title(source)
+    return (
+        "other, each below 1 %" if source == OTHER else source_title(source, of=sensor)
+    )
 
 
-def _segments(group: GroupTable, place: int) -> list[tuple[str, float]]:
+def _segments(group: GroupTable, place: int) -> list[tuple[Name, float]]:
     """Return (source, share) of one bar in fixed order, small ones gathered."""
-    shares = {
-        row.source.rpartition(".")[2]: row.cells[place].share.exact
-        for row in group.sources
-    }
+    shares = {row.source: row.cells[place].share.exact for row in group.sources}
     bar = [
         (name, shares[name])
-        for name in STYLES
-        if name in shares and shares[name] >= SMALL_SHARE
+        for name in in_order(shares)
+        if name.quantity in STYLES and shares[name] >= SMALL_SHARE
     ]
     rest = fsum(shares.values()) - fsum(share for _, share in bar)
     small = any(0.0 < share < SMALL_SHARE for share in shares.values())
@@ -165,17 +171,18 @@ def _segments(group: GroupTable, place: int) -> list[tuple[str, float]]:
 def _draw_bar(
     axes: Axes,
     place: int,
-    bar: Sequence[tuple[str, float]],
+    bar: Sequence[tuple[Name, float]],
     span: float,
     *,
     name: str,
+    sensor: str,
 ) -> None:
     """Draw one stacked bar; the share is written where it fits."""
     if not bar:
         axes.text(0.5, place, "no spread", fontsize=SMALL, color=MUTED, va="center")
     start = 0.0
     for source, share in bar:
-        colour, hatch, text_colour = STYLES[source]
+        colour, hatch, text_colour = look_of(source)
         (segment,) = axes.barh(
             place,
             100.0 * share,
@@ -186,7 +193,7 @@ def _draw_bar(
             linewidth=0.6,
             hatch=hatch or None,
         )
-        segment.set_gid(_gid(name, source))
+        segment.set_gid(_gid(name, source.within(sensor)))
         label = print_share(share)
         if text_colour and fits(label, share * span):
             axes.text(
@@ -201,7 +208,9 @@ def _draw_bar(
         start += share
 
 
-def _draw_legend(figure: Figure, sources: Sequence[str], left: float) -> None:
+def _draw_legend(
+    figure: Figure, sources: Sequence[Name], left: float, sensor: str
+) -> None:
     """Name the sources that no label fits on, two abreast at the foot."""
     from matplotlib.patches import Patch
 
@@ -209,10 +218,10 @@ def _draw_legend(figure: Figure, sources: Sequence[str], left: float) -> None:
         return
     figure.legend(
         handles=[
-            Patch(facecolor=STYLES[name][0], hatch=STYLES[name][1], edgecolor=PAPER)
+            Patch(facecolor=look_of(name)[0], hatch=look_of(name)[1], edgecolor=PAPER)
             for name in sources
         ],
-        labels=[_name(name) for name in sources],
+        labels=[_name(name, sensor) for name in sources],
         loc="lower left",
         bbox_to_anchor=(left / WIDTH, 0.0),
         ncols=2,

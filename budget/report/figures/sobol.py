@@ -12,12 +12,11 @@ from budget.report.figures.style import (
     GRID,
     INK,
     MUTED,
-    OTHER,
     PAPER,
     SMALL,
-    STYLES,
     canvas,
     house_style,
+    look_of,
 )
 from budget.report.indices import print_index
 from budget.report.tables import output_title, source_title, words
@@ -28,6 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from budget.names import Name
     from budget.report.blocks import Picture
     from budget.results import Budget, OutputBudget, SobolIndex
 
@@ -42,8 +42,8 @@ class Indices:
     """The indices of one output that are not 0 to the digits printed."""
 
     row: OutputBudget
-    shown: tuple[tuple[str, SobolIndex], ...]  # in the order of all figures
-    zero: tuple[str, ...]  # names of the other sources
+    shown: tuple[tuple[Name, SobolIndex], ...]  # in the order of all figures
+    zero: tuple[Name, ...]  # names of the other sources
 
 
 def sobol_picture(budget: Budget, sensor: str) -> Picture | None:
@@ -174,10 +174,10 @@ def _widest(budget: Budget, sensor: str) -> tuple[Indices, ...]:
 
 
 def _draw_index(
-    axes: Axes, middle: float, source: str, index: SobolIndex, *, gid: str
+    axes: Axes, middle: float, source: Name, index: SobolIndex, *, gid: str
 ) -> None:
     """Draw one source: dot above, ring below, whiskers, and the gap between."""
-    colour = STYLES.get(source.rpartition(".")[2], STYLES[OTHER])[0]
+    colour = look_of(source)[0]
     first, total = middle - APART, middle + APART
     low, high = sorted((index.first, index.total))
     axes.fill_betweenx(
@@ -227,7 +227,7 @@ def _texts(index: SobolIndex) -> tuple[str, str]:
     )
 
 
-def _words(source: str, index: SobolIndex) -> str:
+def _words(source: Name, index: SobolIndex) -> str:
     """Say both indices of a source with their intervals."""
     first = " ".join(print_index(index.first, index.first_interval))
     total = " ".join(print_index(index.total, index.total_interval))
@@ -268,6 +268,6 @@ def _data(found: tuple[Indices, ...], sensor: str) -> Table:
     )
 
 
-def _gid(row: OutputBudget, source: str) -> str:
+def _gid(row: OutputBudget, source: Name) -> str:
     """Name the dots of one source."""
     return f"tip-{row.parameter}-{source}"

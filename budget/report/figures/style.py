@@ -11,6 +11,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from budget.model.sources import SOURCES
+from budget.names import Name
 from budget.results import INTERACTION
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ INKS = {
 ON_DARK, ON_LIGHT = "#ffffff", "#111111"  # text on a segment
 DARK = ("blue", "black")
 HATCH = "////"
-OTHER = "other"
+OTHER = Name("other")
 STYLES = {  # source: (colour, hatch, colour of text), in the order of the segments
     **{
         source.name: (INKS[source.colour], HATCH, "")  # no text on a hatch
@@ -62,6 +63,11 @@ STYLE: dict[Any, Any] = {  # text stays text; ids do not change from run to run
 }
 # These choose windows, which nothing here opens, and cannot be set for a while only.
 OF_WINDOWS = ("backend", "backend_fallback", "interactive", "toolbar")
+
+
+def look_of(source: Name) -> tuple[str, str, str]:
+    """Return colour, hatch and colour of text of a source, whoever owns it."""
+    return STYLES.get(source.quantity, STYLES[OTHER])
 
 
 @contextmanager

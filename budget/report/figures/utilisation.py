@@ -152,8 +152,8 @@ def utilisation_alt(assessment: Assessment) -> str:
 
 
 def _axis(row: OutputAssessment) -> str:
-    """Return the last part of the name of an output."""
-    return row.output.name.rpartition(".")[2]
+    """Return the axis of an output."""
+    return row.output.name.axis
 
 
 def _gid(row: OutputAssessment) -> str:
@@ -175,8 +175,8 @@ def _used(row: OutputAssessment) -> str:
 
 
 def _sensor(row: OutputAssessment) -> str:
-    """Return the first part of the name of an output."""
-    return row.output.name.partition(".")[0]
+    """Return the triad of an output."""
+    return row.output.name.owner
 
 
 def _by_group(
@@ -190,12 +190,10 @@ def _by_group(
     own = [row for row in assessment.outputs if sensor in {"", _sensor(row)}]
     groups = [
         (
-            output_title(name.removeprefix(f"{sensor}.")),
+            output_title(name.without_owner if sensor else name),
             list(outputs),
         )
-        for name, outputs in groupby(
-            own, key=lambda output: output.output.name.rpartition(".")[0]
-        )
+        for name, outputs in groupby(own, key=lambda output: output.output.name.group)
     ]
     used = [worst_of(outputs).utilisation for _, outputs in groups]
     return [groups[k] for k in from_largest(used)]

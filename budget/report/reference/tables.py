@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from budget.report.tables import output_title, source_title, words
 from budget.studies.reference.records import TOOL
+from budget.studies.request import read_name
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -247,7 +248,7 @@ def _title(move: Move) -> str:
     if move.key.partner:
         is_output = move.key.quantity == "correlation"
         name = output_title if is_output else source_title
-        quantity = f"{quantity} {name(move.key.partner)}"
+        quantity = f"{quantity} {name(read_name(move.key.partner))}"
     unit = f" [{move.unit}]" if move.unit not in {"", "1"} else ""
     # The name of a file stays as it is.
     title = group if " " in move.key.subject else group[:1].upper() + group[1:]
@@ -262,12 +263,13 @@ def _word_title(move: Move) -> str:
 
 def _split(subject: str) -> tuple[str, str]:
     """Return the group and the row that a subject belongs to."""
-    device, _, name = subject.rpartition(" ")
-    parts = name.split(".")
-    if len(parts) == 1:
+    device, _, text = subject.rpartition(" ")
+    name = read_name(text)
+    if not name.owner:
         return name, device
-    group = output_title(".".join(parts[:-1]))
-    return f"{device} {group}".strip(), words(parts[-1])
+    if name.axis:
+        return f"{device} {output_title(name.group)}".strip(), name.axis
+    return f"{device} {name.owner}".strip(), source_title(name)
 
 
 def _word(value: float | str | None) -> str:

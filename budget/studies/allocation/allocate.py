@@ -12,6 +12,7 @@ from budget.errors import CallError
 from budget.methods.allocation import TOUCHES
 from budget.methods.coverage import coverage_of
 from budget.methods.gum import propagate
+from budget.names import Name
 from budget.results import InputFile
 from budget.spec import load_procedure
 from budget.studies.allocation.cases import (
@@ -347,7 +348,7 @@ def _not_allocated(
 ) -> tuple[str, ...]:
     """Return the sensors that have limits and are not there."""
     given = {sensor.kind for sensor in sensors}
-    limited = [limit.output.partition(".")[0] for limit in requirement.limits]
+    limited = [limit.output.owner for limit in requirement.limits]
     return tuple(kind for kind in dict.fromkeys(limited) if kind not in given)
 
 
@@ -358,7 +359,7 @@ def _warnings(
     costs: Costs | None,
 ) -> tuple[str, ...]:
     """Say what a reader should know before believing the table."""
-    given = {f"{s.kind}.{line.name}" for s in sensors for line in s.lines}
+    given = {Name(line.name, owner=s.kind) for s in sensors for line in s.lines}
     texts: list[str] = []
     named = (
         ("held", sorted(bounds.held)),

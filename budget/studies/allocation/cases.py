@@ -13,6 +13,7 @@ from budget.errors import CallError
 from budget.methods.allocation import Task, equal, proportional
 from budget.methods.least_cost import LeastCost, Prices, least_cost
 from budget.methods.scaling import scaled_law
+from budget.names import Name
 from budget.studies.allocation.records import FREE, HELD, ZERO, CoverageCheck
 from budget.units import DEGREE
 
@@ -36,9 +37,9 @@ MOST_DECADES = 50  # of a price: what lies further apart adds to no sum
 class Bounds:
     """What the call says of single sources, by full names, largest axis [SI]."""
 
-    held: frozenset[str]
-    most: Mapping[str, float]
-    least: Mapping[str, float]
+    held: frozenset[Name]
+    most: Mapping[Name, float]
+    least: Mapping[Name, float]
 
 
 NO_BOUNDS = Bounds(held=frozenset(), most={}, least={})
@@ -64,7 +65,7 @@ class SensorCase:
 
     sensor: Sensor
     task: Task
-    outputs: Mapping[str, Output]
+    outputs: Mapping[Name, Output]
     statuses: tuple[str, ...]
     s: Array | None = None
     by_law: Array | None = None
@@ -83,22 +84,20 @@ def set_up(
     procedure: Procedure,
     requirement: Requirement,
     bounds: Bounds,
-    market: Mapping[str, float],
+    market: Mapping[Name, float],
 ) -> SensorCase | None:
     """Return the task of one sensor, None where nothing is required of it."""
     from scipy.special import ndtri
 
     limits = [
-        limit
-        for limit in requirement.limits
-        if limit.output.startswith(f"{sensor.kind}.")
+        limit for limit in requirement.limits if limit.output.owner == sensor.kind
     ]
     if not limits:
         return None
     problem = calibration_problem((sensor,), procedure, reference=requirement.reference)
     statuses, low, high = [], [], []
     for line in sensor.lines:
-        name, now = f"{sensor.kind}.{line.name}", float(line.u.max())
+        name, now = Name(line.name, owner=sensor.kind), float(line.u.max())
         statuses.append(ZERO if now == 0.0 else HELD if name in bounds.held else FREE)
         least, most = _bounds_of(name, now, bounds, market)
         low.append(least)
@@ -129,25 +128,25 @@ def solve(case: SensorCase, strategy: str, costs: Costs | None) -> SensorCase:
     return replace(case, s=share_out(case.task))
 
 
-def resize(sensor: Sensor, sources: Sequence[str], factors: Array) -> Sensor:
+def resize(sensor: Sensor, sources: Sequence[Name], factors: Array) -> Sensor:
     """Return a sensor with its lines multiplied; correlation times stay."""
     by_name = dict(zip(sources, factors, strict=True))
     return replace(
         sensor,
         lines=tuple(
-            replace(line, u=line.u * by_name[f"{sensor.kind}.{line.name}"])
+            replace(line, u=line.u * by_name[Name(line.name, owner=sensor.kind)])
             for line in sensor.lines
         ),
     )
 
 
 def _bounds_of(
-    name: str, now: float, bounds: Bounds, market: Mapping[str, float]
+    name: Name, now: float, bounds: Bounds, market: Mapping[Name, float]
 ) -> tuple[float, float]:
     """Return least and largest factor of one source; a default never asks for less."""
     if now == 0.0:
         return 0.0, 1.0
-    line = name.partition(".")[2]
+    line = name.quantity
     if line.startswith("scale_factor"):
         most = max(SCALE_FACTOR_CEILING, now)
     elif line.startswith("mounting"):
@@ -175,7 +174,8 @@ def _prices(case: SensorCase, costs: Costs | None) -> Prices:
     named = {cost.source: cost for cost in costs.costs} if costs is not None else {}
     c, p = [], []
     for line in case.sensor.lines:
-        cost = named.get(f"{case.sensor.kind}.{line.name}")
+        name = Name(line.name, owner=case.sensor.kind)
+        cost = named.get(name)
         now = float(line.u.max())
         power = 1.0 if cost is None else cost.p
         ratio = 1.0
@@ -183,7 +183,7 @@ def _prices(case: SensorCase, costs: Costs | None) -> Prices:
             ratio = cost.u_ref / now
         if abs(power * log10(ratio)) > MOST_DECADES:
             raise CallError(
-                f"costs.{case.sensor.kind}.{line.name}: u_ref is {ratio:.3g} times the "
+                f"costs.{name}: u_ref is {ratio:.3g} times the "
                 f"present value, which to the power of {power:g} is no price, expected "
                 f"1e-{MOST_DECADES} to 1e{MOST_DECADES}; see to u_ref and p"
             )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.errors import SpecError
+from budget.names import Name
 from budget.resources import shipped
 from budget.spec import load_device, variants
 from budget.studies.allocation.records import LineMatch, Match
@@ -47,13 +48,13 @@ def load_catalogue() -> tuple[tuple[Device, ...], tuple[str, ...]]:
     return tuple(devices), tuple(warnings)
 
 
-def best_offered(catalogue: Sequence[Device]) -> dict[str, float]:
+def best_offered(catalogue: Sequence[Device]) -> dict[Name, float]:
     """Return the least value above zero of every line, largest axis [SI]."""
-    best: dict[str, float] = {}
+    best: dict[Name, float] = {}
     for device in catalogue:
         for sensor in device.sensors:
             for line in sensor.lines:
-                name, u = f"{sensor.kind}.{line.name}", float(line.u.max())
+                name, u = Name(line.name, owner=sensor.kind), float(line.u.max())
                 if u > 0.0:
                     best[name] = min(best.get(name, u), u)
     return best
@@ -116,7 +117,7 @@ def _match(device: Device, offered: Sensor, wanted: Sensor, rate: float) -> Matc
             ratio = float((value / limit).max())
         lines.append(
             LineMatch(
-                source=f"{wanted.kind}.{line.name}",
+                source=Name(line.name, owner=wanted.kind),
                 value=None if value is None else float(value.max()),
                 ratio=ratio,
                 how=how,
@@ -125,7 +126,7 @@ def _match(device: Device, offered: Sensor, wanted: Sensor, rate: float) -> Matc
     allotted = {line.name for line in wanted.lines if line.u.any()}
     noise = {SAMPLE_NOISE, *DENSITIES}
     extra = tuple(
-        f"{offered.kind}.{line.name}"
+        Name(line.name, owner=offered.kind)
         for line in offered.lines
         if line.u.any()
         and line.name not in allotted

@@ -5,12 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from budget.names import Name
+
 if TYPE_CHECKING:
     from budget.problem import Output
     from budget.results import InputFile
     from budget.spec.records import Device, Sensor
 
-MEAN = "mean"  # the part of a limit that the mean error takes
+MEAN = Name("mean")  # the part of a limit that the mean error takes
 
 FREE = "free"
 HELD = "held"  # by --fix
@@ -22,7 +24,7 @@ NOT_REQUIRED = "not required"  # its sensor has no limits
 class Part:
     """What one source takes of one squared limit, k^2 u^2 / limit^2 [1]."""
 
-    source: str  # dotted name, 'interaction' or 'mean'
+    source: Name  # dotted name, 'interaction' or 'mean'
     now: float
     allowed: float | None  # None where the requirement cannot be met
     floor: float  # with every free source as small as it may be
@@ -43,8 +45,8 @@ class LimitedOutput:
 
     @property
     def sensor(self) -> str:
-        """First part of the output's name."""
-        return self.output.name.partition(".")[0]
+        """Owner of the output."""
+        return self.output.name.owner
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +54,7 @@ class Headroom:
     """How far one source may go alone, the others as they are."""
 
     value: float  # [SI]; 0: an output that feels it fails even without it
-    stopped_by: tuple[str, ...]  # outputs; (): its ceiling, no limit before that
+    stopped_by: tuple[Name, ...]  # outputs; (): its ceiling, no limit before that
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,7 +64,7 @@ class SourceAllotment:
     Values are standard uncertainties of the largest axis; one factor is for all.
     """
 
-    source: str
+    source: Name
     unit: str  # as in the file
     si_per_unit: float
     status: str  # free, held, zero, not required
@@ -73,7 +75,7 @@ class SourceAllotment:
     least: float | None  # bound below [SI]; None for what is not free
     at_ceiling: bool
     at_least: bool
-    binding_outputs: tuple[str, ...]  # of those at their limits, where it takes most
+    binding_outputs: tuple[Name, ...]  # of those at their limits, where it takes most
     counts: bool  # takes a thousandth of a squared limit, at its ceiling at the latest
     headroom: Headroom | None  # None for what is zero, has no limit or counts nothing
     best_offered: float | None  # least value in the catalogue [SI]
@@ -105,7 +107,7 @@ class SourceAllotment:
 class CoverageCheck:
     """Monte Carlo at the allocated values, for one output at its limit."""
 
-    output: str
+    output: Name
     trials: int
     covered: float  # part of the trials within the law's interval [1]
     factor_before: float  # k of the law [1]
@@ -122,7 +124,7 @@ class CoverageCheck:
 class Saving:
     """What one percent more on the limits of one parameter would save."""
 
-    outputs: tuple[str, ...]  # those of the parameter that are at their limits
+    outputs: tuple[Name, ...]  # those of the parameter that are at their limits
     saves: float  # [unit of cost]
     part: float  # of the cost of that sensor [1]
 
@@ -159,7 +161,7 @@ class Lever:
 class LineMatch:
     """One line of a catalogue device against what is allowed."""
 
-    source: str
+    source: Name
     value: float | None  # largest axis [SI]; None: the device does not give it
     ratio: float | None  # worst axis over what that axis may have [1]
     how: str  # '' or what was converted to compare
@@ -173,10 +175,10 @@ class Match:
     file: str
     sensor: str
     lines: tuple[LineMatch, ...]
-    extra: tuple[str, ...]  # lines that it gives and that nothing was allotted to
+    extra: tuple[Name, ...]  # lines that it gives and that nothing was allotted to
 
     @property
-    def missing(self) -> tuple[str, ...]:
+    def missing(self) -> tuple[Name, ...]:
         """Allocated lines that the device does not give."""
         return tuple(line.source for line in self.lines if line.ratio is None)
 
@@ -221,7 +223,7 @@ class Allocation:
     matches: tuple[Match, ...]
     devices: tuple[Device, ...]
     sensors: tuple[Sensor, ...]  # with the allocated values; as given if infeasible
-    not_given: tuple[str, ...]
+    not_given: tuple[Name, ...]
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
 

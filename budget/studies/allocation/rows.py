@@ -8,6 +8,7 @@ import numpy as np
 
 from budget.methods.allocation import TOUCHES, headroom
 from budget.methods.scaling import FELT
+from budget.names import Name
 from budget.results import INTERACTION
 from budget.studies.allocation.records import (
     FREE,
@@ -71,13 +72,13 @@ def limited_outputs(
 
 
 def source_allotments(
-    sensor: Sensor, case: SensorCase | None, offered: Mapping[str, float]
+    sensor: Sensor, case: SensorCase | None, offered: Mapping[Name, float]
 ) -> tuple[SourceAllotment, ...]:
     """Say of each line of one sensor what it is and what it may be."""
     if case is None:
         return tuple(
             SourceAllotment(
-                source=f"{sensor.kind}.{line.name}",
+                source=Name(line.name, owner=sensor.kind),
                 unit=line.unit,
                 si_per_unit=line.si_per_unit,
                 status=NOT_REQUIRED,
@@ -91,7 +92,7 @@ def source_allotments(
                 binding_outputs=(),
                 counts=False,
                 headroom=None,
-                best_offered=offered.get(f"{sensor.kind}.{line.name}"),
+                best_offered=offered.get(Name(line.name, owner=sensor.kind)),
             )
             for line in sensor.lines
         )
@@ -99,7 +100,7 @@ def source_allotments(
     room = headroom(task, task.now)
     rows = []
     for g, line in enumerate(sensor.lines):
-        name, now = f"{sensor.kind}.{line.name}", float(line.u.max())
+        name, now = Name(line.name, owner=sensor.kind), float(line.u.max())
         status = case.statuses[g]
         free = status == FREE
         allotted = s is not None and free
@@ -141,10 +142,9 @@ def cost_report(case: SensorCase) -> CostReport:
         raise ValueError(f"the {case.sensor.kind} was not allocated by cost")
     task = case.task
     bound = task.binding(solution.s)
-    groups: dict[str, list[int]] = {}
+    groups: dict[Name, list[int]] = {}
     for k in np.flatnonzero(bound):
-        name = task.law.outputs[k].rpartition(".")[0]
-        groups.setdefault(name, []).append(int(k))
+        groups.setdefault(task.law.outputs[k].group, []).append(int(k))
     savings = []
     for places in groups.values():
         saves = ONE_PERCENT * float(solution.multiplier[places].sum())
@@ -209,7 +209,7 @@ def _headroom(task: Task, room: Room, g: int, now: float) -> Headroom:
     )
 
 
-def _binding_outputs(task: Task, s: Array, g: int) -> tuple[str, ...]:
+def _binding_outputs(task: Task, s: Array, g: int) -> tuple[Name, ...]:
     """Return the outputs at their limits of which a source takes most, if it is felt.
 
     Equal ones are all named.

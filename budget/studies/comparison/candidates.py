@@ -10,9 +10,10 @@ import numpy as np
 
 from budget.calibration.problem import calibration_problem
 from budget.methods.gum import propagate
+from budget.names import Name
 from budget.spec.lines import lines_of
 from budget.studies.comparison.grades import UNKNOWN, grade
-from budget.studies.comparison.records import MissingLines, Remedy
+from budget.studies.comparison.records import AssumedLine, MissingLines, Remedy
 from budget.studies.judgement import Limited, limit_problem
 from budget.ties import first_largest
 
@@ -130,7 +131,11 @@ def bound_missing(
     return MissingLines(
         lines=missing,
         assumed=tuple(
-            f"{one.sensor.kind}.{line.name} {line.printed} (of {owner})"
+            AssumedLine(
+                source=Name(line.name, owner=one.sensor.kind),
+                printed=line.printed,
+                device=owner,
+            )
             for line, owner in found
         ),
         utilisation=utilisation,
@@ -141,7 +146,7 @@ def bound_missing(
 
 
 def _worst_line(
-    full_name: str, device: Device, sensor: Sensor, catalogue: Sequence[Device]
+    full_name: Name, device: Device, sensor: Sensor, catalogue: Sequence[Device]
 ) -> tuple[ErrorLine, str] | None:
     """Return the largest such line of the catalogue and whose it is.
 
@@ -150,7 +155,7 @@ def _worst_line(
     nobody can tell the grade. 'gyro.noise' stands for the first of the noise lines, a
     random walk.
     """
-    wanted = full_name.split(".")[1]
+    wanted = full_name.quantity
     names = [
         line.name
         for line in lines_of(sensor.kind)

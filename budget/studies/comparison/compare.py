@@ -303,9 +303,7 @@ def _warnings(
 
 def _limited(requirement: Requirement) -> tuple[str, ...]:
     """Return the sensors that have limits, in their order."""
-    return tuple(
-        dict.fromkeys(limit.output.split(".")[0] for limit in requirement.limits)
-    )
+    return tuple(dict.fromkeys(limit.output.owner for limit in requirement.limits))
 
 
 def _not_compared(

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from budget.names import Name
     from budget.results import InputFile, OutputAssessment, Probability, Settings
     from budget.studies.judgement import Judged
 
@@ -18,9 +19,22 @@ VERDICTS = ("meets", "undecided", "fails", "undecidable")
 class Remedy:
     """The source that limits a device, and what its line alone would have to be."""
 
-    source: str
+    source: Name
     share: float  # of the variance of the worst output [1]
     factor: float | None  # on its standard uncertainty; None: it alone cannot mend it
+
+
+@dataclass(frozen=True, kw_only=True)
+class AssumedLine:
+    """A line of another device in the place of one that is not given."""
+
+    source: Name
+    printed: str  # as that device's file gives it
+    device: str
+
+    def __str__(self) -> str:
+        """'gyro.bias_stability 24 deg/h (of NAME)'."""
+        return f"{self.source} {self.printed} (of {self.device})"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,8 +46,8 @@ class MissingLines:
     Where no such device gives the line nothing is known.
     """
 
-    lines: tuple[str, ...]  # expected and not given
-    assumed: tuple[str, ...]  # 'gyro.bias_stability 24 deg/h (of NAME)'
+    lines: tuple[Name, ...]  # expected and not given
+    assumed: tuple[AssumedLine, ...]
     utilisation: float | None  # with those, by the law [1]; None: not known
     verdict: str  # 'meets', 'fails', or '' where it is not known
 
@@ -74,7 +88,7 @@ class Entrant:
     procedure: str
     file: str
     technology: str
-    not_given: tuple[str, ...]
+    not_given: tuple[Name, ...]
     missing: MissingLines | None
     price: str
     mass: str
@@ -90,8 +104,8 @@ class DeviceVerdict(Entrant):
     verdict: str  # one of VERDICTS
     utilisation: float  # the largest of its required outputs [1]
     utilisation_interval: tuple[float, float]  # 95 % sampling, and the law's error [1]
-    worst_output: str
-    worst_outputs: tuple[str, ...]  # that one and all that are equal to it by the law
+    worst_output: Name
+    worst_outputs: tuple[Name, ...]  # that one and all that are equal to it by the law
     conformance: Probability  # all required outputs together
     outputs: tuple[OutputAssessment, ...]
     remedy: Remedy

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.methods.gum import propagate
+from budget.model.sources import ACCELEROMETER, GYRO
+from budget.names import Name
 from budget.spec.records import AXES
 from budget.studies.coupling import CouplingTable, coupling
 from budget.studies.paper.conditions import PLACES, only_sources
@@ -28,7 +30,7 @@ if TYPE_CHECKING:
 
 YES, NO = "affects", "no effect"
 PARAMETERS = ("scale_factor", "mounting_angle", "bias")
-MOUNTING = "gyro.mounting_repeatability"
+MOUNTING = Name("mounting_repeatability", owner=GYRO)
 
 # A simulation that takes no time: none from some is told by any sampling.
 SAMPLE_RATE, DWELL = 10.0, 20.0  # [Hz], [s]
@@ -36,21 +38,21 @@ SAMPLE_RATE, DWELL = 10.0, 20.0  # [Hz], [s]
 # What sections 2 and 4 say, for scale factors, mounting angles, bias; '' for nothing
 # said. A parameter's own repeatability is not said to affect it.
 CLAIMS = (
-    ("gyro.bias_repeatability", (NO, NO, ""), "2.1.1, 4"),
-    ("gyro.bias_stability", (YES, YES, ""), "2.1.1, 4"),
-    ("gyro.angle_random_walk", (YES, YES, YES), "2.1.1, 4"),
-    ("gyro.scale_factor_nonlinearity", (NO, "", ""), "2.1.2"),
-    ("gyro.scale_factor_nonlinearity", ("", NO, NO), "2.1.2, 4"),
-    ("gyro.scale_factor_asymmetry", (YES, "", ""), "2.1.2, eq. (17)"),
-    ("gyro.scale_factor_asymmetry", ("", YES, YES), "2.1.2, 4"),
-    ("gyro.scale_factor_repeatability", ("", NO, NO), "2.1.2, 4"),
+    (Name("bias_repeatability", owner=GYRO), (NO, NO, ""), "2.1.1, 4"),
+    (Name("bias_stability", owner=GYRO), (YES, YES, ""), "2.1.1, 4"),
+    (Name("angle_random_walk", owner=GYRO), (YES, YES, YES), "2.1.1, 4"),
+    (Name("scale_factor_nonlinearity", owner=GYRO), (NO, "", ""), "2.1.2"),
+    (Name("scale_factor_nonlinearity", owner=GYRO), ("", NO, NO), "2.1.2, 4"),
+    (Name("scale_factor_asymmetry", owner=GYRO), (YES, "", ""), "2.1.2, eq. (17)"),
+    (Name("scale_factor_asymmetry", owner=GYRO), ("", YES, YES), "2.1.2, 4"),
+    (Name("scale_factor_repeatability", owner=GYRO), ("", NO, NO), "2.1.2, 4"),
     (MOUNTING, (NO, "", YES), "2.1.3, 4"),
-    ("accelerometer.bias_repeatability", (NO, NO, ""), "2.2.1, 4"),
-    ("accelerometer.bias_stability", (YES, YES, ""), "2.2.1, 4"),
-    ("accelerometer.sample_noise", (YES, YES, YES), "2.2.1, 4"),
-    ("accelerometer.scale_factor_nonlinearity", ("", NO, NO), "2.2.2, 4"),
-    ("accelerometer.scale_factor_repeatability", ("", NO, NO), "2.2.2, 4"),
-    ("accelerometer.mounting_repeatability", (NO, "", NO), "2.2.3, 4"),
+    (Name("bias_repeatability", owner=ACCELEROMETER), (NO, NO, ""), "2.2.1, 4"),
+    (Name("bias_stability", owner=ACCELEROMETER), (YES, YES, ""), "2.2.1, 4"),
+    (Name("sample_noise", owner=ACCELEROMETER), (YES, YES, YES), "2.2.1, 4"),
+    (Name("scale_factor_nonlinearity", owner=ACCELEROMETER), ("", NO, NO), "2.2.2, 4"),
+    (Name("scale_factor_repeatability", owner=ACCELEROMETER), ("", NO, NO), "2.2.2, 4"),
+    (Name("mounting_repeatability", owner=ACCELEROMETER), (NO, "", NO), "2.2.3, 4"),
 )
 
 
@@ -134,11 +136,10 @@ def conclusion_findings(verdicts: Verdicts) -> tuple[Finding, ...]:
 
 
 def _finding(
-    verdicts: Verdicts, source: str, parameter: str, claim: str, section: str
+    verdicts: Verdicts, source: Name, parameter: str, claim: str, section: str
 ) -> Finding:
     """Hold one claim against four answers."""
-    sensor, _, line = source.partition(".")
-    group = f"{sensor}.{parameter}"
+    group = Name(parameter, owner=source.owner)
     answers = {
         name: YES if table.cell(source, group).reaches else NO
         for name, table in verdicts.tables
@@ -167,7 +168,8 @@ def _finding(
         )
     return Finding(
         section="conclusions",
-        where=f"section {section}: {sensor} {_words(line)} on {_words(parameter)}",
+        where=f"section {section}: {source.owner} {_words(source.quantity)} on "
+        f"{_words(parameter)}",
         printed=claim,
         ours=ours,
         quantity=WORD,

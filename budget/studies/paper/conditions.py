@@ -10,6 +10,7 @@ import numpy as np
 from budget.calibration.problem import calibration_problem
 from budget.distributions import NORMAL
 from budget.methods.gum import propagate
+from budget.names import Name
 from budget.results import InputFile
 from budget.spec import load_device, load_procedure
 from budget.spec.records import ErrorLine
@@ -130,11 +131,11 @@ def nominal_size(sensor: Sensor) -> Array:
     )
 
 
-def only_sources(sensor: Sensor, procedure: Procedure, *sources: str) -> Problem:
+def only_sources(sensor: Sensor, procedure: Procedure, *sources: Name) -> Problem:
     """Set up the calibration with these sources alone; '' is none at all."""
     # Lines that vary in no run would only slow the draws down.
     lines = tuple(
-        line for line in sensor.lines if f"{sensor.kind}.{line.name}" in sources
+        line for line in sensor.lines if Name(line.name, owner=sensor.kind) in sources
     ) or tuple(line for line in sensor.lines if line.name == "bias_repeatability")
     only = frozenset(source for source in sources if source)
     return calibration_problem((replace(sensor, lines=lines),), procedure, only=only)

@@ -18,6 +18,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.methods.gum import propagate
+from budget.model.sources import GYRO
+from budget.names import Name
 from budget.spec.records import ANGLES, AXES
 from budget.studies.paper.conditions import (
     PLACES,
@@ -40,7 +42,7 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.studies.paper.conditions import Conditions
 
-SOURCE = "gyro.mounting_repeatability"
+SOURCE = Name("mounting_repeatability", owner=GYRO)
 HALF_DIGIT = 0.5e-5  # of a printed angle entry [1]
 SIGMAS = 3.0  # standard uncertainties of the products that are allowed [1]
 

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.model.sources import ACCELEROMETER, GYRO
+from budget.names import Name
 from budget.studies.paper.conditions import (
     FARTHEST,
     PLACES,
@@ -52,8 +54,8 @@ if TYPE_CHECKING:
     from budget.studies.paper.conditions import Conditions
     from budget.studies.paper.readings import Reading
 
-STABILITY = "gyro.bias_stability"
-NOISE = "accelerometer.sample_noise"
+STABILITY = Name("bias_stability", owner=GYRO)
+NOISE = Name("sample_noise", owner=ACCELEROMETER)
 
 
 def order_findings(
@@ -92,7 +94,7 @@ def expectation_of(printed: PrintedOrder, conditions: Conditions) -> Expectation
     problem = only_sources(sensor, conditions.printed, printed.source)
     size = nominal_size(sensor) / UNITS[printed.unit]
     found = expect(problem, size)
-    line = printed.source.rpartition(".")[2]
+    line = printed.source.quantity
     if line not in FARTHEST:
         return found
     # Stepped, not drawn: the error itself, and no spread.

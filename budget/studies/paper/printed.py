@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from budget.model.sources import GYRO
+from budget.names import Name
 from budget.spec.records import ANGLES
 
 RUNS = 25  # section 3.1
@@ -18,7 +20,7 @@ ANGLE_ORDER = ("xz", "xy", "yz", "yx", "zy", "zx")  # of the angles in Table 1
 class PrintedRow:
     """One row of Table 1: relative errors [1], angles in the order of ANGLE_ORDER."""
 
-    source: str
+    source: Name
     condition: str
     scale_factor: tuple[str, str, str]
     mounting_angle: tuple[str, str, str, str, str, str]
@@ -38,7 +40,7 @@ class PrintedOrder:
 
     section: str
     sensor: str
-    source: str  # '' for a run without any error
+    source: Name  # '' for a run without any error
     condition: str
     parameter: str
     order: str  # [unit]; '0' for none
@@ -48,7 +50,7 @@ class PrintedOrder:
 
 TABLE_1 = (
     PrintedRow(
-        source="gyro.bias_repeatability",
+        source=Name("bias_repeatability", owner=GYRO),
         condition="bias repeatability 0.05 deg/h",
         scale_factor=("0", "0", "0"),
         mounting_angle=(
@@ -62,14 +64,14 @@ TABLE_1 = (
         bias=("0.00467", "0.00154", "0.00534"),
     ),
     PrintedRow(
-        source="gyro.bias_stability",
+        source=Name("bias_stability", owner=GYRO),
         condition="bias stability 0.04 deg/h, 300 s",
         scale_factor=("-1.2262e-7", "-2.4947e-7", "9.1776e-7"),
         mounting_angle=("-0.1081", "0.0133", "-0.1454", "0.0479", "-0.0075", "0.0155"),
         bias=("-0.00296", "-0.00630", "-0.00577"),
     ),
     PrintedRow(
-        source="gyro.scale_factor_repeatability",
+        source=Name("scale_factor_repeatability", owner=GYRO),
         condition="scale factor repeatability 50 ppm",
         scale_factor=("-8.9744e-6", "-5.5502e-7", "1.2164e-5"),
         mounting_angle=(
@@ -83,7 +85,7 @@ TABLE_1 = (
         bias=("-3.18263e-10", "-3.18264e-10", "6.36529e-10"),
     ),
     PrintedRow(
-        source="gyro.angle_random_walk",
+        source=Name("angle_random_walk", owner=GYRO),
         condition="angle random walk 0.005 deg/sqrt(h)",
         scale_factor=("1.95118e-9", "7.3213e-9", "-3.144e-9"),
         mounting_angle=(
@@ -97,7 +99,7 @@ TABLE_1 = (
         bias=("2.44844e-6", "-6.19804e-6", "1.08101e-5"),
     ),
     PrintedRow(
-        source="gyro.mounting_repeatability",
+        source=Name("mounting_repeatability", owner=GYRO),
         condition="mounting repeatability 2 arcsec",
         scale_factor=("0", "0", "0"),
         mounting_angle=(
@@ -135,7 +137,7 @@ def _orders(  # one condition, up to three parameters
         PrintedOrder(
             section=section,
             sensor=sensor,
-            source=f"{sensor}.{source}" if source else "",
+            source=Name(source, owner=sensor) if source else Name(""),
             condition=condition,
             parameter=parameter,
             order=order,

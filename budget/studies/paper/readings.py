@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.model.sources import GYRO
+from budget.names import Name
 from budget.problem import Group
 from budget.studies.paper.conditions import (
     PLACES,
@@ -51,7 +53,7 @@ ONCE_A_WINDOW = "noise added once to the sum of a window, not to each of its sam
 class Reading:
     """One way to understand the inputs of one row of Table 1."""
 
-    source: str
+    source: Name
     name: str
     runs: int
     expectation: Expectation
@@ -72,12 +74,12 @@ class Reading:
         if parameter is not None:
             return fit(printed, self.expectation, PLACES[parameter], runs=self.runs)
         places = self.varies
-        if self.source == "gyro.mounting_repeatability":
+        if self.source == Name("mounting_repeatability", owner=GYRO):
             places[PLACES["bias"]] = False  # they follow from the angles, mounting.py
         return fit(printed, self.expectation, places, runs=self.runs, scatter=False)
 
 
-def printed_entries(source: str) -> Array:
+def printed_entries(source: Name) -> Array:
     """Return the row of Table 1 of that source as numbers, shape (12,) [1]."""
     row = next(row for row in TABLE_1 if row.source == source)
     return np.array([float(text) for text in row.entries])
@@ -92,7 +94,10 @@ def readings(conditions: Conditions) -> tuple[Reading, ...]:
     if walk is None:
         raise ValueError("the paper's gyro has no angle random walk")
     sixtieth = _with_random_walk(gyro, walk.u / ROOT_HOUR)
-    stability, noise = "gyro.bias_stability", "gyro.angle_random_walk"
+    stability, noise = (
+        Name("bias_stability", owner=GYRO),
+        Name("angle_random_walk", owner=GYRO),
+    )
     found = {
         (stability, "+ and - turns far apart, their noise independent"): expect(
             only_sources(gyro, apart, stability), size
@@ -107,7 +112,7 @@ def readings(conditions: Conditions) -> tuple[Reading, ...]:
             only_sources(
                 with_lines(gyro, sample_noise=PER_SAMPLE),
                 procedure,
-                "gyro.sample_noise",
+                Name("sample_noise", owner=GYRO),
             ),
             size,
         ),
@@ -118,7 +123,7 @@ def readings(conditions: Conditions) -> tuple[Reading, ...]:
             _noise_once_a_window(only_sources(gyro, procedure, noise), procedure), size
         ),
         (
-            "gyro.mounting_repeatability",
+            Name("mounting_repeatability", owner=GYRO),
             "the nominal 2 arcsec dropped from the draws, errors counted from it",
         ): _dropped_nominal(conditions),
     }
@@ -129,7 +134,7 @@ def readings(conditions: Conditions) -> tuple[Reading, ...]:
     )
 
 
-def best_reading(all_readings: tuple[Reading, ...], source: str) -> Reading | None:
+def best_reading(all_readings: tuple[Reading, ...], source: Name) -> Reading | None:
     """Return the reading that fits a row as a whole and group by group, or None."""
     fitting = [
         reading
@@ -150,7 +155,7 @@ def fits_row(reading: Reading, printed: Array) -> bool:
     return together.fits and all(reading.fit(printed, p).fits for p in random)
 
 
-def switched_on(conditions: Conditions) -> dict[tuple[str, ...], Expectation]:
+def switched_on(conditions: Conditions) -> dict[tuple[Name, ...], Expectation]:
     """Expect one run with every choice of the five stated sources: 31 of them."""
     size = nominal_size(conditions.gyro)
     sources = [row.source for row in TABLE_1]
@@ -162,7 +167,7 @@ def switched_on(conditions: Conditions) -> dict[tuple[str, ...], Expectation]:
 
 
 def fitting_choices(
-    choices: dict[tuple[str, ...], Expectation], source: str
+    choices: dict[tuple[Name, ...], Expectation], source: Name
 ) -> tuple[tuple[tuple[str, ...], Reading], ...]:
     """Return the choices of sources that fit a row, as one run or a mean over 25."""
     tried = (
@@ -241,7 +246,7 @@ def _dropped_nominal(conditions: Conditions) -> Expectation:
         only_sources(
             without_nominal_angles(gyro),
             conditions.printed,
-            "gyro.mounting_repeatability",
+            Name("mounting_repeatability", owner=GYRO),
         ),
         nominal_size(gyro),
     )
@@ -250,9 +255,9 @@ def _dropped_nominal(conditions: Conditions) -> Expectation:
     return replace(found, mean=found.mean + shift)
 
 
-def _title(source: str) -> str:
+def _title(source: Name) -> str:
     """Name the row of Table 1 for people."""
-    return f"Table 1, {source.partition('.')[2].replace('_', ' ')}"
+    return f"Table 1, {source.quantity.replace('_', ' ')}"
 
 
 def _rms(values: Array) -> float:

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.earth import ROTATION_RATE
+from budget.model.sources import GYRO
+from budget.names import Name
 from budget.spec.records import ANGLES, AXES
 from budget.studies.paper.conditions import (
     PLACES,
@@ -60,7 +62,7 @@ class Sweep:
     """
 
     figure: str
-    source: str
+    source: Name
     parameter: str
     size: Array
     errors: Array
@@ -107,7 +109,7 @@ def compute_sweeps(conditions: Conditions) -> tuple[Sweep, ...]:
     )
     sweeps = []
     for figure, line, parameter, step, slopes in plans:
-        source = f"gyro.{line}"
+        source = Name(line, owner=GYRO)
         problem = only_sources(gyro, procedure, source)
         size = np.asarray(step * steps, dtype=float)
         errors = problem.evaluate(np.tile(size, (3, 1))) / nominal_size(gyro)[:, None]

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.model.sources import GYRO
+from budget.names import Name
 from budget.spec.records import ANGLES, AXES
 from budget.studies.paper.conditions import (
     PLACES,
@@ -51,8 +53,14 @@ if TYPE_CHECKING:
     from budget.studies.paper.readings import Reading
 
 HALF_ULP = 2.0**-53  # spacing of doubles just below 1 [1]
-STABILITY, WALK = "gyro.bias_stability", "gyro.angle_random_walk"
-REPEATABILITIES = ("gyro.bias_repeatability", "gyro.scale_factor_repeatability")
+STABILITY, WALK = (
+    Name("bias_stability", owner=GYRO),
+    Name("angle_random_walk", owner=GYRO),
+)
+REPEATABILITIES = (
+    Name("bias_repeatability", owner=GYRO),
+    Name("scale_factor_repeatability", owner=GYRO),
+)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -109,7 +117,7 @@ def compute_rows(conditions: Conditions) -> tuple[Row, ...]:
 def table1_findings(
     rows: tuple[Row, ...],
     readings: tuple[Reading, ...],
-    choices: dict[tuple[str, ...], Expectation],
+    choices: dict[tuple[Name, ...], Expectation],
 ) -> tuple[Finding, ...]:
     """Return, for each row, a summary of every random parameter and all 12 entries.
 
@@ -284,7 +292,7 @@ def _both_repeatabilities(rows: tuple[Row, ...]) -> Finding:
 def _left_on(
     rows: tuple[Row, ...],
     readings: tuple[Reading, ...],
-    choices: dict[tuple[str, ...], Expectation],
+    choices: dict[tuple[Name, ...], Expectation],
 ) -> Finding:
     """Judge the stability row as a run whose random walk was left on, and the choice.
 
@@ -353,7 +361,7 @@ def _log_density(reading: Reading, printed: Array) -> float:
 
 def _title(row: Row) -> str:
     """Name a row for people."""
-    return _words(row.row.source.partition(".")[2])
+    return _words(row.row.source.quantity)
 
 
 def _words(name: str) -> str:

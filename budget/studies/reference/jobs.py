@@ -11,7 +11,6 @@ from budget.methods.execution import one_blas_thread
 from budget.methods.monte_carlo import MAX_TRIALS
 from budget.spec.costs import read_costs
 from budget.spec.device import read_device
-from budget.spec.lines import lines_of
 from budget.spec.procedure import read_procedure
 from budget.spec.requirement import read_requirement
 from budget.studies.allocation.allocate import allocate
@@ -24,7 +23,13 @@ from budget.studies.reference.comparisons import Compared, comparison_numbers
 from budget.studies.reference.numbers import allocation_numbers, budget_numbers
 from budget.studies.reference.records import JOBS, Asked, files_fault
 from budget.studies.reference.sampling import standard_errors
-from budget.studies.request import choose_basis, choose_sources, sensors_of
+from budget.studies.request import (
+    choose_basis,
+    choose_sources,
+    find_sources,
+    sensors_of,
+    source_names,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -175,7 +180,7 @@ def _analyze(records: _Records, asked: Asked, workers: int) -> Snapshot:
             sensors,
             procedure,
             reference=basis.reference,
-            only=choose_sources(sensors, asked.only)[0],
+            only=choose_sources(sensors, procedure, asked.only)[0],
         )
         errors = standard_errors(
             problem,
@@ -223,33 +228,16 @@ def _compare(
 def _allocate(records: _Records, requirement: Requirement, asked: Asked) -> Snapshot:
     """Share limits out by the law, without the catalogue."""
     (procedure,) = records.procedures
+    known = source_names(sensors_of(records.devices))
+    held = find_sources(asked.fix, known, option="--fix")
     allocation = allocate(
         *records.devices,
         requirement=requirement,
         procedure=procedure,
         strategy=asked.strategy,
         costs=records.costs,
-        bounds=Bounds(held=_held(records.devices, asked.fix), most={}, least={}),
+        bounds=Bounds(held=frozenset(held), most={}, least={}),
         catalogue=(),
         validate=False,
     )
     return allocation_numbers(allocation)
-
-
-def _held(devices: Sequence[Device], names: Sequence[str]) -> frozenset[str]:
-    """Return the full names of the lines that are held."""
-    known = [
-        f"{sensor.kind}.{line.name}"
-        for sensor in sensors_of(devices)
-        for line in lines_of(sensor.kind)
-    ]
-    held = {k for k in known for name in names if name in {k, k.partition(".")[2]}}
-    unknown = [
-        n for n in names if not any(n in {k, k.partition(".")[2]} for k in known)
-    ]
-    if unknown:
-        raise CallError(
-            f"--fix: {', '.join(map(repr, unknown))} is no source of these devices. "
-            f"Known: {', '.join(known)}"
-        )
-    return frozenset(held)

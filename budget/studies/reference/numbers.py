@@ -64,7 +64,7 @@ def budget_numbers(
     words = [
         Word(
             key=Key(subject=sensor, quantity="not_given"),
-            text=", ".join(n for n in budget.not_given if n.startswith(f"{sensor}.")),
+            text=", ".join(n for n in budget.not_given if n.owner == sensor),
         )
         for sensor in dict.fromkeys(row.sensor for row in budget.outputs)
     ]
@@ -266,7 +266,7 @@ def _utilisations(
             degrees_of_freedom=sure.degrees_of_freedom,
         )
         yield number
-        sensor = row.output.name.partition(".")[0]
+        sensor = row.output.name.owner
         if sensor not in worst or number.value > worst[sensor].value:
             worst[sensor] = number
     for sensor, number in worst.items():
