@@ -100,7 +100,9 @@ def test_missing_line_is_bounded_by_the_catalogue():
     )
     bound = found.devices[0].missing
 
-    assert bound.assumed == ("gyro.bias_repeatability  (of worst fog)",)
+    assert tuple(map(str, bound.assumed)) == (
+        "gyro.bias_repeatability  (of worst fog)",
+    )
     assert bound.utilisation > found.devices[0].utilisation
     assert_allclose(bound.utilisation, K95 * sqrt(0.2**2 + 0.03**2), rtol=0.01)
     assert bound.verdict == "meets"
