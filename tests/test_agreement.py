@@ -28,7 +28,7 @@ HOW = procedure(
     turns=2,
     dwell=60.0,
     pause=7.0,
-    sample_rate=10.0,  # coarse, and a turn still has 240 samples
+    sample_rate=50.0,
 )
 GYRO = sensor(
     "gyro",
