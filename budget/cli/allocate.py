@@ -139,7 +139,7 @@ def allocate(
     }
     if allocation.feasible:
         if write is not None:
-            files[write] = allocated_device(allocation)
+            files[write] = _read_back(allocated_device(allocation), write)
         write_all(files)
         if write is not None:
             say_written([write])
@@ -198,6 +198,21 @@ def _values(
                 )
             values[full] = value
     return values
+
+
+def _read_back(text: str, write: Path) -> str:
+    """Return the text of a device file that can be read again; refuse any other."""
+    from budget.errors import CallError, SpecError
+    from budget.spec.device import read_device
+    from budget.spec.reader import parse
+
+    try:
+        read_device(parse(text.encode(), str(write), base_name=write.name))
+    except SpecError as error:
+        raise CallError(
+            f"--write: nothing was written, as it could not be read back: {error}"
+        ) from None
+    return text
 
 
 def _check_suffix(write: Path | None) -> None:

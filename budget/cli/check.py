@@ -189,11 +189,11 @@ def _save(
 ) -> None:
     """Compute a reference and store it."""
     from budget.cli.output import check_destinations
-    from budget.errors import CallError
+    from budget.errors import CallError, ReferenceFileError
     from budget.report.files import write_all
     from budget.studies.reference.check import make_reference
     from budget.studies.reference.records import Asked
-    from budget.studies.reference.store import reference_text
+    from budget.studies.reference.store import parse_reference, reference_text
 
     if documents != (None, None):
         raise CallError(
@@ -212,7 +212,14 @@ def _save(
         Asked(**given),
         workers=workers,
     )
-    write_all({path: reference_text(reference)})
+    text = reference_text(reference)
+    try:
+        parse_reference(text.encode(), str(path))
+    except ReferenceFileError as error:
+        raise CallError(
+            f"--save: nothing was written, as it could not be read back: {error}"
+        ) from None
+    write_all({path: text})
     numbers = len(reference.snapshot.numbers)
     say(f"{in_line(path)}: written, {kind}, {numbers} numbers")
 

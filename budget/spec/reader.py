@@ -43,11 +43,19 @@ def read(path: Path, shown: str) -> Document:
         The file cannot be read on: missing, too large, no UTF-8, no YAML.
     """
     data = _read_bytes(path, shown)
+    # In any locale the characters of the name, not what stands for its bytes.
+    base_name = os.fsencode(path.name).decode("utf-8", errors="replace")
+    return parse(data, shown, base_name=base_name)
+
+
+def parse(data: bytes, shown: str, *, base_name: str) -> Document:
+    """Read the bytes of a file; as `read`, also before there is a file."""
+    if len(data) > MOST_BYTES:
+        raise refuse(shown, f"is larger than {MOST_BYTES} bytes, the most allowed")
     root, issues = compose(_decode(data, shown), shown)
     return Document(
         file=shown,
-        # In any locale the characters of the name, not what stands for its bytes.
-        base_name=os.fsencode(path.name).decode("utf-8", errors="replace"),
+        base_name=base_name,
         sha256=sha256(data).hexdigest(),
         root=root,
         issues=tuple(issues),
@@ -64,11 +72,11 @@ def refuse(shown: str, message: str, mark: Mark = START) -> SpecError:
 
 
 def _read_bytes(path: Path, shown: str) -> bytes:
-    """Return what is in the file, never more than it may hold."""
+    """Return what is in the file, never much more than it may hold."""
     try:
         with path.open("rb") as stream:
-            data = stream.read(MOST_BYTES + 1)
             note_read(path)
+            return stream.read(MOST_BYTES + 1)
     except IsADirectoryError:
         raise refuse(shown, "is a folder, expected a YAML file") from None
     except (OSError, ValueError) as error:  # ValueError: a null byte in the name
@@ -76,9 +84,6 @@ def _read_bytes(path: Path, shown: str) -> bytes:
         raise refuse(
             shown, f"cannot be read ({reason}), expected a YAML file"
         ) from None
-    if len(data) > MOST_BYTES:
-        raise refuse(shown, f"is larger than {MOST_BYTES} bytes, the most allowed")
-    return data
 
 
 def _decode(data: bytes, shown: str) -> str:

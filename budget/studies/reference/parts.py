@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from dataclasses import replace
 from hashlib import sha256
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 from typing import TYPE_CHECKING
 
 from budget.errors import ReferenceFileError
@@ -247,4 +247,6 @@ def _path_from(folder: Path, path: Path) -> str:
             "one tree"
         )
     relative = Path(os.path.relpath(there, here)).as_posix()
-    return f"./{relative}" if _is_bare(relative) else relative
+    # 'C:x.yaml' is a name here and a place on a disk elsewhere; './C:x.yaml' is not.
+    is_odd = _is_bare(relative) or PureWindowsPath(relative).anchor
+    return f"./{relative}" if is_odd else relative

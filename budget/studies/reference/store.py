@@ -122,7 +122,20 @@ def read_reference(path: Path, shown: str) -> Reference:
     ReferenceFileError
         It cannot be read, is none, is cut short, was edited, or is of a newer format.
     """
-    content = _parse(_read(path, shown), shown)
+    return parse_reference(_read(path, shown), shown)
+
+
+def parse_reference(data: bytes, shown: str) -> Reference:
+    """Read a reference from its bytes; raises as read_reference.
+
+    Also before a new one is written: what could not be read back is not worth a file.
+    """
+    if len(data) > MOST_BYTES:
+        raise ReferenceFileError(
+            f"{shown}: is larger than {MOST_BYTES} bytes, the most a reference budget "
+            "may have; save one for fewer devices"
+        )
+    content = _parse(_decode(data, shown), shown)
     _check_format(content, shown)
     if content.get("checksum") != _checksum(content):
         raise ReferenceFileError(
@@ -212,12 +225,12 @@ def _key(one: NumberEntry | WordEntry) -> Key:
     return Key(subject=one.subject, quantity=one.quantity, partner=partner)
 
 
-def _read(path: Path, shown: str) -> str:
-    """Return the text of a file, never more than it may hold."""
+def _read(path: Path, shown: str) -> bytes:
+    """Return what is in a file, never much more than it may hold."""
     try:
         with path.open("rb") as stream:
-            data = stream.read(MOST_BYTES + 1)
             note_read(path)
+            return stream.read(MOST_BYTES + 1)
     except IsADirectoryError:
         raise ReferenceFileError(f"{shown}: is a folder, expected a file") from None
     except (OSError, ValueError) as error:
@@ -226,11 +239,10 @@ def _read(path: Path, shown: str) -> str:
             f"{shown}: cannot be read ({reason}); expected a reference budget, as "
             "`budget check --save` writes it"
         ) from None
-    if len(data) > MOST_BYTES:
-        raise ReferenceFileError(
-            f"{shown}: is larger than {MOST_BYTES} bytes, the most a reference budget "
-            "may have; save one for fewer devices"
-        )
+
+
+def _decode(data: bytes, shown: str) -> str:
+    """Return the text of a file."""
     try:
         return data.decode()
     except UnicodeDecodeError as error:
