@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.problem import Output
+    from budget.spec.records import Procedure
 
 SCHEMA = "budget/1"
 INTERACTION = Name("interaction")  # the row of products of two sources
@@ -203,6 +204,7 @@ class Budget:
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
     assessment: Assessment | None = None  # against the requirement, where there is one
+    procedure: Procedure | None = field(default=None, repr=False)  # that it is for
 
     @property
     def correlation(self) -> Array:

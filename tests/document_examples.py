@@ -330,7 +330,7 @@ def make_model():
     """Return what sliders compute from: one source, one output."""
     return {
         "coverage": 0.95,
-        "sensors": [{"name": "gyro", "missing": []}],
+        "sensors": [{"name": "gyro", "missing": [], "doubt": [1.0, 1.0]}],
         "sources": [
             {
                 "name": "gyro.bias_repeatability",
@@ -356,6 +356,7 @@ def make_model():
                 "unit": "deg/h",
                 "value": 0.0,
                 "factor": 1.959963984540054,
+                "shift": 0.0,
                 "limit": 0.15,
                 "resolution": 1e-12,
             }

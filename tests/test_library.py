@@ -23,6 +23,7 @@ README = Path(__file__).resolve().parent.parent / "README.md"
 COLUMNS = [
     *("sensor", "parameter", "axis", "unit", "source"),
     *("standard_uncertainty", "share", "mean", "interval_low", "interval_high"),
+    "interval_by",
     "lower_bound",
 ]
 

@@ -10,7 +10,6 @@ import numpy as np
 
 from budget.calibration.problem import calibration_problem
 from budget.calibration.simulation import simulate
-from budget.errors import CallError
 from budget.methods.gum import propagate
 from budget.methods.intervals import interval_of_values
 from budget.methods.monte_carlo import (
@@ -37,7 +36,7 @@ from budget.results import (
 )
 from budget.spec import load_procedure
 from budget.studies import cautions
-from budget.studies.conformity import assess_devices
+from budget.studies.conformity import assess
 from budget.studies.cost import describe_cost, seconds_per_trial
 from budget.studies.lower_bounds import lacking
 from budget.studies.progress import stage
@@ -286,36 +285,20 @@ def analyze(
             *cautions.shared_constants(sensors, reference),
         ),
         warnings=warnings,
+        procedure=procedure,
     )
-    return _judge(budget, devices, procedure, requirement)
+    return _judge(budget, devices, requirement)
 
 
 def _judge(
     budget: Budget,
     devices: Sequence[Device],
-    procedure: Procedure,
     requirement: Requirement | None,
 ) -> Budget:
     """Judge a budget; its required outputs get the intervals that were judged."""
     if requirement is None:
         return budget
-    settings = budget.settings
-    if (settings.coverage, settings.reference) != (
-        requirement.coverage,
-        requirement.reference,
-    ):
-        raise CallError(
-            f"the budget is for coverage {settings.coverage} and reference "
-            f"{settings.reference}, {requirement.name} asks for {requirement.coverage} "
-            f"and {requirement.reference}; compute it with those"
-        )
-    assessment = assess_devices(
-        devices,
-        procedure,
-        requirement,
-        seed=settings.seed,
-        only=frozenset(settings.only) or None,
-    )
+    assessment = assess(budget, requirement, devices)
     judged = {row.output.name: row for row in assessment.outputs}
     return replace(
         budget,
@@ -328,7 +311,7 @@ def _judge(
         ),
         warnings=(
             *budget.warnings,
-            *cautions.judged_otherwise(assessment, settings.interval),
+            *cautions.judged_otherwise(assessment, budget.settings.interval),
         ),
     )
 

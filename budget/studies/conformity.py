@@ -31,12 +31,13 @@ if TYPE_CHECKING:
 def assess(
     budget: Budget, requirement: Requirement, devices: Sequence[Device]
 ) -> Assessment:
-    """Return how a budget stands against the limits that it was computed for.
+    """Judge a budget against limits, as every command does.
 
     Parameters
     ----------
     budget : Budget
-        Of `analyze` with that requirement.
+        Computed at the coverage and reference of the requirement. Where it was computed
+        for it, that judgement is returned and the intervals are those of the budget.
     requirement : Requirement
     devices : sequence of Device
         Those of the budget.
@@ -49,16 +50,32 @@ def assess(
     Raises
     ------
     CallError
-        The budget was computed for another requirement, or for none.
+        The budget has another coverage or reference, or the requirement sets no limit
+        for any sensor that is there.
     """
-    found = budget.assessment
-    if found is None or found.requirement != requirement.name:
-        names = " and ".join(device.name for device in devices)
+    found, settings = budget.assessment, budget.settings
+    if found is not None and found.requirement == requirement.name:
+        return found
+    if (settings.coverage, settings.reference) != (
+        requirement.coverage,
+        requirement.reference,
+    ):
         raise CallError(
-            f"the budget of {names} was not judged against {requirement.name}; give "
-            "the requirement to analyze"
+            f"the budget is for coverage {settings.coverage} and reference "
+            f"{settings.reference}, {requirement.name} asks for {requirement.coverage} "
+            f"and {requirement.reference}; compute it with those"
         )
-    return found
+    if budget.procedure is None:
+        raise CallError(
+            "the budget has no procedure to judge it under; make it with analyze"
+        )
+    return assess_devices(
+        devices,
+        budget.procedure,
+        requirement,
+        seed=settings.seed,
+        only=frozenset(settings.only) or None,
+    )
 
 
 def assess_devices(
