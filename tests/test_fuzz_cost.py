@@ -178,7 +178,7 @@ def costs(script, files):
         capture_output=True,
         text=True,
         check=True,
-        timeout=300,
+        timeout=3000,  # against hanging; they take a minute
     )
     found = [json.loads(line) for line in run.stdout.splitlines()]
     return {one["file"]: one for one in found}
