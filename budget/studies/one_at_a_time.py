@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from budget.model.sources import SENSORS
 from budget.ties import first_largest
 
 if TYPE_CHECKING:
@@ -52,14 +53,17 @@ def one_at_a_time(what_if: WhatIf) -> tuple[SourceSteps, ...]:
     rows = []
     for g, source in enumerate(what_if.sources):
         k = first_largest(present.share[:, g].tolist())
+        output = what_if.outputs[k]
+        owner = source.name.owner
+        sensor = owner if owner in SENSORS else output.name.owner
         outlooks = [what_if.evaluate({source.name: factor}) for factor in FACTORS]
         rows.append(
             SourceSteps(
                 source=source,
-                output=what_if.outputs[k],
+                output=output,
                 share=float(present.share[k, g]),
                 steps=tuple(
-                    _step(what_if, outlook, factor, k, source.name.owner)
+                    _step(what_if, outlook, factor, k, sensor)
                     for factor, outlook in zip(FACTORS, outlooks, strict=True)
                 ),
             )

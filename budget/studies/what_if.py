@@ -27,7 +27,6 @@ from budget.calibration.problem import calibration_problem
 from budget.errors import CallError
 from budget.methods.gum import propagate
 from budget.methods.scaling import scaled_law
-from budget.names import Name
 from budget.results import BY_LAW
 from budget.spec import load_procedure
 from budget.studies.request import (
@@ -35,6 +34,7 @@ from budget.studies.request import (
     check_words,
     choose_basis,
     choose_sources,
+    given_lines,
     sensors_of,
 )
 from budget.ties import first_largest, settle
@@ -45,9 +45,10 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.methods.gum import Propagation
     from budget.methods.scaling import ScaledLaw
+    from budget.names import Name
     from budget.problem import Output
     from budget.results import Budget
-    from budget.spec.records import Device, Procedure, Requirement, Sensor
+    from budget.spec.records import Device, ErrorLine, Procedure, Requirement
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -336,7 +337,7 @@ def what_if(
     )
     law = propagate(problem)
     varying = [group.name for group in problem.groups if not group.is_constant]
-    known = {source.name: source for sensor in sensors for source in _sources(sensor)}
+    given = given_lines(sensors, procedure)
     limits = (
         {} if requirement is None else {r.output: r.limit for r in requirement.limits}
     )
@@ -353,7 +354,7 @@ def what_if(
             )
             for sensor in sensors
         ),
-        sources=tuple(known[name] for name in varying),
+        sources=tuple(_source(name, given[name]) for name in varying),
         outputs=problem.outputs,
         factor=factor,
         shift=shift,
@@ -389,17 +390,14 @@ def _doubts(budget: Budget) -> dict[str, tuple[float, float]]:
     }
 
 
-def _sources(sensor: Sensor) -> tuple[WhatIfSource, ...]:
-    """Return the lines of a sensor as sources."""
-    return tuple(
-        WhatIfSource(
-            name=Name(line.name, owner=sensor.kind),
-            u=float(line.u.max()),
-            unit=line.unit,
-            si_per_unit=line.si_per_unit,
-            printed=line.printed,
-        )
-        for line in sensor.lines
+def _source(name: Name, line: ErrorLine) -> WhatIfSource:
+    """Return a line that is given as a source."""
+    return WhatIfSource(
+        name=name,
+        u=float(line.u.max()),
+        unit=line.unit,
+        si_per_unit=line.si_per_unit,
+        printed=line.printed,
     )
 
 

@@ -186,7 +186,7 @@ def _line_row(row: SourceAllotment) -> tuple[Cell, ...]:
             text=print_given(row.factor, digits=DIGITS) if changed else DASH,
             exact=row.factor if changed else None,
         ),
-        Cell(text=print_stop(row.binding_outputs)),
+        Cell(text=print_stop(row.binding_outputs, row.source.owner)),
         Cell(
             text=up_to,
             exact=room.value / row.si_per_unit if room and room.value else None,
@@ -207,7 +207,7 @@ def _parts_table(sensor: str, limits: Sequence[LimitedOutput]) -> Table:
     """Return what takes how much of the squared limits, now and after."""
     columns = [Column(head="part of the squared limit [%]", weight=1.4)]
     for row in limits:
-        name = print_stop((row.output.name,))
+        name = print_stop((row.output.name,), sensor)
         columns += [
             Column(head=f"{name}, {word}", kind="number")
             for word in ("now", after_word(row))

@@ -6,6 +6,7 @@ import re
 import textwrap
 from typing import TYPE_CHECKING
 
+from budget.model.sources import SENSORS
 from budget.report.allocation.words import (
     DIGITS,
     explain_idle,
@@ -125,6 +126,7 @@ def _sensor_lines(
             width,
         )
         lines += _table(_part_cells(limited, feasible=feasible), width)
+    if limited or sensor not in SENSORS:
         lines += _heading(
             f"{sensor.capitalize()} headroom: each line alone, the others as now",
             width,
@@ -149,7 +151,10 @@ def _source_cells(
             cell.append(print_given(size, digits=DIGITS) + star)
         cell.append(row.unit.translate(PLAIN))
         if feasible:
-            cell += [print_change(row), _short(print_stop(row.binding_outputs))]
+            cell += [
+                print_change(row),
+                _short(print_stop(row.binding_outputs, row.source.owner)),
+            ]
         cells.append([*cell, mark] if any(marks) else cell)
     return cells
 

@@ -59,13 +59,13 @@ def print_headroom(row: SourceAllotment) -> tuple[str, str]:
     if room is None:
         return DASH, IDLE if row.is_idle else DASH
     up_to = print_given(room.value / row.si_per_unit, digits=DIGITS)
-    stop = print_stop(room.stopped_by) if room.stopped_by else CEILING
+    stop = print_stop(room.stopped_by, row.source.owner) if room.stopped_by else CEILING
     return up_to if room.value else NONE, stop
 
 
-def print_stop(names: Sequence[Name]) -> str:
-    """Name outputs without their sensor; a dash where there are none."""
-    return join_outputs([name.without_owner for name in names]) or DASH
+def print_stop(names: Sequence[Name], of: str) -> str:
+    """Name outputs, those of that sensor without it; a dash where there are none."""
+    return join_outputs([name.within(of) for name in names]) or DASH
 
 
 def explain_idle(rows: Sequence[SourceAllotment]) -> str:

@@ -121,10 +121,10 @@ def report_document(
     latitude = print_degrees(procedure.latitude)
     found: list[Section | None] = [
         _overview(groups, assessment),
-        _causes(rank_causes(groups, devices, assessment)),
+        _causes(rank_causes(groups, devices, procedure, assessment)),
         _gaps(budget, extras),
         None if assessment is None else limits_section(budget, assessment),
-        inputs_section(devices),
+        inputs_section(devices, procedure),
         procedure_section(
             procedure, sensors, figures.schedule_picture(procedure, sensors)
         ),

@@ -5,16 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from budget.names import Name
 from budget.report.tables import SMALL_SHARE, output_title, source_title
-from budget.results import INTERACTION
+from budget.studies.request import given_lines, sensors_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from budget.names import Name
     from budget.report.tables import GroupTable, Number
     from budget.results import Assessment
-    from budget.spec.records import Device, ErrorLine
+    from budget.spec.records import Device, ErrorLine, Procedure
 
 SIGMAS = ("1 sigma", "2 sigma", "3 sigma", "rms", "typical")
 CAUSES = 5  # as many as a reader keeps in mind
@@ -42,6 +42,7 @@ class Cause:
 def rank_causes(
     groups: Sequence[GroupTable],
     devices: Sequence[Device],
+    procedure: Procedure,
     assessment: Assessment | None,
 ) -> tuple[Cause, ...]:
     """Return the largest causes, each with what it makes of every group.
@@ -50,12 +51,7 @@ def rank_causes(
     of the group's utilisation, those of groups beyond their limits before all others.
     """
     weight = _weights(groups, assessment)
-    printed = {
-        Name(line.name, owner=sensor.kind): _as_meant(line)
-        for device in devices
-        for sensor in device.sensors
-        for line in sensor.lines
-    }
+    given = given_lines(sensors_of(devices), procedure)
     effects: dict[tuple[str, Name], list[tuple[tuple[bool, float], Effect]]] = {}
     for group in groups:
         used = weight[group.title]
@@ -69,7 +65,8 @@ def rank_causes(
                 unit=group.unit,
             )
             order = (used > 1.0, used * row.share.exact)
-            effects.setdefault((group.sensor, row.source), []).append((order, effect))
+            owner = row.source.owner or group.sensor
+            effects.setdefault((owner, row.source), []).append((order, effect))
     ranked = sorted(
         effects.items(),
         key=lambda item: max(order for order, _ in item[1]),
@@ -77,14 +74,14 @@ def rank_causes(
     )
     return tuple(
         Cause(
-            title=f"{sensor} {source_title(source)}",
-            printed="" if source == INTERACTION else printed.get(source, ""),
+            title=f"{owner} {source_title(source)}",
+            printed=_as_meant(given[source]) if source in given else "",
             effects=tuple(
                 effect
                 for _, effect in sorted(found, key=lambda pair: pair[0], reverse=True)
             ),
         )
-        for (sensor, source), found in ranked[:CAUSES]
+        for (owner, source), found in ranked[:CAUSES]
     )
 
 

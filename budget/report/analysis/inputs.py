@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from budget.model.sources import source_of
+from budget.model.sources import ENVIRONMENT, SENSORS, STATION, source_of
 from budget.names import Name
 from budget.report.analysis.wording import first_up, texts, without_empty
 from budget.report.blocks import (
@@ -25,19 +25,34 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.report.blocks import Block
-    from budget.spec.records import Device, ErrorLine, Sensor
+    from budget.spec.records import Device, ErrorLine, Procedure, Sensor
 
 NOMINAL_BIAS = {"gyro": ("deg/h", DEG_PER_HOUR), "accelerometer": ("ug", MICRO_G)}
 FIGURE_HEADS = ("figure", "as printed", "meaning", "condition", "source")
 ABOUT = ("vendor", "technology", "range", "price", "mass", "power", "notes", "source")
 
 
-def inputs_section(devices: Sequence[Device]) -> Section:
+def inputs_section(devices: Sequence[Device], procedure: Procedure) -> Section:
     """Return every figure that the budget is made of, and those that it is not."""
     panels = [
         _sensor_panel(sensor, device.assumptions)
         for device in devices
         for sensor in device.sensors
+    ]
+    panels += [
+        Panel(
+            title=f"{procedure.name}: {owner}",
+            blocks=(
+                without_empty(
+                    _lines_table(owner, procedure.name, lines, procedure.assumptions)
+                ),
+            ),
+        )
+        for owner, lines in (
+            (STATION, procedure.station),
+            (ENVIRONMENT, procedure.environment),
+        )
+        if lines
     ]
     panels += [panel for device in devices for panel in _about(device)]
     return Section(name="inputs", title="Inputs", blocks=tuple(panels))
@@ -63,18 +78,25 @@ def _sensor_panel(sensor: Sensor, assumptions: Sequence[str]) -> Panel:
     )
     blocks: list[Block] = [Paragraph(words=(nominal,), small=True)]
     if sensor.lines:
-        blocks.append(without_empty(_lines_table(sensor, assumptions)))
+        blocks.append(
+            without_empty(
+                _lines_table(sensor.kind, sensor.device, sensor.lines, assumptions)
+            )
+        )
     else:
         text = "The data sheet gives no line that the model uses."
         blocks.append(Paragraph(words=(text,)))
     return Panel(title=f"{sensor.device}: {sensor.kind}", blocks=tuple(blocks))
 
 
-def _lines_table(sensor: Sensor, assumptions: Sequence[str]) -> Table:
-    """Return the lines of one data sheet, each with what was assumed of it."""
+def _lines_table(
+    owner: str, of: str, lines: Sequence[ErrorLine], assumptions: Sequence[str]
+) -> Table:
+    """Return the lines of one owner, each with what was assumed of it."""
+    sheet = "Data sheet" if owner in SENSORS else "Lines"
     return Table(
-        name=f"inputs-{sensor.kind}",
-        caption=f"Data sheet of the {sensor.kind} {sensor.device}",
+        name=f"inputs-{owner}",
+        caption=f"{sheet} of the {owner} {of}",
         columns=(
             Column(head="line", weight=1.4),
             Column(head="as printed, meaning", weight=1.2),
@@ -84,11 +106,7 @@ def _lines_table(sensor: Sensor, assumptions: Sequence[str]) -> Table:
             Column(head="assumed", weight=1.6),
         ),
         groups=(
-            RowGroup(
-                rows=tuple(
-                    _line_row(line, sensor.kind, assumptions) for line in sensor.lines
-                )
-            ),
+            RowGroup(rows=tuple(_line_row(line, owner, assumptions) for line in lines)),
         ),
         is_wide=True,
         searchable=True,

@@ -250,7 +250,7 @@ def _row(one: DeviceVerdict, rank: str) -> Row:
         if one.lower_bound
         else print_probability(one.conformance),
         worst_output=join_outputs([name.without_owner for name in one.worst_outputs]),
-        limiting_source=source_title(one.remedy.source),
+        limiting_source=source_title(one.remedy.source, of=one.sensor),
         factor="" if one.lower_bound else print_factor(one.remedy),
         missing="" if one.missing is None else f"{len(one.missing.lines)}",
         at_worst=print_worst_case(one.missing),

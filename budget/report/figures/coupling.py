@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from budget.model.sources import SENSORS
 from budget.report.blocks import Cell, Column, RowGroup, Table
 from budget.report.figures.picture import as_picture, capital, in_order
 from budget.report.figures.style import (
@@ -55,8 +56,8 @@ def coupling_picture(table: CouplingTable, sensor: str) -> Picture | None:
         title=coupling_title(table, sensor),
         alt=coupling_alt(table, sensor),
         tips={
-            _gid(cell): f"{source_title(cell.source)} makes {print_part(cell.size)} of "
-            f"the u of the {output_title(cell.group)}"
+            _gid(cell): f"{source_title(cell.source, of=sensor)} makes "
+            f"{print_part(cell.size)} of the u of the {output_title(cell.group)}"
             for cell in _cells(table, sensor)
             if cell.reaches
         },
@@ -79,7 +80,7 @@ def coupling_map(table: CouplingTable, sensor: str) -> Figure:
     axes.set_xticks([])
     axes.set_yticks(
         [place + 0.5 for place in range(len(sources))],
-        [source_title(source) for source in sources],
+        [source_title(source, of=sensor) for source in sources],
     )
     for x, group in enumerate(groups):
         axes.text(
@@ -116,8 +117,9 @@ def coupling_title(table: CouplingTable, sensor: str) -> str:
     most = foreign[first_largest([cell.size for cell in foreign])] if foreign else None
     if most is None or not most.reaches:
         return f"Each {sensor} parameter is reached by its own spread alone"
+    title = source_title(most.source, of=sensor)
     return (
-        f"Besides own spreads, {source_title(most.source)} reaches farthest: "
+        f"Besides own spreads, {title} reaches farthest: "
         f"{print_part(most.size)} of the u of the {output_title(most.group)}"
     )
 
@@ -128,7 +130,7 @@ def coupling_alt(table: CouplingTable, sensor: str) -> str:
     for group in _groups(table, sensor):
         cells = [table.cell(source, group) for source in _sources(table, sensor)]
         parts = [
-            f"{source_title(cell.source)} {print_part(cell.size)}"
+            f"{source_title(cell.source, of=sensor)} {print_part(cell.size)}"
             + (" (own)" if cell.is_own else "")
             for cell in cells
             if cell.reaches
@@ -222,7 +224,7 @@ def _data(table: CouplingTable, sensor: str) -> Table:
         cells = [table.cell(source, group) for group in groups]
         rows.append(
             (
-                Cell(text=capital(source_title(source))),
+                Cell(text=capital(source_title(source, of=sensor))),
                 *(
                     Cell(
                         text=_per_cent(cell.size),
@@ -250,8 +252,10 @@ def _data(table: CouplingTable, sensor: str) -> Table:
 
 
 def _sources(table: CouplingTable, sensor: str) -> list[Name]:
-    """Return the sources of one sensor in the order of all figures."""
-    return in_order(s for s in table.sources if s.owner == sensor)
+    """Return the sources that can reach one sensor, those that both share last."""
+    own = [s for s in table.sources if s.owner == sensor]
+    shared = [s for s in table.sources if s.owner not in SENSORS]
+    return [*in_order(own), *in_order(shared)]
 
 
 def _groups(table: CouplingTable, sensor: str) -> list[Name]:

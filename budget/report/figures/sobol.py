@@ -24,6 +24,8 @@ from budget.results import widest_of_each
 from budget.ties import first_largest
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -52,7 +54,7 @@ def sobol_picture(budget: Budget, sensor: str) -> Picture | None:
     if not found:
         return None
     zero = [
-        f"for the {words(one.row.parameter)}: {', '.join(map(source_title, one.zero))}"
+        f"for the {words(one.row.parameter)}: {_titles(one.zero, sensor)}"
         for one in found
         if one.zero
     ]
@@ -69,7 +71,7 @@ def sobol_picture(budget: Budget, sensor: str) -> Picture | None:
         alt=sobol_alt(budget, sensor),
         tips={
             _gid(one.row, source): f"{output_title(one.row.output.name)}: "
-            f"{_words(source, index)}"
+            f"{_words(source, index, sensor)}"
             for one in found
             for source, index in one.shown
         },
@@ -103,7 +105,7 @@ def sobol_dots(budget: Budget, sensor: str) -> Figure:
             axes.plot([x, x], ends, color=GRID, linewidth=0.6, zorder=0, clip_on=False)
         for source, index in one.shown:
             middle = top + ROW / 2.0
-            ticks.append((middle, source_title(source)))
+            ticks.append((middle, source_title(source, of=sensor)))
             _draw_index(axes, middle, source, index, gid=_gid(one.row, source))
             top += ROW
     axes.set_yticks([place for place, _ in ticks], [text for _, text in ticks])
@@ -124,7 +126,7 @@ def sobol_title(budget: Budget, sensor: str) -> str:
         ]
         first, total = _texts(index)
         return (
-            f"{capital(source_title(source))} interacts in the "
+            f"{capital(source_title(source, of=sensor))} interacts in the "
             f"{output_title(row.output.name)}: first order {first}, total {total}"
         )
     if any(index.interacts for _, _, index in pairs):
@@ -142,9 +144,9 @@ def sobol_alt(budget: Budget, sensor: str) -> str:
     """Say in words with numbers what the dots show."""
     texts = []
     for one in _widest(budget, sensor):
-        parts = [_words(source, index) for source, index in one.shown]
+        parts = [_words(source, index, sensor) for source, index in one.shown]
         if one.zero:
-            parts.append(f"0 for {', '.join(map(source_title, one.zero))}")
+            parts.append(f"0 for {_titles(one.zero, sensor)}")
         texts.append(f"{output_title(one.row.output.name)}: {'; '.join(parts)}")
     return (
         f"{sobol_title(budget, sensor)}. Sobol' indices with intervals. "
@@ -227,12 +229,17 @@ def _texts(index: SobolIndex) -> tuple[str, str]:
     )
 
 
-def _words(source: Name, index: SobolIndex) -> str:
+def _titles(sources: Sequence[Name], sensor: str) -> str:
+    """Name sources in a row."""
+    return ", ".join(source_title(source, of=sensor) for source in sources)
+
+
+def _words(source: Name, index: SobolIndex, sensor: str) -> str:
     """Say both indices of a source with their intervals."""
     first = " ".join(print_index(index.first, index.first_interval))
     total = " ".join(print_index(index.total, index.total_interval))
     end = ", interacts" if index.interacts else ""
-    return f"{source_title(source)} first order {first}, total {total}{end}"
+    return f"{source_title(source, of=sensor)} first order {first}, total {total}{end}"
 
 
 def _data(found: tuple[Indices, ...], sensor: str) -> Table:
@@ -245,7 +252,7 @@ def _data(found: tuple[Indices, ...], sensor: str) -> Table:
             total = print_index(index.total, index.total_interval)
             rows.append(
                 (
-                    Cell(text=source_title(source), strong=index.interacts),
+                    Cell(text=source_title(source, of=sensor), strong=index.interacts),
                     Cell(text=first[0], exact=index.first),
                     Cell(text=first[1]),
                     Cell(text=total[0], exact=index.total),

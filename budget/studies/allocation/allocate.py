@@ -32,6 +32,7 @@ from budget.studies.allocation.records import Allocation, CoverageCheck
 from budget.studies.allocation.rows import (
     cost_report,
     limited_outputs,
+    shared_allotments,
     source_allotments,
 )
 from budget.studies.judgement import judge, limit_problem
@@ -160,14 +161,17 @@ def allocate(
         seed=seed,
         feasible=feasible,
         not_allocated=missing,
-        sources=tuple(
-            row
-            for sensor in sensors
-            for row in source_allotments(
-                sensor,
-                next((c for c in cases if c.sensor.kind == sensor.kind), None),
-                offered,
-            )
+        sources=(
+            *(
+                row
+                for sensor in sensors
+                for row in source_allotments(
+                    sensor,
+                    next((c for c in cases if c.sensor.kind == sensor.kind), None),
+                    offered,
+                )
+            ),
+            *shared_allotments(cases),
         ),
         outputs=tuple(
             row for case in cases for row in limited_outputs(case, requirement)

@@ -13,8 +13,10 @@ from budget.errors import CallError
 from budget.methods.allocation import Task, equal, proportional
 from budget.methods.least_cost import LeastCost, Prices, least_cost
 from budget.methods.scaling import scaled_law
+from budget.model.sources import SENSORS
 from budget.names import Name
-from budget.studies.allocation.records import FREE, HELD, ZERO, CoverageCheck
+from budget.studies.allocation.records import FREE, HELD, SHARED, ZERO, CoverageCheck
+from budget.studies.request import given_lines
 from budget.units import DEGREE
 
 if TYPE_CHECKING:
@@ -22,7 +24,7 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.problem import Output
-    from budget.spec.records import Costs, Procedure, Requirement, Sensor
+    from budget.spec.records import Costs, ErrorLine, Procedure, Requirement, Sensor
 
 STRATEGIES = ("proportional", "equal", "cost")
 
@@ -51,6 +53,8 @@ class SensorCase:
 
     Attributes
     ----------
+    given : mapping of Name to ErrorLine
+        The lines of the sensor, then those that all triads share.
     task : Task
         With the coverage factors that were allocated with in the end.
     outputs : mapping of str to Output
@@ -64,6 +68,7 @@ class SensorCase:
     """
 
     sensor: Sensor
+    given: Mapping[Name, ErrorLine]
     task: Task
     outputs: Mapping[Name, Output]
     statuses: tuple[str, ...]
@@ -95,20 +100,23 @@ def set_up(
     if not limits:
         return None
     problem = calibration_problem((sensor,), procedure, reference=requirement.reference)
+    given = given_lines((sensor,), procedure)
+    law = scaled_law(problem)
     statuses, low, high = [], [], []
-    for line in sensor.lines:
-        name, now = Name(line.name, owner=sensor.kind), float(line.u.max())
-        statuses.append(ZERO if now == 0.0 else HELD if name in bounds.held else FREE)
+    for name in law.sources:
+        now = float(given[name].u.max())
+        statuses.append(_status(name, now, bounds))
         least, most = _bounds_of(name, now, bounds, market)
         low.append(least)
         high.append(most)
     k = float(ndtri((1.0 + requirement.coverage) / 2.0))
     return SensorCase(
         sensor=sensor,
+        given=given,
         outputs={output.name: output for output in problem.outputs},
         statuses=tuple(statuses),
         task=Task(
-            law=scaled_law(problem).select([limit.output for limit in limits]),
+            law=law.select([limit.output for limit in limits]),
             limit=np.array([limit.limit for limit in limits]),
             coverage_factor=np.full(len(limits), k),
             free=np.array([status == FREE for status in statuses], dtype=bool),
@@ -134,10 +142,21 @@ def resize(sensor: Sensor, sources: Sequence[Name], factors: Array) -> Sensor:
     return replace(
         sensor,
         lines=tuple(
-            replace(line, u=line.u * by_name[Name(line.name, owner=sensor.kind)])
+            replace(
+                line, u=line.u * by_name.get(Name(line.name, owner=sensor.kind), 1.0)
+            )
             for line in sensor.lines
         ),
     )
+
+
+def _status(name: Name, now: float, bounds: Bounds) -> str:
+    """Say whether a source may change; what both triads share belongs to neither."""
+    if now == 0.0:
+        return ZERO
+    if name.owner not in SENSORS:
+        return SHARED
+    return HELD if name in bounds.held else FREE
 
 
 def _bounds_of(
@@ -173,10 +192,9 @@ def _prices(case: SensorCase, costs: Costs | None) -> Prices:
     """
     named = {cost.source: cost for cost in costs.costs} if costs is not None else {}
     c, p = [], []
-    for line in case.sensor.lines:
-        name = Name(line.name, owner=case.sensor.kind)
+    for name in case.task.law.sources:
         cost = named.get(name)
-        now = float(line.u.max())
+        now = float(case.given[name].u.max())
         power = 1.0 if cost is None else cost.p
         ratio = 1.0
         if cost is not None and cost.u_ref is not None and now > 0.0:

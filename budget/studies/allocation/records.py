@@ -17,6 +17,7 @@ MEAN = Name("mean")  # the part of a limit that the mean error takes
 FREE = "free"
 HELD = "held"  # by --fix
 ZERO = "zero"  # a present value of zero stays
+SHARED = "shared"  # by both triads: of the station or the environment, stays
 NOT_REQUIRED = "not required"  # its sensor has no limits
 
 
@@ -67,7 +68,7 @@ class SourceAllotment:
     source: Name
     unit: str  # as in the file
     si_per_unit: float
-    status: str  # free, held, zero, not required
+    status: str  # free, held, zero, shared, not required
     now: float  # [SI]
     allowed: float | None  # [SI]; None where the requirement cannot be met
     uncorrected: float | None  # by the law alone, where Monte Carlo corrected it [SI]
@@ -90,7 +91,7 @@ class SourceAllotment:
     @property
     def is_idle(self) -> bool:
         """Whether its sensor has limits, and none of them feels it."""
-        return not self.counts and self.status in {FREE, HELD}
+        return not self.counts and self.status in {FREE, HELD, SHARED}
 
     @property
     def is_beyond_market(self) -> bool:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from budget.methods.allocation import TOUCHES, headroom
 from budget.methods.scaling import FELT
+from budget.model.sources import SENSORS
 from budget.names import Name
-from budget.results import INTERACTION
+from budget.results import INTERACTION, TINY
 from budget.studies.allocation.records import (
     FREE,
     MEAN,
@@ -22,10 +24,10 @@ from budget.studies.allocation.records import (
     Saving,
     SourceAllotment,
 )
-from budget.ties import from_largest, largest
+from budget.ties import first_largest, from_largest, largest
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from budget.arrays import Array
     from budget.methods.allocation import Headroom as Room
@@ -96,11 +98,51 @@ def source_allotments(
             )
             for line in sensor.lines
         )
+    return _allotments(case, offered, shared=False)
+
+
+def shared_allotments(cases: Sequence[SensorCase]) -> tuple[SourceAllotment, ...]:
+    """Say of each line of the station and the environment what it takes.
+
+    It belongs to neither triad, so it stays as it is; alone it may go as far as the
+    triad lets it that is the first to be at a limit.
+    """
+    found: dict[Name, list[SourceAllotment]] = {}
+    for case in cases:
+        for row in _allotments(case, {}, shared=True):
+            found.setdefault(row.source, []).append(row)
+    merged = []
+    for rows in found.values():
+        rooms = [row.headroom for row in rows if row.headroom is not None]
+        nearest = (
+            first_largest([1.0 / max(room.value, TINY) for room in rooms])
+            if rooms
+            else 0
+        )
+        solved = all(row.allowed is not None for row in rows)
+        merged.append(
+            replace(
+                rows[0],
+                allowed=rows[0].allowed if solved else None,
+                counts=any(row.counts for row in rows),
+                headroom=rooms[nearest] if rooms else None,
+            )
+        )
+    return tuple(merged)
+
+
+def _allotments(
+    case: SensorCase, offered: Mapping[Name, float], *, shared: bool
+) -> tuple[SourceAllotment, ...]:
+    """Say it of the lines of the triad itself, or of those that all triads share."""
     task, s = case.task, case.s
     room = headroom(task, task.now)
     rows = []
-    for g, line in enumerate(sensor.lines):
-        name, now = Name(line.name, owner=sensor.kind), float(line.u.max())
+    for g, name in enumerate(task.law.sources):
+        if (name.owner not in SENSORS) != shared:
+            continue
+        line = case.given[name]
+        now = float(line.u.max())
         status = case.statuses[g]
         free = status == FREE
         allotted = s is not None and free
