@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 AXES = ("x", "y", "z")
+ONE_VALUE = ("",)  # of what has no axes
 ANGLES = ("xy", "xz", "yx", "yz", "zx", "zy")  # order of the six mounting angles
 PARAMETERS = {"scale_factor": AXES, "mounting_angle": ANGLES, "bias": AXES}
 

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field, create_model, model_validator
 
 from budget.distributions import BY_NAME, NORMAL, Distribution
-from budget.names import Name
+from budget.names import ONE_VALUE, Name
 from budget.spec.fields import (
     Measured,
     OrText,
@@ -188,7 +188,7 @@ def figure_type(line: Line, sensor: str) -> Any:  # noqa: ANN401
     return _figure_type(line.like(sensor), _family(line), line.axes, beside)
 
 
-def take(line: Line, sensor: str, figure: Quantity | Whole) -> Taken:
+def take(line: Line, sensor: str, figure: Quantity | Part) -> Taken:
     """Turn a figure as printed into standard uncertainties by axis.
 
     A text is 1 sigma and normal. A sigma meaning divides the value; `max` and `peak to
@@ -206,7 +206,7 @@ def take(line: Line, sensor: str, figure: Quantity | Whole) -> Taken:
         The model line.
     sensor : str
         Whose line it is.
-    figure : Quantity or Whole
+    figure : Quantity or Part
         A value of the type `figure_type(line, sensor)`.
 
     Returns
@@ -276,6 +276,9 @@ def _figure_type(
     measured = Measured(like)
     value = Annotated[Quantity, measured]
     title = f"{family.__name__.removesuffix('Part')} in {like}"
+    if axes == ONE_VALUE:
+        alone = create_model(title, __base__=family, value=(value, ...))
+        return Annotated[alone, OrText(measured)]
     one_axis = create_model(f"{title}, one axis", __base__=family, value=(value, ...))
     by_axis = mapping_of(
         f"{title}, by axis", dict.fromkeys(axes, Annotated[one_axis, OrText(measured)])

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from budget.earth import normal_gravity
+from budget.model.sources import ENVIRONMENT, SENSORS, STATION
 from budget.spec.checking import check
 from budget.spec.fields import Measured, ShortText, Sign, Strict, fault, faults
 from budget.spec.records import (
@@ -18,6 +19,7 @@ from budget.spec.records import (
     Procedure,
     Source,
 )
+from budget.spec.surroundings import surroundings_type, take_surroundings
 from budget.spec.tree import describe
 from budget.units import Quantity
 
@@ -127,6 +129,12 @@ class ProcedureFile(Strict):
     )
     gyro: GyroTest = Field(default_factory=GyroTest)
     accelerometer: AccelerometerTest = Field(default_factory=AccelerometerTest)
+    station: surroundings_type(STATION) | None = Field(  # type: ignore[valid-type]
+        default=None, description="uncertainties of table and place; unset: none"
+    )
+    environment: surroundings_type(ENVIRONMENT) | None = Field(  # type: ignore[valid-type]
+        default=None, description="what changes during the test; unset: nothing"
+    )
 
     @model_validator(mode="after")
     def _check_place_and_windows(self) -> Self:
@@ -163,6 +171,10 @@ def read_procedure(document: Document) -> Procedure:
     model = check(document, ProcedureFile)
     gravity = model.gravity
     gyro, accelerometer = model.gyro, model.accelerometer
+    shared = {
+        owner: take_surroundings(owner, getattr(model, owner))
+        for owner in (STATION, ENVIRONMENT)
+    }
     return Procedure(
         name=model.name or document.base_name.partition(".")[0],
         latitude=model.latitude.value,
@@ -183,10 +195,18 @@ def read_procedure(document: Document) -> Procedure:
             dwell=accelerometer.dwell.value, pause=accelerometer.pause.value
         ),
         assumptions=(
-            *_assumptions("", model, ("format", "name", "gyro", "accelerometer")),
+            *_assumptions("", model, ("format", "name", *SENSORS, *shared)),
             *_assumptions("gyro.", gyro),
             *_assumptions("accelerometer.", accelerometer),
+            *(
+                text
+                for taken in shared.values()
+                for one in taken
+                for text in one.assumptions
+            ),
         ),
+        station=tuple(one.line for one in shared[STATION]),
+        environment=tuple(one.line for one in shared[ENVIRONMENT]),
         origin=Source(file=document.base_name, sha256=document.sha256),
     )
 

@@ -1,0 +1,53 @@
+"""What a file says of the table and the room: the sources that no sensor owns."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+from budget.model.sources import lines_of
+from budget.spec.fields import mapping_of
+from budget.spec.figures import figure_type, take
+
+if TYPE_CHECKING:
+    from budget.model.source import Source
+    from budget.spec.fields import Strict
+    from budget.spec.figures import Taken
+
+
+@cache
+def surroundings_type(owner: str) -> Any:  # noqa: ANN401
+    """Return the type of the mapping of that owner, nested as its names are dotted."""
+    tree: dict[str, Any] = {}
+    for source in lines_of(owner):
+        *folders, last = source.name.split(".")  # the keys of the file, one by one
+        branch = tree
+        for folder in folders:
+            branch = branch.setdefault(folder, {})
+        branch[last] = source
+    return _mapping(owner, owner, tree)
+
+
+def take_surroundings(owner: str, mapping: Strict | None) -> tuple[Taken, ...]:
+    """Return the sources that a mapping of that owner names, in the table's order."""
+    taken = []
+    for source in lines_of(owner):
+        figure: Any = mapping
+        for key in source.name.split("."):
+            figure = getattr(figure, key, None)
+        if figure is not None:
+            taken.append(take(source, owner, figure))
+    return tuple(taken)
+
+
+def _mapping(title: str, owner: str, tree: dict[str, Any]) -> Any:  # noqa: ANN401
+    """Return the type of one level of the mapping."""
+    fields: dict[str, Any] = {}
+    meanings: dict[str, str] = {}
+    for key, branch in tree.items():
+        if isinstance(branch, dict):
+            fields[key] = _mapping(f"{title} {key}", owner, branch)
+        else:
+            source: Source = branch
+            fields[key], meanings[key] = figure_type(source, owner), source.model
+    return mapping_of(title, fields, meanings)
