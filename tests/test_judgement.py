@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from math import erf, log, sqrt
 
 import numpy as np
@@ -27,7 +28,14 @@ from budget.methods.largest import sampling_interval as interval_of
 from budget.methods.normality import end_accuracy
 from budget.problem import Group, Output, Problem
 from budget.studies.analysis import analyze
-from budget.studies.judgement import Limited, judge, limit_problem, screen, together
+from budget.studies.judgement import (
+    Limited,
+    judge,
+    judge_with,
+    limit_problem,
+    screen,
+    together,
+)
 
 K95 = float(ndtri(0.975))
 SEEDS = 300
@@ -416,3 +424,20 @@ def test_multipliers_do_not_depend_on_the_number_of_draws():
 
     assert new_rule(y, limits) == new_rule(y, limits)
     assert log(new_rule(y, limits)[1]) > log(new_rule(y, limits)[0])
+
+
+def test_what_is_kept_of_a_judgement_is_a_bit_a_trial():
+    """A comparison keeps that of thousands of devices; a byte a trial is too much."""
+    problem = several(3)
+    trials = 200_000
+    found = judge_with(
+        held(problem, 1.6),
+        propagate(problem),
+        coverage=0.95,
+        seed=0,
+        trials=trials,
+    )
+    assert len(pickle.dumps(found)) < trials / 8 + found.ends.noise.nbytes + 5_000
+    marks = found.inside.first(trials)
+    assert_allclose(marks.mean(), found.conformance.value, rtol=1e-12)
+    assert 0.0 < found.conformance.value < 1.0

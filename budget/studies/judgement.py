@@ -40,6 +40,8 @@ from budget.ties import equal_to, first_largest, settle
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from numpy.typing import NDArray
+
     from budget.arrays import Array
     from budget.methods.gum import Propagation
     from budget.names import Name
@@ -93,6 +95,23 @@ def limit_problem(problem: Problem, requirement: Requirement) -> Limited | None:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Marks:
+    """A yes or no for every trial, a bit each: of thousands of devices all are kept."""
+
+    bits: NDArray[np.uint8]  # shape (size / 8, rounded up)
+    size: int
+
+    @classmethod
+    def of(cls, each: Array) -> Marks:
+        """Pack an array of bool, shape (trials,)."""
+        return cls(bits=np.packbits(each.astype(bool)), size=each.size)
+
+    def first(self, number: int) -> NDArray[np.bool_]:
+        """Return the marks of the first trials, bool, shape (number,)."""
+        return np.unpackbits(self.bits, count=number).astype(bool)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Judged:
     """How the required outputs of one Problem stand against their limits.
 
@@ -116,7 +135,7 @@ class Judged:
         Probability of each error to be within its limit [1].
     conformance : Probability
         Of all together.
-    inside : ndarray of bool, shape (trials,)
+    inside : Marks
         In which trials all are within; of the joint normal law where `trials` is None.
     ends : Ends
         What the interval of the utilisation was taken from.
@@ -135,7 +154,7 @@ class Judged:
     utilisation_interval: tuple[float, float]
     within: Array
     conformance: Probability
-    inside: Array = field(repr=False)
+    inside: Marks = field(repr=False)
     ends: Ends = field(repr=False)
     sampled: Array = field(repr=False)
     trials: int | None
@@ -328,7 +347,7 @@ def together(judged: Sequence[Judged]) -> Probability:
     Counted in the same trials: sources that problems share have the same draws there.
     """
     n = min(one.inside.size for one in judged)
-    inside = np.logical_and.reduce([one.inside[:n] for one in judged])
+    inside = np.logical_and.reduce([one.inside.first(n) for one in judged])
     if any(one.trials is None for one in judged):
         return Probability(value=float(inside.mean()), low=None, high=None)
     return _binomial(int(inside.sum()), n)
@@ -362,7 +381,7 @@ def _judged(
         utilisation_interval=sampling_interval(ends),
         within=within,
         conformance=conformance,
-        inside=inside,
+        inside=Marks.of(inside),
         ends=ends,
         sampled=sampled,
         trials=trials,
