@@ -45,7 +45,8 @@ PAPER_ACCELEROMETER = {
 
 def line(name, u, *, tau=300.0, distribution=NORMAL):
     """Return one line of a data sheet; `u` is a number or one for each axis."""
-    n = 6 if name == "mounting_repeatability" else 3
+    n = max(6 if name == "mounting_repeatability" else 3, np.size(u))
+    n = 1 if "." in name or name == "turn_angle" else n
     return ErrorLine(
         name=name,
         u=np.broadcast_to(np.asarray(u, dtype=float), (n,)).copy(),
@@ -103,6 +104,8 @@ def procedure(
     pause=0.0,
     order=("z", "x", "y"),
     azimuths=(0.0, 180.0, 270.0, 450.0),
+    station=(),
+    environment=(),
 ):
     """Return a procedure, the paper's by default; latitude, azimuths, rate in deg."""
     return Procedure(
@@ -122,6 +125,8 @@ def procedure(
         accelerometer=AccelerometerProcedure(dwell=dwell, pause=pause),
         assumptions=(),
         origin=NOWHERE,
+        station=station,
+        environment=environment,
     )
 
 

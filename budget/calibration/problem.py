@@ -124,7 +124,7 @@ class _Row:
     @property
     def is_input(self) -> bool:
         """Whether it varies; a coefficient is fixed."""
-        return isinstance(self.source.effect, Offset | Noise | Disturbance)
+        return self.source.varies
 
     def acts_on(self, kind: str) -> bool:
         """Whether it can reach a triad: its own, or all from outside the sensors."""

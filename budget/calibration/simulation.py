@@ -258,8 +258,9 @@ def _count(
 ) -> Array:
     """Count the pulses of one window, shape (3,): eqs. (1), (2), K0 = 1, summed."""
     window, at = scheme.schedule.windows[where.place], where.samples
+    turns = np.flatnonzero(scheme.schedule.senses)
     table = Table(
-        place=where.place,
+        turn=int(np.searchsorted(turns, where.place)) if window.sense else None,
         angle=window.setting.angle,
         earth=scheme.earth,
         gravity=scheme.gravity,
@@ -272,7 +273,8 @@ def _count(
     rate, force = _inputs(window, table, at)
     xy, xz, yx, yz, zx, zy = tested.angle
     M = np.array([[1.0, xz, -xy], [-yz, 1.0, yx], [zy, -zx, 1.0]])  # I + dT, eq. (1)
-    reading = M @ (rate if sensor.kind == "gyro" else force) + tested.bias[:, None]
+    true_input = M @ (rate if sensor.kind == "gyro" else force) + tested.bias[:, None]
+    reading = true_input
     for one in drawn:
         if one.samples is not None:
             reading = reading + one.samples(at)
@@ -281,6 +283,7 @@ def _count(
         window=window,
         samples=at,
         force=force,
+        true_input=true_input,
         reading=reading,
         given={line.name: line for line in sensor.lines},
     )

@@ -217,15 +217,15 @@ class Table:
 
     Attributes
     ----------
-    place : int
-        Of the window among those of the triad.
+    turn : int or None
+        Place of the window among the turns; None of a dwell.
     angle : float
         That the table really turns [rad].
     earth, gravity : ndarray, shape (3,)
         Earth rate [rad/s] and specific force of gravity [m/s^2] in the table's base.
     """
 
-    place: int
+    turn: int | None
     angle: float
     earth: Array
     gravity: Array
@@ -243,8 +243,8 @@ class Moment:
     samples : Samples
     force : ndarray, shape (3, n) or (3, 1)
         Specific force in body axes [m/s^2].
-    reading : ndarray, shape (3, n) or (3, 1)
-        M u + b + noise [unit of the input].
+    true_input, reading : ndarray, shape (3, n) or (3, 1)
+        M u + b, and with the noise [unit of the input].
     given : mapping of str to Given
         What the data sheet of the triad gives.
     """
@@ -253,6 +253,7 @@ class Moment:
     window: Window
     samples: Samples
     force: Array
+    true_input: Array
     reading: Array
     given: Mapping[str, Given]
 
@@ -299,8 +300,16 @@ class Source:
 
     @property
     def process(self) -> bool:
-        """Whether it is a random process, so normal; else a constant."""
-        return isinstance(self.effect, Noise)
+        """Whether a figure is a size as it stands: of a process, or a coefficient.
+
+        Else it is the spread of a constant, whose shape matters.
+        """
+        return isinstance(self.effect, Noise | Coefficient)
+
+    @property
+    def varies(self) -> bool:
+        """Whether it is an input of the budget; a coefficient is fixed."""
+        return not isinstance(self.effect, Coefficient)
 
     @property
     def own(self) -> str:

@@ -325,7 +325,7 @@ def _take_sensor(kind: str, device: str, part: SensorPart) -> _TakenSensor:
                 Name(line.name, owner=kind)
                 for line in model_lines
                 # Of lines for one thing the second is no gap where the first is given.
-                if line.name not in given and line.expected not in met
+                if line.varies and line.name not in given and line.expected not in met
             ),
             expected_missing=tuple(
                 Name(name, owner=kind) for name in expected if name not in met

@@ -103,7 +103,10 @@ def source_names(
     shared = () if procedure is None else SHARED
     owners = [*(sensor.kind for sensor in sensors), *shared]
     return tuple(
-        Name(line.name, owner=owner) for owner in owners for line in lines_of(owner)
+        Name(line.name, owner=owner)
+        for owner in owners
+        for line in lines_of(owner)
+        if line.varies
     )
 
 
