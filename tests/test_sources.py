@@ -63,3 +63,40 @@ def test_an_unknown_line_is_an_error_and_no_noise():
         calibration_problem((odd,), procedure())
     with pytest.raises(CallError, match=r"gyro\.bias_wobble is no error source"):
         simulate((odd,), procedure(dwell=1.0, sample_rate=10.0), run=0)
+
+
+def g_sensitivity(**elements):
+    """Return a line with G of 1 in what is named."""
+    return line("g_sensitivity", np.zeros(9) if not elements else elements["u"])
+
+
+def test_g_sensitivity_takes_g_for_a_bias():
+    """G_iz = 1 deg/h/g: db_i = 0.998985 deg/h, nothing else anywhere."""
+    sensors = triads({"g_sensitivity": np.full(9, 1.0 * DEG_PER_HOUR_PER_G)})
+    G = np.zeros((3, 3))
+    G[:, 2] = 1.0 * DEG_PER_HOUR_PER_G
+    found = errors(sensors, procedure(), gyro__g_sensitivity=G.ravel())
+    for value in found[GYRO_BIAS]:
+        assert_printed(value, "0.998985")
+    others = np.delete(found, np.r_[GYRO_BIAS])
+    assert_allclose(others, np.zeros(21), rtol=0, atol=1e-12)
+
+
+def test_g_sensitivity_of_the_horizontal_axes_is_not_felt():
+    """With z up all the time, and whole turns, G_ix and G_iy reach nothing."""
+    sensors = triads({"g_sensitivity": np.full(9, 1.0 * DEG_PER_HOUR_PER_G)})
+    G = np.ones((3, 3)) * DEG_PER_HOUR_PER_G
+    G[:, 2] = 0.0
+    found = errors(sensors, procedure(), gyro__g_sensitivity=G.ravel())
+    assert_allclose(found, np.zeros(24), rtol=0, atol=1e-12)
+
+
+def test_pulses_show_the_same_g_sensitivity(monkeypatch):
+    """A simulated run with all nine elements gives the closed form's errors."""
+    G = np.arange(1.0, 10.0) * DEG_PER_HOUR_PER_G
+    sensors = triads({"g_sensitivity": G})
+    how = procedure(dwell=20.0, sample_rate=20.0, turns=2)
+    found = simulated(monkeypatch, sensors, how, "gyro.g_sensitivity", G)
+    exact = errors(sensors, how, gyro__g_sensitivity=G)
+    assert np.abs(exact).max() > 8.0
+    assert_allclose(found, exact, rtol=1e-7, atol=1e-7)

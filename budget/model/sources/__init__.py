@@ -23,6 +23,7 @@ from budget.model.source import (
     Source,
 )
 from budget.model.sources.asymmetry import TurnAsymmetry
+from budget.model.sources.g_sensitivity import ELEMENTS, GSensitivity
 from budget.model.sources.processes import SampleNoise, Stability, Walk, WhiteNoise
 from budget.names import ANGLES
 
@@ -142,6 +143,16 @@ SOURCES = (
         axes=ANGLES,
         expected="mounting_repeatability",
         colour="yellow",
+    ),
+    Source(
+        name="g_sensitivity",
+        units={GYRO: "deg/h/g"},
+        model="random constant of the device: nine elements, G times the force",
+        effect=GSensitivity(),
+        stays=DEVICE,
+        axes=ELEMENTS,
+        colour="sky",
+        is_hatched=True,
     ),
 )
 

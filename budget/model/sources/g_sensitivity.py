@@ -1,0 +1,41 @@
+"""Gyro g-sensitivity: what a specific force adds to a rate (IEEE 952, PHYSICS 5)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.model.source import Disturbance, Given, Moment, Triad
+
+if TYPE_CHECKING:
+    from budget.arrays import Array
+    from budget.model.response import Truth
+    from budget.model.source import Act
+
+# G_ij: what axis i shows of a force along body axis j.
+ELEMENTS = tuple(f"{i}{j}" for i in "xyz" for j in "xyz")
+
+
+@dataclass(frozen=True)
+class GSensitivity(Disturbance):
+    """e_i = sum_j G_ij f_j, f the specific force in body axes.
+
+    Whole turns feel the same mean force in both senses, so that a rate test shows
+    nothing; static windows with z up take G_iz g for a bias.
+    """
+
+    def bind(self, given: Given, triad: Triad) -> Act:  # noqa: ARG002
+        """Return G times the weighed force, statistic by statistic."""
+        force = triad.scheme.weigh(triad.scheme.force)  # (3, 4, 3)
+
+        def act(x: Array, truth: Truth, noise: Array) -> Array:  # noqa: ARG001
+            G = x.reshape(3, 3, -1)
+            return np.asarray((force[..., None] * G[:, None]).sum(axis=2))
+
+        return act
+
+    def reading(self, value: Array, moment: Moment) -> Array:
+        """Return G f of every sample."""
+        return np.asarray(value.reshape(3, 3) @ moment.force)
