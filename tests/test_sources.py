@@ -100,3 +100,26 @@ def test_pulses_show_the_same_g_sensitivity(monkeypatch):
     exact = errors(sensors, how, gyro__g_sensitivity=G)
     assert np.abs(exact).max() > 8.0
     assert_allclose(found, exact, rtol=1e-7, atol=1e-7)
+
+
+def test_second_order_scale_factor_looks_like_a_bias():
+    """K2 10 ug/g^2: db = 9.97934 ug, dk = 0.12 ppm on every axis."""
+    K2 = 10.0 * MICRO_G / STANDARD_GRAVITY**2
+    sensors = triads(None, {"scale_factor_quadratic": K2})
+    found = errors(sensors, procedure(), accelerometer__scale_factor_quadratic=K2)
+    for db, dk in zip(found[ACC_BIAS], found[ACC_SF], strict=True):
+        assert_allclose(db, 9.97934, rtol=0, atol=2e-4)  # printed without the angles
+        assert_allclose(dk, 0.12, rtol=1e-4)
+    assert_allclose(found[:12], np.zeros(12), rtol=0, atol=0)
+
+
+def test_pulses_show_the_same_second_order_scale_factor(monkeypatch):
+    """A simulated run with three coefficients gives the closed form's errors."""
+    K2 = np.array([10.0, -200.0, 3000.0]) * MICRO_G / STANDARD_GRAVITY**2
+    sensors = triads(None, {"scale_factor_quadratic": K2})
+    how = procedure(dwell=5.0, sample_rate=20.0)
+    name = "accelerometer.scale_factor_quadratic"
+    found = simulated(monkeypatch, sensors, how, name, K2)
+    exact = errors(sensors, how, accelerometer__scale_factor_quadratic=K2)
+    assert np.abs(exact[ACC_BIAS]).min() > 9.0
+    assert_allclose(found, exact, rtol=1e-7, atol=1e-7)

@@ -25,6 +25,7 @@ from budget.model.source import (
 from budget.model.sources.asymmetry import TurnAsymmetry
 from budget.model.sources.g_sensitivity import ELEMENTS, GSensitivity
 from budget.model.sources.processes import SampleNoise, Stability, Walk, WhiteNoise
+from budget.model.sources.quadratic import Quadratic
 from budget.names import ANGLES
 
 if TYPE_CHECKING:
@@ -152,6 +153,15 @@ SOURCES = (
         stays=DEVICE,
         axes=ELEMENTS,
         colour="sky",
+        is_hatched=True,
+    ),
+    Source(
+        name="scale_factor_quadratic",
+        units={ACCELEROMETER: "ug/g^2"},
+        model="random constant of the device: K2 times the square of the input",
+        effect=Quadratic(),
+        stays=DEVICE,
+        colour="black",
         is_hatched=True,
     ),
 )
