@@ -123,3 +123,62 @@ def test_pulses_show_the_same_second_order_scale_factor(monkeypatch):
     exact = errors(sensors, how, accelerometer__scale_factor_quadratic=K2)
     assert np.abs(exact[ACC_BIAS]).min() > 9.0
     assert_allclose(found, exact, rtol=1e-7, atol=1e-7)
+
+
+BT_GYRO = 0.01 * DEG_PER_HOUR
+BT_ACCELEROMETER = 10.0 * MICRO_G
+WARM = triads(
+    {"bias_temperature_coefficient": BT_GYRO},
+    {"bias_temperature_coefficient": BT_ACCELEROMETER},
+)
+
+
+def ramp(**how):
+    """Return a procedure with an unknown ramp of 1 degC/h."""
+    return procedure(environment=(line("temperature.ramp", [PER_HOUR]),), **how)
+
+
+def test_a_shared_temperature_ramp_has_the_printed_effects():
+    """1 degC/h: a rotation of all errors by the order of the windows."""
+    found = errors(WARM, ramp(), environment__temperature__ramp=PER_HOUR)
+    for value in found[GYRO_SF]:
+        assert_printed(value, "-3.472222e-4")
+    # What is printed leaves out dk (b + input), 1e-9 deg/h, and ddT w.
+    assert_allclose(found[GYRO_BIAS], 1.966667e-3, rtol=2e-6)
+    for value in found[ACC_SF]:
+        assert_printed(value, "-0.834180")
+    # The off-diagonal element, less the angle's part of dk.
+    assert_allclose(np.abs(found[ACC_ANGLE]), 0.172062, rtol=2e-5)
+    for value, printed in zip(
+        found[ACC_BIAS][[2, 0, 1]], ("1.6717", "5.0050", "8.3383"), strict=True
+    ):
+        assert_printed(value, printed)
+
+
+def test_a_shared_source_correlates_both_triads():
+    """Two outputs that only the ramp reaches are the same number, up to its sign."""
+    only = frozenset({"environment.temperature.ramp"})
+    law = propagate(calibration_problem(WARM, ramp(), only=only))
+    u = law.standard_uncertainty
+    correlation = law.covariance / np.outer(u, u)
+    signs = np.sign(errors(WARM, ramp(), environment__temperature__ramp=PER_HOUR))
+    assert_allclose(correlation, np.outer(signs, signs), rtol=1e-9)
+
+
+def test_pulses_show_the_same_ramp(monkeypatch):
+    """A simulated run gives the closed form's errors of both triads."""
+    how = ramp(dwell=20.0, sample_rate=20.0)
+    value = [50.0 * PER_HOUR]
+    found = simulated(monkeypatch, WARM, how, "environment.temperature.ramp", value)
+    exact = errors(WARM, how, environment__temperature__ramp=value)
+    assert_allclose(found, exact, rtol=1e-6, atol=1e-7)
+
+
+def test_without_coefficients_a_ramp_reaches_nothing():
+    """A device that gives no coefficient feels no temperature, and says 0."""
+    law = propagate(
+        calibration_problem(
+            triads(), ramp(), only=frozenset({"environment.temperature.ramp"})
+        )
+    )
+    assert_allclose(law.covariance, np.zeros((24, 24)), rtol=0, atol=0)

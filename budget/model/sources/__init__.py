@@ -26,7 +26,11 @@ from budget.model.sources.asymmetry import TurnAsymmetry
 from budget.model.sources.g_sensitivity import ELEMENTS, GSensitivity
 from budget.model.sources.processes import SampleNoise, Stability, Walk, WhiteNoise
 from budget.model.sources.quadratic import Quadratic
-from budget.names import ANGLES
+from budget.model.sources.temperature import (
+    TemperatureCoefficient,
+    TemperatureRamp,
+)
+from budget.names import ANGLES, ONE_VALUE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -162,6 +166,23 @@ SOURCES = (
         effect=Quadratic(),
         stays=DEVICE,
         colour="black",
+        is_hatched=True,
+    ),
+    Source(
+        name="bias_temperature_coefficient",
+        units={GYRO: "deg/h/degC", ACCELEROMETER: "ug/degC"},
+        model="fixed change of the bias with the temperature of the environment",
+        effect=TemperatureCoefficient(),
+        stays=DEVICE,
+    ),
+    Source(
+        name="temperature.ramp",
+        units={ENVIRONMENT: "degC/h"},
+        model="steady change of the temperature from the start of each triad's test",
+        effect=TemperatureRamp(),
+        stays=TEST,
+        axes=ONE_VALUE,
+        colour="orange",
         is_hatched=True,
     ),
 )

@@ -1,0 +1,61 @@
+"""A temperature that both triads share, and what their parameters make of it.
+
+T(t) - T0 = r t from the start of a triad's test; b = b0 + bT (T - T0) and K = K0 (1 +
+kT (T - T0)), IEEE 1293 and 952 (PHYSICS 4). The coefficients are the device's, fixed
+and of one sign on all axes; the ramp is what nobody knows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.model.source import Coefficient, Disturbance, Given, Moment, Triad
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from budget.arrays import Array
+    from budget.model.response import Truth
+    from budget.model.source import Act
+
+BIAS_COEFFICIENT = "bias_temperature_coefficient"
+
+
+@dataclass(frozen=True)
+class TemperatureCoefficient(Coefficient):
+    """bT: change of a bias with the temperature."""
+
+
+@dataclass(frozen=True)
+class TemperatureRamp(Disturbance):
+    """e_i = bT_i r t, t the time in the middle of a window."""
+
+    def bind(self, given: Given, triad: Triad) -> Act | None:  # noqa: ARG002
+        """Return r times the weighed times, axis by axis; None without coefficients."""
+        coefficient = _coefficient(triad.given)
+        if coefficient is None:
+            return None
+        times = triad.scheme.weigh(triad.scheme.schedule.middles[:, None])  # (3, 4, 1)
+        drift = coefficient[:, None, None] * times
+
+        def act(x: Array, truth: Truth, noise: Array) -> Array:  # noqa: ARG001
+            return np.asarray(drift * x[None])
+
+        return act
+
+    def reading(self, value: Array, moment: Moment) -> Array:
+        """Return bT r t of every sample."""
+        coefficient = _coefficient(moment.given)
+        if coefficient is None:
+            return np.zeros((3, 1))
+        drift = value[0] * moment.samples.times
+        return np.asarray(coefficient[:, None] * drift)
+
+
+def _coefficient(given: Mapping[str, Given]) -> Array | None:
+    """Return bT by axis [SI], None where the data sheet gives none."""
+    line = given.get(BIAS_COEFFICIENT)
+    return None if line is None else line.u
