@@ -182,3 +182,48 @@ def test_without_coefficients_a_ramp_reaches_nothing():
         )
     )
     assert_allclose(law.covariance, np.zeros((24, 24)), rtol=0, atol=0)
+
+
+def test_turn_angle_reaches_the_scale_factors_only():
+    """1 arcsec at each turn on its own: u(dk) = 0.545611 ppm; angles get none."""
+    how = procedure(station=(line("turn_angle", [1.0 * ARCSEC]),))
+    only = frozenset({"station.turn_angle"})
+    u = propagate(calibration_problem(triads(), how, only=only)).standard_uncertainty
+    u = u / UNITS
+    for value in u[GYRO_SF]:
+        assert_printed(value, "0.545611")
+    # dd = 0: off the diagonal the error is the angle times dk, which cancels.
+    assert_allclose(u[GYRO_ANGLE], np.zeros(6), rtol=0, atol=1e-12)
+    assert_allclose(u[12:], np.zeros(12), rtol=0, atol=0)
+
+
+def test_turn_angle_takes_dk_times_the_standing_input_for_a_bias():
+    """Db = -dk (b + input) - ddT w: with w_v and the nominal bias of 2.5 deg/h."""
+    how = procedure(station=(line("turn_angle", [1.0 * ARCSEC]),))
+    eps = np.array([3.0, -1.0, 2.0, 0.5, -2.0, 1.0]) * ARCSEC  # z+ z- x+ x- y+ y-
+    found = errors(triads(), how, station__turn_angle=eps)
+    # The - turn turns by -(2 pi) + eps: the difference of both adds the two.
+    dk = (eps[0::2] - eps[1::2])[[1, 2, 0]] / (4.0 * np.pi)
+    assert_allclose(found[GYRO_SF], dk / PPM, rtol=1e-9)
+    standing = 2.5 + np.array([-2.0 * ARCSEC * 8.462886, 2.0 * ARCSEC * 8.462886, 0])
+    standing[2] += 8.462886
+    # For x and y the error of the response to z follows the angle, not dk.
+    w = 8.462886 * np.array([-2.0, 2.0, 0.0]) * ARCSEC
+    exact = -dk * (standing - w) - dk * w
+    assert_allclose(found[GYRO_BIAS], exact, rtol=1e-4)
+
+
+def test_pulses_show_the_same_turn_angle(monkeypatch):
+    """Turns that end a little late give the closed form's errors."""
+    how = procedure(
+        dwell=5.0, sample_rate=50.0, station=(line("turn_angle", [1.0 * ARCSEC]),)
+    )
+    eps = np.array([3.0, -1.0, 2.0, 0.5, -2.0, 1.0]) * 100.0 * ARCSEC
+    found = simulated(monkeypatch, triads(), how, "station.turn_angle", eps)
+    exact = errors(triads(), how, station__turn_angle=eps)
+    assert np.abs(exact[GYRO_SF]).min() > 50.0
+    # Left out: the earth rate over the part of a turn that is too much, 2e-4 of dk.
+    assert_allclose(found[GYRO_SF], exact[GYRO_SF], rtol=1e-3)
+    assert_allclose(found[GYRO_ANGLE], exact[GYRO_ANGLE], rtol=0, atol=0.05)
+    assert_allclose(found[GYRO_BIAS], exact[GYRO_BIAS], rtol=1e-3)
+    assert_allclose(found[12:], exact[12:], rtol=0, atol=1e-6)

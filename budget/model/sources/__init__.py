@@ -30,6 +30,7 @@ from budget.model.sources.temperature import (
     TemperatureCoefficient,
     TemperatureRamp,
 )
+from budget.model.sources.turn_angle import TurnAngle
 from budget.names import ANGLES, ONE_VALUE
 
 if TYPE_CHECKING:
@@ -183,6 +184,16 @@ SOURCES = (
         stays=TEST,
         axes=ONE_VALUE,
         colour="orange",
+        is_hatched=True,
+    ),
+    Source(
+        name="turn_angle",
+        units={STATION: "arcsec"},
+        model="angle that each turn of the table misses, on its own",
+        effect=TurnAngle(),
+        stays=TEST,
+        axes=ONE_VALUE,
+        colour="green",
         is_hatched=True,
     ),
 )
