@@ -227,3 +227,52 @@ def test_pulses_show_the_same_turn_angle(monkeypatch):
     assert_allclose(found[GYRO_ANGLE], exact[GYRO_ANGLE], rtol=0, atol=0.05)
     assert_allclose(found[GYRO_BIAS], exact[GYRO_BIAS], rtol=1e-3)
     assert_allclose(found[12:], exact[12:], rtol=0, atol=1e-6)
+
+
+def test_levelling_about_east_reaches_the_bias_of_the_vertical_gyro():
+    """phi_E 60 arcsec: db_z = -3.617011e-3 deg/h; all else below second order."""
+    phi = 60.0 * ARCSEC
+    how = procedure(station=(line("levelling.east", [phi]),))
+    found = errors(triads(), how, station__levelling__east=phi)
+    assert_allclose(found[11], -3.617011e-3, rtol=5e-5)  # and w_v phi^2/2
+    others = np.delete(found, 11)
+    # phi^2/2 of gravity and of the earth rate: -0.0423 ppm, 4e-7 deg/h.
+    assert_allclose(found[ACC_SF], -0.0423, rtol=0, atol=5e-5)
+    assert_allclose(np.delete(others, np.r_[11:14]), np.zeros(20), rtol=0, atol=2e-5)
+
+
+def test_levelling_about_north_is_removed_by_the_second_half_turn():
+    """phi_N 60 arcsec: no gyro bias, no angle; the scale factor's phi^2/2 stays."""
+    phi = 60.0 * ARCSEC
+    how = procedure(station=(line("levelling.north", [phi]),))
+    found = errors(triads(), how, station__levelling__north=phi)
+    assert_allclose(np.delete(found, np.r_[ACC_SF]), np.zeros(21), rtol=0, atol=2e-5)
+
+
+@pytest.mark.parametrize("axis", ["east", "north"])
+def test_pulses_show_the_same_levelling(monkeypatch, axis):
+    """A table that is half a degree off level gives the closed form's errors."""
+    phi = [0.5 * 3600.0 * ARCSEC]
+    how = procedure(
+        dwell=5.0, sample_rate=200.0, station=(line(f"levelling.{axis}", phi),)
+    )
+    found = simulated(monkeypatch, triads(), how, f"station.levelling.{axis}", phi)
+    exact = errors(triads(), how, **{f"station__levelling__{axis}": phi})
+    assert np.abs(exact[ACC_SF]).min() > 30.0
+    assert_allclose(found, exact, rtol=1e-6, atol=1e-6)
+
+
+def test_a_drop_of_the_level_is_one_number_for_both_triads():
+    """Levelling is drawn once: in the joint law it correlates gyro with itself only
+    to first order, and to second order with the accelerometer's scale factors.
+    """
+    phi = 60.0 * ARCSEC
+    how = procedure(station=(line("levelling.east", [phi]),))
+    only = frozenset({"station.levelling.east"})
+    problem = calibration_problem(triads(), how, only=only)
+    assert problem.normals_per_trial == 1
+    law = propagate(problem)
+    u = law.standard_uncertainty / UNITS
+    assert_allclose(u[11], 3.617011e-3, rtol=1e-5)
+    # phi^2/2 of a normal phi: standard deviation phi^2/sqrt(2).
+    assert_allclose(u[12:15], phi**2 / np.sqrt(2.0) / PPM, rtol=1e-4)

@@ -24,6 +24,7 @@ from budget.model.source import (
 )
 from budget.model.sources.asymmetry import TurnAsymmetry
 from budget.model.sources.g_sensitivity import ELEMENTS, GSensitivity
+from budget.model.sources.levelling import Levelling
 from budget.model.sources.processes import SampleNoise, Stability, Walk, WhiteNoise
 from budget.model.sources.quadratic import Quadratic
 from budget.model.sources.temperature import (
@@ -195,6 +196,19 @@ SOURCES = (
         axes=ONE_VALUE,
         colour="green",
         is_hatched=True,
+    ),
+    *(
+        Source(
+            name=f"levelling.{name}",
+            units={STATION: "arcsec"},
+            model=f"tilt of the table's base about {name}",
+            effect=Levelling(axis),
+            stays=TEST,
+            axes=ONE_VALUE,
+            colour="blue",
+            is_hatched=True,
+        )
+        for axis, name in enumerate(("east", "north"))
     ),
 )
 
