@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from builders import at_sources, paper_accelerometer, paper_gyro, procedure
+from builders import at_sources, line, paper_accelerometer, paper_gyro, procedure
 from numpy.testing import assert_allclose
 
 from budget.calibration import simulation
 from budget.calibration.problem import calibration_problem
 from budget.calibration.simulation import simulate
 from budget.errors import CallError
+from budget.methods.gum import propagate
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G, PPM, STANDARD_GRAVITY
 
 UNITS = np.array(
@@ -65,11 +66,6 @@ def test_an_unknown_line_is_an_error_and_no_noise():
         simulate((odd,), procedure(dwell=1.0, sample_rate=10.0), run=0)
 
 
-def g_sensitivity(**elements):
-    """Return a line with G of 1 in what is named."""
-    return line("g_sensitivity", np.zeros(9) if not elements else elements["u"])
-
-
 def test_g_sensitivity_takes_g_for_a_bias():
     """G_iz = 1 deg/h/g: db_i = 0.998985 deg/h, nothing else anywhere."""
     sensors = triads({"g_sensitivity": np.full(9, 1.0 * DEG_PER_HOUR_PER_G)})
@@ -116,7 +112,7 @@ def test_second_order_scale_factor_looks_like_a_bias():
 def test_pulses_show_the_same_second_order_scale_factor(monkeypatch):
     """A simulated run with three coefficients gives the closed form's errors."""
     K2 = np.array([10.0, -200.0, 3000.0]) * MICRO_G / STANDARD_GRAVITY**2
-    sensors = triads(None, {"scale_factor_quadratic": K2})
+    sensors = triads(None, {"scale_factor_quadratic": np.abs(K2)})
     how = procedure(dwell=5.0, sample_rate=20.0)
     name = "accelerometer.scale_factor_quadratic"
     found = simulated(monkeypatch, sensors, how, name, K2)
@@ -191,9 +187,11 @@ def test_turn_angle_reaches_the_scale_factors_only():
     u = propagate(calibration_problem(triads(), how, only=only)).standard_uncertainty
     u = u / UNITS
     for value in u[GYRO_SF]:
-        assert_printed(value, "0.545611")
-    # dd = 0: off the diagonal the error is the angle times dk, which cancels.
-    assert_allclose(u[GYRO_ANGLE], np.zeros(6), rtol=0, atol=1e-12)
+        # sqrt(2) arcsec/(4 pi) = 0.5456071 ppm; 0.545611 is printed elsewhere.
+        assert_allclose(value, np.sqrt(2.0) * ARCSEC / (4.0 * np.pi) / PPM, rtol=1e-9)
+        assert_allclose(value, 0.545611, rtol=1e-5)
+    # Two turns miss independently: dd = d (dk_a - dk_i), 2 arcsec times 1e-6.
+    assert_allclose(u[GYRO_ANGLE], 2.0 * np.sqrt(2.0) * u[0] * PPM, rtol=1e-6)
     assert_allclose(u[12:], np.zeros(12), rtol=0, atol=0)
 
 
@@ -234,11 +232,13 @@ def test_levelling_about_east_reaches_the_bias_of_the_vertical_gyro():
     phi = 60.0 * ARCSEC
     how = procedure(station=(line("levelling.east", [phi]),))
     found = errors(triads(), how, station__levelling__east=phi)
-    assert_allclose(found[11], -3.617011e-3, rtol=5e-5)  # and w_v phi^2/2
-    others = np.delete(found, 11)
-    # phi^2/2 of gravity and of the earth rate: -0.0423 ppm, 4e-7 deg/h.
+    # Printed to first order, -w_h phi; to second -w_v phi^2/2 = -3.6e-7 deg/h.
+    assert_allclose(found[11], -3.617011e-3 - 8.462886 * phi**2 / 2.0, rtol=1e-6)
+    # phi^2/2 of gravity: -0.0423 ppm, and that times the bias of 6 mg.
     assert_allclose(found[ACC_SF], -0.0423, rtol=0, atol=5e-5)
-    assert_allclose(np.delete(others, np.r_[11:14]), np.zeros(20), rtol=0, atol=2e-5)
+    assert_allclose(found[ACC_BIAS], 0.0423e-6 * 6000.0, rtol=2e-3)
+    others = np.delete(found, np.r_[11:15, ACC_BIAS])
+    assert_allclose(others, np.zeros(others.size), rtol=0, atol=2e-5)
 
 
 def test_levelling_about_north_is_removed_by_the_second_half_turn():
@@ -246,7 +246,10 @@ def test_levelling_about_north_is_removed_by_the_second_half_turn():
     phi = 60.0 * ARCSEC
     how = procedure(station=(line("levelling.north", [phi]),))
     found = errors(triads(), how, station__levelling__north=phi)
-    assert_allclose(np.delete(found, np.r_[ACC_SF]), np.zeros(21), rtol=0, atol=2e-5)
+    assert_allclose(found[ACC_SF], -0.0423, rtol=0, atol=5e-5)
+    others = found[:12]
+    assert_allclose(others, np.zeros(12), rtol=0, atol=2e-5)
+    assert_allclose(found[ACC_ANGLE], np.zeros(6), rtol=0, atol=2e-5)
 
 
 @pytest.mark.parametrize("axis", ["east", "north"])
@@ -263,9 +266,7 @@ def test_pulses_show_the_same_levelling(monkeypatch, axis):
 
 
 def test_a_drop_of_the_level_is_one_number_for_both_triads():
-    """Levelling is drawn once: in the joint law it correlates gyro with itself only
-    to first order, and to second order with the accelerometer's scale factors.
-    """
+    """Levelling is one draw: the gyro's bias z, the accelerometer's phi^2/2."""
     phi = 60.0 * ARCSEC
     how = procedure(station=(line("levelling.east", [phi]),))
     only = frozenset({"station.levelling.east"})
