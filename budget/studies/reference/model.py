@@ -93,4 +93,8 @@ class ReferenceFile(Strict):
     settings: SettingsEntry
     numbers: Annotated[tuple[NumberEntry, ...], Field(min_length=1)]
     words: tuple[WordEntry, ...] = ()
+    known: Annotated[tuple[Line, ...], Field(max_length=1000)] | None = Field(
+        default=None,
+        description="sources and parameters of the tool then; unset: those of 0.1.0",
+    )
     versions: dict[Line, Line] = Field(description="of the tool and what it stands on")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import inf, isinf, sqrt
 from typing import TYPE_CHECKING
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 FALSE_ALARM = 1e-4
 
 SPREAD = "standard_uncertainty"
+NOT_GIVEN = "not_given"
 
 
 def find_moves(
@@ -57,7 +59,7 @@ def find_moves(
     moves = [
         move
         for key in dict.fromkeys((*old, *new))
-        if key in old or key.quantity in known
+        if key in old or (key.quantity in known and before.knows(key))
         if (move := _number_move(old.get(key), new.get(key), level, old, new))
     ]
     moved = {move.key for move in moves}
@@ -67,6 +69,8 @@ def find_moves(
     for key in dict.fromkeys((*old_words, *new_words)):
         if key in old_words or key.quantity in known:
             one, other = old_words.get(key), new_words.get(key)
+            if other is not None and key.quantity == NOT_GIVEN:
+                other = replace(other, text=before.known_part(other.text))
             if _is_word_moved(one, other, moved):
                 moves.append(
                     Move(
@@ -85,7 +89,11 @@ def count_compared(before: Snapshot, after: Snapshot) -> int:
     for old, new in ((before.numbers, after.numbers), (before.words, after.words)):
         keys = {one.key for one in old}
         known = {key.quantity for key in keys}
-        keys.update(one.key for one in new if one.key.quantity in known)
+        keys.update(
+            one.key
+            for one in new
+            if one.key.quantity in known and before.knows(one.key)
+        )
         count += len(keys)
     return count
 

@@ -6,6 +6,9 @@ from dataclasses import dataclass, field
 from math import isfinite
 from typing import TYPE_CHECKING
 
+from budget.model.sources import SOURCES
+from budget.names import Name
+
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
@@ -150,12 +153,56 @@ class Word:
     rests_on: str = ""
 
 
+# What this version can say something of: quantities of sources and of outputs.
+PARAMETERS = ("scale_factor", "mounting_angle", "bias")
+KNOWN_NOW = frozenset({*(source.name for source in SOURCES), *PARAMETERS})
+# What the version had that did not yet write it into its references.
+KNOWN_FIRST = frozenset(
+    {
+        *PARAMETERS,
+        "bias_repeatability",
+        "bias_stability",
+        "angle_random_walk",
+        "velocity_random_walk",
+        "rate_random_walk",
+        "acceleration_random_walk",
+        "sample_noise",
+        "scale_factor_repeatability",
+        "scale_factor_nonlinearity",
+        "scale_factor_asymmetry",
+        "mounting_repeatability",
+    }
+)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Snapshot:
-    """All that a result says, as a flat list."""
+    """All that a result says, as a flat list.
+
+    Attributes
+    ----------
+    numbers : tuple of Number
+    words : tuple of Word
+    known : frozenset of str
+        Error sources and parameters that the tool had when it was made. What a later
+        version has learnt beside them is no change of what is stored.
+    """
 
     numbers: tuple[Number, ...]
     words: tuple[Word, ...]
+    known: frozenset[str] = field(default_factory=lambda: frozenset(KNOWN_NOW))
+
+    def knows(self, key: Key) -> bool:
+        """Whether the tool that made it had the quantities that a key is of."""
+        names = [n for n in (key.subject, key.partner) if isinstance(n, Name)]
+        return all(not n.owner or n.quantity in self.known for n in names)
+
+    def known_part(self, text: str) -> str:
+        """Return a list of sources without those that the tool did not have."""
+        names = text.split(", ")
+        unknown = KNOWN_NOW - self.known
+        kept = [n for n in names if not any(n.endswith(f".{u}") for u in unknown)]
+        return ", ".join(kept)
 
     def by_key(self) -> Mapping[Key, Number]:
         """Return the numbers by what they are of."""

@@ -24,6 +24,7 @@ from budget.spec.schema import schema_of
 from budget.studies.reference.model import NumberEntry, ReferenceFile, WordEntry
 from budget.studies.reference.parts import digest
 from budget.studies.reference.records import (
+    KNOWN_FIRST,
     Asked,
     Key,
     Number,
@@ -82,6 +83,7 @@ def reference_text(reference: Reference) -> str:
             _set({**asdict(one), "key": None, **asdict(one.key)})
             for one in reference.snapshot.numbers
         ],
+        "known": sorted(reference.snapshot.known),
         "words": [
             {
                 "subject": word.key.subject,
@@ -194,6 +196,7 @@ def _record(model: ReferenceFile, shown: str) -> Reference:
         inputs=inputs,
         asked=Asked(**dict(model.settings)),
         snapshot=Snapshot(
+            known=KNOWN_FIRST if model.known is None else frozenset(model.known),
             numbers=tuple(
                 Number(
                     key=_key(one),
