@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
 
 import numpy as np
 import pytest
+from builders import line
 from command_line import call
 from fuzz.grammar import replaced
 from fuzz.keys import KEYS, TABLE, Key, silent
@@ -25,7 +26,10 @@ from budget.spec.records import ANGLES, AXES
 from budget.studies.allocation.allocate import allocate
 
 CHANGED = 1e-9  # relative; far above rounding, far below what any perturbation does
-PAPER = budget.load_procedure()
+# With a temperature that changes, so that its coefficients are felt.
+PAPER = replace(
+    budget.load_procedure(), environment=(line("temperature.ramp", [1.0 / 3600.0]),)
+)
 MARK = "Quagga"  # a word that stands in no file and no message
 
 

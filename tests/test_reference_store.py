@@ -130,8 +130,8 @@ class TestText:
         assert str(tmp_path) not in text
         assert [one.file for one in stored(path).inputs] == ["imu.yaml", "zhao-2019"]
         assert set(json.loads(text)) == {
-            *("checksum", "format", "inputs", "job", "numbers", "settings"),
-            *("versions", "words"),
+            *("checksum", "format", "inputs", "job", "known", "numbers"),
+            *("settings", "versions", "words"),
         }
 
     @pytest.mark.parametrize("text", [DEVICE.replace("\n", "\r\n"), "\ufeff" + DEVICE])

@@ -61,8 +61,9 @@ TABLE = table()
 
 def silent(kind, path):
     """Say whether the docs have this key among those that move no number."""
-    figure = kind == "device" and "errors" in path
-    process = figure and any(
+    surroundings = kind == "procedure" and path[0] in {"station", "environment"}
+    figure = (kind == "device" and "errors" in path) or surroundings
+    process = not surroundings and figure and any(
         line.process for line in lines_of(path[0]) if line.name == path[2]
     )
     for where, words in TABLE:
@@ -72,6 +73,8 @@ def silent(kind, path):
             "every file but costs": kind != "costs" and path[0] in keys,
             "a figure": figure and path[-1] in keys,
             "a figure of a process": process and path[-1] in keys,
+            "g sensitivity by axis": "g_sensitivity" in path
+            and any(axis in keys for axis in path),
         }.get(where, where == kind and path[0] in keys)
         if applies:
             return True
