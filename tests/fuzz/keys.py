@@ -63,8 +63,10 @@ def silent(kind, path):
     """Say whether the docs have this key among those that move no number."""
     surroundings = kind == "procedure" and path[0] in {"station", "environment"}
     figure = (kind == "device" and "errors" in path) or surroundings
-    process = not surroundings and figure and any(
-        line.process for line in lines_of(path[0]) if line.name == path[2]
+    process = (
+        not surroundings
+        and figure
+        and any(line.process for line in lines_of(path[0]) if line.name == path[2])
     )
     for where, words in TABLE:
         keys = re.findall("`([a-z_]+)`", words)
