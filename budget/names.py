@@ -62,6 +62,11 @@ class Name(str):
         return self.without_owner if self.owner == owner else self
 
 
+def keys_of(quantity: str) -> tuple[str, ...]:
+    """Return the keys of a file that a quantity stands under: levelling, east."""
+    return tuple(quantity.split("."))
+
+
 def as_name(text: str) -> Name:
     """Return a name as it is; another text becomes a name without owner or axis."""
     return text if isinstance(text, Name) else Name(text)

@@ -26,10 +26,9 @@ from budget.spec.records import ANGLES, AXES
 from budget.studies.allocation.allocate import allocate
 
 CHANGED = 1e-9  # relative; far above rounding, far below what any perturbation does
+PAPER = budget.load_procedure()
 # With a temperature that changes, so that its coefficients are felt.
-PAPER = replace(
-    budget.load_procedure(), environment=(line("temperature.ramp", [1.0 / 3600.0]),)
-)
+WARM = replace(PAPER, environment=(line("temperature.ramp", [1.0 / 3600.0]),))
 MARK = "Quagga"  # a word that stands in no file and no message
 
 
@@ -60,6 +59,10 @@ def example(key):
 
 # Keys whose value has to stand beside another one to be allowed, or to mean something.
 AXES_OF = {"bias": AXES, "mounting_angle": ANGLES}
+FIGURE_KEYS = (
+    *("value", "meaning", "distribution", "includes", "horizon"),
+    *("condition", "source"),
+)
 BESIDE = {"distribution": {"meaning": "max"}}
 # A unit per root of hertz, beside which `density` may stand.
 DENSITIES = {
@@ -141,7 +144,7 @@ def differ(first, second):
     )
 
 
-def analyzed(one, procedure=PAPER):
+def analyzed(one, procedure=WARM):
     """Return the numbers of `budget analyze`, by the law and not validated."""
     document = budget.analyze(one, procedure=procedure, validate=False).to_dict()
     return numbers([document["outputs"], document["covariance"]])
@@ -247,6 +250,25 @@ def test_a_key_that_can_say_one_thing_only_says_the_default(kind, key):
     assert not allowed.is_valid(MARK)
 
 
+def place_of(key):
+    """Return a procedure in which a key of a figure stands beside its value."""
+    tree = {"latitude": "34.2394 deg"}
+    if key.path[0] in {"station", "environment"} and key.path[-1] in FIGURE_KEYS:
+        *folders, name = key.path[:-1]
+        (line,) = (
+            one for one in lines_of(folders[0]) if one.name == ".".join(key.path[1:-1])
+        )
+        figure = {
+            "value": f"100 {line.like(folders[0])}",
+            **BESIDE.get(key.path[-1], {}),
+        }
+        branch = tree
+        for folder in folders:
+            branch = branch.setdefault(folder, {})
+        branch[name] = figure
+    return tree
+
+
 @pytest.mark.parametrize("key", choices("procedure", moving=True), ids=str)
 def test_a_key_of_a_procedure_moves_a_number(key, load):
     """Some output of a device with noise of every kind is another one with the key."""
@@ -262,7 +284,7 @@ def test_a_key_of_a_procedure_moves_a_number(key, load):
         errors["sample_noise"] = noise
         tree[sensor] = {"nominal": {"mounting_angle": "1 deg"}, "errors": errors}
     one = load(load_device, tree)
-    own = replaced({"latitude": "34.2394 deg"}, key.path, example(key))
+    own = replaced(place_of(key), key.path, example(key))
     procedures = [load(budget.load_procedure, said) for said in ({"name": "x"}, own)]
     assert differ(*(analyzed(one, procedure) for procedure in procedures))
 
@@ -318,10 +340,14 @@ def test_a_key_of_a_procedure_in_the_table_is_printed(key, load):
     wanted = load(
         budget.load_requirement, {"name": "x", "limits": {"gyro": {"bias": "1 deg/h"}}}
     )
-    tree = replaced({"latitude": "34.2394 deg"}, key.path, example(key))
+    tree = replaced(place_of(key), key.path, example(key))
     procedure = load(budget.load_procedure, tree)
-    document = to_dict(budget.compare([one], wanted, [procedure], method="gum"))
-    assert document["procedures"] == [MARK]
+    if key.path == ("name",):
+        document = to_dict(budget.compare([one], wanted, [procedure], method="gum"))
+        assert document["procedures"] == [MARK]
+    else:  # a word beside a figure of the station
+        document = budget.analyze(one, procedure=procedure, validate=False).to_dict()
+        assert any(MARK in text for text in document["assumptions"])
 
 
 @pytest.mark.parametrize("key", choices("costs", moving=True), ids=str)

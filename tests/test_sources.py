@@ -2,16 +2,29 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from builders import at_sources, line, paper_accelerometer, paper_gyro, procedure
+from builders import (
+    NOWHERE,
+    at_sources,
+    line,
+    paper_accelerometer,
+    paper_gyro,
+    procedure,
+)
 from numpy.testing import assert_allclose
+from scipy.special import ndtri
 
 from budget.calibration import simulation
 from budget.calibration.problem import calibration_problem
 from budget.calibration.simulation import simulate
 from budget.errors import CallError
 from budget.methods.gum import propagate
+from budget.names import Name
+from budget.spec.records import Limit, Requirement
+from budget.studies.allocation.cases import Bounds, set_up, solve
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G, PPM, STANDARD_GRAVITY
 
 UNITS = np.array(
@@ -277,3 +290,33 @@ def test_a_drop_of_the_level_is_one_number_for_both_triads():
     assert_allclose(u[11], 3.617011e-3, rtol=1e-5)
     # phi^2/2 of a normal phi: standard deviation phi^2/sqrt(2).
     assert_allclose(u[12:15], phi**2 / np.sqrt(2.0) / PPM, rtol=1e-4)
+
+
+def test_allocation_leaves_a_shared_source_its_part_of_a_limit():
+    """k^2 (f^2 u^2 + u_turn^2) = L^2: what is left of the limit goes to the line."""
+    u, turn, limit = 1e-6, 1.0 * ARCSEC, 1.5e-6
+    sensor = replace(paper_gyro(), lines=(line("scale_factor_repeatability", u),))
+    requirement = Requirement(
+        name="one",
+        coverage=0.95,
+        reference="nominal",
+        limits=tuple(
+            Limit(
+                output=Name("scale_factor", owner="gyro", axis=axis),
+                limit=limit,
+                printed="1.5 ppm",
+            )
+            for axis in "xyz"
+        ),
+        caps=(),
+        assumptions=(),
+        origin=NOWHERE,
+    )
+    how = procedure(station=(line("turn_angle", [turn]),))
+    bounds = Bounds(held=frozenset(), least={}, most={})
+    case = set_up(sensor, how, requirement, bounds, {})
+    solved = solve(case, "proportional", None)
+    shared = np.sqrt(2.0) * turn / (4.0 * np.pi)
+    k = ndtri(0.975)
+    exact = np.sqrt((limit / k) ** 2 - shared**2) / u
+    assert_allclose(solved.factors, [exact, 1.0], rtol=1e-6)

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 GYRO, ACCELEROMETER = "gyro", "accelerometer"
 STATION, ENVIRONMENT = "station", "environment"
 SENSORS = (GYRO, ACCELEROMETER)
+OWNERS = (*SENSORS, STATION, ENVIRONMENT)
 
 # How long a source keeps its value.
 DEVICE, TURN_ON, TEST, IN_RUN = "device", "turn-on", "test", "in run"

@@ -19,7 +19,11 @@ from budget.spec.records import (
     Procedure,
     Source,
 )
-from budget.spec.surroundings import surroundings_type, take_surroundings
+from budget.spec.surroundings import (
+    describe_surroundings,
+    surroundings_type,
+    take_surroundings,
+)
 from budget.spec.tree import describe
 from budget.units import Quantity
 
@@ -203,6 +207,11 @@ def read_procedure(document: Document) -> Procedure:
                 for taken in shared.values()
                 for one in taken
                 for text in one.assumptions
+            ),
+            *(
+                text
+                for owner, taken in shared.items()
+                for text in describe_surroundings(owner, taken)
             ),
         ),
         station=tuple(one.line for one in shared[STATION]),

@@ -6,6 +6,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from budget.model.sources import lines_of
+from budget.names import Name, keys_of
 from budget.spec.fields import mapping_of
 from budget.spec.figures import figure_type, take
 
@@ -20,7 +21,7 @@ def surroundings_type(owner: str) -> Any:  # noqa: ANN401
     """Return the type of the mapping of that owner, nested as its names are dotted."""
     tree: dict[str, Any] = {}
     for source in lines_of(owner):
-        *folders, last = source.name.split(".")  # the keys of the file, one by one
+        *folders, last = keys_of(source.name)
         branch = tree
         for folder in folders:
             branch = branch.setdefault(folder, {})
@@ -33,11 +34,23 @@ def take_surroundings(owner: str, mapping: Strict | None) -> tuple[Taken, ...]:
     taken = []
     for source in lines_of(owner):
         figure: Any = mapping
-        for key in source.name.split("."):
+        for key in keys_of(source.name):
             figure = getattr(figure, key, None)
         if figure is not None:
             taken.append(take(source, owner, figure))
     return tuple(taken)
+
+
+def describe_surroundings(owner: str, taken: tuple[Taken, ...]) -> tuple[str, ...]:
+    """Say which figures of that owner count, with the words that stand beside them."""
+    return tuple(
+        f"{Name(line.name, owner=owner)}: {line.printed}, "
+        + ", ".join(word for word in words if word)
+        for line in (one.line for one in taken)
+        for words in [
+            (line.meaning, line.includes, line.horizon, line.condition, line.source)
+        ]
+    )
 
 
 def _mapping(title: str, owner: str, tree: dict[str, Any]) -> Any:  # noqa: ANN401

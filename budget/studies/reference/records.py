@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from math import isfinite
 from typing import TYPE_CHECKING
 
+from budget.model.source import OWNERS
 from budget.model.sources import SOURCES
 from budget.names import Name
 
@@ -199,10 +200,12 @@ class Snapshot:
 
     def known_part(self, text: str) -> str:
         """Return a list of sources without those that the tool did not have."""
-        names = text.split(", ")
-        unknown = KNOWN_NOW - self.known
-        kept = [n for n in names if not any(n.endswith(f".{u}") for u in unknown)]
-        return ", ".join(kept)
+        unknown = {
+            Name(quantity, owner=owner)
+            for quantity in KNOWN_NOW - self.known
+            for owner in OWNERS
+        }
+        return ", ".join(name for name in text.split(", ") if name not in unknown)
 
     def by_key(self) -> Mapping[Key, Number]:
         """Return the numbers by what they are of."""
