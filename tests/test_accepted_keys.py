@@ -165,7 +165,8 @@ DEVICE = [key for key in choices("device", moving=True) if key.path[0] != "varia
 QUIET = [
     key
     for key in choices("device", moving=False)
-    if key.path[0] not in {"variants", "abstract"}
+    # What a force along x or y does not do is tested with the source.
+    if key.path[0] not in {"variants", "abstract"} and "g_sensitivity" not in key.path
 ]
 VARIED = [
     key
