@@ -52,6 +52,7 @@ _SOURCES = {
     Name(line.name, owner=sensor): line
     for sensor in SENSORS
     for line in lines_of(sensor)
+    if line.varies
 }
 _COSTS: Any = mapping_of(
     "costs by line",
