@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.problem import Output
-    from budget.spec.records import Procedure
 
 SCHEMA = "budget/1"
 INTERACTION = Name("interaction")  # the row of products of two sources
@@ -204,7 +203,8 @@ class Budget:
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
     assessment: Assessment | None = None  # against the requirement, where there is one
-    procedure: Procedure | None = field(default=None, repr=False)  # that it is for
+    # What it was made under, for `assess`: results know nothing of files.
+    procedure: object = field(default=None, repr=False)
 
     @property
     def correlation(self) -> Array:

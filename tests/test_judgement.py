@@ -36,6 +36,7 @@ from budget.studies.judgement import (
     screen,
     together,
 )
+from budget.studies.what_if import what_if
 
 K95 = float(ndtri(0.975))
 SEEDS = 300
@@ -393,6 +394,26 @@ def test_compare_and_analyze_say_the_same(made):
     assert sensor.worst_output == row.worst_output
     assert budget.assessment.outputs == row.outputs
     assert [one.interval for one in budget.outputs] == [o.interval for o in row.outputs]
+
+
+@pytest.mark.parametrize(("used", "verdict"), [(0.905, "meets"), (1.05, "fails")])
+def test_what_if_starts_from_the_interval_that_was_judged(used, verdict):
+    """With nothing changed intervals and verdict are the budget's, not the law's."""
+    made, wanted = bounded_bias("bound", used), requirement()
+    asked = {"procedure": procedure(), "requirement": wanted}
+    basis = {"coverage": wanted.coverage, "reference": wanted.reference}
+    budget = analyze(made, **asked, **basis, validate=False)
+    now = what_if(made, **asked, budget=budget).evaluate({})
+    law = what_if(made, **asked).evaluate({})
+    judged = np.array([row.interval for row in budget.outputs])
+    resolution = max(row.output.resolution for row in budget.outputs)
+
+    assert {row.interval_by for row in budget.outputs} == {"law", "monte-carlo"}
+    assert_allclose(now.interval, judged, rtol=1e-12, atol=resolution)
+    (ours,), (theirs,) = now.sensors, budget.assessment.sensors
+    assert ours.verdict == theirs.verdict == verdict
+    assert_allclose(ours.utilisation, theirs.utilisation, rtol=1e-12)
+    assert law.sensors[0].utilisation > 1.15 * used  # control
 
 
 def test_the_screen_never_contradicts_trials():

@@ -61,7 +61,7 @@ def test_csv_has_the_columns_of_the_contract():
     """The head line is what other people's scripts read."""
     assert to_csv(make_budget()).partition("\n")[0] == (
         "sensor,parameter,axis,unit,source,standard_uncertainty,share,"
-        "mean,interval_low,interval_high,lower_bound"
+        "mean,interval_low,interval_high,interval_by,lower_bound"
     )
 
 
@@ -76,14 +76,17 @@ def test_csv_has_line_feeds_only():
 def test_csv_rows_are_the_rows_of_the_budget():
     """Reading the text gives every row back, None as the empty cell."""
     budget = make_budget()
-    numbers = set(COLUMNS[5:-1])
+    numbers = set(COLUMNS[5:-2])
 
     read = [
         {
             key: (float(text) if text else None) if key in numbers else text
             for key, text in row.items()
         }
-        | {"lower_bound": row["lower_bound"] == "true"}
+        | {
+            "interval_by": row["interval_by"] or None,
+            "lower_bound": row["lower_bound"] == "true",
+        }
         for row in csv.DictReader(io.StringIO(to_csv(budget)))
     ]
 

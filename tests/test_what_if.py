@@ -14,6 +14,7 @@ from report_examples import make_device
 from budget import analyze, load_device
 from budget.distributions import ARCSINE, TRIANGULAR, UNIFORM
 from budget.errors import CallError
+from budget.names import Name
 from budget.spec.records import Limit, Requirement, Source
 from budget.studies.conformity import assess
 from budget.studies.what_if import what_if
@@ -171,8 +172,11 @@ def requirement(**limits):
         coverage=0.9,
         reference="as_tested",
         limits=tuple(
-            Limit(output=name.replace("__", "."), limit=limit, printed="")
+            Limit(
+                output=Name(quantity, owner=owner, axis=axis), limit=limit, printed=""
+            )
             for name, limit in limits.items()
+            for owner, quantity, axis in [name.split("__")]
         ),
         caps=(),
         assumptions=(),
@@ -181,7 +185,7 @@ def requirement(**limits):
 
 
 @pytest.mark.parametrize("factor", [1.0, 40.0])
-@pytest.mark.parametrize("missing", [(), ("gyro.noise",)])
+@pytest.mark.parametrize("missing", [(), (Name("noise", owner="gyro"),)])
 def test_verdicts_are_those_of_the_assessment(factor, missing):
     """Utilisation, worst output and verdict agree with assess, meeting or not."""
     wanted = requirement(gyro__bias__x=1.0 * DEG_PER_HOUR, gyro__bias__y=1e-6)

@@ -8,6 +8,7 @@ from budget.calibration.problem import calibration_problem
 from budget.errors import CallError
 from budget.methods.gum import propagate
 from budget.results import INTERACTION, Assessment, CapAssessment, SensorAssessment
+from budget.spec.records import Procedure
 from budget.studies.comparison.figures_of_merit import over_cap, read_amount
 from budget.studies.judgement import (
     assess_outputs,
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from budget.methods.gum import Propagation
     from budget.names import Name
     from budget.results import Budget, OutputAssessment
-    from budget.spec.records import Device, Procedure, Requirement, Sensor
+    from budget.spec.records import Device, Requirement, Sensor
     from budget.studies.judgement import Judged, Limited
 
 
@@ -65,7 +66,7 @@ def assess(
             f"{settings.reference}, {requirement.name} asks for {requirement.coverage} "
             f"and {requirement.reference}; compute it with those"
         )
-    if budget.procedure is None:
+    if not isinstance(budget.procedure, Procedure):
         raise CallError(
             "the budget has no procedure to judge it under; make it with analyze"
         )
