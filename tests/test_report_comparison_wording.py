@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import re
 from dataclasses import replace
 
@@ -12,7 +13,7 @@ from document_text import find, lines, rows, section
 from rich.console import Console
 
 from budget.report.blocks import Listing, Picture, Table
-from budget.report.comparison.document import to_dict
+from budget.report.comparison.document import to_dict, to_json
 from budget.report.comparison.margins import margin_title
 from budget.report.comparison.page import comparison_document, comparison_sections
 from budget.report.comparison.tables import tables
@@ -101,6 +102,17 @@ def test_limits_of_a_sensor_that_no_device_has_are_not_met():
         assert "are not judged" in text
     assert "limits the accelerometer" in " ".join(lines(section(document, "remarks")))
     assert to_dict(found)["not_compared"] == ["accelerometer"]
+
+
+@pytest.mark.parametrize("sensors", [BOTH, ("accelerometer",)])
+def test_json_is_written_piece_by_piece_as_if_at_once(sensors):
+    """The same text as of the whole document, with devices and without one judged."""
+    devices = [paper_device(times=0.5), paper_device(times=0.7)]
+    found = compared(devices, requirement(sensors=BOTH), method="gum", pairs=True)
+    if sensors != BOTH:
+        found = replace(found, devices=(), pairs=())
+    whole = json.dumps(to_dict(found), ensure_ascii=False, indent=1) + "\n"
+    assert to_json(found) == whole
 
 
 def test_sections_in_a_report_say_how_they_were_computed():

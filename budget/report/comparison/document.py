@@ -11,6 +11,8 @@ from budget.report.csv_text import csv_text
 from budget.results import SCHEMA
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from budget.results import OutputAssessment
     from budget.studies.comparison.records import (
         Comparison,
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
         Pair,
     )
 
+DEVICES = "devices"
 COLUMNS = (
     "procedure",
     "sensor",
@@ -46,6 +49,11 @@ COLUMNS = (
 
 def to_dict(comparison: Comparison) -> dict[str, Any]:
     """Return the JSON document, in printed units, best first."""
+    return {**_frame(comparison), DEVICES: list(_devices(comparison))}
+
+
+def _frame(comparison: Comparison) -> dict[str, Any]:
+    """Return the document with an empty list in the place of the devices."""
     return {
         "schema": SCHEMA,
         "command": "compare",
@@ -56,11 +64,7 @@ def to_dict(comparison: Comparison) -> dict[str, Any]:
         "not_compared": list(comparison.not_compared),
         "inputs": [asdict(file) for file in comparison.inputs],
         "settings": asdict(comparison.settings),
-        "devices": [
-            _device(one, rank)
-            for devices in lists(comparison).values()
-            for one, rank in zip(devices, ranks(devices), strict=True)
-        ],
+        DEVICES: [],
         "nothing_known": [_entrant(one) for one in comparison.nothing_known],
         "pairs": [_pair(pair) for pair in comparison.pairs],
         "assumptions": list(comparison.assumptions),
@@ -76,8 +80,42 @@ def to_json(comparison: Comparison) -> str:
     ValueError
         A number is not finite: JSON has none, and a comparison must have none.
     """
-    document = to_dict(comparison)
-    return json.dumps(document, allow_nan=False, ensure_ascii=False, indent=1) + "\n"
+    return "".join(_pieces(comparison))
+
+
+def _pieces(comparison: Comparison) -> Iterator[str]:
+    """Yield the text of the document, one device after another.
+
+    Thousands of them as one nest of dicts, and as what that is encoded to, take ten
+    times the room of their text.
+    """
+    start = "{\n"
+    for key, value in _frame(comparison).items():
+        yield f"{start} {json.dumps(key)}: "
+        start = ",\n"
+        if key != DEVICES or not comparison.devices:
+            yield _dumps(value, depth=1)
+            continue
+        for place, one in enumerate(_devices(comparison)):
+            yield ("[\n  " if place == 0 else ",\n  ") + _dumps(one, depth=2)
+        yield "\n ]"
+    yield "\n}\n"
+
+
+def _dumps(value: Any, *, depth: int) -> str:  # noqa: ANN401 - any part of a document
+    """Write a part of the document that stands so deep in it.
+
+    A text in JSON has no line break of its own, so every one is of the layout.
+    """
+    text = json.dumps(value, allow_nan=False, ensure_ascii=False, indent=1)
+    return text.replace("\n", "\n" + " " * depth)
+
+
+def _devices(comparison: Comparison) -> Iterator[dict[str, Any]]:
+    """Yield the entries of `devices`, best first."""
+    for devices in lists(comparison).values():
+        for one, rank in zip(devices, ranks(devices), strict=True):
+            yield _device(one, rank)
 
 
 def to_csv(comparison: Comparison) -> str:
