@@ -246,7 +246,7 @@ class TestTable:
             *(*LAW, "--pairs"),
         )
 
-        assert "Pairs, errors independent" in shipped.out
+        assert "Pairs, within all limits of both together" in shipped.out
         assert "Pairs" not in compare("good.yaml", *LAW, "--pairs").out
 
     def test_nothing_on_stderr_where_all_is_well(self):
