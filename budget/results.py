@@ -11,7 +11,7 @@ from budget.names import Name
 from budget.ties import first_largest, from_largest, largest, settle
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     import pandas as pd
 
@@ -191,6 +191,8 @@ class Budget:
         One for each calibration parameter [SI].
     covariance : ndarray, shape (n_out, n_out)
         Joint covariance of all outputs in their order [products of SI units].
+    could_widen : mapping of Name to tuple of Name
+        The outputs that each line that is not given would reach.
     """
 
     command: str
@@ -202,6 +204,7 @@ class Budget:
     not_given: tuple[Name, ...]
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
+    could_widen: Mapping[Name, tuple[Name, ...]]
     assessment: Assessment | None = None  # against the requirement, where there is one
     # What it was made under, for `assess`: results know nothing of files.
     procedure: object = field(default=None, repr=False)
@@ -309,6 +312,7 @@ def _output_document(row: OutputBudget) -> dict[str, Any]:
         "mean": row.mean / scale,
         "standard_uncertainty": row.standard_uncertainty / scale,
         "lower_bound": row.lower_bound,
+        "nothing_known": row.is_unknown,
         "lacks": list(row.lacks),
         "interval": [end / scale for end in row.interval],
         "interval_by": row.interval_by,
@@ -403,6 +407,7 @@ class OutputAssessment:
             "utilisation": self.utilisation,
             "conformance": self.conformance,
             "lower_bound": self.lower_bound,
+            "nothing_known": self.is_unknown,
         }
 
 

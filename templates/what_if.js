@@ -69,7 +69,7 @@ function judge(model, rows) {
   const verdicts = [];
   for (const sensor of model.sensors) {
     const own = model.outputs.map((output, k) => k).filter((k) =>
-      rows[k].utilisation !== null && model.outputs[k].name.startsWith(`${sensor.name}.`));
+      rows[k].utilisation !== null && model.outputs[k].sensor === sensor.name);
     if (!own.length) continue;
     const top = Math.max(...own.map((k) => rows[k].utilisation));
     const all = own.filter((k) => rows[k].utilisation >= top * (1 - ALIKE));
@@ -138,8 +138,7 @@ function powerOfTen(value, decimals) {
 
 /** The title of a source; without its sensor beside an output of the same one. */
 function shortTitle(source, output) {
-  const sensor = `${output.name.split(".")[0]} `;
-  return source.title.startsWith(sensor) ? source.title.slice(sensor.length) : source.title;
+  return source.owner === output.sensor ? source.title.slice(source.owner.length + 1) : source.title;
 }
 
 function signed(text) {
@@ -224,7 +223,7 @@ function drawShares(model, shares, bar) {
     if (shares[g] < 0.002) return;
     const part = make("span", { title: `${source.title} ${shareOf(shares[g])}` });
     part.style.width = `${100 * Math.min(shares[g], 1)}%`;
-    const colour = model.colours[source.name.split(".").pop()];
+    const colour = model.colours[source.quantity];
     part.style.background = colour === "#000000" ? "var(--black)" : colour || "var(--muted)";
     bar.append(part);
   });
@@ -272,16 +271,16 @@ function makeResults(model, base) {
     const row = make("tr", { "data-output": output.name }, make("th", { scope: "row" }, output.axis),
       cells.before, cells.expanded, cells.mean, ...limits, make("td", {}, cells.bar), cells.largest);
     body.append(row);
-    set(cells.before, likeUncertainty(base.outputs[k].expanded, base.outputs[k].u, output.resolution), base.outputs[k].expanded);
-    setUsed(cells.usedBefore, base.outputs[k].utilisation);
+    setExpanded(cells.before, base.outputs[k], output);
+    setUsed(cells.usedBefore, base.outputs[k], output);
     return { row, cells };
   });
   const update = (result) => result.outputs.forEach((now, k) => {
     const { row, cells } = rows[k];
     const { resolution } = model.outputs[k];
-    set(cells.expanded, likeUncertainty(now.expanded, now.u, resolution), now.expanded);
+    setExpanded(cells.expanded, now, model.outputs[k]);
     set(cells.mean, likeUncertainty(now.mean, now.u, resolution), now.mean);
-    setUsed(cells.used, now.utilisation);
+    setUsed(cells.used, now, model.outputs[k]);
     const beyond = now.utilisation !== null && settled(now.utilisation) > 1;
     cells.word.textContent = beyond ? "beyond" : "";
     row.classList.toggle("beyond", beyond);
@@ -301,9 +300,19 @@ function set(cell, text, exact) {
   cell.dataset.exact = String(exact);
 }
 
-function setUsed(cell, utilisation) {
-  if (utilisation === null) cell.textContent = "\u2013";
-  else set(cell, perCent(utilisation), utilisation);
+/** A number, marked where a line that is not given would make it larger. */
+function bounded(text, row, output) {
+  if (!output.lower_bound) return text;
+  return row.u <= output.resolution ? "?" : `\u2265 ${text}`;
+}
+
+function setExpanded(cell, row, output) {
+  set(cell, bounded(likeUncertainty(row.expanded, row.u, output.resolution), row, output), row.expanded);
+}
+
+function setUsed(cell, row, output) {
+  if (row.utilisation === null) cell.textContent = "\u2013";
+  else set(cell, bounded(perCent(row.utilisation), row, output), row.utilisation);
 }
 
 /** Set up the sliders of one model in an empty place of the page. */

@@ -47,7 +47,7 @@ def device(name, *, gyro=None, accelerometer=None, missing=(), **texts):
             built[kind] = replace(
                 sensor(kind, lines),
                 device=name,
-                not_given=tuple(f"{kind}.{line}" for line in missing),
+                not_given=tuple(Name(line, owner=kind) for line in missing),
                 expected_missing=tuple(Name(line, owner=kind) for line in missing),
             )
     return Device(

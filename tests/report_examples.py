@@ -8,7 +8,7 @@ from math import fsum, pi, sqrt
 import numpy as np
 
 from budget.distributions import NORMAL, UNIFORM
-from budget.names import Name
+from budget.names import Name, parameters_of
 from budget.problem import Output
 from budget.results import (
     INTERACTION,
@@ -184,6 +184,25 @@ def make_outputs(sensor, groups, **options):
     return tuple(outputs)
 
 
+def reached(owner, *quantities):
+    """Return the names of all outputs of some parameters."""
+    return tuple(name for name in parameters_of(owner) if name.quantity in quantities)
+
+
+# What each line that the example does not give would reach.
+COULD_WIDEN = {
+    Name("rate_random_walk", owner="gyro"): parameters_of("gyro"),
+    Name("scale_factor_nonlinearity", owner="gyro"): reached("gyro", "scale_factor"),
+    Name("scale_factor_asymmetry", owner="gyro"): parameters_of("gyro"),
+    Name("acceleration_random_walk", owner="accelerometer"): parameters_of(
+        "accelerometer"
+    ),
+    Name("scale_factor_nonlinearity", owner="accelerometer"): reached(
+        "accelerometer", "scale_factor"
+    ),
+}
+
+
 def make_budget(**changes):
     """Return the budget of the paper's device, about."""
     outputs = changes.pop(
@@ -200,18 +219,13 @@ def make_budget(**changes):
         settings=SETTINGS,
         outputs=outputs,
         covariance=np.diag([row.standard_uncertainty**2 for row in outputs]),
-        not_given=(
-            Name("rate_random_walk", owner="gyro"),
-            Name("scale_factor_nonlinearity", owner="gyro"),
-            Name("scale_factor_asymmetry", owner="gyro"),
-            Name("acceleration_random_walk", owner="accelerometer"),
-            Name("scale_factor_nonlinearity", owner="accelerometer"),
-        ),
+        not_given=tuple(COULD_WIDEN),
         assumptions=(
             "gyro.bias_stability: the correlation time of 300 s is the file's own",
             "gravity at latitude 34.2394 deg is normal gravity, 9.7966933 m/s^2",
         ),
         warnings=("accelerometer.sample_noise is read as white, per sample",),
+        could_widen=COULD_WIDEN,
     )
     return replace(budget, **changes)
 

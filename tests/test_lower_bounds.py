@@ -10,16 +10,26 @@ import pytest
 
 from budget import load_device, load_procedure, load_requirement
 from budget.names import Name
+from budget.report.allocation.document import to_document
+from budget.report.allocation.page import allocation_section
+from budget.report.allocation.terminal import allocation_text
+from budget.report.analysis.causes import rank_causes
+from budget.report.analysis.what_if import what_if_section
 from budget.report.comparison.fronts import pareto_title
 from budget.report.comparison.tables import tables as comparison_tables
 from budget.report.document import to_csv, to_json
-from budget.report.tables import group_tables
+from budget.report.figures import density_picture, density_title
+from budget.report.tables import AT_LEAST, group_tables
 from budget.spec.catalogue import load_catalogue
+from budget.studies.allocation.allocate import allocate
 from budget.studies.analysis import analyze
 from budget.studies.comparison.compare import compare
 from budget.studies.comparison.grades import grade
 from budget.studies.coupling import coupling
+from budget.studies.densities import critical_densities
 from budget.studies.lower_bounds import lacking
+from budget.studies.one_at_a_time import one_at_a_time
+from budget.studies.what_if import what_if
 
 ZHAO = load_device("zhao-2019")
 REQUIREMENT = load_requirement(
@@ -34,7 +44,8 @@ def without(*names, device=ZHAO, kind="gyro"):
     lines = tuple(line for line in sensor.lines if line.name not in names)
     noise = {"angle_random_walk", "velocity_random_walk", "sample_noise"}
     missing = tuple(Name("noise" if n in noise else n, owner=kind) for n in names)
-    bare = replace(sensor, lines=lines, expected_missing=missing, not_given=missing)
+    absent = tuple(Name(name, owner=kind) for name in names)
+    bare = replace(sensor, lines=lines, expected_missing=missing, not_given=absent)
     return replace(device, **{kind: bare})
 
 
@@ -176,3 +187,97 @@ def scaled(device, times):
     return replace(
         device, gyro=grown(device.gyro), accelerometer=grown(device.accelerometer)
     )
+
+
+def test_what_the_page_computes_with_is_marked():
+    """Density, sliders and one-at-a-time table say that a line is missing."""
+    bare = without("bias_stability")
+    budget = analyze(bare, requirement=REQUIREMENT, validate=False)
+    model = what_if(bare, requirement=REQUIREMENT, budget=budget)
+    lacking_of = {row.output.name: row.lower_bound for row in budget.outputs}
+
+    assert dict(zip(bound_names(model), model.lower_bound, strict=True)) == lacking_of
+    assert any(lacking_of.values())
+    assert not all(lacking_of.values())
+    document = model.to_dict()["outputs"]
+    assert {row["name"]: row["lower_bound"] for row in document} == lacking_of
+    steps = one_at_a_time(model)
+    assert {row.lower_bound for row in steps} == {
+        lacking_of[row.output.name] for row in steps
+    }
+    assert all(
+        row.used_lower_bound == (row.source.name.owner == "gyro") for row in steps
+    )
+    table = what_if_section(budget, model, steps).blocks[1].table
+    texts = [cell.text for group in table.groups for row in group.rows for cell in row]
+    assert any(text.startswith(AT_LEAST) for text in texts)
+    densities = critical_densities(
+        budget,
+        budget.assessment,
+        devices=(bare,),
+        procedure=load_procedure(),
+        trials=200,
+    )
+    for density in densities:
+        marked = lacking_of[density.output.name]
+        data = density_picture(density, coverage=0.95).data
+        cells = [row[1].text for row in data.groups[0].rows]
+        assert bool(density.lacks) == marked
+        assert any(text.startswith(AT_LEAST) for text in cells) == marked
+        assert ("lines are missing" in density_title(density, coverage=0.95)) == marked
+
+
+def bound_names(model):
+    """Return the names of the outputs of a model."""
+    return [output.name for output in model.outputs]
+
+
+def test_an_allocation_says_what_its_parts_of_limits_lack():
+    """JSON, terminal and page mark the outputs that a missing line would reach."""
+    bare = without("bias_stability")
+    found = allocate(bare, requirement=REQUIREMENT, catalogue=(), validate=False)
+    whole = allocate(ZHAO, requirement=REQUIREMENT, catalogue=(), validate=False)
+    reached = lacking(bare.sensors, load_procedure(), reference=REQUIREMENT.reference)
+    marked = {
+        row["output"]: row["lower_bound"] for row in to_document(found)["outputs"]
+    }
+
+    assert marked == {name: bool(reached[name]) for name in marked}
+    assert AT_LEAST in allocation_text(found, width=100)
+    assert AT_LEAST in repr(allocation_section(found))
+    assert not any(row["lower_bound"] for row in to_document(whole)["outputs"])
+    assert AT_LEAST not in allocation_text(whole, width=100)
+
+
+def test_documents_say_where_nothing_is_known():
+    """Without any line that reaches it an output keeps its 0, marked as not known."""
+    bare = without("scale_factor_repeatability", "bias_stability", "angle_random_walk")
+    document = json.loads(to_json(analyze(bare, validate=False)))
+    unknown = {
+        f"{row['sensor']}.{row['parameter']}"
+        for row in document["outputs"]
+        if row["nothing_known"]
+    }
+
+    assert unknown == {"gyro.scale_factor"}
+    assert all(
+        row["lower_bound"] for row in document["outputs"] if row["nothing_known"]
+    )
+
+
+def test_equal_causes_keep_their_order():
+    """Causes whose weights differ by rounding only are in the order of the sources."""
+    budget = analyze(ZHAO, validate=False)
+    groups = group_tables(budget)
+    titles = [c.title for c in rank_causes(groups, (ZHAO,), load_procedure(), None)]
+    nudged = []
+    for group in groups:
+        times = 1.0 + 1e-12 if group.sensor == "accelerometer" else 1.0
+        sources = tuple(
+            replace(row, share=replace(row.share, exact=row.share.exact * times))
+            for row in group.sources
+        )
+        nudged.append(replace(group, sources=sources))
+
+    again = rank_causes(nudged, (ZHAO,), load_procedure(), None)
+    assert [cause.title for cause in again] == titles

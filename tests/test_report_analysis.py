@@ -33,6 +33,8 @@ from budget.studies.evidence import gather_evidence
 
 TACTICAL = shipped("specs") / "requirements" / "tactical-grade.yaml"
 
+NO_GAPS: dict = {"not_given": (), "could_widen": {}}
+
 
 @cache
 def example_evidence(reference="nominal", *, gyro_only=False):
@@ -215,7 +217,7 @@ def test_cause_quotes_the_data_sheet():
 
 def test_empty_states_are_said():
     """Nothing missing, assumed or warned of is said in words."""
-    report = document(make_budget(not_given=(), assumptions=(), warnings=()))
+    report = document(make_budget(**NO_GAPS, assumptions=(), warnings=()))
     panels = section(report, "gaps").blocks[0].blocks
 
     assert [panel.blocks[0].items for panel in panels] == [(), (), ()]
@@ -334,7 +336,11 @@ def test_figures_by_axis_are_told_apart():
 def test_sensor_that_is_absent_has_no_part():
     """With a gyro alone nothing is said of the accelerometer's test and formulas."""
     report = document(
-        make_budget(outputs=make_outputs("gyro", GYRO), not_given=(), warnings=()),
+        make_budget(
+            outputs=make_outputs("gyro", GYRO),
+            **NO_GAPS,
+            warnings=(),
+        ),
         device=replace(make_device(), accelerometer=None),
         evidence=example_evidence(gyro_only=True),
     )

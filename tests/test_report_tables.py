@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 from report_examples import GYRO, make_budget, make_output, make_outputs
 
+from budget import load_device, load_procedure
 from budget.names import Name
 from budget.report.not_given import NOTHING, not_given_lines
 from budget.report.tables import (
@@ -23,6 +24,7 @@ from budget.report.tables import (
     source_title,
 )
 from budget.results import Validation
+from budget.studies.lower_bounds import could_widen
 
 
 @pytest.mark.parametrize(
@@ -302,26 +304,37 @@ def test_points_are_in_line():
     assert [text.rjust(widest) for text in texts] == ["50   ", " 0.69", " 8.7 "]
 
 
-def test_not_given_says_what_it_could_change():
-    """Absent lines stand together where they reach the same, each by its name."""
-    names = [
-        Name("rate_random_walk", owner="gyro"),
-        Name("scale_factor_nonlinearity", owner="gyro"),
-        Name("scale_factor_asymmetry", owner="gyro"),
-    ]
-
-    wide = (
-        "gyro rate random walk, scale factor asymmetry: "
-        "could widen scale factors, mounting angles and biases"
-    )
-    assert not_given_lines(names, "nominal") == (
-        wide,
-        "gyro scale factor nonlinearity: could widen scale factors",
-    )
+@pytest.mark.parametrize(
+    ("reference", "nonlinearity"),
     # The reference of a later turn-on has the same nonlinearity.
-    assert not_given_lines(names, "next_turn_on") == (
-        wide,
-        f"gyro scale factor nonlinearity: {NOTHING}",
+    [("nominal", "could widen scale factors"), ("next_turn_on", NOTHING)],
+)
+def test_not_given_says_what_it_could_change(reference, nonlinearity):
+    """Absent lines stand together where they reach the same, as the model has it."""
+    sensor = replace(
+        load_device("zhao-2019").gyro,
+        not_given=tuple(
+            Name(name, owner="gyro")
+            for name in ("rate_random_walk", "scale_factor_nonlinearity")
+        ),
+    )
+    reach = could_widen((sensor,), load_procedure(), reference=reference)
+
+    assert not_given_lines(reach) == (
+        "gyro rate random walk: could widen scale factors, mounting angles and biases",
+        f"gyro scale factor nonlinearity: {nonlinearity}",
+    )
+
+
+def test_an_absent_repeatability_reaches_its_own_parameter_only():
+    """One parameter is named alone, by its plural."""
+    name = Name("mounting_repeatability", owner="accelerometer")
+    sensor = replace(load_device("zhao-2019").accelerometer, not_given=(name,))
+    reach = could_widen((sensor,), load_procedure(), reference="nominal")
+
+    said = not_given_lines(reach)
+    assert said == (
+        "accelerometer mounting repeatability: could widen mounting angles",
     )
 
 

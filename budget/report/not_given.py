@@ -4,41 +4,37 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from budget.model.source import DEVICE, Offset
-from budget.model.sources import source_of
 from budget.report.tables import words
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Mapping
 
     from budget.names import Name
 
-# What an offset of a parameter reaches; all other sources reach all.
-REACH = {
-    "bias": "biases",
+PLURALS = {
     "scale_factor": "scale factors",
     "mounting_angle": "mounting angles",
+    "bias": "biases",
 }
-EVERYTHING = "scale factors, mounting angles and biases"
-NOTHING = "changes nothing under this reference, which shares its value"
+NOTHING = "changes nothing under this reference"
 
 
-def not_given_lines(names: Iterable[Name], reference: str) -> tuple[str, ...]:
+def not_given_lines(reach: Mapping[Name, tuple[Name, ...]]) -> tuple[str, ...]:
     """Say which lines are absent and what they could change, by sensor and effect.
 
-    A constant that the reference shares with the test changes nothing.
+    Parameters
+    ----------
+    reach : mapping of Name to tuple of Name
+        The outputs that each absent line would reach, from
+        budget.studies.lower_bounds.could_widen.
     """
     absent: dict[tuple[str, str], list[str]] = {}
-    for name in names:
-        source = source_of(name.owner, name.quantity)
-        offset = source.effect.target if isinstance(source.effect, Offset) else ""
-        shared = bool(offset) and (
-            reference == "as_tested"
-            or (reference == "next_turn_on" and source.stays == DEVICE)
-        )
-        reach = REACH.get(offset, EVERYTHING)
-        effect = (name.owner, NOTHING if shared else f"could widen {reach}")
-        absent.setdefault(effect, []).append(words(name.quantity))
+    for name, outputs in reach.items():
+        reached = {output.quantity for output in outputs}
+        *most, last = [PLURALS[key] for key in PLURALS if key in reached] or [NOTHING]
+        effect = f"{', '.join(most)} and {last}" if most else last
+        said = effect if not reached else f"could widen {effect}"
+        absent.setdefault((name.owner, said), []).append(words(name.quantity))
     return tuple(
         f"{sensor} {', '.join(lines)}: {effect}"
         for (sensor, effect), lines in absent.items()

@@ -59,7 +59,7 @@ def render_budget(budget: Budget, console: Console) -> None:
             page.paragraph(group.validation, first="Checked ")
     _print_indices(budget, page)
     for label, lines in (
-        ("Not given", not_given_lines(budget.not_given, budget.settings.reference)),
+        ("Not given", not_given_lines(budget.could_widen)),
         ("Assumptions", budget.assumptions),
         ("Warnings", budget.warnings),
     ):

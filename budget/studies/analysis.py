@@ -38,7 +38,7 @@ from budget.spec import load_procedure
 from budget.studies import cautions
 from budget.studies.conformity import assess
 from budget.studies.cost import describe_cost, seconds_per_trial
-from budget.studies.lower_bounds import lacking
+from budget.studies.lower_bounds import could_widen, lacking
 from budget.studies.progress import stage
 from budget.studies.request import (
     DEFAULT_COVERAGE,
@@ -285,6 +285,7 @@ def analyze(
             *cautions.shared_constants(sensors, reference),
         ),
         warnings=warnings,
+        could_widen=could_widen(sensors, procedure, reference=reference),
         procedure=procedure,
     )
     return _judge(budget, devices, requirement)

@@ -55,6 +55,8 @@ class Density:
         Coverage interval of the trials [SI].
     limit : float or None
         On the absolute error [SI]; None where nothing is required.
+    lacks : tuple of Name
+        Expected lines that are not given and would widen it.
     """
 
     output: Output
@@ -66,6 +68,7 @@ class Density:
     interval: tuple[float, float]
     interval_mc: tuple[float, float]
     limit: float | None
+    lacks: tuple[Name, ...] = ()
 
 
 def critical_densities(
@@ -134,6 +137,7 @@ def critical_densities(
                 interval=(float(ends[k, 0]), float(ends[k, 1])),
                 interval_mc=(float(ends_mc[place, 0]), float(ends_mc[place, 1])),
                 limit=limits.get(problem.outputs[k].name),
+                lacks=budget.outputs[k].lacks,
             )
         )
     return tuple(densities)

@@ -15,7 +15,8 @@ import numpy as np
 from budget.calibration.problem import calibration_problem
 from budget.distributions import NORMAL
 from budget.methods.gum import propagate
-from budget.names import Name
+from budget.model.sources import source_of
+from budget.names import Name, parameters_of
 from budget.spec.lines import lines_of
 from budget.spec.records import ErrorLine
 from budget.units import parse_quantity
@@ -61,16 +62,53 @@ def lacking(
             for name in sensor.expected_missing
             if (line := _stand_in(name, only)) is not None
         }
-        bare = replace(
-            sensor, lines=tuple(_probe(line, sensor.kind) for line in probes.values())
-        )
-        problem = calibration_problem((bare,), procedure, reference=reference)
-        u = np.sqrt(propagate(problem).source_variance)
-        for k, output in enumerate(problem.outputs):
-            found[output.name] = tuple(
-                name for g, name in enumerate(probes) if u[g, k] > output.resolution
-            )
+        reached = _reached(sensor, probes, procedure, reference)
+        for output in parameters_of(sensor.kind):
+            found[output] = tuple(name for name in probes if output in reached[name])
     return found
+
+
+def could_widen(
+    sensors: Sequence[Sensor], procedure: Procedure, *, reference: str
+) -> Mapping[Name, tuple[Name, ...]]:
+    """Return for each line that is not given the outputs that it would reach.
+
+    Parameters
+    ----------
+    sensors, procedure, reference
+        As for `lacking`.
+
+    Returns
+    -------
+    mapping of Name to tuple of Name
+        By the name of the line; () where it changes nothing under this reference.
+    """
+    found: dict[Name, tuple[Name, ...]] = {}
+    for sensor in sensors:
+        probes = {
+            name: source_of(name.owner, name.quantity) for name in sensor.not_given
+        }
+        found |= _reached(sensor, probes, procedure, reference)
+    return found
+
+
+def _reached(
+    sensor: Sensor, probes: Mapping[Name, Line], procedure: Procedure, reference: str
+) -> dict[Name, tuple[Name, ...]]:
+    """Return for each probe the outputs that it alone reaches."""
+    bare = replace(
+        sensor, lines=tuple(_probe(line, sensor.kind) for line in probes.values())
+    )
+    problem = calibration_problem((bare,), procedure, reference=reference)
+    u = np.sqrt(propagate(problem).source_variance)
+    return {
+        name: tuple(
+            output.name
+            for k, output in enumerate(problem.outputs)
+            if u[g, k] > output.resolution
+        )
+        for g, name in enumerate(probes)
+    }
 
 
 def _stand_in(name: Name, only: frozenset[Name] | None) -> Line | None:

@@ -33,6 +33,8 @@ class SourceSteps:
     source: WhatIfSource
     output: Output
     share: float  # of the variance of that output as it is [1]
+    lower_bound: bool  # a line that is not given would widen that output
+    used_lower_bound: bool  # or an output of the sensor that has a limit
     steps: tuple[Step, ...]
 
 
@@ -62,6 +64,8 @@ def one_at_a_time(what_if: WhatIf) -> tuple[SourceSteps, ...]:
                 source=source,
                 output=output,
                 share=float(present.share[k, g]),
+                lower_bound=what_if.lower_bound[k],
+                used_lower_bound=_is_used_lower_bound(what_if, sensor),
                 steps=tuple(
                     _step(what_if, outlook, factor, k, sensor)
                     for factor, outlook in zip(FACTORS, outlooks, strict=True)
@@ -69,6 +73,17 @@ def one_at_a_time(what_if: WhatIf) -> tuple[SourceSteps, ...]:
             )
         )
     return tuple(rows)
+
+
+def _is_used_lower_bound(what_if: WhatIf, sensor: str) -> bool:
+    """Whether the part of its limits that a sensor uses is that or more."""
+    return any(
+        lacks
+        for output, limit, lacks in zip(
+            what_if.outputs, what_if.limit, what_if.lower_bound, strict=True
+        )
+        if output.name.owner == sensor and limit is not None
+    )
 
 
 def _step(

@@ -29,6 +29,7 @@ from budget.methods.gum import propagate
 from budget.methods.scaling import scaled_law
 from budget.results import BY_LAW
 from budget.spec import load_procedure
+from budget.studies.lower_bounds import lacking
 from budget.studies.request import (
     check_numbers,
     check_words,
@@ -127,6 +128,8 @@ class WhatIf:
         d: the middle of an interval less the mean, over u [1].
     limit : tuple of float or None
         On the absolute error of each output; None where there is none [SI].
+    lower_bound : tuple of bool
+        Of each output: whether a line that is not given would widen it.
     law : ScaledLaw
         In the order of `sources` and `outputs` [SI].
     """
@@ -139,6 +142,7 @@ class WhatIf:
     factor: Array = field(repr=False)
     shift: Array = field(repr=False)
     limit: tuple[float | None, ...]
+    lower_bound: tuple[bool, ...]
     law: ScaledLaw = field(repr=False)
 
     def evaluate(self, factors: Mapping[str, float]) -> Outlook:
@@ -205,6 +209,8 @@ class WhatIf:
             "sources": [
                 {
                     "name": source.name,
+                    "owner": source.name.owner,
+                    "quantity": source.name.quantity,
                     "title": _words(source.name),
                     "u": source.u / source.si_per_unit,
                     "unit": source.unit,
@@ -215,6 +221,7 @@ class WhatIf:
             "outputs": [
                 {
                     "name": output.name,
+                    "sensor": output.name.owner,
                     "title": _words(output.name),
                     "group": _words(output.name.group),
                     "axis": output.name.axis,
@@ -223,6 +230,7 @@ class WhatIf:
                     "factor": float(self.factor[k]),
                     "shift": float(self.shift[k]),
                     "limit": _in_unit(self.limit[k], output),
+                    "lower_bound": self.lower_bound[k],
                     "resolution": output.resolution / output.si_per_unit,
                 }
                 for k, output in enumerate(self.outputs)
@@ -342,6 +350,7 @@ def what_if(
         {} if requirement is None else {r.output: r.limit for r in requirement.limits}
     )
     factor, shift = _shape(law, basis.coverage, budget)
+    lacks = lacking(sensors, procedure, reference=basis.reference, only=chosen)
     doubts = {} if budget is None else _doubts(budget)
     return WhatIf(
         coverage=basis.coverage,
@@ -359,6 +368,7 @@ def what_if(
         factor=factor,
         shift=shift,
         limit=tuple(limits.get(output.name) for output in problem.outputs),
+        lower_bound=tuple(bool(lacks[output.name]) for output in problem.outputs),
         law=scaled_law(problem, law).select_sources(varying),
     )
 

@@ -67,6 +67,7 @@ def to_document(allocation: Allocation) -> dict[str, Any]:
                 "utilisation_allowed": row.allowed,
                 "utilisation_floor": row.floor,
                 "binding": row.is_binding,
+                "lower_bound": row.lower_bound,
                 "parts": [asdict(part) for part in row.parts],
             }
             for row in allocation.outputs

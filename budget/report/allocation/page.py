@@ -16,6 +16,7 @@ from budget.report.allocation.words import (
     lever_text,
     match_text,
     part_title,
+    print_floor,
     print_headroom,
     print_part,
     print_stop,
@@ -44,7 +45,6 @@ from budget.report.tables import (
     print_count,
     print_coverage,
     print_given,
-    print_utilisation,
     source_title,
     words,
 )
@@ -249,7 +249,7 @@ def _parts_table(sensor: str, limits: Sequence[LimitedOutput]) -> Table:
 def _used_after(row: LimitedOutput) -> str:
     """Print the largest error in per cent of the limit after the allocation."""
     if row.allowed is None:
-        return print_utilisation(row.floor).removesuffix(" %")
+        return print_floor(row).removesuffix(" %")
     return print_used(row, now=False).removesuffix(" %")
 
 

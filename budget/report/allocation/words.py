@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from budget.report.tables import (
+    Number,
+    bound_number,
     join_outputs,
     print_given,
     print_utilisation,
@@ -90,10 +92,18 @@ def print_part(part: float | None) -> str:
 
 def print_used(row: LimitedOutput, *, now: bool) -> str:
     """Print the largest error in per cent of the limit; at its limit it is 100 %."""
-    if row.is_binding and not now:
-        return "100 %"
     used = row.now if now or row.allowed is None else row.allowed
-    return print_utilisation(used)
+    text = print_utilisation(used)
+    if row.is_binding and not now:
+        text = "100 %"
+    number = Number(text=text, exact=used)
+    return bound_number(number, lower_bound=row.lower_bound).text
+
+
+def print_floor(row: LimitedOutput) -> str:
+    """Print what is held in per cent of the limit."""
+    number = Number(text=print_utilisation(row.floor), exact=row.floor)
+    return bound_number(number, lower_bound=row.lower_bound).text
 
 
 def tightest(outputs: Sequence[LimitedOutput]) -> tuple[LimitedOutput, ...]:
@@ -166,7 +176,7 @@ def _relaxation(rows: Sequence[LimitedOutput]) -> str:
     )
     return (
         f"{join_outputs([each.output.name for each in rows])}: "
-        f"{print_utilisation(row.floor)} of the limit {row.printed_limit} is used up "
+        f"{print_floor(row)} of the limit {row.printed_limit} is used up "
         f"(of its square: {taken}); relax it to more than {needed}, or let go what is "
         "held"
     )

@@ -240,7 +240,7 @@ def _gaps(budget: Budget, extras: Sequence[Extra]) -> Section:
         budget.warnings,
         (f"{extra.key}: {text}" for extra in extras for text in extra.warnings),
     )
-    missing = not_given_lines(budget.not_given, budget.settings.reference)
+    missing = not_given_lines(budget.could_widen)
     lists = (
         (
             "Not given",

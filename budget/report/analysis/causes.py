@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from budget.report.tables import SMALL_SHARE, output_title, source_title
 from budget.studies.request import given_lines, sensors_of
+from budget.ties import first_largest, from_largest, settle
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -61,28 +62,33 @@ def rank_causes(
             effect = Effect(
                 share=row.share,
                 group=group.title,
-                u=max((cell.u for cell in row.cells), key=lambda u: u.exact),
+                u=row.cells[first_largest([c.u.exact for c in row.cells])].u,
                 unit=group.unit,
             )
-            order = (used > 1.0, used * row.share.exact)
+            order = (settle(used) > 1.0, used * row.share.exact)
             owner = row.source.owner or group.sensor
             effects.setdefault((owner, row.source), []).append((order, effect))
-    ranked = sorted(
-        effects.items(),
-        key=lambda item: max(order for order, _ in item[1]),
-        reverse=True,
-    )
+    causes = list(effects.items())
+    ranked = _from_largest([max(order for order, _ in found) for _, found in causes])
     return tuple(
         Cause(
             title=f"{owner} {source_title(source)}",
             printed=_as_meant(given[source]) if source in given else "",
             effects=tuple(
-                effect
-                for _, effect in sorted(found, key=lambda pair: pair[0], reverse=True)
+                found[k][1] for k in _from_largest([order for order, _ in found])
             ),
         )
-        for (owner, source), found in ranked[:CAUSES]
+        for (owner, source), found in (causes[k] for k in ranked[:CAUSES])
     )
+
+
+def _from_largest(orders: Sequence[tuple[bool, float]]) -> list[int]:
+    """Return places, those beyond a limit first, then from the largest weight down."""
+    places: list[int] = []
+    for is_beyond in (True, False):
+        own = [k for k, (beyond, _) in enumerate(orders) if beyond == is_beyond]
+        places += [own[k] for k in from_largest([orders[k][1] for k in own])]
+    return places
 
 
 def _weights(

@@ -17,6 +17,7 @@ from budget.report.blocks import (
 )
 from budget.report.tables import (
     Number,
+    bound_number,
     output_title,
     print_coverage,
     print_share,
@@ -134,25 +135,28 @@ def _row(row: SourceSteps, *, required: bool) -> tuple[Cell, ...]:
         Cell(text=row.output.unit),
     ]
     if required:
-        cells += [_used(step) for step in row.steps]
+        cells += [_used(row, step) for step in row.steps]
         cells.append(_verdicts(row.steps))
     return tuple(cells)
 
 
 def _expanded(row: SourceSteps, step: Step) -> Cell:
     """Round U like its standard uncertainty."""
-    return cell(round_error(step.expanded, step.u, row.output))
+    number = round_error(step.expanded, step.u, row.output)
+    unknown = row.lower_bound and step.u <= row.output.resolution
+    return cell(bound_number(number, lower_bound=row.lower_bound, unknown=unknown))
 
 
-def _used(step: Step) -> Cell:
+def _used(row: SourceSteps, step: Step) -> Cell:
     """Return the part of the limit that the sensor uses."""
     if step.utilisation is None:
         return Cell(text="")
-    return Cell(
+    number = Number(
         text=print_utilisation(step.utilisation).removesuffix(" %"),
         exact=step.utilisation,
-        strong=step.utilisation > 1.0,
     )
+    marked = bound_number(number, lower_bound=row.used_lower_bound)
+    return cell(marked, strong=step.utilisation > 1.0)
 
 
 def _verdicts(steps: Sequence[Step]) -> Cell:

@@ -19,12 +19,17 @@ from budget.report.figures.style import (
     text_width,
 )
 from budget.report.tables import (
+    AT_LEAST,
+    AT_MOST,
+    Number,
+    bound_number,
     output_title,
     print_count,
     print_coverage,
     print_given,
     print_share,
     round_error,
+    source_title,
 )
 
 if TYPE_CHECKING:
@@ -115,6 +120,12 @@ def density_step(density: Density, *, coverage: float) -> Figure:
 
 def density_title(density: Density, *, coverage: float) -> str:
     """State the finding: how often the limit is exceeded, or where the errors lie."""
+    more = ", this or more: lines are missing" if density.lacks else ""
+    return f"{_finding(density, coverage=coverage)}{more}"
+
+
+def _finding(density: Density, *, coverage: float) -> str:
+    """State it as if all lines were given."""
     name = capital(output_title(density.output.name))
     if density.limit is None:
         low, high = (_round(density, end) for end in density.interval_mc)
@@ -232,7 +243,16 @@ def _caption(density: Density) -> str:
     if density.limit is not None and not _limits(density):
         both = f"\N{PLUS-MINUS SIGN}{_limit(density)} {density.output.unit}"
         text += f" The limits, {both}, are beyond the figure."
+    if density.lacks:
+        titles = ", ".join(map(source_title, density.lacks))
+        text += f" Not given, so that it is this wide or wider: {titles}."
     return text
+
+
+def _marked(density: Density, value: float, sign: str) -> Number:
+    """Round a value, and mark it where lines that are not given would move it."""
+    number = round_error(value, density.u, density.output)
+    return bound_number(number, lower_bound=bool(density.lacks), sign=sign)
 
 
 def _round(density: Density, value: float) -> str:
@@ -251,16 +271,17 @@ def _data(density: Density, *, coverage: float) -> Table:
     scale = density.output.si_per_unit
     share = print_coverage(coverage)
     named = [
-        ("mean, by the law", density.mean),
-        ("u, by the law", density.u),
-        (f"{share} % interval by the law, from", density.interval[0]),
-        ("to", density.interval[1]),
-        (f"{share} % interval by Monte Carlo, from", density.interval_mc[0]),
-        ("to", density.interval_mc[1]),
+        ("mean, by the law", density.mean, ""),
+        ("u, by the law", density.u, AT_LEAST),
+        (f"{share} % interval by the law, from", density.interval[0], AT_MOST),
+        ("to", density.interval[1], AT_LEAST),
+        (f"{share} % interval by Monte Carlo, from", density.interval_mc[0], AT_MOST),
+        ("to", density.interval_mc[1], AT_LEAST),
     ]
     rows = [
-        (Cell(text=name), Cell(text=_round(density, x), exact=x / scale))
-        for name, x in named
+        (Cell(text=name), Cell(text=number.text, exact=number.exact))
+        for name, x, sign in named
+        for number in [_marked(density, x, sign)]
     ]
     if density.limit is not None:
         limit = Cell(text=_limit(density), exact=density.limit / scale)

@@ -16,6 +16,7 @@ from budget.methods.scaling import scaled_law
 from budget.model.sources import SENSORS
 from budget.names import Name
 from budget.studies.allocation.records import FREE, HELD, SHARED, ZERO, CoverageCheck
+from budget.studies.lower_bounds import lacking
 from budget.studies.request import given_lines
 from budget.units import DEGREE
 
@@ -55,6 +56,8 @@ class SensorCase:
     ----------
     given : mapping of Name to ErrorLine
         The lines of the sensor, then those that all triads share.
+    lacks : mapping of Name to tuple of Name
+        Expected lines that are not given and would widen an output.
     task : Task
         With the coverage factors that were allocated with in the end.
     outputs : mapping of str to Output
@@ -69,6 +72,7 @@ class SensorCase:
 
     sensor: Sensor
     given: Mapping[Name, ErrorLine]
+    lacks: Mapping[Name, tuple[Name, ...]]
     task: Task
     outputs: Mapping[Name, Output]
     statuses: tuple[str, ...]
@@ -113,6 +117,7 @@ def set_up(
     return SensorCase(
         sensor=sensor,
         given=given,
+        lacks=lacking((sensor,), procedure, reference=requirement.reference),
         outputs={output.name: output for output in problem.outputs},
         statuses=tuple(statuses),
         task=Task(

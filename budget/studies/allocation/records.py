@@ -42,6 +42,7 @@ class LimitedOutput:
     allowed: float | None  # the same after the allocation [1]
     floor: float  # the same of what cannot be allocated [1]
     is_binding: bool
+    lower_bound: bool  # a line that is not given would take a part of it too
     parts: tuple[Part, ...]
 
     @property

@@ -59,6 +59,7 @@ def limited_outputs(
             floor=float(used[1][k]),
             allowed=None if s is None else float(used[2][k]),
             is_binding=bool(bound[k]),
+            lower_bound=bool(case.lacks[name]),
             parts=tuple(
                 Part(
                     source=source,
