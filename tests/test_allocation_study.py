@@ -13,6 +13,7 @@ from budget.calibration.problem import calibration_problem
 from budget.distributions import UNIFORM
 from budget.errors import CallError
 from budget.methods.gum import propagate
+from budget.names import Name
 from budget.spec import load_device, load_procedure, load_requirement
 from budget.spec.records import Cost, Costs, Device, Limit, Requirement
 from budget.studies.allocation.allocate import allocate
@@ -46,8 +47,13 @@ def requirement(limits, *, reference="next_turn_on", coverage=0.95):
         coverage=coverage,
         reference=reference,
         limits=tuple(
-            Limit(output=f"{group}.{axis}", limit=limit, printed=f"{limit}")
+            Limit(
+                output=Name(quantity, owner=owner, axis=axis),
+                limit=limit,
+                printed=f"{limit}",
+            )
             for group, limit in limits.items()
+            for owner, quantity in [group.split(".")]
             for axis in (
                 ("xy", "xz", "yx", "yz", "zx", "zy") if "angle" in group else AXES
             )
@@ -343,7 +349,9 @@ def test_headroom_is_where_a_line_alone_meets_its_limit():
 def test_costs_decide_who_pays():
     """A line a thousand times dearer to improve may be larger than at equal costs."""
     dear = Costs(
-        costs=(Cost(source="gyro.bias_stability", a=1e3, p=1.0, u_ref=None),),
+        costs=(
+            Cost(source=Name("bias_stability", owner="gyro"), a=1e3, p=1.0, u_ref=None),
+        ),
         assumptions=(),
         origin=builders.NOWHERE,
     )

@@ -108,6 +108,7 @@ OTHER_DOTS = {
     "document.base_name.partition('.')",
     "type(error).__module__.partition('.')",
     "f'{path}.{_shown(word)}'",
+    "source.name.split('.')",
 }
 SPLITTERS = {"partition", "rpartition", "split", "rsplit"}
 CUTTERS = {"startswith", "endswith", "removeprefix", "removesuffix"}
