@@ -344,7 +344,7 @@ def _pairs(comparison: Comparison) -> tuple[Section, ...]:
     pairs = comparison.pairs
     if not pairs:
         return ()
-    text = "The errors of the two are independent: probabilities multiply."
+    text = "Counted in the same trials, so what the two share is in it."
     if len(pairs) > PAIRS_SHOWN:
         more = len(pairs) - PAIRS_SHOWN
         text += f" {more} more pairs are in the JSON document."

@@ -80,7 +80,8 @@ def compare(
         By gum: judge as by 'monte-carlo' does, and say where Monte Carlo does not
         confirm the law (JCGM 101, clause 8).
     pairs : bool
-        Whether gyros and accelerometers are paired too.
+        Whether every gyro is paired with every accelerometer; without it only the two
+        of one device are.
     seed, workers, executor
         As of monte_carlo.sample; workers share out devices.
     progress : callable, optional
@@ -158,7 +159,7 @@ def compare(
             for one in candidates
             if not one.sensor.lines
         ),
-        pairs=pair_up(ranked) if pairs else (),
+        pairs=pair_up(ranked, every=pairs),
         assumptions=tuple(
             dict.fromkeys(
                 f"{device.name}: {text}"

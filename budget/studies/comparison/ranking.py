@@ -91,12 +91,17 @@ def _ahead(row: DeviceVerdict, following: DeviceVerdict | None) -> Ahead | None:
     )
 
 
-def pair_up(rows: Sequence[DeviceVerdict]) -> tuple[Pair, ...]:
-    """Pair every gyro with every accelerometer of the same procedure, best first."""
+def pair_up(rows: Sequence[DeviceVerdict], *, every: bool) -> tuple[Pair, ...]:
+    """Pair gyros and accelerometers of the same procedure, best first.
+
+    Every one with every other, or only those that are one device.
+    """
     found = []
     for gyro in (row for row in rows if row.sensor == "gyro"):
         for other in (row for row in rows if row.sensor == "accelerometer"):
             if other.procedure != gyro.procedure:
+                continue
+            if not every and other.place != gyro.place:
                 continue
             found.append(
                 Pair(
