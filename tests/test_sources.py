@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -13,8 +14,9 @@ from builders import (
     paper_accelerometer,
     paper_gyro,
     procedure,
+    sensor,
 )
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 from scipy.special import ndtri
 
 from budget.calibration import simulation
@@ -23,8 +25,9 @@ from budget.calibration.simulation import simulate
 from budget.errors import CallError
 from budget.methods.gum import propagate
 from budget.names import Name
-from budget.spec.records import Limit, Requirement
+from budget.spec.records import Device, Limit, Requirement
 from budget.studies.allocation.cases import Bounds, set_up, solve
+from budget.studies.comparison.compare import compare
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G, PPM, STANDARD_GRAVITY
 
 UNITS = np.array(
@@ -320,3 +323,77 @@ def test_allocation_leaves_a_shared_source_its_part_of_a_limit():
     k = ndtri(0.975)
     exact = np.sqrt((limit / k) ** 2 - shared**2) / u
     assert_allclose(solved.factors, [exact, 1.0], rtol=1e-6)
+
+
+def test_a_device_whose_triads_share_a_source_is_judged_jointly():
+    """Both limits fall at one size of the ramp: together 90 %, not 0.9 times 0.9."""
+    small = 1e-6  # of what the ramp makes, so that every line is given and none counts
+    lines = {
+        "bias_repeatability": small * DEG_PER_HOUR,
+        "bias_stability": small * DEG_PER_HOUR,
+        "angle_random_walk": 1e-12,
+        "scale_factor_repeatability": 1e-12,
+        "mounting_repeatability": 1e-12,
+    }
+    gyro = sensor("gyro", lines | {"bias_temperature_coefficient": BT_GYRO})
+    lines = lines | {"velocity_random_walk": 1e-12}
+    del lines["angle_random_walk"]
+    accelerometer = sensor(
+        "accelerometer", lines | {"bias_temperature_coefficient": BT_ACCELEROMETER}
+    )
+    how = ramp()
+    unit = errors((gyro, accelerometer), how, environment__temperature__ramp=PER_HOUR)
+    k = ndtri(0.95)  # |r| below k has a probability of 0.9
+    limits = tuple(
+        Limit(
+            output=Name("bias", owner=owner, axis="x"),
+            limit=k * abs(unit[place]) * UNITS[place],
+            printed="",
+        )
+        for owner, place in (("gyro", 9), ("accelerometer", 21))
+    )
+    wanted = Requirement(
+        name="shared",
+        coverage=0.95,
+        reference="nominal",
+        limits=limits,
+        caps=(),
+        assumptions=(),
+        origin=NOWHERE,
+    )
+    device = Device(
+        name="one",
+        gyro=gyro,
+        accelerometer=accelerometer,
+        figures=(),
+        assumptions=(),
+        origin=NOWHERE,
+    )
+    found = compare([device], wanted, [how], trials=100_000)
+    standard_error = np.sqrt(0.9 * 0.1 / 100_000)
+    (pair,) = found.pairs
+    for probability in (*(one.conformance for one in found.devices), pair.conformance):
+        assert abs(probability.value - 0.9) < 5.0 * standard_error
+    assert abs(pair.conformance.value - 0.81) > 50.0 * standard_error  # a product
+
+
+def test_every_source_can_be_sent_to_another_process():
+    """A Problem with every kind of disturbance gives the same bits after pickling."""
+    sensors = (
+        paper_gyro(
+            scale_factor_asymmetry=1e-4,
+            g_sensitivity=np.full(9, DEG_PER_HOUR_PER_G),
+            bias_temperature_coefficient=BT_GYRO,
+        ),
+        paper_accelerometer(
+            scale_factor_quadratic=1e-6, bias_temperature_coefficient=BT_ACCELEROMETER
+        ),
+    )
+    how = ramp(
+        station=(line("turn_angle", [1e-6]), line("levelling.east", [1e-5])),
+    )
+    problem = calibration_problem(sensors, how, reference="next_turn_on")
+    x = np.random.default_rng(1).normal(size=(problem.n_inputs, 5)) * 1e-6
+    sent = pickle.loads(pickle.dumps(problem))  # noqa: S301 - our own bytes
+    assert_array_equal(sent.evaluate(x), problem.evaluate(x))
+    assert [g.name.owner for g in sent.groups] == [g.name.owner for g in problem.groups]

@@ -178,7 +178,10 @@ class Disturbance(Effect):
 
     @abstractmethod
     def bind(self, given: Given, triad: Triad) -> Act | None:
-        """Return what the source does to this triad; None: nothing at all."""
+        """Return what the source does to this triad; None: nothing at all.
+
+        It is sent to other processes: a partial of a function of its module.
+        """
 
     def reading(self, value: Array, moment: Moment) -> Array:  # noqa: ARG002
         """Return what is added to the readings of a window's samples, (3, n)."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,14 +38,24 @@ class TurnAsymmetry(Disturbance):
         constant = signed.sum(axis=2)
         R = triad.statistics.coefficients(signed)
 
-        def act(x: Array, truth: Truth, noise: Array) -> Array:
-            inner = truth.see(seen) + constant[:, :, None] * truth.bias[:, None]
-            if R.any():
-                inner = inner + R @ noise
-            return np.asarray(0.5 * x[:, None] * inner)
-
-        return act
+        return partial(_signed, seen=seen, constant=constant, R=R)
 
     def reading(self, value: Array, moment: Moment) -> Array:
         """Return s (Ka/2) times the reading."""
         return moment.window.sense * 0.5 * value[:, None] * moment.reading
+
+
+def _signed(
+    x: Array,
+    truth: Truth,
+    noise: Array,
+    *,
+    seen: Array,
+    constant: Array,
+    R: Array,
+) -> Array:
+    """Return Ka/2 (M v + b c + R noise) for the signed sums v, c and R of W."""
+    inner = truth.see(seen) + constant[:, :, None] * truth.bias[:, None]
+    if R.any():
+        inner = inner + R @ noise
+    return np.asarray(0.5 * x[:, None] * inner)

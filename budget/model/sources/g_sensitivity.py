@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,12 +31,20 @@ class GSensitivity(Disturbance):
         """Return G times the weighed force, statistic by statistic."""
         force = triad.scheme.weigh(triad.scheme.force)  # (3, 4, 3)
 
-        def act(x: Array, truth: Truth, noise: Array) -> Array:  # noqa: ARG001
-            G = x.reshape(3, 3, -1)
-            return np.asarray((force[..., None] * G[:, None]).sum(axis=2))
-
-        return act
+        return partial(_sensed, force=force)
 
     def reading(self, value: Array, moment: Moment) -> Array:
         """Return G f of every sample."""
         return np.asarray(value.reshape(3, 3) @ moment.force)
+
+
+def _sensed(
+    x: Array,
+    truth: Truth,  # noqa: ARG001
+    noise: Array,  # noqa: ARG001
+    *,
+    force: Array,
+) -> Array:
+    """Return G f for weighed forces f."""
+    G = x.reshape(3, 3, -1)
+    return np.asarray((force[..., None] * G[:, None]).sum(axis=2))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -40,13 +41,7 @@ class Levelling(Disturbance):
         # (Rot^T - 1) v = sin(phi) (v x a) + (cos(phi) - 1) (v - along)
         sine, versine = turned @ across, turned @ (scheme.ambient - along)
 
-        def act(x: Array, truth: Truth, noise: Array) -> Array:  # noqa: ARG001
-            half = np.sin(0.5 * x[0])
-            return np.asarray(
-                truth.see(sine) * np.sin(x[0]) - truth.see(versine) * 2.0 * half**2
-            )
-
-        return act
+        return partial(_tilted, sine=sine, versine=versine)
 
     def table(self, value: Array, table: Table) -> Table:
         """Return the table on its tilted base."""
@@ -56,3 +51,18 @@ class Levelling(Disturbance):
         back[j, j] = back[k, k] = c
         back[j, k], back[k, j] = s, -s
         return replace(table, earth=back @ table.earth, gravity=back @ table.gravity)
+
+
+def _tilted(
+    x: Array,
+    truth: Truth,
+    noise: Array,  # noqa: ARG001
+    *,
+    sine: Array,
+    versine: Array,
+) -> Array:
+    """Return M (Rot^T - 1) v, from its parts in sine and versine."""
+    half = np.sin(0.5 * x[0])
+    return np.asarray(
+        truth.see(sine) * np.sin(x[0]) - truth.see(versine) * 2.0 * half**2
+    )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -34,16 +35,26 @@ class Quadratic(Disturbance):
         squares = squares.reshape(3, 4, 3, 3)
         means, total = scheme.weigh(u), scheme.weights.sum(axis=2)[..., None]
 
-        def act(x: Array, truth: Truth, noise: Array) -> Array:  # noqa: ARG001
-            m = truth.see(np.tile(np.eye(3), (3, 1, 1)))  # rows of M, (3, 3, trials)
-            b = truth.bias[:, None]
-            linear = (means[..., None] * m[:, None]).sum(axis=2)
-            inner = (squares[..., None] * m[:, None, None]).sum(axis=3)
-            bent = (inner * m[:, None]).sum(axis=2)
-            return np.asarray(x[:, None] * (bent + 2.0 * b * linear + b**2 * total))
-
-        return act
+        return partial(_squared, squares=squares, means=means, total=total)
 
     def reading(self, value: Array, moment: Moment) -> Array:
         """Return K2 x^2 of every sample's input."""
         return value[:, None] * moment.true_input**2
+
+
+def _squared(
+    x: Array,
+    truth: Truth,
+    noise: Array,  # noqa: ARG001
+    *,
+    squares: Array,
+    means: Array,
+    total: Array,
+) -> Array:
+    """Return K2 times the weighed squares of M u + b."""
+    m = truth.see(np.tile(np.eye(3), (3, 1, 1)))  # rows of M, (3, 3, trials)
+    b = truth.bias[:, None]
+    linear = (means[..., None] * m[:, None]).sum(axis=2)
+    inner = (squares[..., None] * m[:, None, None]).sum(axis=3)
+    bent = (inner * m[:, None]).sum(axis=2)
+    return np.asarray(x[:, None] * (bent + 2.0 * b * linear + b**2 * total))

@@ -8,6 +8,7 @@ and of one sign on all axes; the ramp is what nobody knows.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -41,10 +42,7 @@ class TemperatureRamp(Disturbance):
         times = triad.scheme.weigh(triad.scheme.schedule.middles[:, None])  # (3, 4, 1)
         drift = coefficient[:, None, None] * times
 
-        def act(x: Array, truth: Truth, noise: Array) -> Array:  # noqa: ARG001
-            return np.asarray(drift * x[None])
-
-        return act
+        return partial(_drifted, drift=drift)
 
     def reading(self, value: Array, moment: Moment) -> Array:
         """Return bT r t of every sample."""
@@ -59,3 +57,14 @@ def _coefficient(given: Mapping[str, Given]) -> Array | None:
     """Return bT by axis [SI], None where the data sheet gives none."""
     line = given.get(BIAS_COEFFICIENT)
     return None if line is None else line.u
+
+
+def _drifted(
+    x: Array,
+    truth: Truth,  # noqa: ARG001
+    noise: Array,  # noqa: ARG001
+    *,
+    drift: Array,
+) -> Array:
+    """Return r times what a ramp of 1 leaves."""
+    return np.asarray(drift * x[None])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -43,11 +44,7 @@ class TurnAngle(Disturbance):
         weights = scheme.weights[:, :, turns]
         shown = weights[..., None] * per_angle  # (3, 4, m, 3)
 
-        def act(x: Array, truth: Truth, noise: Array) -> Array:  # noqa: ARG001
-            seen = [truth.see(shown[:, :, k]) for k in range(turns.size)]
-            return np.asarray(sum(v * x[k] for k, v in enumerate(seen)))
-
-        return act
+        return partial(_turned, shown=shown)
 
     def table(self, value: Array, table: Table) -> Table:
         """Return the table with the angle that it really turns."""
@@ -59,3 +56,15 @@ class TurnAngle(Disturbance):
 def _turns(scheme: Scheme) -> NDArray[np.intp]:
     """Return the places of the windows that turn."""
     return np.flatnonzero(scheme.schedule.senses)
+
+
+def _turned(
+    x: Array,
+    truth: Truth,
+    noise: Array,  # noqa: ARG001
+    *,
+    shown: Array,
+) -> Array:
+    """Return M du, summed over the turns."""
+    seen = [truth.see(shown[:, :, k]) for k in range(shown.shape[2])]
+    return np.asarray(sum(v * x[k] for k, v in enumerate(seen)))
