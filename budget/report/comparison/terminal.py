@@ -236,10 +236,7 @@ def _print_pairs(comparison: Comparison, page: Page) -> None:
         return
     shown = comparison.pairs[:PAIRS_SHOWN]
     page.line()
-    page.line(
-        "Gyro and accelerometer, within all limits of both together",
-        style="bold underline",
-    )
+    page.line("Pairs, within all limits of both together", style="bold underline")
     several = len(comparison.procedures) > 1
     heads = ["gyro", "accelerometer", "verdict", "% of limit", "conform %"]
     words = [
