@@ -158,7 +158,7 @@ function shareOf(part) {
 function perCent(part) {
   const used = settled(part);
   if (used === 1) return "100 %";
-  const place = used > 1 && used < 1.01 ? -1 : lastPlace(10 * used);
+  const place = Math.abs(used - 1) < 0.01 ? -1 : lastPlace(10 * used);
   const text = used === 0 ? "0" : roundAt(100 * used, place);
   if (text === "100" || text === "100.0") return used < 1 ? "<100 %" : ">100 %";
   return `${text} %`;

@@ -334,6 +334,8 @@ def make_model():
         "sources": [
             {
                 "name": "gyro.bias_repeatability",
+                "owner": "gyro",
+                "quantity": "bias_repeatability",
                 "title": "gyro bias repeatability",
                 "u": 0.05,
                 "unit": "deg/h",
@@ -341,6 +343,8 @@ def make_model():
             },
             {
                 "name": "gyro.bias_stability",
+                "owner": "gyro",
+                "quantity": "bias_stability",
                 "title": "gyro bias stability",
                 "u": 0.04,
                 "unit": "deg/h",
@@ -350,6 +354,8 @@ def make_model():
         "outputs": [
             {
                 "name": "gyro.bias.x",
+                "sensor": "gyro",
+                "lower_bound": False,
                 "title": "gyro bias x",
                 "group": "gyro bias",
                 "axis": "x",

@@ -207,7 +207,7 @@ def test_of_outputs_alike_the_first_is_the_worst(browser, path):
     """A difference of rounding does not make the page name another output."""
     model = {
         "sensors": [{"name": "gyro", "missing": [], "doubt": [1, 1]}],
-        "outputs": [{"name": f"gyro.bias.{axis}"} for axis in "xyz"],
+        "outputs": [{"name": f"gyro.bias.{axis}", "sensor": "gyro"} for axis in "xyz"],
     }
     used = (0.5, 0.5 * (1.0 + 1e-15), 0.4)
     rows = [{"utilisation": part} for part in used]

@@ -231,7 +231,7 @@ def print_utilisation(utilisation: float) -> str:
     used = settle(utilisation)
     if used == 1.0:
         return "100 %"
-    if 1.0 < used < 1.0 + NEAR_LIMIT:
+    if abs(used - 1.0) < NEAR_LIMIT:
         text = print_decimals(100.0 * used, 1)
     else:
         text = round_value(100.0 * used, 10.0 * abs(used))  # two digits of a tenth

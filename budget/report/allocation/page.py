@@ -214,7 +214,7 @@ def _parts_table(sensor: str, limits: Sequence[LimitedOutput]) -> Table:
         ]
     rows = []
     for place, part in enumerate(limits[0].parts):
-        cells = [Cell(text=capital(part_title(part.source)))]
+        cells = [Cell(text=capital(part_title(part.source, sensor)))]
         for row in limits:
             one = row.parts[place]
             after = one.floor if one.allowed is None else one.allowed

@@ -186,7 +186,7 @@ def _part_cells(outputs: Sequence[LimitedOutput], *, feasible: bool) -> list[lis
         small = part.source in {INTERACTION, MEAN}
         if small and all(max(p.now, p.allowed or 0.0) < 1e-3 for p in parts):  # noqa: PLR2004
             continue
-        cells.append([part_title(part.source), *shown])
+        cells.append([part_title(part.source, chosen[0].sensor), *shown])
     errors = [
         print_used(row, now=True)
         + (f" > {print_used(row, now=False)}" if feasible else "")

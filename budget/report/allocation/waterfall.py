@@ -54,7 +54,7 @@ def waterfall(row: LimitedOutput) -> Figure:
     axes.set_xlim(0.0, 100.0)
     axes.set_xticks([0, 25, 50, 75, 100])
     axes.set_xlabel("part of the squared limit [%]", fontsize=SMALL, color=MUTED)
-    names = ["limit", *(part_title(part.source) for part in parts), "left"]
+    names = ["limit", *(part_title(part.source, row.sensor) for part in parts), "left"]
     axes.set_yticks(range(len(names)), names)
     axes.barh(0, 100.0, height=THICK, color=GRID)
     left, left_now = 1.0, 1.0
@@ -85,7 +85,8 @@ def waterfall_title(row: LimitedOutput) -> str:
     """State the finding: who takes most of the limit."""
     name = output_title(row.output.name)
     largest = row.parts[first_largest([_after(part) for part in row.parts])]
-    part = f"{part_title(largest.source)} takes {print_part(_after(largest))} %"
+    title = part_title(largest.source, row.sensor)
+    part = f"{title} takes {print_part(_after(largest))} %"
     if row.allowed is None:
         return f"{capital(name)} cannot be met: {part} of the squared limit"
     return f"{capital(part)} of the squared {name} limit"
@@ -95,7 +96,7 @@ def waterfall_alt(row: LimitedOutput) -> str:
     """Say in words with numbers what the waterfall shows."""
     word = after_word(row)
     parts = "; ".join(
-        f"{part_title(part.source)} now {print_part(part.now)} %, {word} "
+        f"{part_title(part.source, row.sensor)} now {print_part(part.now)} %, {word} "
         f"{print_part(_after(part))} %"
         for part in _shown(row)
     )
@@ -110,7 +111,7 @@ def waterfall_tips(row: LimitedOutput) -> dict[str, str]:
     """Return a tooltip for the bar of each source, by its gid."""
     return {
         _gid(part): (
-            f"{part_title(part.source)}: now {print_part(part.now)} %, "
+            f"{part_title(part.source, row.sensor)}: now {print_part(part.now)} %, "
             f"{after_word(row)} {print_part(_after(part))} % of the squared "
             f"{output_title(row.output.name)} limit {row.printed_limit}"
         )

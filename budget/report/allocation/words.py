@@ -116,9 +116,9 @@ def tightest(outputs: Sequence[LimitedOutput]) -> tuple[LimitedOutput, ...]:
     )
 
 
-def part_title(source: Name) -> str:
-    """Name what takes a part of a limit."""
-    return "mean error" if source == MEAN else source_title(source)
+def part_title(source: Name, sensor: str) -> str:
+    """Name what takes a part of a limit of that sensor."""
+    return "mean error" if source == MEAN else source_title(source, of=sensor)
 
 
 def remarks(row: SourceAllotment) -> str:
@@ -170,7 +170,7 @@ def _relaxation(rows: Sequence[LimitedOutput]) -> str:
     needed = print_value(row.floor * row.limit / scale, row.output.unit)
     users = [row.parts[k] for k in from_largest([part.floor for part in row.parts])]
     taken = ", ".join(
-        f"{part_title(part.source)} {print_part(part.floor)} %"
+        f"{part_title(part.source, row.sensor)} {print_part(part.floor)} %"
         for part in users[:3]
         if part.floor > 0.01  # noqa: PLR2004 - of the squared limit
     )
