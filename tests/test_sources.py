@@ -27,6 +27,7 @@ from budget.methods.gum import propagate
 from budget.names import Name
 from budget.spec.records import Device, Limit, Requirement
 from budget.studies.allocation.cases import Bounds, set_up, solve
+from budget.studies.analysis import analyze
 from budget.studies.comparison.compare import compare
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G, PPM, STANDARD_GRAVITY
 
@@ -397,3 +398,31 @@ def test_every_source_can_be_sent_to_another_process():
     sent = pickle.loads(pickle.dumps(problem))  # noqa: S301 - our own bytes
     assert_array_equal(sent.evaluate(x), problem.evaluate(x))
     assert [g.name.owner for g in sent.groups] == [g.name.owner for g in problem.groups]
+
+
+def test_what_nothing_feels_is_said_with_what_it_takes():
+    """A ramp without coefficients, a coefficient without a ramp, turns of no gyro."""
+
+    def warned(sensors, how):
+        device = Device(
+            name="one",
+            gyro=next((s for s in sensors if s.kind == "gyro"), None),
+            accelerometer=next((s for s in sensors if s.kind != "gyro"), None),
+            figures=(),
+            assumptions=(),
+            origin=NOWHERE,
+        )
+        return analyze(device, procedure=how, validate=False).warnings
+
+    (text,) = warned(triads(), ramp())
+    assert text.startswith("environment.temperature.ramp is given and reaches no")
+    assert "bias_temperature_coefficient" in text
+    both = warned(WARM, procedure())
+    assert [text.partition(" ")[0] for text in both] == [
+        "gyro.bias_temperature_coefficient",
+        "accelerometer.bias_temperature_coefficient",
+    ]
+    turned = procedure(station=(line("turn_angle", [1e-6]),))
+    (text,) = warned((paper_accelerometer(),), turned)
+    assert text.startswith("station.turn_angle is given")
+    assert warned(WARM, ramp()) == ()  # what is felt is not named

@@ -14,7 +14,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -130,7 +130,15 @@ def _remainder(T: Array, row: Array) -> Array:
 
 
 class Effect:
-    """What a source does."""
+    """What a source does.
+
+    Attributes
+    ----------
+    needs : str
+        What has to be there, besides the source, for anything to feel it.
+    """
+
+    needs: ClassVar[str] = "windows that feel it"
 
 
 @dataclass(frozen=True)

@@ -179,6 +179,7 @@ def analyze(
     )
     if chosen is None:
         warnings += cautions.unknown_zeros(problem, law)
+        warnings += cautions.unfelt(problem, law, sensors)
     validations: tuple[Validation | None, ...] = (None,) * len(problem.outputs)
     if method == "gum":
         estimate = Estimate(

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.model.sources import DEVICE, source_of
+from budget.model.source import Coefficient, Disturbance
+from budget.model.sources import DEVICE, ENVIRONMENT, source_of
 from budget.names import Name
 
 if TYPE_CHECKING:
@@ -109,6 +110,36 @@ def unknown_zeros(problem: Problem, law: Propagation) -> tuple[str, ...]:
         "is not known, not how good it is"
     )
     return (text,)
+
+
+def unfelt(
+    problem: Problem, law: Propagation, sensors: Sequence[Sensor]
+) -> tuple[str, ...]:
+    """Name what is given and reaches no output of this test, and what it needs.
+
+    Disturbances and coefficients only: that an offset is shared by the reference is
+    said elsewhere.
+    """
+    zero = np.array([output.resolution**2 for output in problem.outputs])
+    names = [
+        group.name
+        for group, variance in zip(problem.groups, law.source_variance, strict=True)
+        if not group.is_constant and (variance <= zero).all()
+    ]
+    owners = {group.name.owner for group in problem.groups if not group.is_constant}
+    if ENVIRONMENT not in owners:
+        names += [
+            Name(line.name, owner=sensor.kind)
+            for sensor in sensors
+            for line in sensor.lines
+            if line.u.any() and not source_of(sensor.kind, line.name).varies
+        ]
+    effects = [(name, source_of(name.owner, name.quantity).effect) for name in names]
+    return tuple(
+        f"{name} is given and reaches no output of this test: it takes {effect.needs}"
+        for name, effect in effects
+        if isinstance(effect, Disturbance | Coefficient)
+    )
 
 
 def shared_constants(sensors: Sequence[Sensor], reference: str) -> tuple[str, ...]:

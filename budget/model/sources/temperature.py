@@ -29,10 +29,14 @@ BIAS_COEFFICIENT = "bias_temperature_coefficient"
 class TemperatureCoefficient(Coefficient):
     """bT: change of a bias with the temperature."""
 
+    needs = "a temperature that changes (temperature.ramp of the environment)"
+
 
 @dataclass(frozen=True)
 class TemperatureRamp(Disturbance):
     """e_i = bT_i r t, t the time in the middle of a window."""
+
+    needs = f"a sensor with a coefficient ({BIAS_COEFFICIENT})"
 
     def bind(self, given: Given, triad: Triad) -> Act | None:  # noqa: ARG002
         """Return r times the weighed times, axis by axis; None without coefficients."""

@@ -27,6 +27,8 @@ class TurnAngle(Disturbance):
     order, 1e-5 of the first, left out. An accelerometer does not feel a turn.
     """
 
+    needs = "a gyro that is turned"
+
     def size(self, given: Given, scheme: Scheme | None) -> int:
         """Return the number of turns."""
         return given.u.size if scheme is None else max(1, _turns(scheme).size)
