@@ -205,10 +205,10 @@ SOURCES = (
             effect=Levelling(axis),
             stays=TEST,
             axes=ONE_VALUE,
-            colour="blue",
+            colour=colour,
             is_hatched=True,
         )
-        for axis, name in enumerate(("east", "north"))
+        for axis, (name, colour) in enumerate((("east", "blue"), ("north", "yellow")))
     ),
 )
 

@@ -49,6 +49,7 @@ STYLES = {  # source: (colour, hatch, colour of text), in the order of the segme
         if source.is_hatched
         else (INKS[source.colour], "", ON_DARK if source.colour in DARK else ON_LIGHT)
         for source in SOURCES
+        if source.varies
     },
     INTERACTION: ("#9aa0a6", "xxxx", ""),
     OTHER: ("#c3c7cc", "", ON_LIGHT),
