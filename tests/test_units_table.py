@@ -22,6 +22,14 @@ ACCELERATION_WALK, RATIO, ANGLE, TIME, FREQUENCY = (
 # 3.141592653589793/180 rad = 0.01745329251994330 rad; 1 h = 3600 s, whose root is 60;
 # 1/sqrt(Hz) = sqrt(s); 1 g = 9.80665 m/s^2; 1 ft = 0.3048 m; 1 Gal = 0.01 m/s^2.
 READ = [
+    ("°/h/g", "deg/h/g", 4.943723709009050e-7),  # 4.84813681109536e-6 / 9.80665
+    ("(°/s)/(m/s²)", "deg/h/g", 0.01745329251994330),
+    ("µg/g²", "ug/g^2", 1.019716212977928e-7),  # 1e-6 / 9.80665
+    ("ppm/g", "ug/g^2", 1.019716212977928e-7),
+    ("°/h/°C", "deg/h/degC", 4.848136811095360e-6),
+    ("µg/°C", "ug/degC", 9.80665e-6),
+    ("mg/K", "ug/degC", 9.80665e-3),
+    ("°C/min", "degC/h", 1.0 / 60.0),
     ("°/h", RATE, 4.848136811095360e-6),  # 0.0174532925199433 / 3600
     ("°/hr", RATE, 4.848136811095360e-6),
     ("°/hour", RATE, 4.848136811095360e-6),
@@ -164,16 +172,16 @@ RESPELLED = [
 # What is measured has no line, whatever the spelling; where somebody might put it.
 NOT_BUDGETED = {
     RATIO: (
-        *("% FS", "ppm of FS", "% span", "ppm of span/°C", "ppm/°C", "%/°C", "ppm/g"),
-        *("mA/g", "mV/g", "LSB/g", "LSB/(°/s)", "µg/g²", "mV/°/s"),
+        *("% FS", "ppm of FS", "% span", "ppm of span/°C", "ppm/°C", "%/°C"),
+        *("mA/g", "mV/g", "LSB/g", "LSB/(°/s)", "mV/°/s"),
     ),
     ANGLE: ("% cross-axis", "µrad/°C", "arcsec/pulse", "arc-sec/pulse", "µrad/LSB"),
     RATE: (
-        *("°/h/g", "°/s/g", "(°/s)/(m/s²)", "°/h/g²rms", "°/h/Gauss", "°/h/°C"),
-        *("°C/min", "K/min", "arcsec/pulse", "°C", "K", "V", "bit"),
+        *("°/h/g²rms", "°/h/Gauss"),
+        *("arcsec/pulse", "°C", "K", "V", "bit"),
     ),
     ACCELERATION: (
-        *("µg/g²", "µg/g³", "µg/g²rms", "mg/g²rms", "µg/Gauss", "µg/°C", "mg/°C"),
+        *("µg/g³", "µg/g²rms", "mg/g²rms", "µg/Gauss"),
         *("µg/min", "ft/s/count", "m/s/LSB", "W", "mW", "mA", "gram", "grams", "kg"),
         *("lb", "cc", "cm³", "in³", "mm", "MTBF h", "FIT", "EUR"),
     ),
