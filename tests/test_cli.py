@@ -266,7 +266,7 @@ def test_interrupt_writes_nothing(tmp_path):
     run = subprocess.Popen(
         [
             *(sys.executable, "-m", "budget", "analyze", "--method", "monte-carlo"),
-            *("--trials", "2000000000", "--json", "out.json"),
+            *("--trials", "100000000", "--json", "out.json"),
         ],
         cwd=tmp_path,
         stdout=subprocess.PIPE,
@@ -363,7 +363,8 @@ def test_no_printed_name_gives_the_terminal_orders(tmp_path, monkeypatch):
     ):
         run = call(*words)
         said = run.out + run.err
-        assert run.code in {0, 1}, said
+        # A file is not written whose name of a requirement no reader would take.
+        assert run.code in {0, 1} or "could not be read back" in said, said
         assert SHOWN[:4] in said.replace("\n", ""), words
         assert not set("\x1b\u202e\u200e\x9b") & set(said), words
 

@@ -155,7 +155,7 @@ def perturbed(specs, references, figure):
     path.write_text("".join(lines), encoding="utf-8")
     try:
         return {
-            name: check(reference, specs / "references", name=name)
+            name: check(reference, specs / "references", name=name, root=specs)
             for name, reference in references[figure.device]
         }
     finally:
@@ -178,7 +178,7 @@ def test_unchanged_references_hold(specs, references, device):
     """Control: without a change nothing moves, and no change is reported."""
     assert references[device]
     for name, reference in references[device]:
-        found = check(reference, specs / "references", name=name)
+        found = check(reference, specs / "references", name=name, root=specs)
         assert found.holds
         assert not [change for change in found.changes if change.where != "tool"]
 

@@ -140,7 +140,8 @@ def test_what_it_rests_on_is_printed():
 
 def test_empty_lists_are_said_to_be_empty():
     """Nothing missing and nothing assumed is said, not left to be guessed."""
-    text = render(make_budget(not_given=(), assumptions=(), warnings=()))
+    budget = make_budget(not_given=(), could_widen={}, assumptions=(), warnings=())
+    text = render(budget)
 
     assert "Not given: none\n" in text
     assert "Assumptions: none\n" in text

@@ -69,7 +69,7 @@ BAD = {
     "line of one sensor only": (
         "name: x\naccelerometer: {errors: {scale_factor_asymmetry: 1 ppm}}\n",
         "2:26",
-        "mounting_repeatability$",
+        "bias_temperature_coefficient$",
     ),
     "another number of sigmas": (
         GYRO + "    sample_noise: {value: 1 deg/h, meaning: 4 sigma}\n",

@@ -60,10 +60,7 @@ def _processes(wanted: int) -> int:
     if wanted <= there:
         return wanted
     some = "1 processor" if there == 1 else f"{there} processors"
-    typer.echo(
-        f"--workers {wanted}: this run may use {some}, so that many are started",
-        err=True,
-    )
+    say(f"--workers {wanted}: this run may use {some}, so that many are started")
     return there
 
 
