@@ -125,6 +125,7 @@ def in_line(name: object) -> str:
 def say(text: str) -> None:
     """Talk on stderr; stdout is for results."""
     sys.stderr.write(f"{without_controls(text)}\n")
+    sys.stderr.flush()  # before the work that it is about
 
 
 def say_written(paths: Iterable[Path]) -> None:
