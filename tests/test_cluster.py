@@ -330,7 +330,7 @@ def test_the_command_without_workers_left_ends_with_2(lone_worker):
     command = subprocess.Popen(
         [
             *(sys.executable, "-m", "budget", "analyze", "--cluster", address),
-            *("--method", "monte-carlo", "--trials", "400000000"),
+            *("--method", "monte-carlo", "--trials", "100000000"),
         ],
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,

@@ -28,7 +28,7 @@ from budget.cli.options import processors
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="faults of POSIX systems")
 
-LONG_RUN = ("analyze", "--method", "monte-carlo", "--trials", "300000000")
+LONG_RUN = ("analyze", "--method", "monte-carlo", "--trials", "100000000")
 TWO_WORKERS = (*BUDGET, *LONG_RUN, "--workers", "2", "--json", "a.json")
 
 

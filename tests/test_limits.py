@@ -12,7 +12,7 @@ import pytest
 
 LONG_RUN = (
     *(sys.executable, "-m", "budget", "analyze", "--method", "monte-carlo"),
-    *("--trials", "400000000"),
+    *("--trials", "100000000"),
 )
 PATIENCE = 600.0  # [s] before a test gives up on a process that hangs
 
