@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from budget.names import Name
 from budget.report.allocation.words import print_stop
 from budget.report.analysis.verdict import verdict_cards
 from budget.report.figures.utilisation import utilisation_title
@@ -86,11 +87,12 @@ def test_settling_keeps_twelve_digits():
 
 def test_outputs_are_named_together():
     """Axes of one parameter stand behind its name; all six are 'every axis'."""
-    angles = [f"gyro.mounting_angle.{axis}" for axis in ANGLES]
+    angles = [Name("mounting_angle", owner="gyro", axis=axis) for axis in ANGLES]
+    biases = [Name("bias", owner="gyro", axis=axis) for axis in "xyz"]
 
-    assert join_outputs([f"gyro.bias.{axis}" for axis in "xyz"]) == "gyro bias x, y, z"
+    assert join_outputs(biases) == "gyro bias x, y, z"
     assert join_outputs(angles) == "gyro mounting angle (every axis)"
-    assert print_stop(["gyro.bias.x", "gyro.bias.y"]) == "bias x, y"
+    assert print_stop(biases[:2]) == "bias x, y"
     assert print_stop([]) == "-"
 
 
