@@ -92,8 +92,8 @@ def test_outputs_are_named_together():
 
     assert join_outputs(biases) == "gyro bias x, y, z"
     assert join_outputs(angles) == "gyro mounting angle (every axis)"
-    assert print_stop(biases[:2]) == "bias x, y"
-    assert print_stop([]) == "-"
+    assert print_stop(biases[:2], "gyro") == "bias x, y"
+    assert print_stop([], "gyro") == "-"
 
 
 def shaken(budget, seed):
