@@ -1,4 +1,4 @@
-"""Gyro g-sensitivity: what a specific force adds to a rate (IEEE 952, PHYSICS 5)."""
+"""Gyro g-sensitivity: what a specific force adds to a rate (IEEE 952)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Levelling of a table: a tilt of its base against the horizon (PHYSICS 2.1)."""
+"""Levelling of a table: a tilt of its base against the horizon."""
 
 from __future__ import annotations
 

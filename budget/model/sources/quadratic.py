@@ -1,4 +1,4 @@
-"""Second-order scale factor of an accelerometer, K2 (IEEE 1293; PHYSICS 3)."""
+"""Second-order scale factor of an accelerometer, K2 (IEEE 1293)."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """A temperature that both triads share, and what their parameters make of it.
 
 T(t) - T0 = r t from the start of a triad's test; b = b0 + bT (T - T0) and K = K0 (1 +
-kT (T - T0)), IEEE 1293 and 952 (PHYSICS 4). The coefficients are the device's, fixed
+kT (T - T0)), IEEE 1293 and 952. The coefficients are the device's, fixed
 and of one sign on all axes; the ramp is what nobody knows.
 """
 

@@ -1,4 +1,4 @@
-"""Angle error of a table's turn: what it turns more than it was told (PHYSICS 2.1)."""
+"""Angle error of a table's turn: what it turns more than it was told."""
 
 from __future__ import annotations
 
