@@ -15,7 +15,8 @@ from numpy.testing import assert_allclose
 HALF = Fraction(1, 2)
 DEG = pi / 180.0
 
-# Size in SI and powers of angle, time, length: written down here once more, by hand.
+# Size in SI and powers of angle, time, length and temperature: written down here once
+# more, by hand; powers that are not written are zero.
 NAMES = {
     "deg": (DEG, (1, 0, 0)),
     "\N{DEGREE SIGN}": (DEG, (1, 0, 0)),
@@ -51,11 +52,14 @@ NAMES = {
     "ng": (9.80665e-9, (0, -2, 1)),
     "%": (1e-2, (0, 0, 0)),
     "ppm": (1e-6, (0, 0, 0)),
+    "degC": (1.0, (0, 0, 0, 1)),
+    "K": (1.0, (0, 0, 0, 1)),
 }
 # The dimension of each kind of quantity, in the order of LIKES.
 KINDS = (
-    *((1, -1, 0), (1, -HALF, 0), (1, -3 * HALF, 0), (0, -2, 1), (0, -3 * HALF, 1)),
-    *((0, -5 * HALF, 1), (0, 0, 0), (1, 0, 0), (0, 1, 0), (0, -1, 0)),
+    *((1, -1), (1, -HALF), (1, -3 * HALF), (0, -2, 1), (0, -3 * HALF, 1)),
+    *((0, -5 * HALF, 1), (1, 1, -1), (0, 2, -1), (0, -1, 0, 1), (1, -1, 0, -1)),
+    *((0, -2, 1, -1), (), (1,), (0, 1), (0, -1)),
 )
 STANDARD = 9.80665  # [m/s^2]
 
@@ -76,19 +80,22 @@ class Unit:
 
     text: str
     size: float  # [SI]
-    powers: tuple[Fraction, ...]  # of angle, time, length
+    powers: tuple[Fraction, ...]  # of angle, time, length, temperature
+
+
+def powers_of(*written):
+    """Return the four powers of a dimension of which the last ones may be left out."""
+    return tuple(map(Fraction, (*written, *(0,) * (4 - len(written)))))
 
 
 def factor(name, shape):
     """Return one factor: a name, its square or its root, in one of the spellings."""
-    size, powers = NAMES[name]
+    size, powers = NAMES[name][0], powers_of(*NAMES[name][1])
     if shape in ROOTS:
-        return Unit(
-            shape.format(name), sqrt(size), tuple(Fraction(p) / 2 for p in powers)
-        )
+        return Unit(shape.format(name), sqrt(size), tuple(p / 2 for p in powers))
     if shape == "{}":
-        return Unit(name, size, tuple(map(Fraction, powers)))
-    return Unit(shape.format(name), size**2, tuple(Fraction(2 * p) for p in powers))
+        return Unit(name, size, powers)
+    return Unit(shape.format(name), size**2, tuple(2 * p for p in powers))
 
 
 def joined(first, sign, second):
@@ -161,7 +168,7 @@ def test_units_of_the_grammar_have_their_size_and_no_other_kind(number, unit):
     text = f"{number} {unit.text}"
     for like, powers in zip(LIKES, KINDS, strict=True):
         value = judge_quantity(text, like, STANDARD)
-        if tuple(map(Fraction, powers)) != unit.powers:
+        if powers_of(*powers) != unit.powers:
             assert value is None, (text, like)
         elif len(text) <= 100 and can_be(float(number) * unit.size):
             assert value is not None, (text, like)
