@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING, Self
 
 if TYPE_CHECKING:
@@ -80,6 +81,7 @@ def meant(text: str, known: Iterable[Name]) -> tuple[Name, ...]:
     return tuple(name for name in known if text in {name, name.without_owner})
 
 
+@cache
 def parameters_of(owner: str) -> tuple[Name, ...]:
     """Return the names of the 12 outputs of a triad, in their order."""
     return tuple(

@@ -357,7 +357,7 @@ class Probability:
         return {"conformance": self.value, "conformance_interval": ends}
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, slots=True)
 class OutputAssessment:
     """One required output against its limit [SI]."""
 

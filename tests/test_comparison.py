@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from math import prod, sqrt
 
 import numpy as np
@@ -23,9 +24,10 @@ from numpy.testing import assert_allclose
 from scipy.special import ndtr
 from scipy.stats import binomtest
 
+from budget.calibration.problem import calibration_problem
 from budget.methods.gum import propagate
-from budget.studies.comparison.candidates import candidate
-from budget.studies.judgement import _binomial
+from budget.problem import Problem
+from budget.studies.judgement import _binomial, limit_problem
 from budget.units import DEG_PER_HOUR
 
 # Verdicts
@@ -169,11 +171,8 @@ def test_joint_conformance_of_correlated_errors():
     """
     lines = {"bias_stability": 1.0 * DEG_PER_HOUR}
     found = compared([device("x", gyro=lines)], method="gum").devices[0]
-    one = candidate(
-        device("x", gyro=lines),
-        device("x", gyro=lines).gyro,
-        procedure(),
-        requirement(),
+    one = limit_problem(
+        calibration_problem((device("x", gyro=lines).gyro,), procedure()), requirement()
     )
     law = propagate(one.problem)
     rng = np.random.default_rng(5)
@@ -262,3 +261,19 @@ def test_more_devices_move_no_number():
 
     assert alone.utilisation == among.utilisation
     assert alone.conformance == among.conformance
+
+
+def test_a_comparison_keeps_no_problem():
+    """At no time is there more than one Problem: of thousands all would stand."""
+    found = []
+
+    def count(*_):
+        gc.collect()
+        found.append(sum(isinstance(one, Problem) for one in gc.get_objects()))
+
+    count()
+    devices = [paper_device(str(place)) for place in range(8)]
+    compared(devices, method="gum", progress=count)
+
+    assert len(found) > 8
+    assert max(found) <= found[0] + 1

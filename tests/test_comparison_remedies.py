@@ -25,7 +25,7 @@ from budget.distributions import UNIFORM
 from budget.errors import CallError
 from budget.methods.gum import propagate
 from budget.spec.records import Requirement
-from budget.studies.comparison.candidates import candidate, find_remedy
+from budget.studies.comparison.candidates import find_remedy
 from budget.studies.comparison.figures_of_merit import (
     Amount,
     front,
@@ -33,7 +33,7 @@ from budget.studies.comparison.figures_of_merit import (
     read_amount,
 )
 from budget.studies.comparison.grades import completeness, grade, kind_of_device
-from budget.studies.judgement import screen
+from budget.studies.judgement import limit_problem, screen
 from budget.units import DEG_PER_HOUR, MICRO_G
 
 # What limits it, and what is missing
@@ -42,7 +42,7 @@ from budget.units import DEG_PER_HOUR, MICRO_G
 def test_remedy_brings_the_worst_output_to_its_limit():
     """With the factor on the limiting source alone, the law's utilisation is 1."""
     bad = paper_device(times=3.0)
-    one = candidate(bad, bad.gyro, procedure(), requirement())
+    one = limit_problem(calibration_problem((bad.gyro,), procedure()), requirement())
     law = propagate(one.problem)
     ends = np.abs(law.interval(0.95)).max(axis=1) / one.limits
     judged = screen(one, law, coverage=0.95, seed=0)

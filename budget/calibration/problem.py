@@ -9,6 +9,7 @@ source that both triads share is drawn once and felt by both.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,12 +28,12 @@ from budget.model.source import (
     Triad,
 )
 from budget.model.sources import ENVIRONMENT, STATION, source_of
-from budget.names import ANGLES, AXES, Name
+from budget.names import Name, parameters_of
 from budget.problem import Group, Output, Problem, arguments
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G, PPM
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Mapping
 
     from budget.arrays import Array
     from budget.model.scheme import Scheme
@@ -97,7 +98,9 @@ def calibration_problem(
     return Problem(
         groups=groups,
         outputs=tuple(
-            output for sensor in sensors for output in _outputs(sensor, procedure)
+            output
+            for sensor in sensors
+            for output in _outputs(sensor.kind, _natural_bias(sensor, procedure))
         ),
         function=Calibration(
             triads=tuple(
@@ -385,19 +388,27 @@ def _calibration(
     )
 
 
-def _outputs(sensor: Sensor, procedure: Procedure) -> Iterator[Output]:
-    """Name the outputs of one triad, with units and the size of their rounding."""
-    beside = ROTATION_RATE if sensor.kind == "gyro" else procedure.gravity  # [SI]
-    natural_bias = beside + float(np.abs(sensor.nominal_bias).max())
-    for quantity, axes, unit, si_per_unit, size in (
-        ("scale_factor", AXES, "ppm", PPM, 1.0),
-        ("mounting_angle", ANGLES, "arcsec", ARCSEC, 1.0),
-        ("bias", AXES, *BIAS_UNITS[sensor.kind], natural_bias),
-    ):
-        for axis in axes:
-            yield Output(
-                name=Name(quantity, owner=sensor.kind, axis=axis),
-                unit=unit,
-                si_per_unit=si_per_unit,
-                resolution=ROUNDING * size,
-            )
+def _natural_bias(sensor: Sensor, procedure: Procedure) -> float:
+    """Return what a bias of that triad is measured beside, with its own [SI]."""
+    beside = ROTATION_RATE if sensor.kind == "gyro" else procedure.gravity
+    return beside + float(np.abs(sensor.nominal_bias).max())
+
+
+@lru_cache(maxsize=64)  # thousands of devices share a few
+def _outputs(owner: str, natural_bias: float) -> tuple[Output, ...]:
+    """Name the outputs of one triad, with units and the size of their rounding.
+
+    `natural_bias` is what a bias is measured beside, with that of the design [SI].
+    """
+    units = {
+        "scale_factor": ("ppm", PPM, 1.0),
+        "mounting_angle": ("arcsec", ARCSEC, 1.0),
+        "bias": (*BIAS_UNITS[owner], natural_bias),
+    }
+    return tuple(
+        Output(
+            name=name, unit=unit, si_per_unit=si_per_unit, resolution=ROUNDING * size
+        )
+        for name in parameters_of(owner)
+        for unit, si_per_unit, size in [units[name.quantity]]
+    )

@@ -12,6 +12,8 @@ from budget.cli import options
 from budget.cli.streams import console, say, say_written
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
     from budget.errors import Issue
     from budget.report.comparison.tables import Column
     from budget.spec.records import Device
@@ -199,11 +201,12 @@ def _deliver(
 ) -> None:
     """Print the comparison, or the document asked for; write the files."""
     from budget.cli.output import printing
-    from budget.report.comparison.document import to_csv, to_json
+    from budget.report.comparison.document import json_pieces, to_csv
     from budget.report.files import write_all
 
-    documents = [(json, to_json), (csv, to_csv)]
-    files: dict[Path, str | bytes] = {
+    documents: list[tuple[Path | None, Callable[[Comparison], Iterable[str]]]]
+    documents = [(json, json_pieces), (csv, lambda found: [to_csv(found)])]
+    files: dict[Path, str | bytes | Iterable[str]] = {
         path: render(comparison)
         for path, render in documents
         if path is not None and path != options.STDOUT
@@ -222,7 +225,7 @@ def _deliver(
     on_stdout = [render for path, render in documents if path == options.STDOUT]
     with printing():
         if on_stdout:
-            sys.stdout.write(on_stdout[0](comparison))
+            sys.stdout.writelines(on_stdout[0](comparison))
             return
         from budget.report.comparison.terminal import render_comparison
 

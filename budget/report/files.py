@@ -26,7 +26,7 @@ PRIVATE, UNMASKED = 0o600, 0o666
 NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
 
 
-def write_all(files: Mapping[Path, str | bytes]) -> None:
+def write_all(files: Mapping[Path, str | bytes | Iterable[str]]) -> None:
     """Write all files, or leave every one of them as it was.
 
     Each is written under a temporary name in its own folder and renamed only when all
@@ -35,8 +35,9 @@ def write_all(files: Mapping[Path, str | bytes]) -> None:
 
     Parameters
     ----------
-    files : mapping of Path to str or bytes
-        Text is written as UTF-8 with its line ends as they are.
+    files : mapping of Path to str, bytes or pieces of str
+        Text is written as UTF-8 with its line ends as they are; pieces one after
+        another, so that a large text never stands in memory as a whole.
 
     Raises
     ------
@@ -45,15 +46,11 @@ def write_all(files: Mapping[Path, str | bytes]) -> None:
         read-only or an input of this run, two paths are one file, or the disk refuses.
     """
     targets = check_targets(files)
-    contents = [
-        _encode(content) if isinstance(content, str) else content
-        for content in files.values()
-    ]
     with ExitStack() as staging:
         staged = []
-        for path, target, content in zip(files, targets, contents, strict=True):
+        for (path, content), target in zip(files.items(), targets, strict=True):
             try:
-                staged.append(_stage(target, content, staging))
+                staged.append(_stage(target, _encoded(content), staging))
             except OSError as error:
                 raise _refused(path, error) from error
         # Steps back run only on an error; temporary files go in any case, after them.
@@ -134,10 +131,14 @@ def _follow(path: Path) -> Path:
     return path.resolve()
 
 
-def _encode(text: str) -> bytes:
+def _encoded(content: str | bytes | Iterable[str]) -> Iterator[bytes]:
     """Encode as UTF-8, also file names whose bytes this locale does not know."""
-    data = text.encode("utf-8", errors="surrogateescape")
-    return data.decode("utf-8", errors="replace").encode()
+    if isinstance(content, bytes):
+        yield content
+        return
+    for text in (content,) if isinstance(content, str) else content:
+        data = text.encode("utf-8", errors="surrogateescape")
+        yield data.decode("utf-8", errors="replace").encode()
 
 
 def _check(path: Path, target: Path, *, twice: bool) -> None:
@@ -187,7 +188,7 @@ def _check_present(path: Path, mode: int) -> None:
         )
 
 
-def _stage(target: Path, content: bytes, scraps: ExitStack) -> Path:
+def _stage(target: Path, content: Iterable[bytes], scraps: ExitStack) -> Path:
     """Write the content beside the target under a temporary name."""
     temporary = _beside(target)
     scraps.callback(temporary.unlink, missing_ok=True)
@@ -198,11 +199,11 @@ def _stage(target: Path, content: bytes, scraps: ExitStack) -> Path:
     return temporary
 
 
-def _write(path: Path, content: bytes, *, mode: int) -> None:
+def _write(path: Path, content: Iterable[bytes], *, mode: int) -> None:
     """Write a new file down to the disk, where a full one shows: before any rename."""
     descriptor = os.open(path, NEW, mode)
     with os.fdopen(descriptor, "wb") as file:
-        file.write(content)
+        file.writelines(content)
         file.flush()
         os.fsync(file.fileno())
 
@@ -227,7 +228,7 @@ def _take_place(
         return
     former = _beside(target)
     scraps.callback(former.unlink, missing_ok=True)
-    _write(former, target.read_bytes(), mode=PRIVATE)
+    _write(former, [target.read_bytes()], mode=PRIVATE)
     shutil.copystat(target, former)
     temporary.replace(target)
     undo.callback(former.replace, target)

@@ -20,6 +20,7 @@ INKS = {
     figures.BLACK: "var(--black)",
 }
 INK = re.compile(r"((?:fill|stroke): ?)(#[0-9a-fA-F]{6})")  # as matplotlib writes it
+ELEMENT = re.compile(r'<(?P<tag>\w+) [^>]*?\bid="(?P<id>[^"]+)"[^>]*?(?P<empty>/?)>')
 PROLOG = re.compile(
     r"<title>.*?</title>|<metadata>.*?</metadata>|<style.*?</style>", re.DOTALL
 )
@@ -54,8 +55,7 @@ def svg_element(
     head, end, rest = PROLOG.sub("", svg[svg.index("<svg") :]).partition(">")
     head = re.sub(r' (xmlns(:\w+)?|width|height|version)="[^"]*"', "", head)
     rest = INK.sub(lambda ink: ink[1] + INKS.get(ink[2], ink[2]), rest)
-    for gid, tip in (tips or {}).items():
-        rest = _add_tip(rest, f"{name}-{gid}", tip)
+    rest = _with_tips(rest, {f"{name}-{gid}": tip for gid, tip in (tips or {}).items()})
     return f'{head} role="img" aria-label="{escape(alt)}"{end}{rest}'
 
 
@@ -67,16 +67,20 @@ def natural_width(svg: str) -> float:
     return float(found[1])
 
 
-def _add_tip(svg: str, identity: str, tip: str) -> str:
-    """Put a title into one element, which browsers show as a tooltip."""
-    place = re.compile(rf'<(\w+)( [^>]*?\bid="{re.escape(identity)}"[^>]*?)(/?)>')
-    title = f"<title>{escape(tip)}</title>"
+def _with_tips(svg: str, tips: Mapping[str, str]) -> str:
+    """Put a title into the elements of those ids, which browsers show as a tooltip."""
+    left = dict(tips)
 
     def with_title(found: re.Match[str]) -> str:
-        closing = f"</{found[1]}>" if found[3] else ""
-        return f"<{found[1]}{found[2]}>{title}{closing}"
+        tip = left.pop(found["id"], None)
+        if tip is None:
+            return found[0]
+        closing = f"</{found['tag']}>" if found["empty"] else ""
+        start = found[0].removesuffix(">").removesuffix("/")
+        return f"{start}><title>{escape(tip)}</title>{closing}"
 
-    told, times = place.subn(with_title, svg, count=1)
-    if not times:
-        raise ValueError(f"the tip {identity!r} belongs to no element of its figure")
+    told = ELEMENT.sub(with_title, svg)
+    if left:
+        lost = ", ".join(map(repr, left))
+        raise ValueError(f"the tip {lost} belongs to no element of its figure")
     return told

@@ -80,14 +80,14 @@ def to_json(comparison: Comparison) -> str:
     ValueError
         A number is not finite: JSON has none, and a comparison must have none.
     """
-    return "".join(_pieces(comparison))
+    return "".join(json_pieces(comparison))
 
 
-def _pieces(comparison: Comparison) -> Iterator[str]:
-    """Yield the text of the document, one device after another.
+def json_pieces(comparison: Comparison) -> Iterator[str]:
+    """Yield the text of the JSON document, one device after another.
 
     Thousands of them as one nest of dicts, and as what that is encoded to, take ten
-    times the room of their text.
+    times the room of their text. Raises as to_json does.
     """
     start = "{\n"
     for key, value in _frame(comparison).items():

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.calibration.problem import calibration_problem
+from budget.errors import CallError
 from budget.methods.gum import propagate
 from budget.names import Name
 from budget.spec.lines import lines_of
@@ -29,8 +30,10 @@ FAMILIES = ("mems", "fog", "rlg", "hrg", "quartz flexure")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Candidate(Limited):
-    """What is judged: a Problem with its limits, and whose it is.
+class Candidate:
+    """What is judged: one sensor of a device under a procedure.
+
+    Its Problem is made where it is judged and not kept: there may be thousands.
 
     Attributes
     ----------
@@ -42,34 +45,35 @@ class Candidate(Limited):
     place: int
     sensor: Sensor
     procedure: Procedure
+    requirement: Requirement
+
+    @property
+    def is_limited(self) -> bool:
+        """Whether anything is required of it."""
+        kinds = {limit.output.owner for limit in self.requirement.limits}
+        return self.sensor.kind in kinds
+
+    def limited(self) -> Limited:
+        """Return its Problem with the limits on it.
+
+        Raises
+        ------
+        CallError
+            Nothing is required of it.
+        """
+        problem = calibration_problem(
+            (self.sensor,), self.procedure, reference=self.requirement.reference
+        )
+        held = limit_problem(problem, self.requirement)
+        if held is None:
+            raise CallError(
+                f"{self.requirement.name} limits nothing of the {self.sensor.kind}; "
+                "add limits for it, or leave it out"
+            )
+        return held
 
 
-def candidate(
-    device: Device,
-    sensor: Sensor,
-    procedure: Procedure,
-    requirement: Requirement,
-    *,
-    place: int = 0,
-) -> Candidate | None:
-    """Set up one sensor of a device; None where nothing is required of it."""
-    problem = calibration_problem((sensor,), procedure, reference=requirement.reference)
-    held = limit_problem(problem, requirement)
-    if held is None:
-        return None
-    return Candidate(
-        device=device,
-        place=place,
-        sensor=sensor,
-        procedure=procedure,
-        problem=problem,
-        rows=held.rows,
-        limits=held.limits,
-        printed=held.printed,
-    )
-
-
-def find_remedy(one: Candidate, law: Propagation, judged: Judged) -> Remedy:
+def find_remedy(held: Limited, law: Propagation, judged: Judged) -> Remedy:
     """Return the source that makes most of the worst output, and what would mend it.
 
     With the other sources as they are, k^2 (V - V_s + f^2 V_s) = (limit - |mean|)^2
@@ -79,22 +83,22 @@ def find_remedy(one: Candidate, law: Propagation, judged: Judged) -> Remedy:
 
     Parameters
     ----------
-    one : Candidate
+    held : Limited
     law : Propagation
         Of its Problem.
     judged : Judged
         How it stands against its limits.
     """
     worst = judged.worst
-    row = one.rows[worst]
+    row = held.rows[worst]
     parts = law.source_variance[:, row]
     source = first_largest(parts.tolist())
     total = float(law.covariance[row, row])
-    name = one.problem.groups[source].name
+    name = held.problem.groups[source].name
     if total == 0.0:
         return Remedy(source=name, share=0.0, factor=None)
     k = float(judged.factor[worst])
-    allowed = (max(one.limits[worst] - abs(law.mean[row]), 0.0) / k) ** 2
+    allowed = (max(held.limits[worst] - abs(law.mean[row]), 0.0) / k) ** 2
     rest = total - float(parts[source])
     can_mend = allowed > rest and parts[source] > 0.0
     return Remedy(
@@ -104,11 +108,7 @@ def find_remedy(one: Candidate, law: Propagation, judged: Judged) -> Remedy:
     )
 
 
-def bound_missing(
-    one: Candidate,
-    requirement: Requirement,
-    catalogue: Sequence[Device],
-) -> MissingLines | None:
+def bound_missing(one: Candidate, catalogue: Sequence[Device]) -> MissingLines | None:
     """Return what expected lines that are not given could do; None where none miss."""
     if not one.sensor.expected_missing:
         return None
@@ -123,11 +123,9 @@ def bound_missing(
         completed = replace(
             one.sensor, lines=(*one.sensor.lines, *(line for line, _ in found))
         )
-        problem = calibration_problem(
-            (completed,), one.procedure, reference=requirement.reference
-        )
-        ends = propagate(problem).interval(requirement.coverage)[one.rows]
-        utilisation = float((np.abs(ends).max(axis=1) / one.limits).max())
+        held = replace(one, sensor=completed).limited()
+        ends = propagate(held.problem).interval(one.requirement.coverage)[held.rows]
+        utilisation = float((np.abs(ends).max(axis=1) / held.limits).max())
     return MissingLines(
         lines=missing,
         assumed=tuple(

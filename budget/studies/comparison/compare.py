@@ -9,11 +9,7 @@ from budget.errors import CallError
 from budget.methods.execution import local_executor
 from budget.results import InputFile, Settings
 from budget.spec import load_procedure
-from budget.studies.comparison.candidates import (
-    Candidate,
-    bound_missing,
-    candidate,
-)
+from budget.studies.comparison.candidates import Candidate, bound_missing
 from budget.studies.comparison.figures_of_merit import MERITS, is_known, over_cap
 from budget.studies.comparison.judging import Finding, How, judge_all
 from budget.studies.comparison.ranking import pair_up, rank
@@ -23,8 +19,7 @@ from budget.studies.comparison.records import (
     Entrant,
     UnknownCap,
 )
-from budget.studies.judgement import MAX_TRIALS, TRIALS, assess_outputs
-from budget.studies.lower_bounds import lacking
+from budget.studies.judgement import MAX_TRIALS, TRIALS
 from budget.studies.progress import stage
 
 if TYPE_CHECKING:
@@ -106,7 +101,15 @@ def compare(
         for procedure in procedures
         for place, device in enumerate(devices)
         for sensor in device.sensors
-        if (one := candidate(device, sensor, procedure, requirement, place=place))
+        if (
+            one := Candidate(
+                device=device,
+                place=place,
+                sensor=sensor,
+                procedure=procedure,
+                requirement=requirement,
+            )
+        ).is_limited
     ]
     judged = [one for one in candidates if one.sensor.lines]
     if not candidates:
@@ -131,7 +134,7 @@ def compare(
             progress=stage(progress, "comparison of devices"),
         )
     verdicts = [
-        _verdict(one, finding, requirement, catalogue)
+        _verdict(one, finding, catalogue)
         for one, finding in zip(judged, findings, strict=True)
     ]
     ranked = rank(verdicts)
@@ -147,17 +150,13 @@ def compare(
             interval="symmetric",
             reference=requirement.reference,
             formulas=", ".join(dict.fromkeys(p.formulas for p in procedures)),
-            normals_per_trial=max(
-                (c.problem.normals_per_trial for c in judged), default=0
-            ),
+            normals_per_trial=max((finding.normals for finding in findings), default=0),
         ),
         caps=requirement.caps,
         not_compared=_not_compared(devices, requirement),
         devices=ranked,
         nothing_known=tuple(
-            _entrant(one, requirement, catalogue)
-            for one in candidates
-            if not one.sensor.lines
+            _entrant(one, catalogue) for one in candidates if not one.sensor.lines
         ),
         pairs=pair_up(ranked, every=pairs),
         assumptions=tuple(
@@ -199,10 +198,7 @@ def _check_names(procedures: Sequence[Procedure]) -> None:
 
 
 def _verdict(
-    one: Candidate,
-    finding: Finding,
-    requirement: Requirement,
-    catalogue: Sequence[Device],
+    one: Candidate, finding: Finding, catalogue: Sequence[Device]
 ) -> DeviceVerdict:
     """Turn a finding into the verdict on one sensor of one device."""
     judged = finding.judged
@@ -211,16 +207,15 @@ def _verdict(
         advice = ADVICE
     elif judged.trials is None and judged.is_open:
         advice = UNSURE
-    lacks = lacking((one.sensor,), one.procedure, reference=requirement.reference)
     return DeviceVerdict(
-        **vars(_entrant(one, requirement, catalogue)),
+        **vars(_entrant(one, catalogue)),
         verdict=finding.verdict,
         utilisation=judged.utilisation,
         utilisation_interval=judged.utilisation_interval,
-        worst_output=one.outputs[judged.worst].name,
-        worst_outputs=tuple(one.outputs[k].name for k in judged.all_worst),
+        worst_output=finding.worst,
+        worst_outputs=finding.all_worst,
         conformance=judged.conformance,
-        outputs=assess_outputs(one, judged, lacks),
+        outputs=finding.outputs,
         remedy=finding.remedy,
         trials=judged.trials,
         advice=advice,
@@ -229,11 +224,9 @@ def _verdict(
     )
 
 
-def _entrant(
-    one: Candidate, requirement: Requirement, catalogue: Sequence[Device]
-) -> Entrant:
+def _entrant(one: Candidate, catalogue: Sequence[Device]) -> Entrant:
     """Return what is said of every candidate, whether it can be judged or not."""
-    device = one.device
+    device, caps = one.device, one.requirement.caps
     return Entrant(
         name=device.name,
         place=one.place,
@@ -242,19 +235,19 @@ def _entrant(
         file=device.origin.file,
         technology=device.technology,
         not_given=one.sensor.not_given,
-        missing=bound_missing(one, requirement, catalogue),
+        missing=bound_missing(one, catalogue),
         price=device.price,
         mass=device.mass,
         power=device.power,
         over_caps=tuple(
             text
-            for merit, cap in requirement.caps
+            for merit, cap in caps
             if merit in MERITS
             and (text := over_cap(merit, getattr(device, merit), cap))
         ),
         unknown_caps=tuple(
             UnknownCap(merit=merit, cap=cap, text=text)
-            for merit, cap in requirement.caps
+            for merit, cap in caps
             if merit in MERITS
             and not is_known(merit, text := getattr(device, merit), cap)
         ),

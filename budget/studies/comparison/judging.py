@@ -18,15 +18,20 @@ from budget.studies.comparison.records import Ahead, Remedy
 from budget.studies.judgement import (
     STEP,
     Judged,
+    assess_outputs,
     can_sharpen,
     judge,
     judge_with,
     screen,
 )
+from budget.studies.lower_bounds import lacking
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from concurrent.futures import Executor
+
+    from budget.names import Name
+    from budget.results import OutputAssessment
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,7 +70,13 @@ class Finding:
     closer : Judged
         With as many as its rank took, for nothing but the rank.
     verdict : str
+    outputs : tuple of OutputAssessment
+        The required ones.
+    worst, all_worst : Name, tuple of Name
+        That which uses most of its limit; that and all that are equal by the law.
     remedy : Remedy
+    normals : int
+        That a trial of its Problem draws.
     impossible : tuple of str
         Outputs beyond their limits without any source.
     doubtful : tuple of str
@@ -75,7 +86,11 @@ class Finding:
     judged: Judged
     closer: Judged
     verdict: str
+    outputs: tuple[OutputAssessment, ...]
+    worst: Name
+    all_worst: tuple[Name, ...]
     remedy: Remedy
+    normals: int
     impossible: tuple[str, ...]
     doubtful: tuple[str, ...]
 
@@ -130,13 +145,14 @@ def judge_all(
 def _judge(task: tuple[Candidate, None], *, how: How) -> Finding:
     """Judge one candidate, by the law alone or as every command does."""
     one, _ = task
-    law = propagate(one.problem)
+    held = one.limited()
+    law = propagate(held.problem)
     doubtful: tuple[str, ...] = ()
     if how.method == "gum" and not how.validate:
-        judged = screen(one, law, coverage=how.coverage, seed=how.seed)
+        judged = screen(held, law, coverage=how.coverage, seed=how.seed)
     else:
         judged = judge(
-            one,
+            held,
             law,
             coverage=how.coverage,
             seed=how.seed,
@@ -144,17 +160,23 @@ def _judge(task: tuple[Candidate, None], *, how: How) -> Finding:
             max_trials=how.max_trials,
         )
     if how.validate:
-        checks = validate(one.problem, law, coverage=how.coverage, seed=how.seed)
+        checks = validate(held.problem, law, coverage=how.coverage, seed=how.seed)
         doubtful = tuple(
-            one.problem.outputs[row].name for row in one.rows if not checks[row].holds
+            held.problem.outputs[row].name for row in held.rows if not checks[row].holds
         )
-    beyond = np.abs(law.value[one.rows]) >= one.limits
+    beyond = np.abs(law.value[held.rows]) >= held.limits
+    lacks = lacking((one.sensor,), one.procedure, reference=one.requirement.reference)
+    names = [output.name for output in held.outputs]
     return Finding(
         judged=judged,
         closer=judged,
         verdict=judged.verdict(one.sensor.expected_missing),
-        remedy=find_remedy(one, law, judged),
-        impossible=tuple(one.problem.outputs[row].name for row in one.rows[beyond]),
+        outputs=assess_outputs(held, judged, lacks),
+        worst=names[judged.worst],
+        all_worst=tuple(names[place] for place in judged.all_worst),
+        remedy=find_remedy(held, law, judged),
+        normals=held.problem.normals_per_trial,
+        impossible=tuple(itertools.compress(names, beyond)),
         doubtful=doubtful,
     )
 
@@ -164,9 +186,10 @@ def _look_closer(task: tuple[Candidate, Finding], *, how: How, trials: int) -> F
     one, finding = task
     if (finding.closer.trials or 0) >= trials:
         return finding
+    held = one.limited()
     closer = judge_with(
-        one,
-        propagate(one.problem),
+        held,
+        propagate(held.problem),
         coverage=how.coverage,
         seed=how.seed,
         trials=trials,
