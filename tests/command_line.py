@@ -15,7 +15,8 @@ from budget.cli import main
 
 # A terminal of usual width without colours, whatever the tests are started from.
 TERMINAL = {"COLUMNS": "80", "NO_COLOR": "1", "PYTHONIOENCODING": "utf-8"}
-UNWANTED = ("FORCE_COLOR", "SOURCE_DATE_EPOCH")
+# Without bytecode each process would compile the whole package again.
+UNWANTED = ("FORCE_COLOR", "SOURCE_DATE_EPOCH", "PYTHONDONTWRITEBYTECODE")
 
 
 @dataclass(frozen=True, kw_only=True)
