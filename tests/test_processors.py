@@ -17,10 +17,19 @@ WANTED = Path(__file__).parent.parent / "docs" / "example" / "requirement.yaml"
 PROCESSORS = (("Nehalem", "1"), ("Haswell", "2"), ("SKYLAKEX", "1"))
 AGREES = 1e-12  # relative, of numbers in documents
 COMMANDS = {
-    "analyze": ("--no-validate",),
-    "allocate": ("--requirement", WANTED),
-    "compare": ("zhao-2019", "stim300", "--requirement", WANTED, "--method", "gum"),
+    "analyze": ("analyze", "--no-validate"),
+    "allocate": ("allocate", "--requirement", WANTED),
+    "least cost": (
+        *("allocate", "--requirement", WANTED),
+        *("--strategy", "cost", "--no-validate"),
+    ),
+    "compare": (
+        *("compare", "zhao-2019", "stim300", "--requirement", WANTED),
+        *("--method", "gum"),
+    ),
 }
+# What the solver says of how it came there, before its answer is sharpened.
+PROOFS = ("residual", "gap", "solver")
 
 
 def leaves(document, path=""):
@@ -43,7 +52,7 @@ def test_no_word_and_no_digit_hangs_on_the_processor(command, tmp_path):
         path = tmp_path / f"{kernel}.json"
         done = subprocess.run(
             [
-                *(sys.executable, "-m", "budget", command, *COMMANDS[command]),
+                *(sys.executable, "-m", "budget", *COMMANDS[command]),
                 *("--json", path),
             ],
             env=os.environ
@@ -56,10 +65,12 @@ def test_no_word_and_no_digit_hangs_on_the_processor(command, tmp_path):
         said.append(done.stdout)
         documents.append(dict(leaves(json.loads(path.read_text(encoding="utf-8")))))
 
-    assert len(set(said)) == 1
+    assert len(set(said)) == 1  # every word and digit
     for one, other in pairwise(documents):
         assert one.keys() == other.keys()
         for key, value in one.items():
+            if key.endswith(PROOFS):
+                continue
             if isinstance(value, float) and "covariance" not in key:
                 # Below 1e-15 of a printed unit a number is the rounding of zero.
                 assert_allclose(other[key], value, rtol=AGREES, atol=1e-15)

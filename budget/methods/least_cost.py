@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from budget.methods.allocation import SMALLEST, TOUCHES, grow, proportional
+from budget.methods.allocation import SMALLEST, TARGET, TOUCHES, grow, proportional
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -25,6 +25,7 @@ GOOD = 1e-6  # residual and gap that are as good as none [1]
 ROUNDS = 6  # of the solver, each from the point before
 ITERATIONS = 500  # of the solver in one round
 NEAR = 1e-5  # an output this close to its limit may have a multiplier [1]
+SHARPENED = 1e-2  # the most that factors and multipliers move to be exact [1]
 ALIKE = 1e-12  # limits closer than this have one multiplier [1]
 
 
@@ -113,7 +114,9 @@ def least_cost(task: Task, prices: Prices) -> LeastCost:
             best = judged
         if best.is_optimal:
             break
-    return best
+    sharp = grow(task, task.clip(_sharpen(task, prices, best)), task.free)
+    sharper = judge(task, prices, sharp, best.solver)
+    return sharper if sharper.is_optimal else best
 
 
 def judge(task: Task, prices: Prices, s: Array, solver: str = "") -> LeastCost:
@@ -172,6 +175,56 @@ def judge(task: Task, prices: Prices, s: Array, solver: str = "") -> LeastCost:
     )
 
 
+def _sharpen(task: Task, prices: Prices, found: LeastCost) -> Array:
+    """Solve the conditions of the optimum that was found as equations, to rounding.
+
+    A minimiser stops at 1e-6 of the least cost, where processors part. With the
+    binding outputs A and the sources between their bounds known, x = log s and the
+    multipliers mu of A, those that are as good as equal once, follow from
+
+        d log(cost)/dx + sum_A mu d log(end)/dx = 0,    log(end / limit) = 0 in A.
+    """
+    from scipy.optimize import nnls, root
+    from scipy.special import softmax
+
+    s = found.s
+    bound = (s >= task.high * (1.0 - TOUCHES)) | (s <= task.low * (1.0 + TOUCHES))
+    inner = np.flatnonzero(task.free & ~bound)
+    binding = np.flatnonzero(task.utilisation(s) > 1.0 - NEAR)
+    rows = np.intersect1d(_different(task, s, alike=NEAR), binding)
+    if inner.size == 0 or rows.size == 0:
+        return s
+    free = np.flatnonzero(task.free)
+    among = np.searchsorted(free, inner)
+    log_c, p = np.log(prices.c[free]), prices.p[free]
+    size = softmax(log_c - p * np.log(s[free]))[among]
+    slopes = task.law.log_end_gradient(s, task.coverage_factor)[rows][:, inner]
+    multiplier, _ = nnls(slopes.T, p[among] * size)
+    rows, multiplier = rows[multiplier > GOOD], multiplier[multiplier > GOOD]
+
+    def factors(x: Array) -> Array:
+        moved = s.copy()
+        moved[inner] = np.exp(x)
+        return moved
+
+    def left(unknown: Array) -> Array:
+        moved, mu = factors(unknown[: inner.size]), unknown[inner.size :]
+        share = softmax(log_c - p * np.log(moved[free]))[among]
+        slopes = task.law.log_end_gradient(moved, task.coverage_factor)
+        return np.concatenate(
+            [
+                (mu @ slopes[rows][:, inner] - p[among] * share) / size,
+                np.log(task.utilisation(moved)[rows] / TARGET),
+            ]
+        )
+
+    start = np.concatenate([np.log(s[inner]), multiplier])
+    with np.errstate(all="ignore"):  # a step may go far; what it leads to is judged
+        sharp = root(left, start, tol=1e-15)
+    near = np.isfinite(sharp.x).all() and np.abs(sharp.x - start).max() < SHARPENED
+    return factors(sharp.x[: inner.size]) if near else s
+
+
 def _solve(
     task: Task, prices: Prices, start: Array, free: NDArray[np.intp]
 ) -> tuple[Array, str]:
@@ -201,7 +254,7 @@ def _solve(
         gradient = task.law.log_end_gradient(factors(x), task.coverage_factor)
         return np.asarray(-gradient[rows][:, free])
 
-    rows = _different(task, start)
+    rows = _different(task, start, alike=ALIKE)
     low = np.log(np.maximum(task.low[free], SMALLEST))
     high = np.log(task.high[free])
     inside: Any = {"type": "ineq", "fun": room, "jac": room_gradient}
@@ -217,7 +270,7 @@ def _solve(
     return factors(np.clip(found.x, low, high)), str(found.message)
 
 
-def _different(task: Task, s: Array) -> NDArray[np.intp]:
+def _different(task: Task, s: Array, *, alike: float) -> NDArray[np.intp]:
     """Return places of outputs, one of those whose conditions are the same at s."""
     k = task.coverage_factor
     rows = np.column_stack(
@@ -228,6 +281,6 @@ def _different(task: Task, s: Array) -> NDArray[np.intp]:
     )
     kept: list[int] = []
     for place, row in enumerate(rows):
-        if not any(np.abs(row - rows[other]).max() < ALIKE for other in kept):
+        if not any(np.abs(row - rows[other]).max() < alike for other in kept):
             kept.append(place)
     return np.array(kept, dtype=np.intp)

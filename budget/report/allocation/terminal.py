@@ -33,6 +33,7 @@ from budget.report.tables import (
 )
 from budget.results import INTERACTION
 from budget.studies.allocation.records import FREE, MEAN
+from budget.ties import settle
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -226,6 +227,9 @@ def _corrections(rows: Iterable[SourceAllotment]) -> list[str]:
     ]
 
 
+SHARP = 1e-12  # below it a residual is the rounding of the processor [1]
+
+
 def _cost_lines(allocation: Allocation, width: int) -> list[str]:
     """Say what the allocation costs and what limits cost."""
     if not allocation.costs:
@@ -235,7 +239,7 @@ def _cost_lines(allocation: Allocation, width: int) -> list[str]:
         total = (
             f"{cost.sensor}: {cost.cost:.5g} for the lines that are free, "
             f"{cost.now:.5g} now; at most {cost.gap:.1g} of it above the least "
-            f"(residual {cost.residual:.1g})"
+            f"(residual below {max(settle(cost.residual), SHARP):.1g})"
         )
         texts = [total]
         texts += [

@@ -12,6 +12,7 @@ from budget.names import Name
 from budget.resources import shipped
 from budget.spec import load_device, variants
 from budget.studies.allocation.records import LineMatch, Match
+from budget.ties import settle
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -96,7 +97,7 @@ def match_catalogue(
                 kinds.index(m.sensor),
                 not m.meets,
                 len(m.missing),
-                m.worst,
+                settle(m.worst),
                 m.device,
             ),
         )

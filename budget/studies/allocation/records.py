@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from budget.names import Name
+from budget.ties import settle
 
 if TYPE_CHECKING:
     from budget.problem import Output
@@ -188,7 +189,9 @@ class Match:
     def beyond(self) -> tuple[LineMatch, ...]:
         """Lines that are larger than allowed."""
         return tuple(
-            line for line in self.lines if line.ratio is not None and line.ratio > 1.0
+            line
+            for line in self.lines
+            if line.ratio is not None and settle(line.ratio) > 1.0
         )
 
     @property
