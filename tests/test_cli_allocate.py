@@ -187,6 +187,18 @@ def test_two_files_make_one_device(odd, tmp_path):
         assert one["allowed"] == other["allowed"]
 
 
+def test_a_bound_has_the_g_of_the_device(odd):
+    """What --max holds a line to is in the same g as the line: 2 ug is its 2 ug."""
+    held = document(odd, "--max", "accelerometer.bias_stability=2 ug")
+
+    (row,) = (
+        row
+        for row in held["sources"]
+        if row["source"] == "accelerometer.bias_stability"
+    )
+    assert_allclose(row["allowed"], 2.0, rtol=1e-12)
+
+
 def test_infeasible_exits_1_and_writes_nothing(tmp_path):
     """With bias stability held no file appears, and the reason is on stdout."""
     files = [tmp_path / name for name in ("d.yaml", "r.json", "r.csv")]

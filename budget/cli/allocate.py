@@ -187,7 +187,8 @@ def _values(
             given = kinds[full.owner].line(full.quantity)
             unit = source_of(full.owner, full.quantity).like(full.owner)
             try:
-                quantity = parse_quantity(figure, unit)
+                gravity = kinds[full.owner].gravity_unit
+                quantity = parse_quantity(figure, unit, gravity=gravity)
                 value = standard_size(quantity, given.density if given else "")
             except UnitError as error:
                 raise CallError(f"{option} {name.strip()}: {error}") from None

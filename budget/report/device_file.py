@@ -5,8 +5,6 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from budget.distributions import NORMAL
 from budget.spec.records import ANGLES, AXES
 from budget.units import (
@@ -25,7 +23,6 @@ if TYPE_CHECKING:
 
 LONGEST_NAME = 200  # characters, of a device file
 LONGEST_NOTES = 4000
-SAME_SIZE = 1e-12  # relative difference of two sizes of one unit that is rounding
 
 
 def device_yaml(
@@ -38,7 +35,7 @@ def device_yaml(
     Parameters
     ----------
     sensors : sequence of Sensor
-        At most one of a kind.
+        Of one device file, one at least and at most one of a kind.
     name, source, notes : str
         What the file says of itself.
 
@@ -53,27 +50,33 @@ def device_yaml(
         f"source: {_quote(source[:LONGEST_NAME])}",
         f"notes: {_quote(notes[:LONGEST_NOTES])}",
     ]
-    gravity = _gravity(sensors)
-    if gravity is not None:
+    units = [sensor.gravity_unit for sensor in sensors]
+    # Of two files one may have its own g: the new one has it for both.
+    gravity = next((g for g in units if g != STANDARD_GRAVITY), STANDARD_GRAVITY)
+    if gravity != STANDARD_GRAVITY:
         text.append(f"gravity_unit: {_quantity(gravity, 'm/s^2')}")
     for sensor in sensors:
         text += [f"{sensor.kind}:", "  nominal:"]
         unit, size = "deg/h", DEG_PER_HOUR
         if sensor.kind != "gyro":
-            unit, size = "mg", 1e-3 * (gravity or STANDARD_GRAVITY)
+            unit, size = "mg", 1e-3 * gravity
         text.append(f"    bias: {_nominal(sensor.nominal_bias, AXES, unit, size)}")
         angles = _nominal(sensor.nominal_mounting_angle, ANGLES, "arcsec", ARCSEC)
         text.append(f"    mounting_angle: {angles}")
         if sensor.lines:
             text.append("  errors:")
-            text += [f"    {line.name}: {_figure(line)}" for line in sensor.lines]
+            text += [
+                f"    {line.name}: {_figure(line, gravity)}" for line in sensor.lines
+            ]
     return "\n".join(text) + "\n"
 
 
-def _figure(line: ErrorLine) -> str:
+def _figure(line: ErrorLine, gravity: float) -> str:
     """Write one line: a text where nothing but a value has to be said."""
     axes = ANGLES if line.u.size == len(ANGLES) else AXES
-    values = [_quantity(float(u) / line.si_per_unit, line.unit) for u in line.u]
+    one = parse_quantity(f"1 {line.unit}", line.unit, gravity=gravity)
+    size = one.si_per_unit * WALK_PER_DENSITY[line.density]
+    values = [_quantity(float(u) / size, line.unit) for u in line.u]
     shapes = [shape.name for shape in line.distributions]
     times: list[float | None] = [None] * line.u.size
     if line.correlation_time is not None:
@@ -119,17 +122,6 @@ def _nominal(values: Array, axes: tuple[str, ...], unit: str, size: float) -> st
     if len(set(texts)) == 1:
         return texts[0]
     return _mapping(dict(zip(axes, texts, strict=True)))
-
-
-def _gravity(sensors: Sequence[Sensor]) -> float | None:
-    """Return what g means in the units of the lines [m/s^2]; None if the standard."""
-    for sensor in sensors:
-        for line in sensor.lines:
-            standard = parse_quantity(f"1 {line.unit}", line.unit).si_per_unit
-            ratio = line.si_per_unit / standard / WALK_PER_DENSITY[line.density]
-            if not np.abs(ratio - 1.0) <= SAME_SIZE:
-                return STANDARD_GRAVITY * ratio
-    return None
 
 
 def _quantity(value: float, unit: str) -> str:

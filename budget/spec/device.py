@@ -199,7 +199,7 @@ def read_device(document: Document, variant: str = "") -> Device:
         kind: getattr(sheet, kind) for kind in SENSORS
     }
     taken = {
-        kind: _take_sensor(kind, name, part)
+        kind: _take_sensor(kind, name, part, gravity=_gravity(root))
         for kind, part in parts.items()
         if part is not None
     }
@@ -298,7 +298,9 @@ class _TakenSensor:
     assumptions: tuple[str, ...]
 
 
-def _take_sensor(kind: str, device: str, part: SensorPart) -> _TakenSensor:
+def _take_sensor(
+    kind: str, device: str, part: SensorPart, *, gravity: float
+) -> _TakenSensor:
     """Turn one sensor of a file into its record."""
     model_lines = lines_of(kind)
     figures = {line: getattr(part.errors, line.name, None) for line in model_lines}
@@ -330,6 +332,7 @@ def _take_sensor(kind: str, device: str, part: SensorPart) -> _TakenSensor:
             expected_missing=tuple(
                 Name(name, owner=kind) for name in expected if name not in met
             ),
+            gravity_unit=gravity,
         ),
         assumptions=tuple(assumptions),
     )

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from budget.model.source import Given
 from budget.names import ANGLES, AXES, Name
+from budget.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from budget.arrays import Array
@@ -83,6 +84,8 @@ class Sensor:
     expected_missing : tuple of str
         Those of them that a verdict 'meets' cannot do without; 'gyro.noise' stands
         for the one noise line.
+    gravity_unit : float
+        What g means in figures of the device [m/s^2].
     """
 
     kind: str
@@ -92,6 +95,7 @@ class Sensor:
     lines: tuple[ErrorLine, ...]
     not_given: tuple[Name, ...]
     expected_missing: tuple[Name, ...]
+    gravity_unit: float = STANDARD_GRAVITY
 
     def line(self, name: str) -> ErrorLine | None:
         """Return the line of that name, or None where the data sheet has none."""
