@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from budget.names import Name
-from budget.ties import first_largest, from_largest, largest, settle
+from budget.ties import first_largest, from_largest, settle
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -413,12 +413,7 @@ class OutputAssessment:
 
 def worst_of(rows: Sequence[OutputAssessment]) -> OutputAssessment:
     """Return the output that uses most of its limit; of equal ones the first."""
-    return all_worst_of(rows)[0]
-
-
-def all_worst_of(rows: Sequence[OutputAssessment]) -> tuple[OutputAssessment, ...]:
-    """Return the outputs that use most of their limits, all that are equal."""
-    return tuple(rows[k] for k in largest([row.utilisation for row in rows]))
+    return rows[first_largest([row.utilisation for row in rows])]
 
 
 @dataclass(frozen=True, kw_only=True)

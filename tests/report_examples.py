@@ -23,7 +23,6 @@ from budget.results import (
     Settings,
     SobolIndex,
     Validation,
-    all_worst_of,
 )
 from budget.spec.records import (
     ANGLES,
@@ -39,6 +38,7 @@ from budget.spec.records import (
 )
 from budget.studies.coupling import Coupling, CouplingTable
 from budget.studies.densities import Density
+from budget.ties import largest
 from budget.units import ARCSEC, DEG_PER_HOUR, DEGREE, MICRO_G, PPM
 
 # Standard uncertainty of each source alone, in printed units: by group and source.
@@ -378,7 +378,7 @@ def make_assessment(budget, limits=None, **verdicts):
     sensors = []
     for sensor in dict.fromkeys(o.output.name.split(".")[0] for o in outputs):
         own = [o for o in outputs if o.output.name.startswith(f"{sensor}.")]
-        all_worst = all_worst_of(own)
+        all_worst = [own[k] for k in largest([row.utilisation for row in own])]
         worst = all_worst[0]
         verdict = verdicts.get(sensor, "meets" if worst.is_within else "fails")
         sensors.append(

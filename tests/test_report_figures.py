@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from itertools import pairwise
 from math import erfc, sqrt
 
@@ -23,6 +24,7 @@ from report_examples import (
     with_indices,
 )
 
+from budget.names import Name
 from budget.report import figures
 from budget.report.figures import (
     BLUE,
@@ -215,6 +217,16 @@ def test_utilisation_title_without_failing():
         "All 3 outputs stay within their limits, "
         "the nearest is gyro bias z at 11.9 % of the limit"
     )
+
+
+def test_utilisation_title_names_all_that_the_law_finds_equal():
+    """Equal axes whose trials differ by chance are named together, as on page one."""
+    assessment = make_assessment(make_budget())
+    (gyro, other) = assessment.sensors
+    names = tuple(Name("bias", owner="gyro", axis=axis) for axis in "xyz")
+    equal = replace(assessment, sensors=(replace(gyro, worst_outputs=names), other))
+
+    assert "most of all gyro bias x, y, z at 119 %" in utilisation_title(equal)
 
 
 def test_utilisation_alt_has_every_number():

@@ -32,8 +32,8 @@ from budget.report.tables import (
     print_utilisation,
     round_error,
 )
-from budget.results import all_worst_of, worst_of
-from budget.ties import from_largest
+from budget.results import worst_of
+from budget.ties import from_largest, largest
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -122,10 +122,13 @@ def utilisation_dots(assessment: Assessment) -> Figure:
 
 def utilisation_title(assessment: Assessment) -> str:
     """State the finding: how many outputs exceed their limits, and the worst."""
-    all_worst = all_worst_of(assessment.outputs)
-    worst = all_worst[0]
+    worst = worst_of(assessment.outputs)
+    sensors = assessment.sensors
+    nearest = [
+        sensors[place] for place in largest([one.utilisation for one in sensors])
+    ]
     beyond = sum(not output.is_within for output in assessment.outputs)
-    name = join_outputs([row.output.name for row in all_worst])
+    name = join_outputs([name for one in nearest for name in one.worst_outputs])
     part = f"{name} at {_used(worst)} of the limit"
     total = len(assessment.outputs)
     if beyond:
