@@ -72,7 +72,7 @@ def main() -> None:
     names = (
         "trials a second, all outputs with intervals and covariance",
         f"floor: {problem.normals_per_trial} normals, us a trial",
-        "ratio to the floor, fixed number of trials (target: 2.0)",
+        "ratio to the floor, fixed number of trials (target: 1.5)",
         "ratio to the floor, adaptive to two digits",
         "ratio to the simulation, a trial (target: 10 000)",
     )

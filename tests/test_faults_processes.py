@@ -18,10 +18,12 @@ from failing import (
     DEVICE,
     PATIENCE,
     assert_whole,
+    children,
     contents,
     environment,
     run,
     said,
+    wait_until_at_work,
 )
 
 from budget.cli.options import processors
@@ -135,12 +137,6 @@ def start(tmp_path):
         process.communicate(timeout=PATIENCE)
 
 
-def children(process):
-    """Return the process ids of the children of a process we started."""
-    path = Path(f"/proc/{process.pid}/task/{process.pid}/children")
-    return [int(number) for number in path.read_text(encoding="ascii").split()]
-
-
 def is_gone(group):
     """Return whether all processes of a group end before patience does."""
     begun = monotonic()
@@ -170,7 +166,7 @@ def workers_of(process):
             if b"spawn_main" in line:
                 found.append(number)
         if len(found) == 2:
-            sleep(2.0)  # they import numpy before they work
+            wait_until_at_work(*found)
             return found
         sleep(0.05)
     raise AssertionError("no workers")
@@ -193,6 +189,20 @@ def test_a_signal_to_the_main_process(number, code, word, start, tmp_path):
     _, talk = process.communicate(timeout=PATIENCE)
     assert process.returncode == code
     assert f"{word}; nothing was written" in talk.decode()
+    assert "Traceback" not in talk.decode()
+    assert is_gone(process.pid)
+    assert contents(tmp_path) == {}
+
+
+@pytest.mark.parametrize("workers", ["1", "2"])
+def test_ctrl_c_leaves_no_process_and_no_file(workers, start, tmp_path):
+    """Interrupted as a terminal does, all of them at once: 130, and nothing is left."""
+    process = start(*BUDGET, *LONG_RUN, "--workers", workers, "--json", "a.json")
+    wait_until_at_work(*(workers_of(process) if workers == "2" else [process.pid]))
+    os.killpg(process.pid, signal.SIGINT)
+    _, talk = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 130
+    assert "interrupted" in talk.decode()
     assert "Traceback" not in talk.decode()
     assert is_gone(process.pid)
     assert contents(tmp_path) == {}
@@ -226,7 +236,7 @@ def test_a_killed_worker(start, tmp_path):
 def test_nohup_keeps_its_meaning(start):
     """Where a hang-up is ignored when the command starts, it stays ignored."""
     process = start("bash", "-c", 'trap "" HUP; exec "$@"', "bash", *BUDGET, *LONG_RUN)
-    sleep(4.0)  # well into the trials
+    wait_until_at_work(process.pid)
     process.send_signal(signal.SIGHUP)
     sleep(1.0)
     assert process.poll() is None
