@@ -22,6 +22,7 @@ from budget.report.page import render_page
 from budget.report.typeset import typeset
 from budget.spec import load_procedure
 from budget.studies.evidence import gather_evidence
+from budget.studies.request import analysis_of
 
 RUNS = 5
 SAMPLES = 2048
@@ -47,7 +48,7 @@ def steps() -> dict[str, tuple[float, float]]:
     clock, taken = Clock(), {}
     result = budget.analyze(device, procedure=procedure, samples=SAMPLES)
     taken["analysis, check, indices"] = clock.lap()
-    evidence = gather_evidence(result, (device,), procedure=procedure)
+    evidence = gather_evidence(analysis_of(result), result)
     taken["coupling, densities, what-if"] = clock.lap()
     document = report_document(
         result,

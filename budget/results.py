@@ -206,8 +206,8 @@ class Budget:
     warnings: tuple[str, ...]
     could_widen: Mapping[Name, tuple[Name, ...]]
     assessment: Assessment | None = None  # against the requirement, where there is one
-    # What it was made under, for `assess`: results know nothing of files.
-    procedure: object = field(default=None, repr=False)
+    # What it is of (budget.studies.request.Analysis): results know nothing of files.
+    analysis: object = field(default=None, repr=False)
 
     @property
     def correlation(self) -> Array:

@@ -15,6 +15,7 @@ from test_what_if import scaled
 from budget import analyze, load_device, load_requirement
 from budget.report.blocks import Section, Sliders
 from budget.report.tables import print_utilisation
+from budget.studies.request import Analysis
 from budget.studies.what_if import what_if
 
 AGREES = 1e-9  # two programmes add up the same numbers in another order
@@ -44,7 +45,7 @@ def requirement():
 @cache
 def law():
     """Return what the page must agree with."""
-    return what_if(device(), requirement=requirement())
+    return what_if(Analysis.of(device(), requirement=requirement()))
 
 
 def page_with(folder, model):
@@ -239,7 +240,7 @@ def test_a_hundred_per_cent_is_the_whole(browser, path, part, text):
 
 def test_sliders_without_a_requirement_show_uncertainties(browser, tmp_path):
     """Without limits there are no columns of utilisation and no verdict."""
-    model = what_if(device()).to_dict()
+    model = what_if(Analysis.of(device())).to_dict()
     with opened(browser, page_with(tmp_path, model)) as (page, record):
         heads = page.locator(".what-if thead th").all_inner_texts()
 

@@ -18,6 +18,7 @@ from budget.methods.trials import first_trials
 from budget.problem import Group, Output, Problem
 from budget.studies.conformity import assess
 from budget.studies.densities import BINS, critical_densities
+from budget.studies.request import analysis_of
 from budget.ties import ALIKE
 
 TRIALS = 3 * BLOCK + 17
@@ -74,9 +75,7 @@ def drawn(device, **options):
     """Return budget and densities of a device without a requirement."""
     procedure = load_procedure()
     budget = analyze(device, procedure=procedure, validate=False, **options)
-    return budget, critical_densities(
-        budget, None, devices=[device], procedure=procedure
-    )
+    return budget, critical_densities(analysis_of(budget), budget, None)
 
 
 def bias_only(tmp_path, distribution):
@@ -173,11 +172,7 @@ def test_with_limits_the_worst_of_each_limited_group_is_drawn(tmp_path):
         reference=requirement.reference,
     )
     (density,) = critical_densities(
-        budget,
-        assess(budget, requirement, [device]),
-        devices=[device],
-        procedure=procedure,
-        trials=1000,
+        analysis_of(budget), budget, assess(budget, requirement), trials=1000
     )
 
     assert density.output.name == "gyro.bias.y"

@@ -36,6 +36,7 @@ from budget.studies.judgement import (
     screen,
     together,
 )
+from budget.studies.request import Analysis
 from budget.studies.what_if import what_if
 
 K95 = float(ndtri(0.975))
@@ -403,8 +404,9 @@ def test_what_if_starts_from_the_interval_that_was_judged(used, verdict):
     asked = {"procedure": procedure(), "requirement": wanted}
     basis = {"coverage": wanted.coverage, "reference": wanted.reference}
     budget = analyze(made, **asked, **basis, validate=False)
-    now = what_if(made, **asked, budget=budget).evaluate({})
-    law = what_if(made, **asked).evaluate({})
+    analysis = Analysis.of(made, **asked)
+    now = what_if(analysis, budget=budget).evaluate({})
+    law = what_if(analysis).evaluate({})
     judged = np.array([row.interval for row in budget.outputs])
     resolution = max(row.output.resolution for row in budget.outputs)
 

@@ -29,6 +29,7 @@ from budget.studies.coupling import coupling
 from budget.studies.densities import critical_densities
 from budget.studies.lower_bounds import lacking
 from budget.studies.one_at_a_time import one_at_a_time
+from budget.studies.request import analysis_of
 from budget.studies.what_if import what_if
 
 ZHAO = load_device("zhao-2019")
@@ -193,7 +194,7 @@ def test_what_the_page_computes_with_is_marked():
     """Density, sliders and one-at-a-time table say that a line is missing."""
     bare = without("bias_stability")
     budget = analyze(bare, requirement=REQUIREMENT, validate=False)
-    model = what_if(bare, requirement=REQUIREMENT, budget=budget)
+    model = what_if(analysis_of(budget), budget=budget)
     lacking_of = {row.output.name: row.lower_bound for row in budget.outputs}
 
     assert dict(zip(bound_names(model), model.lower_bound, strict=True)) == lacking_of
@@ -212,11 +213,7 @@ def test_what_the_page_computes_with_is_marked():
     texts = [cell.text for group in table.groups for row in group.rows for cell in row]
     assert any(text.startswith(AT_LEAST) for text in texts)
     densities = critical_densities(
-        budget,
-        budget.assessment,
-        devices=(bare,),
-        procedure=load_procedure(),
-        trials=200,
+        analysis_of(budget), budget, budget.assessment, trials=200
     )
     for density in densities:
         marked = lacking_of[density.output.name]

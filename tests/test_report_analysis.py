@@ -30,6 +30,7 @@ from budget.results import CapAssessment
 from budget.spec import load_requirement
 from budget.spec.records import ANGLES
 from budget.studies.evidence import gather_evidence
+from budget.studies.request import Analysis
 
 TACTICAL = shipped("specs") / "requirements" / "tactical-grade.yaml"
 
@@ -46,7 +47,8 @@ def example_evidence(reference="nominal", *, gyro_only=False):
     budget = make_budget(**outputs)
     settings = replace(budget.settings, reference=reference)
     return gather_evidence(
-        replace(budget, settings=settings), (device,), procedure=make_procedure()
+        Analysis.of(device, procedure=make_procedure(), reference=reference),
+        replace(budget, settings=settings),
     )
 
 
@@ -476,10 +478,8 @@ def test_what_if_with_limits_says_what_each_step_uses():
     budget = make_budget()
     settings = replace(budget.settings, reference=wanted.reference)
     evidence = gather_evidence(
+        Analysis.of(make_device(), procedure=make_procedure(), requirement=wanted),
         replace(budget, settings=settings),
-        (make_device(),),
-        procedure=make_procedure(),
-        requirement=wanted,
     )
     (sliders,) = find(section(document(evidence=evidence), "what-if"), Sliders)
     heads = [column.head for column in sliders.table.columns]
@@ -511,10 +511,8 @@ def test_what_if_says_where_the_report_does_not_stand_on_the_law():
     doubted = replace(budget, outputs=(refused, *budget.outputs[1:]))
     wanted = load_requirement(TACTICAL)
     evidence = gather_evidence(
+        Analysis.of(make_device(), procedure=make_procedure(), requirement=wanted),
         replace(budget, settings=replace(budget.settings, reference=wanted.reference)),
-        (make_device(),),
-        procedure=make_procedure(),
-        requirement=wanted,
     )
     doubtful = document(doubted)
     overruled = replace(first, interval_by="monte-carlo")

@@ -30,6 +30,7 @@ from budget.studies.allocation.records import SHARED
 from budget.studies.analysis import analyze
 from budget.studies.coupling import coupling
 from budget.studies.one_at_a_time import one_at_a_time
+from budget.studies.request import Analysis
 from budget.studies.what_if import what_if
 from budget.units import DEG_PER_HOUR, MICRO_G
 
@@ -138,7 +139,7 @@ def test_it_can_be_asked_for_alone(procedure):
 
 def test_what_if_scales_it_in_both_triads(procedure):
     """It has a slider after those of the sensors; without it both biases shrink."""
-    model = what_if(ZHAO, procedure=procedure)
+    model = what_if(Analysis.of(ZHAO, procedure=procedure))
     present, without = model.evaluate({}), model.evaluate({PUSH: 0.0})
     names = [output.name for output in model.outputs]
 

@@ -17,6 +17,7 @@ from budget.errors import CallError
 from budget.names import Name
 from budget.spec.records import Limit, Requirement, Source
 from budget.studies.conformity import assess
+from budget.studies.request import Analysis
 from budget.studies.what_if import what_if
 from budget.units import ARCSEC, DEG_PER_HOUR, PPM
 
@@ -118,7 +119,7 @@ def test_factors_give_the_budget_of_the_changed_device(reference, formulas, chan
     """All 24 outputs agree with an analysis of the device with those figures."""
     procedure = builders.procedure(formulas=formulas)
     options = {"procedure": procedure, "reference": reference, "coverage": 0.9}
-    model = what_if(hard_device(), **options)
+    model = what_if(Analysis.of(hard_device(), **options))
     budget = analyzed(scaled(hard_device(), changes), **options)
 
     assert len(model.outputs) == 24
@@ -131,13 +132,13 @@ def test_the_comparison_can_fail():
     other = analyzed(scaled(hard_device(), {"gyro.bias_repeatability": 7.07}))
 
     with pytest.raises(AssertionError):
-        agrees(what_if(hard_device()).evaluate(changes), other)
+        agrees(what_if(Analysis.of(hard_device())).evaluate(changes), other)
 
 
 def test_only_some_sources_can_be_changed_where_only_some_count():
     """With `only` the model has those sources alone, and their budget."""
     only = ("bias_stability", "gyro.scale_factor_asymmetry")
-    model = what_if(hard_device(), only=only)
+    model = what_if(Analysis.of(hard_device(), only=only))
     changes = {"gyro.bias_stability": 2.0}
 
     assert [source.name for source in model.sources] == [
@@ -151,7 +152,7 @@ def test_only_some_sources_can_be_changed_where_only_some_count():
 def test_shares_are_those_of_the_budget():
     """Each source's share of every output is the one that analyze gives."""
     changes = {"gyro.scale_factor_asymmetry": 7.0}
-    model = what_if(hard_device())
+    model = what_if(Analysis.of(hard_device()))
     budget = analyzed(scaled(hard_device(), changes))
     share = model.evaluate(changes).share
     for k, row in enumerate(budget.outputs):
@@ -192,7 +193,7 @@ def test_verdicts_are_those_of_the_assessment(factor, missing):
     device = hard_device()
     device = replace(device, gyro=replace(device.gyro, expected_missing=missing))
     changes = {"gyro.bias_stability": factor}
-    outlook = what_if(device, requirement=wanted).evaluate(changes)
+    outlook = what_if(Analysis.of(device, requirement=wanted)).evaluate(changes)
     changed = scaled(device, changes)
     budget = analyzed(changed, requirement=wanted, coverage=0.9, reference="as_tested")
     assessed = assess(budget, wanted, [changed])
@@ -230,7 +231,7 @@ def from_json(model, factors):
 
 def test_the_json_alone_gives_the_same_numbers():
     """A page that knows nothing but the JSON finds means and U of every output."""
-    model = what_if(hard_device(), reference="next_turn_on")
+    model = what_if(Analysis.of(hard_device(), reference="next_turn_on"))
     changes = {"gyro.scale_factor_asymmetry": 3.0, "gyro.bias_repeatability": 0.2}
     document = json.loads(json.dumps(model.to_dict(), allow_nan=False))
     found = from_json(document, changes)
@@ -251,7 +252,7 @@ def test_the_json_names_sources_and_outputs_in_printed_units(tmp_path):
         encoding="utf-8",
     )
     wanted = requirement(gyro__bias__x=3.0 * DEG_PER_HOUR)
-    document = what_if(load_device(file), requirement=wanted).to_dict()
+    document = what_if(Analysis.of(load_device(file), requirement=wanted)).to_dict()
 
     assert document["coverage"] == 0.9
     (sensor,) = document["sensors"]
@@ -284,7 +285,7 @@ def test_a_figure_doubled_in_the_file_is_the_factor_two(tmp_path):
         devices.append(load_device(file))
 
     agrees(
-        what_if(devices[0]).evaluate({"gyro.bias_repeatability": 2.0}),
+        what_if(Analysis.of(devices[0])).evaluate({"gyro.bias_repeatability": 2.0}),
         analyzed(devices[1]),
     )
 
@@ -300,4 +301,4 @@ def test_a_figure_doubled_in_the_file_is_the_factor_two(tmp_path):
 def test_factors_that_mean_nothing_are_refused(factors, message):
     """An unknown source, a negative and an infinite factor are named."""
     with pytest.raises(CallError, match=message):
-        what_if(hard_device()).evaluate(factors)
+        what_if(Analysis.of(hard_device())).evaluate(factors)

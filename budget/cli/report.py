@@ -90,9 +90,8 @@ def report(
     from budget.report.files import write_all
     from budget.spec import load_all, load_procedure, load_requirement
     from budget.studies.analysis import analyze
-    from budget.studies.conformity import assess
     from budget.studies.evidence import gather_evidence
-    from budget.studies.request import choose_basis
+    from budget.studies.request import analysis_of, choose_basis
 
     check_suffixes(output)
     date = document_date()
@@ -132,14 +131,7 @@ def report(
             progress=shop.progress,
             talk=say,
         )
-        assessment = None if wanted is None else assess(budget, wanted, loaded)
-        evidence = gather_evidence(
-            budget,
-            loaded,
-            procedure=how,
-            requirement=wanted,
-            assessment=assessment,
-        )
+        evidence = gather_evidence(analysis_of(budget), budget, budget.assessment)
         extras: list[Extra] = []
         if allocate and wanted is not None:
             extras.append(_allocate(loaded, how, wanted, seed=seed, shop=shop))
@@ -153,7 +145,7 @@ def report(
             devices=loaded,
             procedure=how,
             evidence=evidence,
-            assessment=assessment,
+            assessment=budget.assessment,
             extras=extras,
             command_line=command_line(context),
             date=date,

@@ -8,9 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.calibration.problem import calibration_problem
 from budget.calibration.simulation import simulate
-from budget.methods.gum import propagate
 from budget.methods.intervals import interval_of_values
 from budget.methods.monte_carlo import (
     MAX_TRIALS,
@@ -38,11 +36,12 @@ from budget.spec import load_procedure
 from budget.studies import cautions
 from budget.studies.conformity import assess
 from budget.studies.cost import describe_cost, seconds_per_trial
-from budget.studies.lower_bounds import could_widen, lacking
+from budget.studies.lower_bounds import could_widen
 from budget.studies.progress import stage
 from budget.studies.request import (
     DEFAULT_COVERAGE,
     DEFAULT_REFERENCE,
+    Analysis,
     check_numbers,
     check_words,
     choose_sources,
@@ -168,12 +167,20 @@ def analyze(
         },
     )
     chosen, warnings = choose_sources(sensors, procedure, only)
-    problem = calibration_problem(sensors, procedure, reference=reference, only=chosen)
+    analysis = Analysis(
+        devices=devices,
+        procedure=procedure,
+        coverage=coverage,
+        reference=reference,
+        only=chosen,
+        requirement=requirement,
+    )
+    problem = analysis.problem
     if talk is not None:
         two_digits = method == "gum" and validate and digits > 1
         for text in _costs(problem, samples, workers, coverage, two_digits=two_digits):
             talk(text)
-    law = propagate(problem)
+    law = analysis.law
     warnings += cautions.options_without_effect(
         method, trials=trials, interval=interval
     )
@@ -276,7 +283,7 @@ def analyze(
             estimate,
             validations,
             indices=indices,
-            lacks=lacking(sensors, procedure, reference=reference, only=chosen),
+            lacks=analysis.lacks,
         ),
         covariance=estimate.covariance,
         not_given=tuple(name for sensor in sensors for name in sensor.not_given),
@@ -287,20 +294,14 @@ def analyze(
         ),
         warnings=warnings,
         could_widen=could_widen(sensors, procedure, reference=reference),
-        procedure=procedure,
+        analysis=analysis,
     )
-    return _judge(budget, devices, requirement)
+    return budget if requirement is None else _judge(budget, requirement)
 
 
-def _judge(
-    budget: Budget,
-    devices: Sequence[Device],
-    requirement: Requirement | None,
-) -> Budget:
+def _judge(budget: Budget, requirement: Requirement) -> Budget:
     """Judge a budget; its required outputs get the intervals that were judged."""
-    if requirement is None:
-        return budget
-    assessment = assess(budget, requirement, devices)
+    assessment = assess(budget, requirement)
     judged = {row.output.name: row for row in assessment.outputs}
     return replace(
         budget,

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from budget.calibration.problem import calibration_problem
 from budget.errors import CallError
-from budget.methods.gum import propagate
 from budget.results import INTERACTION, Assessment, CapAssessment, SensorAssessment
-from budget.spec.records import Procedure
 from budget.studies.comparison.figures_of_merit import over_cap, read_amount
 from budget.studies.judgement import (
     assess_outputs,
@@ -16,23 +14,27 @@ from budget.studies.judgement import (
     limit_problem,
     together,
 )
-from budget.studies.lower_bounds import lacking
+from budget.studies.request import analysis_of
 from budget.ties import first_largest
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.methods.gum import Propagation
-    from budget.names import Name
     from budget.results import Budget, OutputAssessment
     from budget.spec.records import Device, Requirement, Sensor
     from budget.studies.judgement import Judged, Limited
+    from budget.studies.request import Analysis
 
 
 def assess(
-    budget: Budget, requirement: Requirement, devices: Sequence[Device]
+    budget: Budget, requirement: Requirement, devices: Sequence[Device] = ()
 ) -> Assessment:
-    """Judge a budget against limits, as every command does.
+    """Judge a budget against limits, as every command does (budget.studies.judgement).
+
+    A sensor `meets` if the largest of its utilisations is below 1, `fails` if it is
+    above, is `undecided` where its interval holds 1, and is `undecidable` if it would
+    meet but lacks a line that has to be known.
 
     Parameters
     ----------
@@ -40,8 +42,9 @@ def assess(
         Computed at the coverage and reference of the requirement. Where it was computed
         for it, that judgement is returned and the intervals are those of the budget.
     requirement : Requirement
+        Limits, coverage and reference; outputs without a limit are not required.
     devices : sequence of Device
-        Those of the budget.
+        Others than those of the budget, under the same procedure.
 
     Returns
     -------
@@ -66,80 +69,32 @@ def assess(
             f"{settings.reference}, {requirement.name} asks for {requirement.coverage} "
             f"and {requirement.reference}; compute it with those"
         )
-    if not isinstance(budget.procedure, Procedure):
-        raise CallError(
-            "the budget has no procedure to judge it under; make it with analyze"
-        )
-    return assess_devices(
-        devices,
-        budget.procedure,
-        requirement,
-        seed=settings.seed,
-        only=frozenset(settings.only) or None,
-    )
+    analysis = analysis_of(budget)
+    if devices:
+        analysis = replace(analysis, devices=tuple(devices))
+    return _assess(analysis, requirement, seed=settings.seed)
 
 
-def assess_devices(
-    devices: Sequence[Device],
-    procedure: Procedure,
-    requirement: Requirement,
-    *,
-    seed: int,
-    only: frozenset[Name] | None = None,
-) -> Assessment:
-    """Judge devices as every command does (budget.studies.judgement).
-
-    A sensor `meets` if the largest of its utilisations is below 1, `fails` if it is
-    above, is `undecided` where its interval holds 1, and is `undecidable` if it would
-    meet but lacks a line that has to be known.
-
-    Parameters
-    ----------
-    devices : sequence of Device
-        Together at most one gyro and one accelerometer.
-    procedure : Procedure
-    requirement : Requirement
-        Limits, coverage and reference; outputs without a limit are not required.
-    seed : int
-        Of Monte Carlo.
-    only : frozenset of str, optional
-        Sources that count, by their full names.
-
-    Returns
-    -------
-    Assessment
-        A sensor without limits has no verdict.
-
-    Raises
-    ------
-    CallError
-        The requirement sets no limit for any sensor that is there.
-    """
-    sensors = tuple(s for device in devices for s in device.sensors)
+def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Assessment:
+    """Judge every triad that has limits, each as if the other were not there."""
     outputs: list[OutputAssessment] = []
     found: list[Judged] = []
     verdicts: list[SensorAssessment] = []
-    for sensor in sensors:
-        problem = calibration_problem(
-            (sensor,), procedure, reference=requirement.reference, only=only
-        )
-        held = limit_problem(problem, requirement)
+    for sensor in analysis.sensors:
+        own = analysis.alone(sensor.kind)
+        held = limit_problem(own.problem, requirement)
         if held is None:
             continue
-        law = propagate(problem)
-        judged = judge(held, law, coverage=requirement.coverage, seed=seed)
-        lacks = lacking(
-            (sensor,), procedure, reference=requirement.reference, only=only
-        )
-        outputs += assess_outputs(held, judged, lacks)
+        judged = judge(held, own.law, coverage=requirement.coverage, seed=seed)
+        outputs += assess_outputs(held, judged, own.lacks)
         if sensor.lines:
             found.append(judged)
-        verdicts.append(_verdict(sensor, held, law, judged))
+        verdicts.append(_verdict(sensor, held, own.law, judged))
     if not verdicts:
+        kinds = sorted(sensor.kind for sensor in analysis.sensors)
         raise CallError(
             f"{requirement.name} sets no limit for a sensor that is there "
-            f"({', '.join(sorted({sensor.kind for sensor in sensors}))}); "
-            "add limits for it, or leave the requirement out"
+            f"({', '.join(kinds)}); add limits for it, or leave the requirement out"
         )
     order = {limit.output: place for place, limit in enumerate(requirement.limits)}
     return Assessment(
@@ -147,11 +102,11 @@ def assess_devices(
         outputs=tuple(sorted(outputs, key=lambda row: order[row.output.name])),
         sensors=tuple(verdicts),
         conformance=together(found) if found else None,
-        not_there=limited_but_absent(requirement, sensors),
+        not_there=limited_but_absent(requirement, analysis.sensors),
         caps=tuple(
             _cap(device, merit, cap)
             for merit, cap in requirement.caps
-            for device in devices
+            for device in analysis.devices
         ),
     )
 

@@ -15,6 +15,7 @@ from budget.model.sources import SENSORS, source_of
 
 if TYPE_CHECKING:
     from budget.arrays import Array
+    from budget.methods.gum import Propagation
     from budget.names import Name
     from budget.problem import Problem
     from budget.spec.records import Procedure, Sensor
@@ -114,26 +115,30 @@ def coupling(
     CouplingTable
     """
     problem = calibration_problem(sensors, procedure, reference=reference, only=only)
-    sources = tuple(group.name for group in problem.groups)
     if method == "gum":
-        u = np.sqrt(propagate(problem).source_variance)
-    else:
-        u = np.stack(
-            [
-                _draw_alone(
-                    sensors,
-                    procedure,
-                    source,
-                    method=method,
-                    reference=reference,
-                    seed=seed,
-                )
-                if only is None or source in only
-                else np.zeros(len(problem.outputs))
-                for source in sources
-            ]
-        )
+        return coupling_by_law(problem, propagate(problem), procedure.formulas)
+    u = np.stack(
+        [
+            _draw_alone(
+                sensors,
+                procedure,
+                group.name,
+                method=method,
+                reference=reference,
+                seed=seed,
+            )
+            if only is None or group.name in only
+            else np.zeros(len(problem.outputs))
+            for group in problem.groups
+        ]
+    )
     return _tabulate(problem, u, method=method, formulas=procedure.formulas)
+
+
+def coupling_by_law(problem: Problem, law: Propagation, formulas: str) -> CouplingTable:
+    """Return the coupling table of a calibration whose law is there already."""
+    u = np.sqrt(law.source_variance)
+    return _tabulate(problem, u, method="gum", formulas=formulas)
 
 
 def _draw_alone(

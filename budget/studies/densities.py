@@ -11,22 +11,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.calibration.problem import calibration_problem
-from budget.methods.gum import propagate
 from budget.methods.intervals import interval_of_values
 from budget.methods.trials import first_trials
 from budget.results import BY_TRIALS
-from budget.studies.request import choose_sources, sensors_of
 from budget.ties import first_largest
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from budget.arrays import Array
     from budget.names import Name
     from budget.problem import Output
     from budget.results import Assessment, Budget
-    from budget.spec.records import Device, Procedure
+    from budget.studies.request import Analysis
 
 TRIALS = 100_000
 # Of a normal output a bin is 0.07 u wide and the highest has 3,000 trials: uneven by
@@ -72,11 +67,10 @@ class Density:
 
 
 def critical_densities(
+    analysis: Analysis,
     budget: Budget,
     assessment: Assessment | None,
     *,
-    devices: Sequence[Device],
-    procedure: Procedure,
     trials: int = TRIALS,
 ) -> tuple[Density, ...]:
     """Draw the distributions of the outputs that decide.
@@ -87,12 +81,12 @@ def critical_densities(
 
     Parameters
     ----------
+    analysis : Analysis
+        What the budget is of.
     budget : Budget
-        Its coverage, kind of interval, reference, sources and seed are used.
+        Its kind of interval and its seed are used.
     assessment : Assessment or None
         Of the budget, with the limits.
-    devices, procedure : sequence of Device, Procedure
-        Those of the budget.
     trials : int
         The first ones of the streams that Monte Carlo draws from; 2 or more.
 
@@ -108,12 +102,7 @@ def critical_densities(
     wanted = _critical(budget, assessment)
     if not wanted:
         return ()
-    sensors = sensors_of(devices)
-    chosen, _ = choose_sources(sensors, procedure, settings.only)
-    problem = calibration_problem(
-        sensors, procedure, reference=settings.reference, only=chosen
-    )
-    law = propagate(problem)
+    problem, law = analysis.problem, analysis.law
     rows = [k for k, output in enumerate(problem.outputs) if output.name in wanted]
     ends = law.interval(settings.coverage)
     values = first_trials(problem, trials=trials, seed=settings.seed, outputs=rows)

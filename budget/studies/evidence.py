@@ -5,18 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from budget.studies.coupling import coupling
+from budget.studies.coupling import coupling_by_law
 from budget.studies.densities import critical_densities
-from budget.studies.request import choose_sources, sensors_of
 from budget.studies.what_if import what_if
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from budget.results import Assessment, Budget
-    from budget.spec.records import Device, Procedure, Requirement
     from budget.studies.coupling import CouplingTable
     from budget.studies.densities import Density
+    from budget.studies.request import Analysis
     from budget.studies.what_if import WhatIf
 
 
@@ -40,45 +37,22 @@ class Evidence:
 
 
 def gather_evidence(
-    budget: Budget,
-    devices: Sequence[Device],
-    *,
-    procedure: Procedure,
-    requirement: Requirement | None = None,
-    assessment: Assessment | None = None,
+    analysis: Analysis, budget: Budget, assessment: Assessment | None = None
 ) -> Evidence:
     """Compute what a report shows beside a budget.
 
     Parameters
     ----------
+    analysis : Analysis
+        What the budget is of.
     budget : Budget
-        The result of `analyze` for the same devices, procedure and requirement.
-    devices : sequence of Device
-    procedure : Procedure
-    requirement : Requirement, optional
     assessment : Assessment, optional
-        The budget held against it.
-
-    Returns
-    -------
-    Evidence
-        Of the same reference, coverage, seed and choice of sources.
+        The budget held against the requirement of the analysis.
     """
-    settings = budget.settings
-    sensors = sensors_of(devices)
-    only, _ = choose_sources(sensors, procedure, settings.only)
     return Evidence(
-        coupling=coupling(sensors, procedure, reference=settings.reference, only=only),
-        densities=critical_densities(
-            budget, assessment, devices=devices, procedure=procedure
+        coupling=coupling_by_law(
+            analysis.problem, analysis.law, analysis.procedure.formulas
         ),
-        what_if=what_if(
-            *devices,
-            procedure=procedure,
-            requirement=requirement,
-            coverage=settings.coverage,
-            reference=settings.reference,
-            only=settings.only,
-            budget=budget,
-        ),
+        densities=critical_densities(analysis, budget, assessment),
+        what_if=what_if(analysis, budget=budget),
     )

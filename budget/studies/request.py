@@ -1,22 +1,29 @@
-"""What is asked for: which sensors and sources, at which coverage and reference."""
+"""What is asked for: devices, sources, coverage and reference; the law of that."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
-from typing import TYPE_CHECKING
+from functools import cached_property
+from typing import TYPE_CHECKING, Self
 
-from budget.calibration.problem import REFERENCES
+from budget.calibration.problem import REFERENCES, calibration_problem
 from budget.distributions import COVERAGES, is_coverage
 from budget.errors import CallError
+from budget.methods.gum import propagate
 from budget.methods.intervals import KINDS as INTERVALS
 from budget.model.sources import ENVIRONMENT, SENSORS, STATION, lines_of
 from budget.names import Name, meant, parameters_of
+from budget.spec import load_procedure
 from budget.spec.records import Device
+from budget.studies.lower_bounds import lacking
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
+    from budget.methods.gum import Propagation
+    from budget.problem import Problem
+    from budget.results import Budget
     from budget.spec.records import ErrorLine, Procedure, Requirement, Sensor
 
 METHODS = ("gum", "monte-carlo", "simulation")
@@ -62,6 +69,111 @@ def choose_basis(
             f"{requirement.origin.file}"
         )
     return Basis(coverage=requirement.coverage, reference=requirement.reference)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Analysis:
+    """Devices under a procedure, and what their errors are counted from.
+
+    The Problem and its law are made when they are first asked for, once: whatever
+    looks at the same calibration is given this.
+
+    Attributes
+    ----------
+    devices : tuple of Device
+        Together at most one gyro and one accelerometer.
+    procedure : Procedure
+    coverage : float
+        Probability of the intervals [1].
+    reference : str
+        What errors are counted from.
+    only : frozenset of Name or None
+        Sources that count, all others 0; None: all.
+    requirement : Requirement or None
+        Limits on the errors.
+    kinds : tuple of str
+        Triads that are looked at, of those that are there.
+    """
+
+    devices: tuple[Device, ...]
+    procedure: Procedure
+    coverage: float = DEFAULT_COVERAGE
+    reference: str = DEFAULT_REFERENCE
+    only: frozenset[Name] | None = None
+    requirement: Requirement | None = None
+    kinds: tuple[str, ...] = SENSORS
+
+    @classmethod
+    def of(
+        cls,
+        *devices: Device,
+        procedure: Procedure | None = None,
+        requirement: Requirement | None = None,
+        coverage: float | None = None,
+        reference: str | None = None,
+        only: Sequence[str] = (),
+    ) -> Self:
+        """Put together what a caller asks for; without an option its usual value.
+
+        Raises
+        ------
+        CallError
+            Options or devices that do not fit together.
+        """
+        procedure = load_procedure(None) if procedure is None else procedure
+        basis = choose_basis(requirement, coverage=coverage, reference=reference)
+        check_words(method="gum", interval="symmetric", reference=basis.reference)
+        check_numbers(basis.coverage, {})
+        chosen, _ = choose_sources(sensors_of(devices), procedure, only)
+        return cls(
+            devices=devices,
+            procedure=procedure,
+            coverage=basis.coverage,
+            reference=basis.reference,
+            only=chosen,
+            requirement=requirement,
+        )
+
+    def alone(self, kind: str) -> Self:
+        """Return the same of one triad, as if the other were not there."""
+        return replace(self, kinds=(kind,))
+
+    @cached_property
+    def sensors(self) -> tuple[Sensor, ...]:
+        """The triads, gyro first."""
+        return tuple(s for s in sensors_of(self.devices) if s.kind in self.kinds)
+
+    @cached_property
+    def problem(self) -> Problem:
+        """Inputs, measurement function and outputs of the calibration."""
+        return calibration_problem(
+            self.sensors, self.procedure, reference=self.reference, only=self.only
+        )
+
+    @cached_property
+    def law(self) -> Propagation:
+        """The law of propagation for it."""
+        return propagate(self.problem)
+
+    @cached_property
+    def lacks(self) -> Mapping[Name, tuple[Name, ...]]:
+        """Expected lines that are not given and would widen an output, by its name."""
+        return lacking(
+            self.sensors, self.procedure, reference=self.reference, only=self.only
+        )
+
+
+def analysis_of(budget: Budget) -> Analysis:
+    """Return what a budget is of.
+
+    Raises
+    ------
+    CallError
+        It was put together by hand.
+    """
+    if not isinstance(budget.analysis, Analysis):
+        raise CallError("the budget does not say what it is of; make it with analyze")
+    return budget.analysis
 
 
 def sensors_of(devices: Sequence[Device]) -> tuple[Sensor, ...]:

@@ -23,21 +23,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from budget.calibration.problem import calibration_problem
 from budget.errors import CallError
-from budget.methods.gum import propagate
 from budget.methods.scaling import scaled_law
 from budget.results import BY_LAW
-from budget.spec import load_procedure
-from budget.studies.lower_bounds import lacking
-from budget.studies.request import (
-    check_numbers,
-    check_words,
-    choose_basis,
-    choose_sources,
-    given_lines,
-    sensors_of,
-)
+from budget.studies.request import given_lines
 from budget.ties import first_largest, settle
 
 if TYPE_CHECKING:
@@ -49,7 +38,8 @@ if TYPE_CHECKING:
     from budget.names import Name
     from budget.problem import Output
     from budget.results import Budget
-    from budget.spec.records import Device, ErrorLine, Procedure, Requirement
+    from budget.spec.records import ErrorLine
+    from budget.studies.request import Analysis
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -296,79 +286,46 @@ class WhatIf:
         return tuple(outlooks)
 
 
-def what_if(
-    *devices: Device,
-    procedure: Procedure | None = None,
-    requirement: Requirement | None = None,
-    coverage: float | None = None,
-    reference: str | None = None,
-    only: Sequence[str] = (),
-    budget: Budget | None = None,
-) -> WhatIf:
+def what_if(analysis: Analysis, *, budget: Budget | None = None) -> WhatIf:
     """Set up the budget of devices as a function of their sources.
 
     Parameters
     ----------
-    *devices : Device
-        Together at most one gyro and one accelerometer.
-    procedure : Procedure, optional
-        The paper's, if none is given.
-    requirement : Requirement, optional
-        Its limits; its coverage and reference rule.
-    coverage : float, optional
-        Probability of the intervals [1].
-    reference : str, optional
-        What errors are counted from: 'nominal', 'as_tested', 'next_turn_on'.
-    only : sequence of str
-        Sources that count, as for `analyze`.
+    analysis : Analysis
+        With a requirement its limits count.
     budget : Budget, optional
-        Of the same devices: its intervals and verdicts are those at factors of 1.
+        Of the same analysis: its intervals and verdicts are those at factors of 1.
 
     Returns
     -------
     WhatIf
         With all factors 1 it is that budget; without one, the budget by the law alone.
-
-    Raises
-    ------
-    CallError
-        Options or devices that do not fit together.
     """
-    procedure = load_procedure(None) if procedure is None else procedure
-    sensors = sensors_of(devices)
-    basis = choose_basis(requirement, coverage=coverage, reference=reference)
-    check_words(method="gum", interval="symmetric", reference=basis.reference)
-    check_numbers(basis.coverage, {})
-    chosen, _ = choose_sources(sensors, procedure, only)
-    problem = calibration_problem(
-        sensors, procedure, reference=basis.reference, only=chosen
-    )
-    law = propagate(problem)
+    problem, law, required = analysis.problem, analysis.law, analysis.requirement
     varying = [group.name for group in problem.groups if not group.is_constant]
-    given = given_lines(sensors, procedure)
-    limits = (
-        {} if requirement is None else {r.output: r.limit for r in requirement.limits}
-    )
-    factor, shift = _shape(law, basis.coverage, budget)
-    lacks = lacking(sensors, procedure, reference=basis.reference, only=chosen)
+    given = given_lines(analysis.sensors, analysis.procedure)
+    limits = {} if required is None else {r.output: r.limit for r in required.limits}
+    factor, shift = _shape(law, analysis.coverage, budget)
     doubts = {} if budget is None else _doubts(budget)
     return WhatIf(
-        coverage=basis.coverage,
-        reference=basis.reference,
+        coverage=analysis.coverage,
+        reference=analysis.reference,
         sensors=tuple(
             WhatIfSensor(
                 name=sensor.kind,
                 missing=sensor.expected_missing,
                 doubt=doubts.get(sensor.kind, (1.0, 1.0)),
             )
-            for sensor in sensors
+            for sensor in analysis.sensors
         ),
         sources=tuple(_source(name, given[name]) for name in varying),
         outputs=problem.outputs,
         factor=factor,
         shift=shift,
         limit=tuple(limits.get(output.name) for output in problem.outputs),
-        lower_bound=tuple(bool(lacks[output.name]) for output in problem.outputs),
+        lower_bound=tuple(
+            bool(analysis.lacks[output.name]) for output in problem.outputs
+        ),
         law=scaled_law(problem, law).select_sources(varying),
     )
 
