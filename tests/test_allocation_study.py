@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from unittest.mock import patch
 
 import builders
 import numpy as np
@@ -14,7 +15,9 @@ from budget.distributions import UNIFORM
 from budget.errors import CallError
 from budget.methods.gum import propagate
 from budget.names import Name
+from budget.resources import shipped
 from budget.spec import load_device, load_procedure, load_requirement
+from budget.spec.files import open_file
 from budget.spec.records import Cost, Costs, Device, Limit, Requirement
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.cases import STRATEGIES, Bounds
@@ -408,6 +411,14 @@ def test_noise_of_a_sample_is_compared_as_a_density():
     (line,) = match.lines
     assert_allclose(line.value, 1e-5 * np.sqrt(100.0), rtol=1e-12)
     assert not match.extra
+
+
+def test_every_file_of_the_market_is_read_once():
+    """The catalogue costs one reading of each of its files, however many variants."""
+    with patch("budget.spec.catalogue.open_file", wraps=open_file) as opened:
+        load_catalogue()
+    files = sorted((shipped("specs") / "devices").glob("*.yaml"))
+    assert [one.args[0].path for one in opened.call_args_list] == files
 
 
 def test_the_market_bounds_below():

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from unittest.mock import patch
 
 import pytest
 
 from budget.errors import SpecError
 from budget.resources import shipped
 from budget.spec import load_device, load_procedure, validate
+from budget.spec.composer import compose
 
 GYRO = "name: x\ngyro:\n  errors:\n"
 LIMITS = "name: x\nlimits:\n"
@@ -383,3 +385,14 @@ def test_a_file_of_another_kind_names_the_key_that_says_so(tmp_path):
         load_device(path)
     with pytest.raises(SpecError, match="a device file, expected a procedure file"):
         load_procedure(shipped("specs") / "devices" / "zhao-2019.yaml")
+
+
+def test_the_same_bytes_are_parsed_once_and_others_again(tmp_path):
+    """A file that is named again costs no parser; one that was written anew does."""
+    path = tmp_path / "d.yaml"
+    path.write_text("name: first\ngyro: {}\n", encoding="utf-8")
+    with patch("budget.spec.reader.compose", wraps=compose) as composed:
+        assert load_device(path).name == load_device(path).name == "first"
+        path.write_text("name: second\ngyro: {}\n", encoding="utf-8")
+        assert load_device(path).name == "second"
+    assert composed.call_count == 2

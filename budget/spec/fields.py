@@ -34,7 +34,9 @@ _BREAK = re.compile(r"[\t\n\r]")
 class Strict(BaseModel):
     """A mapping with known keys; nothing is converted in silence."""
 
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+    model_config = ConfigDict(
+        extra="forbid", strict=True, frozen=True, defer_build=True
+    )
 
 
 def fault(message: str) -> PydanticCustomError:

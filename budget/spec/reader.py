@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from functools import lru_cache
 from hashlib import sha256
 from typing import TYPE_CHECKING
 
@@ -48,6 +49,8 @@ def read(path: Path, shown: str) -> Document:
     return parse(data, shown, base_name=base_name)
 
 
+# A run names a file more than once: as a device, in the catalogue, in a reference.
+@lru_cache(maxsize=64)
 def parse(data: bytes, shown: str, *, base_name: str) -> Document:
     """Read the bytes of a file; as `read`, also before there is a file."""
     if len(data) > MOST_BYTES:

@@ -10,7 +10,7 @@ import numpy as np
 from budget.errors import SpecError
 from budget.names import Name
 from budget.resources import shipped
-from budget.spec import load_device, variants
+from budget.spec import load_variants
 from budget.studies.allocation.records import LineMatch, Match
 from budget.ties import settle
 
@@ -40,10 +40,7 @@ def load_catalogue() -> tuple[tuple[Device, ...], tuple[str, ...]]:
     warnings: list[str] = []
     for path in sorted((shipped("specs") / "devices").glob("*.yaml")):
         try:
-            names = variants(path)
-            devices.extend(
-                load_device(f"{path}#{name}" if name else path) for name in names
-            )
+            devices.extend(load_variants(path))
         except SpecError as error:
             warnings.append(f"left out of the catalogue: {error.issues[0].message}")
     return tuple(devices), tuple(warnings)
