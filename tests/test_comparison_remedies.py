@@ -26,13 +26,13 @@ from budget.errors import CallError
 from budget.methods.gum import propagate
 from budget.spec.records import Requirement
 from budget.studies.comparison.candidates import find_remedy
-from budget.studies.comparison.figures_of_merit import (
+from budget.studies.figures_of_merit import (
     Amount,
     front,
     over_cap,
     read_amount,
 )
-from budget.studies.comparison.grades import completeness, grade, kind_of_device
+from budget.studies.grades import completeness, grade, kind_of_device
 from budget.studies.judgement import limit_problem, screen
 from budget.units import DEG_PER_HOUR, MICRO_G
 

@@ -6,7 +6,10 @@ import ast
 import os
 import subprocess
 import sys
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
+
+import pytest
 
 PACKAGE = Path(__file__).parent.parent / "budget"
 
@@ -100,6 +103,56 @@ def test_the_house_checks_can_fail(tmp_path, monkeypatch):
         "bad.py imports cli",
     ]
     assert silent_modules([bad]) == ["bad.py"]
+
+
+def rooms_within(floor):
+    """Return which rooms of a folder each of its rooms imports, anywhere in it."""
+    folder = PACKAGE / floor
+    found = {}
+    for path in folder.rglob("*.py"):
+        here = path.relative_to(folder).parts[0].removesuffix(".py")
+        if here == FACE:
+            continue
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if not isinstance(node, ast.ImportFrom) or node.module is None:
+                continue
+            parts = node.module.split(".")[1:]
+            if parts[:1] != [floor]:
+                continue
+            rooms = parts[1:2] or [alias.name for alias in node.names]
+            found.setdefault(here, set()).update(set(rooms) - {here})
+    return found
+
+
+FOLDERS = sorted(path.name for path in PACKAGE.iterdir() if path.is_dir())
+# Folders that stand side by side: what two of them need is a room of its own.
+APART = {
+    "report": {"allocation", "analysis", "comparison", "paper", "reference"},
+    "studies": {"allocation", "comparison", "paper"},
+}
+
+
+@pytest.mark.parametrize("floor", [name for name in FOLDERS if name != "__pycache__"])
+def test_rooms_of_a_floor_stand_in_no_circle(floor):
+    """Within a folder imports run one way, and studies do not know each other."""
+    found = rooms_within(floor)
+    assert list(TopologicalSorter(found).static_order()) or not found
+    apart = APART.get(floor, set())
+    assert {one: found.get(one, set()) & apart for one in apart} == {
+        one: set() for one in apart
+    }
+
+
+def test_a_circle_of_rooms_is_seen(tmp_path, monkeypatch):
+    """Control: two rooms that import each other."""
+    monkeypatch.setattr(f"{__name__}.PACKAGE", tmp_path)
+    (tmp_path / "report").mkdir()
+    for one, other in (("a", "b"), ("b", "a")):
+        text = f"def f():\n    from budget.report.{other} import f\n"
+        (tmp_path / "report" / f"{one}.py").write_text(text, encoding="utf-8")
+    assert rooms_within("report") == {"a": {"b"}, "b": {"a"}}
+    with pytest.raises(CycleError):
+        list(TopologicalSorter(rooms_within("report")).static_order())
 
 
 # Dots that are no names': of numbers, of files, of Python's modules, of keys in a file.

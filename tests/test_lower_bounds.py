@@ -24,9 +24,9 @@ from budget.spec.catalogue import load_catalogue
 from budget.studies.allocation.allocate import allocate
 from budget.studies.analysis import analyze
 from budget.studies.comparison.compare import compare
-from budget.studies.comparison.grades import grade
 from budget.studies.coupling import coupling
 from budget.studies.densities import critical_densities
+from budget.studies.grades import grade
 from budget.studies.lower_bounds import lacking
 from budget.studies.one_at_a_time import one_at_a_time
 from budget.studies.request import analysis_of

@@ -9,7 +9,7 @@ from budget.report.tables import print_given, words
 from budget.report.terminal import GAP, Page
 from budget.results import SCHEMA
 from budget.spec.records import ANGLES, AXES
-from budget.studies.comparison.grades import completeness, grade, kind_of_device
+from budget.studies.grades import completeness, grade, kind_of_device
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from budget.errors import CallError
 from budget.results import INTERACTION, Assessment, CapAssessment, SensorAssessment
-from budget.studies.comparison.figures_of_merit import over_cap, read_amount
+from budget.studies.figures_of_merit import over_cap, read_amount
 from budget.studies.judgement import (
     assess_outputs,
     judge,

@@ -13,7 +13,6 @@ from budget.report.analysis.groups import budget_section
 from budget.report.analysis.inputs import inputs_section
 from budget.report.analysis.method import Trials, method_section
 from budget.report.analysis.procedure import print_degrees, procedure_section
-from budget.report.analysis.provenance import provenance_section, sign_off_section
 from budget.report.analysis.verdict import (
     group_cards,
     headline,
@@ -22,7 +21,6 @@ from budget.report.analysis.verdict import (
     verdict_cards,
 )
 from budget.report.analysis.what_if import what_if_section
-from budget.report.analysis.wording import first_up, points
 from budget.report.blocks import (
     Abreast,
     Document,
@@ -34,7 +32,9 @@ from budget.report.blocks import (
 )
 from budget.report.document import to_json
 from budget.report.not_given import not_given_lines
+from budget.report.provenance import provenance_section, sign_off_section
 from budget.report.tables import group_tables, key_title
+from budget.report.wording import first_up, points
 from budget.studies.one_at_a_time import one_at_a_time
 from budget.version import __version__
 

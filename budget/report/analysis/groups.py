@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from budget.report.analysis.wording import cell, first_up
 from budget.report.blocks import (
     Abreast,
     Cell,
@@ -17,6 +16,7 @@ from budget.report.blocks import (
 )
 from budget.report.figures import share_picture
 from budget.report.tables import print_coverage
+from budget.report.wording import cell, first_up
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from budget.model.sources import ENVIRONMENT, SENSORS, STATION, source_of
 from budget.names import Name
-from budget.report.analysis.wording import first_up, texts, without_empty
 from budget.report.blocks import (
     Cell,
     Column,
@@ -17,6 +16,7 @@ from budget.report.blocks import (
     Table,
 )
 from budget.report.tables import print_given, words
+from budget.report.wording import first_up, texts, without_empty
 from budget.spec.records import ANGLES, AXES
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
 

@@ -18,15 +18,15 @@ from budget.report.analysis.propagation_formulas import (
     law_panel,
     noise_panel,
 )
-from budget.report.analysis.wording import (
+from budget.report.blocks import Listing, Pairs, Panel, Paragraph, Section
+from budget.report.tables import print_count, print_coverage, words
+from budget.report.wording import (
     BY_LAW,
     INTERVALS,
     METHODS,
     REFERENCES,
     points,
 )
-from budget.report.blocks import Listing, Pairs, Panel, Paragraph, Section
-from budget.report.tables import print_count, print_coverage, words
 
 if TYPE_CHECKING:
     from collections.abc import Collection

@@ -5,14 +5,6 @@ from __future__ import annotations
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from budget.report.analysis.wording import (
-    MISSING,
-    REFERENCES,
-    SEVERITY,
-    VERDICTS,
-    first_up,
-    value,
-)
 from budget.report.blocks import (
     Card,
     Cell,
@@ -37,6 +29,14 @@ from budget.report.tables import (
     print_utilisation,
     round_error,
     source_title,
+)
+from budget.report.wording import (
+    MISSING,
+    REFERENCES,
+    SEVERITY,
+    VERDICTS,
+    first_up,
+    value,
 )
 
 if TYPE_CHECKING:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from budget.report.analysis.wording import VERDICTS, cell
 from budget.report.blocks import (
     Cell,
     Column,
@@ -25,6 +24,7 @@ from budget.report.tables import (
     round_error,
     source_title,
 )
+from budget.report.wording import VERDICTS, cell
 from budget.results import BY_LAW
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ from budget.report.figures import (
 )
 from budget.report.figures.picture import as_picture, capital
 from budget.report.tables import print_given
-from budget.studies.comparison.figures_of_merit import MERITS, Amount, read_amount
+from budget.studies.figures_of_merit import MERITS, Amount, read_amount
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from budget.report.analysis.provenance import provenance_section
 from budget.report.blocks import (
     Abreast,
     Card,
@@ -47,8 +46,9 @@ from budget.report.comparison.wording import (
     verdict_lines,
 )
 from budget.report.figures.picture import capital
+from budget.report.provenance import provenance_section
 from budget.report.tables import PER_CENT, settings_lines, words
-from budget.studies.comparison.figures_of_merit import MERITS
+from budget.studies.figures_of_merit import MERITS
 from budget.version import __version__
 
 if TYPE_CHECKING:

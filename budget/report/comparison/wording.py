@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from budget.report.analysis.wording import REFERENCES
 from budget.report.comparison.tables import COLUMNS
 from budget.report.tables import print_count, print_coverage, source_title
+from budget.report.wording import REFERENCES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from budget.report.analysis.provenance import provenance_section
 from budget.report.blocks import (
     Abreast,
     Card,
@@ -21,6 +20,7 @@ from budget.report.paper.document import to_json
 from budget.report.paper.printing import print_ours, unexplained
 from budget.report.paper.ratios import ratio_picture
 from budget.report.paper.tables import findings_table, printed_cell, verdict_table
+from budget.report.provenance import provenance_section
 from budget.studies.paper.findings import (
     AGREES,
     AGREES_IN_ORDER,

@@ -13,8 +13,8 @@ from budget.errors import CallError
 from budget.methods.gum import propagate
 from budget.names import Name
 from budget.spec.lines import lines_of
-from budget.studies.comparison.grades import UNKNOWN, grade
 from budget.studies.comparison.records import AssumedLine, MissingLines, Remedy
+from budget.studies.grades import UNKNOWN, grade
 from budget.studies.judgement import Limited, limit_problem
 from budget.ties import first_largest
 

@@ -10,7 +10,6 @@ from budget.methods.execution import local_executor
 from budget.results import InputFile, Settings
 from budget.spec import load_procedure
 from budget.studies.comparison.candidates import Candidate, bound_missing
-from budget.studies.comparison.figures_of_merit import MERITS, is_known, over_cap
 from budget.studies.comparison.judging import Finding, How, judge_all
 from budget.studies.comparison.ranking import pair_up, rank
 from budget.studies.comparison.records import (
@@ -19,6 +18,7 @@ from budget.studies.comparison.records import (
     Entrant,
     UnknownCap,
 )
+from budget.studies.figures_of_merit import MERITS, is_known, over_cap
 from budget.studies.judgement import MAX_TRIALS, TRIALS
 from budget.studies.progress import stage
 

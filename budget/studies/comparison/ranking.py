@@ -7,13 +7,13 @@ from math import inf
 from typing import TYPE_CHECKING
 
 from budget.methods.largest import probability_smaller
-from budget.studies.comparison.figures_of_merit import MERITS, front, read_amount
 from budget.studies.comparison.records import (
     VERDICTS,
     Ahead,
     DeviceVerdict,
     Pair,
 )
+from budget.studies.figures_of_merit import MERITS, front, read_amount
 from budget.studies.judgement import together
 from budget.ties import settle
 
