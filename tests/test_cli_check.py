@@ -63,7 +63,7 @@ class TestShipped:
         jobs = [reference.job for reference in found.values()]
         assert (jobs.count("compare"), jobs.count("allocate")) == (1, 1)
         paper = [
-            (reference.asked.reference, reference.inputs[1].file)
+            (reference.settings.reference, reference.inputs[1].file)
             for name, reference in found.items()
             if name.startswith("zhao-2019-")
         ]
@@ -71,8 +71,8 @@ class TestShipped:
         assert {origin for origin, _ in paper} == {
             *("nominal", "as_tested", "next_turn_on"),
         }
-        assert "monte-carlo" in {r.asked.method for r in found.values()}
-        assert any(r.asked.samples for r in found.values())
+        assert "monte-carlo" in {r.settings.method for r in found.values()}
+        assert any(r.settings.samples for r in found.values())
         assert all(one.path.stat().st_size < 300_000 for one in shipped_references())
 
     def test_they_can_be_stored_again(self, tmp_path):
@@ -92,7 +92,7 @@ class TestShipped:
         )
         assert run.code == 0, run.err
         after = stored(path)
-        assert (after.inputs, after.asked) == (before.inputs, before.asked)
+        assert (after.inputs, after.settings) == (before.inputs, before.settings)
 
     def test_by_bare_name(self):
         """A shipped reference is found by its name, from any folder."""
@@ -286,7 +286,7 @@ class TestMoved:
         from budget.studies.reference import jobs
 
         monkeypatch.setattr(
-            module, "present_versions", lambda: (("budget", "9.9"), ("numpy", "9.0"))
+            module, "present_versions", lambda: {"budget": "9.9", "numpy": "9.0"}
         )
         monkeypatch.setattr(jobs, "analyze", _with_other_trigger(jobs.analyze))
         run = call("check", "ref.json")
@@ -301,7 +301,7 @@ class TestMoved:
         """A reference that holds says once that other versions stored it."""
         from budget.studies.reference import check as module
 
-        monkeypatch.setattr(module, "present_versions", lambda: (("budget", "9.9"),))
+        monkeypatch.setattr(module, "present_versions", lambda: {"budget": "9.9"})
         run = call("check", "ref.json")
 
         assert run.code == 0

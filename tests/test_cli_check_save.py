@@ -113,7 +113,7 @@ class TestSave:
         assert (run.code, run.out) == (0, "")
         assert run.err.startswith("new.json: written, analyze, ")
         assert call("check", "new.json").code == 0
-        assert stored(folder / "new.json").asked.reference == "as_tested"
+        assert stored(folder / "new.json").settings.reference == "as_tested"
 
     def test_it_accepts_a_change(self, folder):
         """Storing again over a reference that moved makes it hold."""
@@ -158,7 +158,7 @@ class TestSave:
         """Adaptive trials, simulation, one source alone, indices: stored, and hold."""
         run = call("check", "--save", "m.json", "imu.yaml", *args)
         assert run.code == 0, run.err
-        assert any(n.is_sampled for n in stored(folder / "m.json").snapshot.numbers)
+        assert any(n.is_sampled for n in stored(folder / "m.json").numbers)
         assert call("check", "m.json").code == 0
 
     def test_a_variant_that_is_new(self, folder):

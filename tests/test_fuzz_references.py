@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from budget.errors import ReferenceFileError
 from budget.resources import shipped
-from budget.studies.reference.records import Reference
+from budget.studies.reference.records import ReferenceBudget
 from budget.studies.reference.store import read_reference
 
 STORED = shipped("specs") / "references" / "zhao-2019-corrected-nominal.json"
@@ -51,8 +51,8 @@ def judge(path, data):
         assert text.startswith("ref.json:")
         assert "\x1b" not in text
         return None
-    assert isinstance(found, Reference)
-    assert found.snapshot.numbers
+    assert isinstance(found, ReferenceBudget)
+    assert found.numbers
     return found
 
 

@@ -11,7 +11,7 @@ from command_line import call
 
 from budget.cli import options
 from budget.spec import reader
-from budget.studies.reference import model
+from budget.studies.reference import records
 from budget.studies.reference.parts import digest, take_text
 from budget.studies.reference.store import _checksum
 
@@ -105,7 +105,7 @@ def test_trials_beyond_the_command_line_are_refused(project, name):
     def change(content):
         content["settings"] = {"method": "monte-carlo", name: most + 1}
 
-    assert most == model.MOST_TRIALS
+    assert most == records.MOST_TRIALS
     forge(project, change)
     run = call("check", "references/one.json")
     assert run.code == 2

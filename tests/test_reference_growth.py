@@ -9,7 +9,6 @@ from budget.studies.reference.moves import count_compared, find_moves
 from budget.studies.reference.records import (
     KNOWN_FIRST,
     KNOWN_NOW,
-    Key,
     Number,
     Snapshot,
     Word,
@@ -20,13 +19,18 @@ BIAS = Name("bias", owner="gyro", axis="x")
 
 def number(subject, *, partner="", value=1.0):
     """Return one number of a result."""
-    key = Key(subject=subject, quantity="contribution", partner=partner)
-    return Number(key=key, unit="deg/h", value=value)
+    return Number(
+        subject=subject,
+        quantity="contribution",
+        partner=partner,
+        unit="deg/h",
+        value=value,
+    )
 
 
 def not_given(text):
     """Return the word on what a gyro does not give."""
-    return Word(key=Key(subject="gyro", quantity="not_given"), text=text)
+    return Word(subject="gyro", quantity="not_given", text=text)
 
 
 OLD = Snapshot(

@@ -17,7 +17,7 @@ from budget.studies.reference.moves import (
     find_moves,
     probability_of,
 )
-from budget.studies.reference.records import EXACT, Key, Number, Snapshot, Word
+from budget.studies.reference.records import EXACT, Number, Snapshot, Word
 
 PAIRS = 30
 TRIALS = 2000
@@ -25,8 +25,8 @@ TRIALS = 2000
 
 def number(value, **more):
     """Return a number of one output."""
-    key = Key(subject="gyro.bias.x", quantity=more.pop("quantity", "mean"))
-    return Number(key=key, unit="deg/h", value=value, **more)
+    one = {"subject": "gyro.bias.x", "quantity": "mean", "unit": "deg/h"}
+    return Number(value=value, **(one | more))
 
 
 def of(*numbers, words=()):
@@ -149,7 +149,7 @@ class TestExact:
         (gone,) = find_moves(of(a, b), of(a))
         assert (gone.before, gone.after) == (1.0, None)
         assert isinf(replace(gone, scale=None).size)
-        third = replace(b, key=replace(b.key, partner="gyro.new"))
+        third = replace(b, partner="gyro.new")
         (new,) = find_moves(of(a, b), of(a, b, third))
         assert (new.before, new.after) == (None, 1.0)
         assert find_moves(of(a), of(a, b)) == ()
@@ -217,9 +217,7 @@ class TestSampled:
         """Bonferroni: a difference that one number shows is chance among thousands."""
         one = number(0.0, standard_error=1.0)
         other = number(4.5 * sqrt(2.0), standard_error=1.0)
-        crowd = [
-            replace(one, key=replace(one.key, partner=str(k))) for k in range(3000)
-        ]
+        crowd = [replace(one, partner=str(k)) for k in range(3000)]
         assert find_moves(of(one), of(other))
         assert find_moves(of(one, *crowd), of(other, *crowd)) == ()
 
@@ -229,8 +227,9 @@ class TestWords:
 
     def word(self, text, rests_on=""):
         """Return the verdict of a gyro."""
-        key = Key(subject="gyro.bias.x", quantity="verdict")
-        return Word(key=key, text=text, rests_on=rests_on)
+        return Word(
+            subject="gyro.bias.x", quantity="verdict", text=text, rests_on=rests_on
+        )
 
     def test_a_word_that_rests_on_no_trial_moves(self):
         """Meets to fails is a move."""
@@ -252,10 +251,10 @@ class TestWords:
 
 def test_never_more_moves_than_comparisons():
     """What one side alone has is compared too, as gone or new."""
-    word = Word(key=Key(subject="gyro", quantity="verdict"), text="meets")
-    other = Word(key=Key(subject="accelerometer", quantity="verdict"), text="fails")
-    far = Key(subject="accelerometer.bias.x", quantity="mean")
+    word = Word(subject="gyro", quantity="verdict", text="meets")
+    other = Word(subject="accelerometer", quantity="verdict", text="fails")
+    far = number(1.0, subject="accelerometer.bias.x")
     before = of(number(1.0), words=[word])
-    after = of(replace(number(1.0), key=far), number(1.0, quantity="u"), words=[other])
+    after = of(far, number(1.0, quantity="u"), words=[other])
     assert len(find_moves(before, after)) == 4
     assert count_compared(before, after) == 4  # the quantity u came later

@@ -133,11 +133,11 @@ def references():
         found[device] = []
         for one, reference in references_of(device):
             base = reference
-            if by_law(reference.asked) != reference.asked:
+            if by_law(reference.settings) != reference.settings:
                 inside = [
                     replace(i, file=i.file.rpartition("/")[2]) for i in reference.inputs
                 ]
-                law = make_reference("analyze", inside, by_law(reference.asked))
+                law = make_reference("analyze", inside, by_law(reference.settings))
                 base = replace(law, inputs=reference.inputs)
             found[device].append((one.shown, base))
     return found

@@ -65,15 +65,15 @@ class TestFirstVersion:
         """Inputs, settings, numbers with their uncertainties, words: all are there."""
         first = stored(FIRST)
 
-        assert (first.job, first.asked.method) == ("analyze", "monte-carlo")
-        assert (first.asked.trials, first.asked.samples, first.asked.seed) == (
+        assert (first.job, first.settings.method) == ("analyze", "monte-carlo")
+        assert (first.settings.trials, first.settings.samples, first.settings.seed) == (
             *(2000, 64, 5),
         )
         assert [one.role for one in first.inputs] == [
             *("device", "procedure", "requirement"),
         ]
-        numbers = first.snapshot.by_key()
-        assert len(numbers) == len(first.snapshot.numbers) == 355
+        numbers = first.by_key()
+        assert len(numbers) == len(first.numbers) == 355
         (u,) = (
             number
             for key, number in numbers.items()
@@ -81,18 +81,16 @@ class TestFirstVersion:
         )
         assert 0.07 < u.value < 0.08
         assert 0.001 < u.standard_error < 0.002
-        assert [
-            w.text for w in first.snapshot.words if w.key.quantity == "verdict"
-        ] == ["meets"]
+        assert [w.text for w in first.words if w.key.quantity == "verdict"] == ["meets"]
         assert dict(first.versions)["budget"] == "0.1.0"
 
     def test_its_content_can_be_computed_with(self):
         """The stored texts are sound files, and give the quantities stored then."""
         first = stored(FIRST)
         parts = stored_parts(first.inputs, reference="first", job=first.job)
-        again = compute(first.job, parts, first.asked)
+        again = compute(first.job, parts, first.settings)
 
-        assert set(first.snapshot.by_key()) <= set(again.by_key())
+        assert set(first.by_key()) <= set(again.by_key())
 
     def test_the_schema_passes_it(self):
         """What was valid by the schema stays so."""
@@ -121,7 +119,7 @@ class TestText:
         lines = path.read_text(encoding="utf-8").splitlines()
         reference = stored(path)
         assert sum('"quantity"' in line for line in lines) == len(
-            (*reference.snapshot.numbers, *reference.snapshot.words)
+            (*reference.numbers, *reference.words)
         )
 
     def test_it_names_no_place_and_no_time(self, path, tmp_path):
@@ -148,12 +146,10 @@ class TestText:
     def test_no_infinite_number_is_written(self, path):
         """JSON has none."""
         reference = stored(path)
-        first, *rest = reference.snapshot.numbers
-        broken = replace(
-            reference.snapshot, numbers=(replace(first, value=float("inf")), *rest)
-        )
+        first, *rest = reference.numbers
+        broken = (replace(first, value=float("inf")), *rest)
         with pytest.raises(ValueError, match="JSON compliant"):
-            reference_text(replace(reference, snapshot=broken))
+            reference_text(replace(reference, numbers=broken))
 
     def test_what_is_not_given_is_absent(self, path):
         """No null stands in a file."""
@@ -218,7 +214,7 @@ class TestRefused:
             ({"format": "budget-device/1"}, "expected 'budget-reference/1'"),
             ({"format": 1}, "expected 'budget-reference/1'"),
             ({"job": "paint"}, "job: input should be 'analyze'"),
-            ({"numbers": 3}, "numbers: input should be a valid tuple"),
+            ({"numbers": 3}, "numbers: input should be a valid array"),
             ({"numbers": [{"value": 1.0}]}, "numbers.0.subject: field required"),
             ({"surprise": 1}, "surprise: extra inputs are not permitted"),
             ({"inputs": []}, "inputs: tuple should have at least 1 item"),
@@ -416,6 +412,6 @@ class TestRefused:
         """Settings that mean nothing to the job are refused when it is checked."""
         content = json.loads(path.read_bytes()) | {"settings": {"strategy": "equal"}}
         path.write_text(signed(content), encoding="utf-8")
-        assert stored(path).asked == Asked(strategy="equal")
+        assert stored(path).settings == Asked(strategy="equal")
         run = call("check", path)
         assert (run.code, "--strategy: means nothing" in run.err) == (2, True)

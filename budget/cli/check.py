@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from budget.studies.reference.catalogue import FoundReference
-    from budget.studies.reference.records import Checked, StoredInput
+    from budget.studies.reference.records import Checked, Job, Role, StoredInput
 
 EXIT_MOVED = 1
 EXIT_BAD_INPUT = 2
@@ -136,7 +136,7 @@ def check(
     With --save a budget is stored: `budget check --save ref.json DEVICE...`. The law is
     stored without its check by Monte Carlo, an allocation without its correction.
     """
-    files = {
+    files: dict[Role, list[str]] = {
         "device": names or [],
         "procedure": procedure or [],
         "requirement": [requirement] if requirement else [],
@@ -180,8 +180,8 @@ def _samples(samples: int | None, *, wanted: bool) -> int | None:
 
 def _save(
     path: Path,
-    kind: str,
-    files: dict[str, list[str]],
+    kind: Job,
+    files: dict[Role, list[str]],
     given: dict[str, Any],
     documents: tuple[Path | None, Path | None],
     *,
@@ -220,17 +220,17 @@ def _save(
             f"--save: nothing was written, as it could not be read back: {error}"
         ) from None
     write_all({path: text})
-    numbers = len(reference.snapshot.numbers)
+    numbers = len(reference.numbers)
     say(f"{in_line(path)}: written, {kind}, {numbers} numbers")
 
 
-def _take_in(files: dict[str, list[str]], folder: Path) -> tuple[StoredInput, ...]:
+def _take_in(files: dict[Role, list[str]], folder: Path) -> tuple[StoredInput, ...]:
     """Read all inputs, or say everything that is wrong in them."""
     from budget.errors import Issue, SpecError
     from budget.spec.load import PAPER
     from budget.studies.reference.parts import take_in, take_shipped
 
-    defaults = {"device": options.BUILT_IN_DEVICE, "procedure": PAPER}
+    defaults: dict[Role, str] = {"device": options.BUILT_IN_DEVICE, "procedure": PAPER}
     if not files["device"]:
         say(
             f"No device given: using the built-in {options.BUILT_IN_DEVICE} "

@@ -12,7 +12,7 @@ from budget.cli.streams import console
 
 if TYPE_CHECKING:
     from budget.studies.reference.check import NamedSide
-    from budget.studies.reference.records import Asked, Reference, StoredInput
+    from budget.studies.reference.records import Asked, ReferenceBudget, StoredInput
 
 SUFFIX = ".json"
 
@@ -93,7 +93,7 @@ def diff(
         render_difference(difference, console())
 
 
-def _reference(name: str) -> Reference | None:
+def _reference(name: str) -> ReferenceBudget | None:
     """Read a stored reference; None where the name is of a device."""
     from budget.spec.files import find
     from budget.studies.reference.catalogue import find_references, shipped_references
@@ -109,8 +109,8 @@ def _reference(name: str) -> Reference | None:
 
 def _side(
     name: str,
-    own: Reference | None,
-    model: Reference | None,
+    own: ReferenceBudget | None,
+    model: ReferenceBudget | None,
     procedure: str | None,
     asked: Asked,
 ) -> NamedSide:
@@ -129,7 +129,7 @@ def _side(
         )
     (device, *_) = _inputs(name, None)
     others = [one for one in model.inputs if one.role != "device"]
-    return computed_side((device, *others), model.asked, name=name)
+    return computed_side((device, *others), model.settings, name=name)
 
 
 def _inputs(name: str, procedure: str | None) -> tuple[StoredInput, ...]:

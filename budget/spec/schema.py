@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from pydantic import TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema
 
 from budget.errors import CallError
@@ -51,9 +52,9 @@ def json_schema(kind: str) -> dict[str, Any]:
     return schema_of(_MODELS[kind], f"budget {kind} file")
 
 
-def schema_of(model: type[BaseModel], title: str) -> dict[str, Any]:
+def schema_of(model: type, title: str) -> dict[str, Any]:
     """Return the JSON Schema of a model of a file, under a title."""
-    schema = model.model_json_schema(schema_generator=_Generator)
+    schema = TypeAdapter(model).json_schema(schema_generator=_Generator)
     return {"$schema": DIALECT, **schema, "title": title}
 
 

@@ -20,7 +20,7 @@ from budget.studies.reference.records import (
     Change,
     Checked,
     Difference,
-    Reference,
+    ReferenceBudget,
 )
 from budget.studies.reference.store import present_versions
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from budget.studies.reference.records import Asked, Part, StoredInput
+    from budget.studies.reference.records import Asked, Job, Part, StoredInput
 
 # What takes the place of causes where the stored inputs cannot be read.
 _UNREADABLE = Change(
@@ -48,12 +48,12 @@ class NamedSide:
 
 
 def make_reference(
-    job: str,
+    job: Job,
     inputs: Sequence[StoredInput],
     asked: Asked,
     *,
     workers: int = 1,
-) -> Reference:
+) -> ReferenceBudget:
     """Compute a reference from its inputs.
 
     Raises
@@ -63,17 +63,19 @@ def make_reference(
     """
     check_asked(job, asked)
     parts = stored_parts(inputs, reference="", job=job)
-    return Reference(
+    computed = compute(job, parts, asked, workers=workers)
+    return ReferenceBudget(
         job=job,
         inputs=tuple(inputs),
-        asked=asked,
-        snapshot=compute(job, parts, asked, workers=workers),
+        settings=asked,
+        numbers=computed.numbers,
+        words=computed.words,
         versions=present_versions(),
     )
 
 
 def check(
-    reference: Reference,
+    reference: ReferenceBudget,
     folder: Path,
     *,
     name: str,
@@ -84,7 +86,7 @@ def check(
 
     Parameters
     ----------
-    reference : Reference
+    reference : ReferenceBudget
         What is stored; its texts serve to explain, never to compute what is compared.
     folder : Path
         Where it stands.
@@ -100,12 +102,12 @@ def check(
     ReferenceFileError, SpecError, CallError
         A file is gone, is outside the tree, or cannot be computed with.
     """
-    job, asked = reference.job, reference.asked
+    job, asked = reference.job, reference.settings
     check_asked(job, asked)
     now = present_parts(reference.inputs, folder, reference=name, job=job, root=root)
     snapshot = compute(job, now, asked, workers=workers)
-    moves = find_moves(reference.snapshot, snapshot)
-    stored = reference.snapshot
+    moves = find_moves(reference, snapshot)
+    stored = reference
     versions = present_versions()
     then = _parts_then(reference, name)
     if then is None:
@@ -136,7 +138,7 @@ def check(
     )
 
 
-def _parts_then(reference: Reference, name: str) -> tuple[Part, ...] | None:
+def _parts_then(reference: ReferenceBudget, name: str) -> tuple[Part, ...] | None:
     """Return the stored inputs; None where this version reads them no longer.
 
     They only explain: that they cannot be read stops no check.
@@ -147,14 +149,14 @@ def _parts_then(reference: Reference, name: str) -> tuple[Part, ...] | None:
         return None
 
 
-def stored_side(reference: Reference, *, name: str) -> NamedSide:
+def stored_side(reference: ReferenceBudget, *, name: str) -> NamedSide:
     """Return a reference as one side of a difference."""
     return NamedSide(
         name=name,
         side=Side(
             parts=stored_parts(reference.inputs, reference=name, job=reference.job),
-            asked=reference.asked,
-            snapshot=reference.snapshot,
+            asked=reference.settings,
+            snapshot=reference,
             versions=reference.versions,
         ),
     )

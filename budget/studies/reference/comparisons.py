@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from budget.calibration.problem import calibration_problem
 from budget.studies.judgement import NORMAL_TRIALS
 from budget.studies.reference.numbers import PART
-from budget.studies.reference.records import Key, Number, Snapshot, Word
+from budget.studies.reference.records import Number, Snapshot, Word
 from budget.studies.reference.sampling import standard_errors
 
 if TYPE_CHECKING:
@@ -45,7 +45,8 @@ def comparison_numbers(comparison: Comparison, compared: Compared) -> Snapshot:
         sampled = "" if errors is None else "utilisation"
         words.extend(
             Word(
-                key=Key(subject=subject, quantity=quantity),
+                subject=subject,
+                quantity=quantity,
                 text=text,
                 rests_on=rests_on,
             )
@@ -59,9 +60,10 @@ def comparison_numbers(comparison: Comparison, compared: Compared) -> Snapshot:
     for unknown in comparison.nothing_known:
         subject = f"{_name(unknown, compared)} {unknown.sensor}"
         words += [
-            Word(key=Key(subject=subject, quantity="verdict"), text="undecidable"),
+            Word(subject=subject, quantity="verdict", text="undecidable"),
             Word(
-                key=Key(subject=subject, quantity="not_given"),
+                subject=subject,
+                quantity="not_given",
                 text=", ".join(unknown.not_given),
             ),
         ]
@@ -117,7 +119,8 @@ def _device_numbers(
             end = float(errors.of.end[place]) / scale
             ends.append(end * scale / one.limit)
         yield Number(
-            key=Key(subject=name, quantity="standard_uncertainty"),
+            subject=name,
+            quantity="standard_uncertainty",
             unit=one.output.unit,
             value=one.standard_uncertainty / scale,
             floor=one.output.resolution / scale,
@@ -125,7 +128,8 @@ def _device_numbers(
             degrees_of_freedom=degrees,
         )
         yield Number(
-            key=Key(subject=name, quantity="largest_error"),
+            subject=name,
+            quantity="largest_error",
             unit=one.output.unit,
             value=one.largest_error / scale,
             floor=one.output.resolution / scale,
@@ -133,14 +137,16 @@ def _device_numbers(
             degrees_of_freedom=freedom,
         )
         yield Number(
-            key=Key(subject=name, quantity="conformance"),
+            subject=name,
+            quantity="conformance",
             unit="1",
             value=one.conformance,
             floor=PART,
             trials=row.trials,
         )
     yield Number(
-        key=Key(subject=subject, quantity="utilisation"),
+        subject=subject,
+        quantity="utilisation",
         unit="1",
         value=row.utilisation,
         floor=max(one.output.resolution / one.limit for one in row.outputs),
@@ -149,7 +155,8 @@ def _device_numbers(
         degrees_of_freedom=freedom,
     )
     yield Number(
-        key=Key(subject=subject, quantity="conformance"),
+        subject=subject,
+        quantity="conformance",
         unit="1",
         value=row.conformance.value,
         floor=PART,

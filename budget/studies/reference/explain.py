@@ -32,7 +32,7 @@ class Side:
     parts: tuple[Part, ...]
     asked: Asked
     snapshot: Snapshot
-    versions: tuple[tuple[str, str], ...]
+    versions: Mapping[str, str]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,14 +66,15 @@ def input_changes(before: Sequence[Part], after: Sequence[Part]) -> tuple[Change
 
 
 def version_changes(
-    before: Sequence[tuple[str, str]], after: Sequence[tuple[str, str]]
+    before: Mapping[str, str], after: Mapping[str, str]
 ) -> tuple[Change, ...]:
     """Return the versions that differ."""
-    old, new = dict(before), dict(after)
     return tuple(
-        Change(where=TOOL, key=name, before=old.get(name, ""), after=new.get(name, ""))
-        for name in dict.fromkeys((*new, *old))
-        if old.get(name) != new.get(name)
+        Change(
+            where=TOOL, key=name, before=before.get(name, ""), after=after.get(name, "")
+        )
+        for name in dict.fromkeys((*after, *before))
+        if before.get(name) != after.get(name)
     )
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.studies.reference.records import Key, Number, Snapshot, Word
+from budget.studies.reference.records import Number, Snapshot, Word
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -63,7 +63,8 @@ def budget_numbers(
     numbers.extend(_correlations(budget, errors))
     words = [
         Word(
-            key=Key(subject=sensor, quantity="not_given"),
+            subject=sensor,
+            quantity="not_given",
             text=", ".join(n for n in budget.not_given if n.owner == sensor),
         )
         for sensor in dict.fromkeys(row.sensor for row in budget.outputs)
@@ -72,7 +73,8 @@ def budget_numbers(
         numbers.extend(_utilisations(budget, assessment, errors))
         words.extend(
             Word(
-                key=Key(subject=row.sensor, quantity="verdict"),
+                subject=row.sensor,
+                quantity="verdict",
                 text=row.verdict,
                 rests_on="" if errors is None else "utilisation",
             )
@@ -93,7 +95,8 @@ def allocation_numbers(allocation: Allocation) -> Snapshot:
     yes = {True: "yes", False: "no"}
     words.append(
         Word(
-            key=Key(subject="requirement", quantity="feasible"),
+            subject="requirement",
+            quantity="feasible",
             text=yes[allocation.feasible],
         )
     )
@@ -102,7 +105,8 @@ def allocation_numbers(allocation: Allocation) -> Snapshot:
         values = {"now": row.now, "allowed": row.allowed, "headroom": room}
         numbers.extend(
             Number(
-                key=Key(subject=row.source, quantity=quantity),
+                subject=row.source,
+                quantity=quantity,
                 unit=row.unit,
                 value=value / row.si_per_unit,
                 floor=line * value / row.si_per_unit if quantity == "allowed" else 0.0,
@@ -110,9 +114,7 @@ def allocation_numbers(allocation: Allocation) -> Snapshot:
             for quantity, value in values.items()
             if value is not None
         )
-        words.append(
-            Word(key=Key(subject=row.source, quantity="status"), text=row.status)
-        )
+        words.append(Word(subject=row.source, quantity="status", text=row.status))
     for limited in allocation.outputs:
         parts = {
             "utilisation_now": limited.now,
@@ -121,7 +123,8 @@ def allocation_numbers(allocation: Allocation) -> Snapshot:
         }
         numbers.extend(
             Number(
-                key=Key(subject=limited.output.name, quantity=quantity),
+                subject=limited.output.name,
+                quantity=quantity,
                 unit="1",
                 value=value,
                 floor=max(
@@ -135,7 +138,8 @@ def allocation_numbers(allocation: Allocation) -> Snapshot:
     for cost in allocation.costs:
         numbers.extend(
             Number(
-                key=Key(subject=cost.sensor, quantity=quantity),
+                subject=cost.sensor,
+                quantity=quantity,
                 unit="1",
                 value=value,
                 floor=LEAST_COST * value,
@@ -172,7 +176,8 @@ def _output_numbers(
         ("interval_high", row.interval[1], "high"),
     ):
         yield Number(
-            key=Key(subject=row.output.name, quantity=quantity),
+            subject=row.output.name,
+            quantity=quantity,
             unit=row.output.unit,
             value=value / scale,
             floor=row.output.resolution / scale,
@@ -186,9 +191,9 @@ def _cause_numbers(row: OutputBudget, scrambles: int | None) -> Iterator[Number]
     scale = row.output.si_per_unit
     for part in row.contributions:
         yield Number(
-            key=Key(
-                subject=row.output.name, quantity="contribution", partner=part.source
-            ),
+            subject=row.output.name,
+            quantity="contribution",
+            partner=part.source,
             unit=row.output.unit,
             value=part.standard_uncertainty / scale,
             floor=row.output.resolution / scale,
@@ -200,9 +205,9 @@ def _cause_numbers(row: OutputBudget, scrambles: int | None) -> Iterator[Number]
             ("sobol_total", part.sobol.total, part.sobol.total_interval),
         ):
             yield Number(
-                key=Key(
-                    subject=row.output.name, quantity=quantity, partner=part.source
-                ),
+                subject=row.output.name,
+                quantity=quantity,
+                partner=part.source,
                 unit="1",
                 value=value,
                 floor=INDEX,
@@ -231,11 +236,9 @@ def _correlations(budget: Budget, errors: StandardErrors | None) -> Iterator[Num
         if one.sensor != other.sensor:
             continue
         yield Number(
-            key=Key(
-                subject=one.output.name,
-                quantity="correlation",
-                partner=other.output.name,
-            ),
+            subject=one.output.name,
+            quantity="correlation",
+            partner=other.output.name,
             unit="1",
             value=float(r[a, b]),
             floor=PART,
@@ -258,7 +261,8 @@ def _utilisations(
                 degrees_of_freedom=errors.end_degrees_of_freedom,
             )
         number = Number(
-            key=Key(subject=row.output.name, quantity="utilisation"),
+            subject=row.output.name,
+            quantity="utilisation",
             unit="1",
             value=row.utilisation,
             floor=row.output.resolution / row.limit,
@@ -271,7 +275,8 @@ def _utilisations(
             worst[sensor] = number
     for sensor, number in worst.items():
         yield Number(
-            key=Key(subject=sensor, quantity="utilisation"),
+            subject=sensor,
+            quantity="utilisation",
             unit="1",
             value=number.value,
             floor=number.floor,

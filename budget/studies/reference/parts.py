@@ -20,10 +20,12 @@ from budget.studies.reference.records import Part, StoredInput
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from budget.studies.reference.records import Role
+
 SUFFIXES = (".yaml", ".yml")
 
 
-def take_in(role: str, typed: str | Path, folder: Path) -> StoredInput:
+def take_in(role: Role, typed: str | Path, folder: Path) -> StoredInput:
     """Return a file that a user named, as a reference in that folder stores it.
 
     Parameters
@@ -50,18 +52,18 @@ def take_in(role: str, typed: str | Path, folder: Path) -> StoredInput:
     return replace(one, file=_path_from(folder, path))
 
 
-def take_text(role: str, typed: str | Path) -> StoredInput:
+def take_text(role: Role, typed: str | Path) -> StoredInput:
     """Return a file under the name that a user gave it. Raises SpecError."""
     return _take(role, find(typed, role))
 
 
-def take_shipped(role: str, name: str) -> StoredInput:
+def take_shipped(role: Role, name: str) -> StoredInput:
     """Return a file that ships, whatever the folder one works in has of that name."""
     path = shipped("specs") / FOLDERS[role] / f"{name}.yaml"
     return _take(role, NamedFile(path=path, shown=name, variant=""))
 
 
-def _take(role: str, file: NamedFile) -> StoredInput:
+def _take(role: Role, file: NamedFile) -> StoredInput:
     """Read a file and keep its text."""
     document = open_file(file, role)
     return StoredInput(

@@ -1,48 +1,77 @@
-"""What a reference budget holds: inputs, settings, numbers, words, versions."""
+"""Reference budget: inputs, settings, numbers, words, versions; differences of two.
+
+The records of what is stored are the format of the file as well: `store` reads a file
+into them, and their constraints are those of its JSON Schema.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping  # noqa: TC003 - pydantic reads the annotations
 from dataclasses import dataclass, field
 from math import isfinite
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
+from pydantic import BeforeValidator, ConfigDict, Field, WithJsonSchema
+
+from budget.distributions import LEAST_COVERAGE, MOST_COVERAGE
 from budget.model.source import OWNERS
 from budget.model.sources import SOURCES
 from budget.names import Name
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from budget.spec.tree import Document
 
-JOBS = ("analyze", "compare", "allocate")
+Job = Literal["analyze", "compare", "allocate"]
+Role = Literal["device", "procedure", "requirement", "costs"]
 
-# How many files of each role a job takes: at least, at most (None: any number).
-FILES: Mapping[str, Mapping[str, tuple[int, int | None]]] = {
-    "analyze": {
-        "device": (1, None),
-        "procedure": (1, 1),
-        "requirement": (0, 1),
-        "costs": (0, 0),
-    },
-    "compare": {
-        "device": (1, None),
-        "procedure": (1, None),
-        "requirement": (1, 1),
-        "costs": (0, 0),
-    },
-    "allocate": {
-        "device": (1, None),
-        "procedure": (1, 1),
-        "requirement": (1, 1),
-        "costs": (0, 1),
-    },
+MANY = 1000  # inputs of a reference at the most
+NONE, ONE, MAYBE = range(1), range(1, 2), range(2)
+SOME = range(1, MANY + 1)
+
+# How many files of each role a job takes.
+FILES: Mapping[str, Mapping[str, range]] = {
+    "analyze": {"device": SOME, "procedure": ONE, "requirement": MAYBE, "costs": NONE},
+    "compare": {"device": SOME, "procedure": SOME, "requirement": ONE, "costs": NONE},
+    "allocate": {"device": SOME, "procedure": ONE, "requirement": ONE, "costs": MAYBE},
 }
+JOBS = tuple(FILES)
 
 TOOL = "tool"  # where a change is that no file made
 
+# Files hold quantities between 1e-30 and 1e30 SI: no budget comes near this, and what
+# is computed of two such numbers does not overflow.
+LARGEST = 1e100
+# No more than the command line allows: a forged reference keeps no machine busy.
+MOST_TRIALS = 100_000_000
+MOST_SAMPLES = 2**20  # Sobol' points of one scramble
+
 # Relative difference at which a number that no trial touches has moved [1].
 EXACT = 1e-9
+
+
+def _joined(lines: Any) -> str:  # noqa: ANN401 - not yet checked
+    """Return the text of lines; a file has one in each entry of a list."""
+    if not isinstance(lines, list) or not all(isinstance(one, str) for one in lines):
+        raise ValueError("input should be a list of lines")
+    return "\n".join(lines)
+
+
+PLAIN = r"^[^\x00-\x1f\x7f-\x9f]*$"  # no control characters
+Line = Annotated[str, Field(max_length=400, pattern=PLAIN)]
+Words = Annotated[str, Field(max_length=4000, pattern=PLAIN)]
+Lines = Annotated[
+    str,
+    BeforeValidator(_joined),
+    WithJsonSchema({"type": "array", "items": {"type": "string"}}),
+]
+Sha256 = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+Finite = Annotated[float, Field(allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
+NotNegative = Annotated[float, Field(allow_inf_nan=False, ge=0.0, le=LARGEST)]
+Positive = Annotated[float, Field(allow_inf_nan=False, gt=0.0)]
+Trials = Annotated[int, Field(ge=2, le=MOST_TRIALS)]
+STRICT = ConfigDict(extra="forbid", strict=True)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,8 +80,6 @@ class StoredInput:
 
     Attributes
     ----------
-    role : str
-        'device', 'procedure', 'requirement' or 'costs'.
     file : str
         Path from the folder of the reference, with '/'; or the bare name of a file
         that ships.
@@ -64,11 +91,13 @@ class StoredInput:
         Its content.
     """
 
-    role: str
-    file: str
-    variant: str
-    sha256: str
-    text: str
+    __pydantic_config__: ClassVar[ConfigDict] = STRICT
+
+    role: Role
+    file: Annotated[Line, Field(min_length=1)]
+    variant: Line = ""
+    sha256: Sha256
+    text: Lines
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,18 +108,20 @@ class Asked:
     change of the requirement is one of the result.
     """
 
-    method: str = "gum"
-    trials: int | None = None
-    max_trials: int | None = None
-    digits: int = 1
-    seed: int = 0
-    coverage: float | None = None
-    interval: str = "symmetric"
-    reference: str | None = None
-    only: tuple[str, ...] = ()
-    samples: int | None = None
-    strategy: str | None = None
-    fix: tuple[str, ...] = ()
+    __pydantic_config__: ClassVar[ConfigDict] = STRICT
+
+    method: Literal["gum", "monte-carlo", "simulation"] = "gum"
+    trials: Trials | None = None
+    max_trials: Trials | None = None
+    digits: Annotated[int, Field(ge=1, le=2)] = 1
+    seed: Annotated[int, Field(ge=0)] = 0
+    coverage: Annotated[float, Field(ge=LEAST_COVERAGE, le=MOST_COVERAGE)] | None = None
+    interval: Literal["symmetric", "shortest"] = "symmetric"
+    reference: Literal["nominal", "as_tested", "next_turn_on"] | None = None
+    only: tuple[Line, ...] = ()
+    samples: Annotated[int, Field(ge=2, le=MOST_SAMPLES)] | None = None
+    strategy: Literal["equal", "proportional", "cost"] | None = None
+    fix: tuple[Line, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,6 +145,8 @@ class Number:
 
     Attributes
     ----------
+    subject, quantity, partner : str
+        Output, source or sensor; what of it; the source or other output beside it.
     floor : float
         A difference at or below this is rounding of the computation [unit].
     standard_error : float or None
@@ -124,13 +157,22 @@ class Number:
         Of a proportion: the value times this is a count.
     """
 
-    key: Key
-    unit: str
-    value: float
-    floor: float = 0.0
-    standard_error: float | None = None
-    degrees_of_freedom: float | None = None
-    trials: int | None = None
+    __pydantic_config__: ClassVar[ConfigDict] = STRICT
+
+    subject: Line
+    quantity: Line
+    partner: Line = ""
+    unit: Line
+    value: Finite
+    floor: NotNegative = 0.0
+    standard_error: NotNegative | None = None
+    degrees_of_freedom: Positive | None = None
+    trials: Annotated[int, Field(ge=1, lt=2**63)] | None = None
+
+    @property
+    def key(self) -> Key:
+        """What it is of."""
+        return Key(subject=self.subject, quantity=self.quantity, partner=self.partner)
 
     @property
     def is_sampled(self) -> bool:
@@ -144,14 +186,24 @@ class Word:
 
     Attributes
     ----------
+    subject, quantity : str
+        Sensor or source; what of it.
     rests_on : str
         Quantity of the same subject that decides it. Where that number is no surer
         than its trials, the word is not either: it has moved only if the number has.
     """
 
-    key: Key
-    text: str
-    rests_on: str = ""
+    __pydantic_config__: ClassVar[ConfigDict] = STRICT
+
+    subject: Line
+    quantity: Line
+    text: Words
+    rests_on: Line = ""
+
+    @property
+    def key(self) -> Key:
+        """What it is of."""
+        return Key(subject=self.subject, quantity=self.quantity)
 
 
 # What this version can say something of: quantities of sources and of outputs.
@@ -161,17 +213,11 @@ KNOWN_NOW = frozenset({*(source.name for source in SOURCES), *PARAMETERS})
 KNOWN_FIRST = frozenset(
     {
         *PARAMETERS,
-        "bias_repeatability",
-        "bias_stability",
-        "angle_random_walk",
-        "velocity_random_walk",
-        "rate_random_walk",
-        "acceleration_random_walk",
-        "sample_noise",
-        "scale_factor_repeatability",
-        "scale_factor_nonlinearity",
-        "scale_factor_asymmetry",
-        "mounting_repeatability",
+        *("bias_repeatability", "bias_stability", "sample_noise"),
+        *("angle_random_walk", "velocity_random_walk"),
+        *("rate_random_walk", "acceleration_random_walk"),
+        *("scale_factor_repeatability", "scale_factor_nonlinearity"),
+        *("scale_factor_asymmetry", "mounting_repeatability"),
     }
 )
 
@@ -189,9 +235,11 @@ class Snapshot:
         version has learnt beside them is no change of what is stored.
     """
 
-    numbers: tuple[Number, ...]
-    words: tuple[Word, ...]
-    known: frozenset[str] = field(default_factory=lambda: frozenset(KNOWN_NOW))
+    numbers: Annotated[tuple[Number, ...], Field(min_length=1)]
+    words: tuple[Word, ...] = ()
+    known: Annotated[frozenset[Line], Field(max_length=1000)] = field(
+        default_factory=lambda: KNOWN_NOW  # of a file those of the first version
+    )
 
     def knows(self, key: Key) -> bool:
         """Whether the tool that made it had the quantities that a key is of."""
@@ -213,14 +261,15 @@ class Snapshot:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Reference:
-    """A stored budget."""
+class ReferenceBudget(Snapshot):
+    """A stored budget: all that a result said, and what it was made of."""
 
-    job: str  # one of JOBS
-    inputs: tuple[StoredInput, ...]
-    asked: Asked
-    snapshot: Snapshot
-    versions: tuple[tuple[str, str], ...]  # ('budget', '0.1.0'), ...
+    __pydantic_config__: ClassVar[ConfigDict] = STRICT
+
+    job: Job
+    inputs: Annotated[tuple[StoredInput, ...], Field(min_length=1, max_length=MANY)]
+    settings: Asked
+    versions: Mapping[Line, Line]  # of the tool and what it stands on
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -323,14 +372,11 @@ class Move:
 
 def files_fault(job: str, roles: Sequence[str]) -> str:
     """Say which files are too few or too many for a job; '' where they are right."""
-    for role, (least, most) in FILES[job].items():
+    for role, counts in FILES[job].items():
         found = roles.count(role)
-        if found < least or (most is not None and found > most):
-            allowed = (
-                f"{least} or more"
-                if most is None
-                else " or ".join(map(str, sorted({least, most})))
-            )
+        if found not in counts:
+            some = f"{counts[0]} or more" if counts is SOME else ""
+            allowed = some or " or ".join(map(str, counts))
             return (
                 f"{found} of role {role}, a reference of kind {job} has {allowed} of it"
             )

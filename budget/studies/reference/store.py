@@ -11,27 +11,22 @@ import json
 import platform
 import re
 from collections import Counter
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import PurePosixPath, PureWindowsPath
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
-from pydantic import ValidationError
+from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from budget.errors import ReferenceFileError
 from budget.journal import note_read
 from budget.spec.reader import MOST_BYTES as LONGEST_INPUT
 from budget.spec.schema import schema_of
-from budget.studies.reference.model import NumberEntry, ReferenceFile, WordEntry
 from budget.studies.reference.parts import digest
 from budget.studies.reference.records import (
     KNOWN_FIRST,
-    Asked,
-    Key,
-    Number,
-    Reference,
-    Snapshot,
-    StoredInput,
-    Word,
+    STRICT,
+    ReferenceBudget,
+    Sha256,
     files_fault,
 )
 from budget.version import __version__
@@ -43,27 +38,39 @@ FORMAT = "budget-reference/1"
 NEWEST = 1
 MOST_BYTES = 8 * 1024 * 1024  # forty times the largest that ships
 SHOWN = 3  # faults that one message says
+WORDED = {"unexpected_keyword_argument": "Extra inputs are not permitted"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class _ReferenceFile(ReferenceBudget):
+    """A reference budget: what was computed, of what, with what."""
+
+    __pydantic_config__: ClassVar[ConfigDict] = STRICT
+
+    format: Literal["budget-reference/1"]
+    # SHA-256 of all the rest, as JSON with sorted keys and no spaces.
+    checksum: Sha256
 
 
 def reference_schema() -> dict[str, Any]:
     """Return the JSON Schema (draft 2020-12) of a reference budget."""
-    return schema_of(ReferenceFile, "budget reference file")
+    return schema_of(_ReferenceFile, "budget reference file")
 
 
-def present_versions() -> tuple[tuple[str, str], ...]:
+def present_versions() -> dict[str, str]:
     """Return what computes here: the tool, Python, numpy, scipy."""
     import numpy as np
     import scipy
 
-    return (
-        ("budget", __version__),
-        ("numpy", np.__version__),
-        ("python", platform.python_version()),
-        ("scipy", scipy.__version__),
-    )
+    return {
+        "budget": __version__,
+        "numpy": np.__version__,
+        "python": platform.python_version(),
+        "scipy": scipy.__version__,
+    }
 
 
-def reference_text(reference: Reference) -> str:
+def reference_text(reference: ReferenceBudget) -> str:
     """Write a reference: the same reference gives the same text.
 
     Raises
@@ -71,29 +78,16 @@ def reference_text(reference: Reference) -> str:
     ValueError
         A number is not finite.
     """
-    content: dict[str, Any] = {
+    content: dict[str, Any] = asdict(reference)
+    content |= {
         "format": FORMAT,
-        "job": reference.job,
         "inputs": [
-            {**_set(asdict(one)), "text": one.text.split("\n")}
-            for one in reference.inputs
+            _set(one) | {"text": one["text"].split("\n")} for one in content["inputs"]
         ],
-        "settings": _set(asdict(reference.asked)),
-        "numbers": [
-            _set({**asdict(one), "key": None, **asdict(one.key)})
-            for one in reference.snapshot.numbers
-        ],
-        "known": sorted(reference.snapshot.known),
-        "words": [
-            {
-                "subject": word.key.subject,
-                "quantity": word.key.quantity,
-                "text": word.text,
-                **_set({"rests_on": word.rests_on}),
-            }
-            for word in reference.snapshot.words
-        ],
-        "versions": dict(reference.versions),
+        "settings": _set(content["settings"]),
+        "numbers": [_set(one) for one in content["numbers"]],
+        "words": [{"text": one["text"], **_set(one)} for one in content["words"]],
+        "known": sorted(reference.known),
     }
     content = json.loads(json.dumps(content, allow_nan=False))  # lists for tuples
     content["checksum"] = _checksum(content)
@@ -109,7 +103,7 @@ def reference_text(reference: Reference) -> str:
     return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
-def read_reference(path: Path, shown: str) -> Reference:
+def read_reference(path: Path, shown: str) -> ReferenceBudget:
     """Read a reference of this format or an older one.
 
     Parameters
@@ -127,7 +121,7 @@ def read_reference(path: Path, shown: str) -> Reference:
     return parse_reference(_read(path, shown), shown)
 
 
-def parse_reference(data: bytes, shown: str) -> Reference:
+def parse_reference(data: bytes, shown: str) -> ReferenceBudget:
     """Read a reference from its bytes; raises as read_reference.
 
     Also before a new one is written: what could not be read back is not worth a file.
@@ -145,87 +139,43 @@ def parse_reference(data: bytes, shown: str) -> Reference:
             "reference is written by `budget check --save`, not by hand: restore it "
             "from version control, or save it again"
         )
+    del content["format"], content["checksum"]
+    if content.get("known") is None:
+        content["known"] = sorted(KNOWN_FIRST)
     try:
-        model = ReferenceFile.model_validate(_tuples(content))
+        found = TypeAdapter(ReferenceBudget).validate_json(json.dumps(content))
     except ValidationError as error:
         raise ReferenceFileError(_faults(error, shown)) from None
-    return _record(model, shown)
+    if fault := _content_fault(found):
+        raise ReferenceFileError(f"{shown}: {fault}; save the reference again")
+    return found
 
 
-def _record(model: ReferenceFile, shown: str) -> Reference:
-    """Turn the checked file into a record."""
-    inputs = tuple(
-        StoredInput(
-            role=one.role,
-            file=one.file,
-            variant=one.variant,
-            sha256=one.sha256,
-            text="\n".join(one.text),
-        )
-        for one in model.inputs
-    )
-    for one in inputs:
+def _content_fault(reference: ReferenceBudget) -> str:
+    """Say what no single value shows; '' where all is well."""
+    for one in reference.inputs:
         if PurePosixPath(one.file).is_absolute() or PureWindowsPath(one.file).anchor:
-            raise ReferenceFileError(
-                f"{shown}: the input {one.file} has an absolute path, expected one "
-                "from the folder of the reference; save the reference again"
+            return (
+                f"the input {one.file} has an absolute path, expected one from the "
+                "folder of the reference"
             )
         if len(one.text) > LONGEST_INPUT:
-            raise ReferenceFileError(
-                f"{shown}: the stored {one.file} is larger than {LONGEST_INPUT} bytes, "
-                "the most that an input may have; save the reference again"
+            return (
+                f"the stored {one.file} is larger than {LONGEST_INPUT} bytes, the most "
+                "that an input may have"
             )
         if digest(one.text) != one.sha256:
-            raise ReferenceFileError(
-                f"{shown}: the stored {one.file} has not the SHA-256 that stands "
-                "beside it; save the reference again"
-            )
-    fault = files_fault(model.job, [one.role for one in inputs])
-    if fault:
-        raise ReferenceFileError(f"{shown}: inputs: {fault}; save the reference again")
-    for kind, entries in (("numbers", model.numbers), ("words", model.words)):
-        keys = Counter(_key(one) for one in entries)
-        twice = next((key for key, times in keys.items() if times > 1), None)
-        if twice is not None:
-            raise ReferenceFileError(
-                f"{shown}: {kind}: {twice} stands there {keys[twice]} times, expected "
-                "once; save the reference again"
-            )
-    return Reference(
-        job=model.job,
-        inputs=inputs,
-        asked=Asked(**dict(model.settings)),
-        snapshot=Snapshot(
-            known=KNOWN_FIRST if model.known is None else frozenset(model.known),
-            numbers=tuple(
-                Number(
-                    key=_key(one),
-                    unit=one.unit,
-                    value=float(one.value),
-                    floor=one.floor,
-                    standard_error=one.standard_error,
-                    degrees_of_freedom=one.degrees_of_freedom,
-                    trials=one.trials,
-                )
-                for one in model.numbers
-            ),
-            words=tuple(
-                Word(
-                    key=_key(one),
-                    text=one.text,
-                    rests_on=one.rests_on,
-                )
-                for one in model.words
-            ),
-        ),
-        versions=tuple(sorted(model.versions.items())),
-    )
-
-
-def _key(one: NumberEntry | WordEntry) -> Key:
-    """Return what a number or a word is of."""
-    partner = one.partner if isinstance(one, NumberEntry) else ""
-    return Key(subject=one.subject, quantity=one.quantity, partner=partner)
+            return f"the stored {one.file} has not the SHA-256 that stands beside it"
+    if fault := files_fault(reference.job, [one.role for one in reference.inputs]):
+        return f"inputs: {fault}"
+    for kind, keys in (
+        ("numbers", Counter(one.key for one in reference.numbers)),
+        ("words", Counter(one.key for one in reference.words)),
+    ):
+        for key, times in keys.items():
+            if times > 1:
+                return f"{kind}: {key} stands there {times} times, expected once"
+    return ""
 
 
 def _read(path: Path, shown: str) -> bytes:
@@ -315,20 +265,13 @@ def _faults(error: ValidationError, shown: str) -> str:
     found = error.errors(include_url=False)
     lines = [
         f"{shown}: {'.'.join(str(step)[:40] for step in one['loc'])}: "
-        f"{one['msg'].lower()}"
+        f"{WORDED.get(one['type'], one['msg']).lower()}"
         for one in found[:SHOWN]
     ]
     if len(found) > SHOWN:
         lines.append(f"{shown}: and {len(found) - SHOWN} more")
     lines[-1] += "; save the reference again"
     return "\n".join(lines)
-
-
-def _tuples(value: object) -> Any:  # noqa: ANN401
-    """Return JSON values with tuples for lists, as strict models want them."""
-    if isinstance(value, dict):
-        return {key: _tuples(one) for key, one in value.items()}
-    return tuple(_tuples(one) for one in value) if isinstance(value, list) else value
 
 
 def _set(values: dict[str, Any]) -> dict[str, Any]:
