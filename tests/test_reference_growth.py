@@ -78,3 +78,14 @@ def test_the_first_references_knew_eleven_sources():
     """What a reference without the word knew is part of what is known now."""
     assert KNOWN_FIRST < KNOWN_NOW
     assert len(KNOWN_FIRST) == 11 + 3
+
+
+def test_a_word_on_a_new_source_does_not_move_an_old_reference():
+    """The status of a line that the tool did not have then is not compared."""
+    lines = [
+        Word(subject=Name(source, owner="gyro"), quantity="status", text="free")
+        for source in ("bias_stability", "g_sensitivity")
+    ]
+    old, grown = replace(OLD, words=lines[:1]), replace(OLD, words=lines)
+    assert find_moves(old, grown) == ()
+    assert len(find_moves(replace(old, known=KNOWN_NOW), grown)) == 1

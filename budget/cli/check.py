@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from budget.studies.reference.catalogue import FoundReference
-    from budget.studies.reference.records import Checked, Job, Role, StoredInput
+    from budget.studies.reference.records import Difference, Job, Role, StoredInput
 
 EXIT_MOVED = 1
 EXIT_BAD_INPUT = 2
@@ -270,7 +270,7 @@ def _check(
     from budget.studies.reference.check import check as run
     from budget.studies.reference.store import read_reference
 
-    checks: list[Checked] = []
+    checks: list[Difference] = []
     errors: list[str] = []
     found: list[FoundReference] = []
     for wanted in [[name] for name in names] or [[]]:

@@ -11,8 +11,8 @@ from budget.cli import options
 from budget.cli.streams import console
 
 if TYPE_CHECKING:
-    from budget.studies.reference.check import NamedSide
-    from budget.studies.reference.records import Asked, ReferenceBudget, StoredInput
+    from budget.studies.reference.explain import Side
+    from budget.studies.reference.records import Asked, ReferenceBudget
 
 SUFFIX = ".json"
 
@@ -71,12 +71,12 @@ def diff(
             "takes them; leave --procedure, --coverage, --reference and --only out"
         )
     model = next((one for one in stored if one is not None), None)
-    sides = [
-        _side(name, own, model, procedure, asked)
-        for name, own in zip((first, second), stored, strict=True)
-    ]
-    jobs = [own.job if own else "analyze" for own in stored]
-    difference = compare_sides(sides[0], sides[1], (jobs[0], jobs[1]))
+    difference = compare_sides(
+        *(
+            _side(name, own, model, procedure, asked)
+            for name, own in zip((first, second), stored, strict=True)
+        )
+    )
     renders = ((json, difference_json), (csv, difference_csv))
     write_all(
         {
@@ -113,29 +113,32 @@ def _side(
     model: ReferenceBudget | None,
     procedure: str | None,
     asked: Asked,
-) -> NamedSide:
+) -> Side:
     """Return one side: what is stored, or a device computed now."""
     from budget.errors import CallError
+    from budget.spec.load import PAPER
     from budget.studies.reference.check import computed_side, stored_side
+    from budget.studies.reference.parts import (
+        stored_parts,
+        take_shipped,
+        take_text,
+    )
 
     if own is not None:
         return stored_side(own, name=name)
-    if model is None:
-        return computed_side(_inputs(name, procedure), asked, name=name)
-    if model.job != "analyze":
+    if model is not None and model.job != "analyze":
         raise CallError(
             f"{name} is a device, and the reference beside it is of kind {model.job}; "
             "give two references of that kind, or one of kind analyze"
         )
-    (device, *_) = _inputs(name, None)
-    others = [one for one in model.inputs if one.role != "device"]
-    return computed_side((device, *others), model.settings, name=name)
-
-
-def _inputs(name: str, procedure: str | None) -> tuple[StoredInput, ...]:
-    """Take in a device and a procedure; nothing is stored, so paths do not matter."""
-    from budget.spec.load import PAPER
-    from budget.studies.reference.parts import take_shipped, take_text
-
-    how = take_text("procedure", procedure) if procedure else None
-    return (take_text("device", name), how or take_shipped("procedure", PAPER))
+    # Nothing is stored, so paths do not matter.
+    inputs = [take_text("device", name)]
+    if model is not None:
+        inputs += [one for one in model.inputs if one.role != "device"]
+        asked = model.settings
+    elif procedure:
+        inputs.append(take_text("procedure", procedure))
+    else:
+        inputs.append(take_shipped("procedure", PAPER))
+    parts = stored_parts(inputs, reference="", job="analyze")
+    return computed_side("analyze", parts, asked, name=name)

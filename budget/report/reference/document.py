@@ -13,7 +13,7 @@ from budget.results import SCHEMA
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.studies.reference.records import Change, Checked, Difference, Move
+    from budget.studies.reference.records import Change, Difference, Move
 
 COLUMNS = (
     *("reference", "subject", "quantity", "partner", "unit", "before", "after"),
@@ -21,7 +21,7 @@ COLUMNS = (
 )
 
 
-def checks_json(checks: Sequence[Checked], errors: Sequence[str]) -> str:
+def checks_json(checks: Sequence[Difference], errors: Sequence[str]) -> str:
     """Write the JSON document of `check`; `errors` are those of bad references."""
     return _json(
         {
@@ -30,7 +30,7 @@ def checks_json(checks: Sequence[Checked], errors: Sequence[str]) -> str:
             "holds": not errors and all(one.holds for one in checks),
             "references": [
                 {
-                    "name": one.name,
+                    "name": one.first,
                     "kind": one.job,
                     "holds": one.holds,
                     "compared": one.compared,
@@ -40,7 +40,7 @@ def checks_json(checks: Sequence[Checked], errors: Sequence[str]) -> str:
                 for one in checks
             ],
             "moved": [
-                {"reference": one.name, **_move(move, one.changes)}
+                {"reference": one.first, **_move(move, one.changes)}
                 for one in checks
                 for move in one.moves
             ],
@@ -49,12 +49,12 @@ def checks_json(checks: Sequence[Checked], errors: Sequence[str]) -> str:
     )
 
 
-def checks_csv(checks: Sequence[Checked]) -> str:
+def checks_csv(checks: Sequence[Difference]) -> str:
     """Write one row for each number or word that moved."""
     return csv_text(
         COLUMNS,
         (
-            {"reference": one.name, **_move(move, one.changes)}
+            {"reference": one.first, **_move(move, one.changes)}
             for one in checks
             for move in one.moves
         ),

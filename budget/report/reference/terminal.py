@@ -21,13 +21,13 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from budget.report.reference.tables import Group
-    from budget.studies.reference.records import Change, Checked, Difference
+    from budget.studies.reference.records import Change, Difference
 
 HEADS = {"check": ("stored", "now"), "diff": ("A", "B")}
 INDENT = " " * GAP
 
 
-def render_checks(checks: Sequence[Checked], bad: int, console: Console) -> None:
+def render_checks(checks: Sequence[Difference], bad: int, console: Console) -> None:
     """Print one line for each reference that holds, and all about those that moved.
 
     Parameters
@@ -40,23 +40,23 @@ def render_checks(checks: Sequence[Checked], bad: int, console: Console) -> None
         Its width and encoding decide the layout.
     """
     page = Page(console)
-    width = max((len(one.name) for one in checks), default=0)
+    width = max((len(one.first) for one in checks), default=0)
     for one in checks:
-        text = f"{one.name:<{width}}  {_verdict(one)}"
+        text = f"{one.first:<{width}}  {_verdict(one)}"
         if len(text) <= page.width:
             page.line(text, style=_style(one))
         else:
-            _wrap(one.name, page, style=_style(one))
+            _wrap(one.first, page, style=_style(one))
             _wrap(_verdict(one), page, first=INDENT, style=_style(one))
         own = [change for change in one.changes if change.where != TOOL]
         for text in change_lines(own, moved=False) if one.holds else ():
             page.paragraph(text, first=f"{INDENT}changed  ")
-    moved = {one.name: move_table(one.moves) for one in checks if not one.holds}
+    moved = {one.first: move_table(one.moves) for one in checks if not one.holds}
     for one in checks:
         if not one.holds:
             page.line()
-            _wrap(f"{one.name}: what moved, the largest first", page, style="bold")
-            _print_moves("check", one.changes, moved[one.name], page)
+            _wrap(f"{one.first}: what moved, the largest first", page, style="bold")
+            _print_moves("check", one.changes, moved[one.first], page)
     _print_legend(tuple(moved.values()), page, command="check")
     tool = [
         f"{change.key} {change.before} -> {change.after}"
@@ -92,7 +92,7 @@ def render_difference(difference: Difference, console: Console) -> None:
     _print_legend((table,), page, command="diff")
 
 
-def _verdict(one: Checked) -> str:
+def _verdict(one: Difference) -> str:
     """Say how one reference fared."""
     sampled = f", {one.sampled} sampled" if one.sampled else ""
     if one.holds:
@@ -100,7 +100,7 @@ def _verdict(one: Checked) -> str:
     return f"MOVED  {len(one.moves)} of {one.compared} numbers and words"
 
 
-def _style(one: Checked) -> str:
+def _style(one: Difference) -> str:
     """Return how a line is set."""
     return "" if one.holds else "bold red"
 

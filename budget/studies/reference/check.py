@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from budget.errors import BudgetError, CallError
@@ -18,7 +17,6 @@ from budget.studies.reference.parts import present_parts, stored_parts
 from budget.studies.reference.records import (
     TOOL,
     Change,
-    Checked,
     Difference,
     ReferenceBudget,
 )
@@ -39,20 +37,8 @@ _UNREADABLE = Change(
 )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class NamedSide:
-    """One side of a difference, as a user named it."""
-
-    name: str
-    side: Side
-
-
 def make_reference(
-    job: Job,
-    inputs: Sequence[StoredInput],
-    asked: Asked,
-    *,
-    workers: int = 1,
+    job: Job, inputs: Sequence[StoredInput], asked: Asked, *, workers: int = 1
 ) -> ReferenceBudget:
     """Compute a reference from its inputs.
 
@@ -61,16 +47,48 @@ def make_reference(
     CallError, SpecError
         Inputs or settings that do not fit together.
     """
-    check_asked(job, asked)
     parts = stored_parts(inputs, reference="", job=job)
-    computed = compute(job, parts, asked, workers=workers)
+    side = computed_side(job, parts, asked, name="", workers=workers)
     return ReferenceBudget(
         job=job,
         inputs=tuple(inputs),
         settings=asked,
-        numbers=computed.numbers,
-        words=computed.words,
+        numbers=side.snapshot.numbers,
+        words=side.snapshot.words,
+        versions=side.versions,
+    )
+
+
+def computed_side(
+    job: Job, parts: tuple[Part, ...], asked: Asked, *, name: str, workers: int = 1
+) -> Side:
+    """Compute a budget now. Raises as make_reference."""
+    check_asked(job, asked)
+    return Side(
+        name=name,
+        job=job,
+        parts=parts,
+        asked=asked,
+        snapshot=compute(job, parts, asked, workers=workers),
         versions=present_versions(),
+    )
+
+
+def stored_side(reference: ReferenceBudget, *, name: str) -> Side:
+    """Return a reference as one side of a difference.
+
+    Raises
+    ------
+    SpecError
+        A stored input cannot be read.
+    """
+    return Side(
+        name=name,
+        job=reference.job,
+        parts=stored_parts(reference.inputs, reference=name, job=reference.job),
+        asked=reference.settings,
+        snapshot=reference,
+        versions=reference.versions,
     )
 
 
@@ -81,7 +99,7 @@ def check(
     name: str,
     workers: int = 1,
     root: Path | None = None,
-) -> Checked:
+) -> Difference:
     """Compute a reference again from its files as they are now, and compare.
 
     Parameters
@@ -97,6 +115,11 @@ def check(
     root : Path, optional
         Folder that its files must be in; see `parts.tree_of`.
 
+    Returns
+    -------
+    Difference
+        Moves in the order of the result.
+
     Raises
     ------
     ReferenceFileError, SpecError, CallError
@@ -104,83 +127,30 @@ def check(
     """
     job, asked = reference.job, reference.settings
     check_asked(job, asked)
-    now = present_parts(reference.inputs, folder, reference=name, job=job, root=root)
-    snapshot = compute(job, now, asked, workers=workers)
-    moves = find_moves(reference, snapshot)
-    stored = reference
-    versions = present_versions()
-    then = _parts_then(reference, name)
-    if then is None:
-        changes: tuple[Change, ...] = (
-            _UNREADABLE,
-            *version_changes(reference.versions, versions),
-        )
-    elif moves:
-        told = explain(
-            job,
-            Side(parts=then, asked=asked, snapshot=stored, versions=reference.versions),
-            Side(parts=now, asked=asked, snapshot=snapshot, versions=versions),
-            moves,
-        )
-        changes, moves = told.changes, told.moves
+    parts = present_parts(reference.inputs, folder, reference=name, job=job, root=root)
+    now = computed_side(job, parts, asked, name=name, workers=workers)
+    versions = version_changes(reference.versions, now.versions)
+    moves = find_moves(reference, now.snapshot)
+    try:
+        then = stored_side(reference, name=name)
+    except BudgetError:  # stored inputs only explain: they stop no check
+        changes: tuple[Change, ...] = (_UNREADABLE, *versions)
     else:
-        changes = (
-            *input_changes(then, now),
-            *version_changes(reference.versions, versions),
-        )
-    return Checked(
-        name=name,
+        changes = (*input_changes(then.parts, now.parts), *versions)
+        if moves:
+            changes, moves = explain(then, now, moves)
+    return Difference(
+        first=name,
+        second=name,
         job=job,
-        compared=count_compared(stored, snapshot),
-        sampled=sum(number.is_sampled for number in stored.numbers),
+        compared=count_compared(reference, now.snapshot),
+        sampled=sum(number.is_sampled for number in reference.numbers),
         moves=moves,
         changes=changes,
     )
 
 
-def _parts_then(reference: ReferenceBudget, name: str) -> tuple[Part, ...] | None:
-    """Return the stored inputs; None where this version reads them no longer.
-
-    They only explain: that they cannot be read stops no check.
-    """
-    try:
-        return stored_parts(reference.inputs, reference=name, job=reference.job)
-    except BudgetError:
-        return None
-
-
-def stored_side(reference: ReferenceBudget, *, name: str) -> NamedSide:
-    """Return a reference as one side of a difference."""
-    return NamedSide(
-        name=name,
-        side=Side(
-            parts=stored_parts(reference.inputs, reference=name, job=reference.job),
-            asked=reference.settings,
-            snapshot=reference,
-            versions=reference.versions,
-        ),
-    )
-
-
-def computed_side(
-    inputs: Sequence[StoredInput], asked: Asked, *, name: str
-) -> NamedSide:
-    """Analyze a device now, as one side of a difference."""
-    parts = stored_parts(inputs, reference="", job="analyze")
-    return NamedSide(
-        name=name,
-        side=Side(
-            parts=parts,
-            asked=asked,
-            snapshot=compute("analyze", parts, asked),
-            versions=present_versions(),
-        ),
-    )
-
-
-def compare_sides(
-    first: NamedSide, second: NamedSide, jobs: tuple[str, str]
-) -> Difference:
+def compare_sides(first: Side, second: Side) -> Difference:
     """Hold two budgets side by side, the largest change first.
 
     Largest is by the difference over the first side's standard uncertainty of the
@@ -191,18 +161,19 @@ def compare_sides(
     CallError
         They are of different kinds.
     """
-    if jobs[0] != jobs[1]:
+    if first.job != second.job:
         raise CallError(
-            f"{first.name} is of kind {jobs[0]}, {second.name} of kind {jobs[1]}: they "
-            "have no numbers in common; give two of one kind"
+            f"{first.name} is of kind {first.job}, {second.name} of kind {second.job}: "
+            "they have no numbers in common; give two of one kind"
         )
-    a, b = first.side, second.side
-    told = explain(jobs[0], a, b, find_moves(a.snapshot, b.snapshot))
+    a, b = first.snapshot, second.snapshot
+    changes, moves = explain(first, second, find_moves(a, b))
     return Difference(
         first=first.name,
         second=second.name,
-        job=jobs[0],
-        compared=count_compared(a.snapshot, b.snapshot),
-        moves=tuple(sorted(told.moves, key=lambda move: -move.size)),
-        changes=told.changes,
+        job=first.job,
+        compared=count_compared(a, b),
+        sampled=sum(number.is_sampled for number in a.numbers),
+        moves=tuple(sorted(moves, key=lambda move: -move.size)),
+        changes=changes,
     )

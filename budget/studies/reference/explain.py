@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING
 
 from budget.errors import BudgetError
@@ -17,51 +17,112 @@ from budget.studies.reference.moves import find_moves
 from budget.studies.reference.records import EXACT, TOOL, Cause, Change, Move, finite
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
-    from budget.studies.reference.exchange import KeyChange
-    from budget.studies.reference.records import Asked, Key, Part, Snapshot
+    from budget.studies.reference.records import Asked, Job, Key, Part, Snapshot
 
 MOST_CHANGES = 200  # keys that are exchanged one by one; more is another file
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Side:
-    """One of two budgets: how it was made, and what came out."""
+    """One of two budgets: its name, how it was made, and what came out."""
 
+    name: str
+    job: Job
     parts: tuple[Part, ...]
     asked: Asked
     snapshot: Snapshot
     versions: Mapping[str, str]
 
+    def computed(self) -> Snapshot | None:
+        """Compute it again; None where its inputs make no sound files."""
+        try:
+            return compute(self.job, self.parts, self.asked)
+        except BudgetError:
+            return None
+
+    def law(self) -> Snapshot | None:
+        """Compute it again by the law; None where its inputs make no sound files."""
+        return replace(self, asked=by_law(self.asked)).computed()
+
 
 @dataclass(frozen=True, kw_only=True)
-class Explanation:
-    """Everything that differs between two sides, and the moves with their causes."""
+class _Exchanged:
+    """A change, and the side before with it alone; None where it cannot be tried."""
 
-    changes: tuple[Change, ...]
-    moves: tuple[Move, ...]
+    change: Change
+    side: Side | None = None
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Key:
-    """A key of one part that differs."""
+def explain(
+    before: Side, after: Side, moves: Sequence[Move]
+) -> tuple[tuple[Change, ...], tuple[Move, ...]]:
+    """Say what differs between two sides, and what each change did to each number.
 
-    part: int  # place among the parts before
-    role: str
-    where: str
-    change: KeyChange
+    The side before is computed again with the tool as it is: what that moves is the
+    tool's doing. Then its keys are exchanged one at a time for those after, and every
+    result by the law is held against the one without. What all of them do at once, by
+    the law too, beyond the sum of that is their doing together.
+
+    Parameters
+    ----------
+    before, after : Side
+    moves : sequence of Move
+        From the one to the other.
+
+    Returns
+    -------
+    changes : tuple of Change
+        Those that act on a number first; among them of files, settings, versions.
+    moves : tuple of Move
+        The same with their causes.
+    """
+    law = before.law()
+    changes: list[Change] = []
+    causes: dict[Key, list[Cause]] = {move.key: [] for move in moves}
+    for one in _exchanges(before, after):
+        alone = one.side.law() if law is not None and one.side is not None else None
+        acts = None
+        if law is not None and alone is not None:
+            acts = _note(causes, len(changes), find_moves(law, alone))
+        changes.append(replace(one.change, acts=acts))
+    together = _together(causes, law, after.law())
+    versions = list(version_changes(before.versions, after.versions))
+    again = before.computed()
+    if again is not None:
+        acts = _note(causes, len(changes), find_moves(before.snapshot, again))
+        if acts and not versions:
+            versions = [
+                Change(where=TOOL, key="code", before="as stored", after="as it is")
+            ]
+        # Versions cannot be exchanged: what they moved, they moved together.
+        versions = [replace(one, acts=None if acts else False) for one in versions]
+    changes += versions
+    # What acts comes first, so that a reader meets the numbers that moves refer to;
+    # what by design never does comes last.
+    order = sorted(
+        range(len(changes)),
+        key=lambda k: (changes[k].acts is False, changes[k].is_text),
+    )
+    told = (
+        replace(
+            move,
+            causes=tuple(
+                replace(cause, change=order.index(cause.change))
+                for cause in causes[move.key]
+            ),
+            together=together.get(move.key),
+        )
+        for move in moves
+    )
+    return tuple(changes[k] for k in order), tuple(told)
 
 
 def input_changes(before: Sequence[Part], after: Sequence[Part]) -> tuple[Change, ...]:
     """Return what differs between the files, where no number moved."""
-    pairs = _pairs(before, after)
     return tuple(
-        replace(change, acts=False)
-        for change in (
-            *_lone_parts(before, after, pairs),
-            *(_as_change(key) for key in _keys(before, after, pairs)),
-        )
+        replace(change, acts=False) for change, _ in _part_changes(before, after)
     )
 
 
@@ -78,130 +139,48 @@ def version_changes(
     )
 
 
-def explain(job: str, before: Side, after: Side, moves: Sequence[Move]) -> Explanation:
-    """Say what each change did to each number that moved.
-
-    The side before is computed again with the tool as it is: what that moves is the
-    tool's doing. Then its keys are exchanged one at a time for those after, and every
-    result by the law is held against the one without. What all of them do at once, by
-    the law too, beyond the sum of that is their doing together.
-
-    Parameters
-    ----------
-    job : str
-        Of both sides.
-    before, after : Side
-        With the parts as they were and as they are.
-    moves : sequence of Move
-        From the one to the other.
-
-    Returns
-    -------
-    Explanation
-        Changes that act on a number first; among them of files, settings, versions.
-    """
-    pairs = _pairs(before.parts, after.parts)
-    lone = _lone_parts(before.parts, after.parts, pairs)
-    keys = _keys(before.parts, after.parts, pairs)
-    settings = _setting_changes(before.asked, after.asked)
-    versions = version_changes(before.versions, after.versions)
-    changes = [*lone, *(_as_change(key) for key in keys)]
-    causes: dict[Key, list[Cause]] = {move.key: [] for move in moves}
-
-    law = _try(job, before.parts, by_law(before.asked))
-    if law is not None and len(keys) <= MOST_CHANGES:
-        for place, key in enumerate(keys, start=len(lone)):
-            parts = list(before.parts)
-            part = parts[key.part]
-            parts[key.part] = replace(
-                part, document=exchange(part.document, key.change)
-            )
-            alone = _try(job, parts, by_law(before.asked))
-            changes[place] = replace(
-                changes[place], acts=_add(causes, place, law, alone)
-            )
-    changes.extend(settings)
-    for place, change in enumerate(settings, start=len(lone) + len(keys)):
-        asked = replace(before.asked, **{change.key: getattr(after.asked, change.key)})
-        alone = _try(job, before.parts, by_law(asked))
-        changes[place] = replace(change, acts=_add(causes, place, law, alone))
-    together = _together(
-        causes, law, _try(job, after.parts, by_law(after.asked)), moves
-    )
-    changes.extend(versions)
-    again = _try(job, before.parts, before.asked)
-    if again is not None:
-        tool = find_moves(before.snapshot, again)
-        acts = bool(tool)
-        first = len(lone) + len(keys) + len(settings)
-        if acts and not versions:
-            changes.append(
-                Change(where=TOOL, key="code", before="as stored", after="as it is")
-            )
-        for place in range(first, len(changes)):
-            # Versions cannot be exchanged: what they moved, they moved together.
-            changes[place] = replace(changes[place], acts=None if acts else False)
-        _note(causes, first, tool)
-    # What acts comes first, so that a reader meets the numbers that moves refer to;
-    # what by design never does comes last.
-    order = sorted(
-        range(len(changes)),
-        key=lambda k: (changes[k].acts is False, changes[k].is_text),
-    )
-    place_of = {old: new for new, old in enumerate(order)}
-    return Explanation(
-        changes=tuple(changes[k] for k in order),
-        moves=tuple(
-            replace(
-                move,
-                causes=tuple(
-                    replace(cause, change=place_of[cause.change])
-                    for cause in causes[move.key]
+def _exchanges(before: Side, after: Side) -> Iterator[_Exchanged]:
+    """Yield every difference of files and settings, each with the side to try it on."""
+    found = _part_changes(before.parts, after.parts)
+    few = sum(parts is not None for _, parts in found) <= MOST_CHANGES
+    for change, parts in found:
+        side = None if parts is None or not few else replace(before, parts=parts)
+        yield _Exchanged(change=change, side=side)
+    new = asdict(after.asked)
+    for name, old in asdict(before.asked).items():
+        if old != new[name]:
+            yield _Exchanged(
+                change=Change(
+                    where="settings",
+                    key=name,
+                    before=_word(old),
+                    after=_word(new[name]),
                 ),
-                together=together.get(move.key),
+                side=replace(before, asked=replace(before.asked, **{name: new[name]})),
             )
-            for move in moves
-        ),
-    )
 
 
-def _add(
-    causes: dict[Key, list[Cause]],
-    place: int,
-    law: Snapshot | None,
-    alone: Snapshot | None,
-) -> bool | None:
-    """Note what one change does to each number; say whether it does anything."""
-    if law is None or alone is None:
-        return None
-    found = find_moves(law, alone)
-    _note(causes, place, found)
-    return bool(found)
-
-
-def _note(causes: dict[Key, list[Cause]], place: int, found: Sequence[Move]) -> None:
-    """Note what moved with one change as its doing."""
+def _note(causes: Mapping[Key, list[Cause]], place: int, found: Sequence[Move]) -> bool:
+    """Note what moved with one change as its doing; say whether anything did."""
     for move in found:
         if move.key in causes and move.difference is not None:
             causes[move.key].append(Cause(change=place, amount=move.difference))
+    return bool(found)
 
 
 def _together(
-    causes: Mapping[Key, Sequence[Cause]],
-    law: Snapshot | None,
-    both: Snapshot | None,
-    moves: Sequence[Move],
+    causes: Mapping[Key, Sequence[Cause]], law: Snapshot | None, both: Snapshot | None
 ) -> dict[Key, float]:
     """Return what all changes do at once beyond the sum of their parts, by the law."""
     if law is None or both is None:
         return {}
     old, new = law.by_key(), both.by_key()
     found: dict[Key, float] = {}
-    for key in (move.key for move in moves):
+    for key, own in causes.items():
         if key not in old or key not in new or old[key].unit != new[key].unit:
             continue
         one, other = old[key], new[key]
-        parts = sum(cause.amount for cause in causes[key])
+        parts = sum(cause.amount for cause in own)
         rest = finite(other.value - one.value - parts)
         rounding = max(
             EXACT * max(abs(one.value), abs(other.value), abs(parts)),
@@ -212,12 +191,42 @@ def _together(
     return found
 
 
-def _try(job: str, parts: Sequence[Part], asked: Asked) -> Snapshot | None:
-    """Compute, or return None where one key alone makes no sound file."""
-    try:
-        return compute(job, parts, asked)
-    except BudgetError:
-        return None
+def _part_changes(
+    before: Sequence[Part], after: Sequence[Part]
+) -> list[tuple[Change, tuple[Part, ...] | None]]:
+    """Return what differs between files, with the parts before that have it alone.
+
+    Parts that the other side has not come first, and cannot be tried.
+    """
+    pairs = _pairs(before, after)
+    gone = [p for k, p in enumerate(before) if all(k != old for old, _ in pairs)]
+    new = [p for k, p in enumerate(after) if all(k != one for _, one in pairs)]
+    found: list[tuple[Change, tuple[Part, ...] | None]] = [
+        *(
+            (Change(where=p.role, key=p.name, before="there", after=""), None)
+            for p in gone
+        ),
+        *(
+            (Change(where=p.role, key=p.name, before="", after="there"), None)
+            for p in new
+        ),
+    ]
+    for old, place in pairs:
+        part, other = before[old], after[place]
+        for key in differences(part.document, other.document):
+            was, now = show_change(key)
+            change = Change(
+                where=f"{part.role} {part.name}"
+                if part.name == other.name
+                else part.role,
+                key=key.path,
+                before=was,
+                after=now,
+                is_text=is_text(part.role, key.steps),
+            )
+            alone = replace(part, document=exchange(part.document, key))
+            found.append((change, (*before[:old], alone, *before[old + 1 :])))
+    return found
 
 
 def _pairs(before: Sequence[Part], after: Sequence[Part]) -> list[tuple[int, int]]:
@@ -246,60 +255,6 @@ def _is_lone(part: Part, before: Sequence[Part], after: Sequence[Part]) -> bool:
     return all(
         sum(one.role == part.role for one in side) == 1 for side in (before, after)
     )
-
-
-def _lone_parts(
-    before: Sequence[Part], after: Sequence[Part], pairs: Sequence[tuple[int, int]]
-) -> list[Change]:
-    """Return the parts that the other side has not."""
-    gone = [p for k, p in enumerate(before) if all(k != old for old, _ in pairs)]
-    new = [p for k, p in enumerate(after) if all(k != one for _, one in pairs)]
-    return [
-        *(Change(where=p.role, key=p.name, before="there", after="") for p in gone),
-        *(Change(where=p.role, key=p.name, before="", after="there") for p in new),
-    ]
-
-
-def _keys(
-    before: Sequence[Part], after: Sequence[Part], pairs: Sequence[tuple[int, int]]
-) -> list[_Key]:
-    """Return every key that differs between parts that are the same."""
-    return [
-        _Key(
-            part=old,
-            role=before[old].role,
-            where=f"{before[old].role} {before[old].name}"
-            if before[old].name == after[new].name
-            else before[old].role,
-            change=change,
-        )
-        for old, new in pairs
-        for change in differences(before[old].document, after[new].document)
-    ]
-
-
-def _as_change(key: _Key) -> Change:
-    """Say a change of a key."""
-    before, after = show_change(key.change)
-    return Change(
-        where=key.where,
-        key=key.change.path,
-        before=before,
-        after=after,
-        is_text=is_text(key.role, key.change.steps),
-    )
-
-
-def _setting_changes(before: Asked, after: Asked) -> list[Change]:
-    """Return the settings that differ."""
-    found = []
-    for name in before.__dataclass_fields__:
-        old, new = getattr(before, name), getattr(after, name)
-        if old != new:
-            found.append(
-                Change(where="settings", key=name, before=_word(old), after=_word(new))
-            )
-    return found
 
 
 def _word(value: object) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import inf, isinf, sqrt
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from budget.studies.reference.records import (
     EXACT,
@@ -17,7 +17,7 @@ from budget.studies.reference.records import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
 # Probability that the numbers of one reference differ between two seeds by so much
 # that one of them counts as moved, at the most.
@@ -25,6 +25,8 @@ FALSE_ALARM = 1e-4
 
 SPREAD = "standard_uncertainty"
 NOT_GIVEN = "not_given"
+
+One = TypeVar("One", Number, Word)
 
 
 def find_moves(
@@ -54,48 +56,25 @@ def find_moves(
         old[key].is_sampled or new[key].is_sampled for key in old.keys() & new.keys()
     )
     level = false_alarm / max(number, 1)
-    # A later version may compute more: that is no change of what is stored.
-    known = {key.quantity for key in old}
     moves = [
         move
-        for key in dict.fromkeys((*old, *new))
-        if key in old or (key.quantity in known and before.knows(key))
-        if (move := _number_move(old.get(key), new.get(key), level, old, new))
+        for one, other in _pairs(before.numbers, after.numbers, before)
+        if (move := _number_move(one, other, level, old, new))
     ]
     moved = {move.key for move in moves}
-    old_words = {word.key: word for word in before.words}
-    new_words = {word.key: word for word in after.words}
-    known = {key.quantity for key in old_words}
-    for key in dict.fromkeys((*old_words, *new_words)):
-        if key in old_words or key.quantity in known:
-            one, other = old_words.get(key), new_words.get(key)
-            if other is not None and key.quantity == NOT_GIVEN:
-                other = replace(other, text=before.known_part(other.text))
-            if _is_word_moved(one, other, moved):
-                moves.append(
-                    Move(
-                        key=key,
-                        unit="",
-                        before=None if one is None else one.text,
-                        after=None if other is None else other.text,
-                    )
-                )
+    moves += [
+        move
+        for word, later in _pairs(before.words, after.words, before)
+        if (move := _word_move(word, later, before, moved))
+    ]
     return tuple(moves)
 
 
 def count_compared(before: Snapshot, after: Snapshot) -> int:
     """Return how many numbers and words `find_moves` compares, of either side."""
-    count = 0
-    for old, new in ((before.numbers, after.numbers), (before.words, after.words)):
-        keys = {one.key for one in old}
-        known = {key.quantity for key in keys}
-        keys.update(
-            one.key
-            for one in new
-            if one.key.quantity in known and before.knows(one.key)
-        )
-        count += len(keys)
-    return count
+    return len(_pairs(before.numbers, after.numbers, before)) + len(
+        _pairs(before.words, after.words, before)
+    )
 
 
 def probability_of(before: Number, after: Number) -> float:
@@ -114,6 +93,23 @@ def probability_of(before: Number, after: Number) -> float:
     if isinf(spread):
         return 1.0
     return _two_sided(difference / spread, _freedom(before, after))
+
+
+def _pairs(
+    before: Sequence[One], after: Sequence[One], stored: Snapshot
+) -> list[tuple[One | None, One | None]]:
+    """Return what is compared, as it is on both sides.
+
+    What a later version computes beside what was `stored` is not compared.
+    """
+    old: dict[Key, One] = {one.key: one for one in before}
+    new: dict[Key, One] = {one.key: one for one in after}
+    quantities = {key.quantity for key in old}
+    return [
+        (old.get(key), new.get(key))
+        for key in dict.fromkeys((*old, *new))
+        if key in old or (key.quantity in quantities and stored.knows(key))
+    ]
 
 
 def _number_move(
@@ -158,15 +154,30 @@ def _number_move(
     )
 
 
-def _is_word_moved(before: Word | None, after: Word | None, moved: set[Key]) -> bool:
-    """Whether a word has moved, or only fallen the other way with another seed."""
-    if before is None or after is None:
-        return True
-    if before.text == after.text:
-        return False
-    if not before.rests_on:
-        return True
-    return Key(subject=before.key.subject, quantity=before.rests_on) in moved
+def _word_move(
+    before: Word | None, after: Word | None, stored: Snapshot, moved: set[Key]
+) -> Move | None:
+    """Return the move of one word, None where it stays.
+
+    Where a number that has not moved decides it, it fell the other way by chance.
+    """
+    one = before or after
+    if one is None:
+        return None
+    if before is not None and after is not None:
+        text = after.text
+        if one.quantity == NOT_GIVEN:
+            text = stored.known_part(text)
+        decided = Key(subject=one.subject, quantity=before.rests_on)
+        if text == before.text or (before.rests_on and decided not in moved):
+            return None
+        after = replace(after, text=text)
+    return Move(
+        key=one.key,
+        unit="",
+        before=None if before is None else before.text,
+        after=None if after is None else after.text,
+    )
 
 
 def _scale(

@@ -286,7 +286,7 @@ class Part:
         Of the file's bytes.
     """
 
-    role: str
+    role: Role
     name: str
     document: Document
     sha256: str
@@ -389,29 +389,28 @@ def finite(value: float) -> float | None:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Checked:
-    """A reference held against its inputs as they are now."""
-
-    name: str
-    job: str
-    compared: int  # numbers and words
-    sampled: int  # of those, numbers that trials made
-    moves: tuple[Move, ...]
-    changes: tuple[Change, ...] = field(default=())
-
-    @property
-    def holds(self) -> bool:
-        """Whether nothing moved."""
-        return not self.moves
-
-
-@dataclass(frozen=True, kw_only=True)
 class Difference:
-    """Two budgets side by side, the largest change first."""
+    """Two budgets side by side: a reference and what it is now, or any two.
+
+    Attributes
+    ----------
+    first, second : str
+        How they are called.
+    compared : int
+        Numbers and words.
+    sampled : int
+        Of those of the first, numbers that trials made.
+    """
 
     first: str
     second: str
     job: str
     compared: int
+    sampled: int
     moves: tuple[Move, ...]
     changes: tuple[Change, ...]
+
+    @property
+    def holds(self) -> bool:
+        """Whether nothing moved."""
+        return not self.moves
