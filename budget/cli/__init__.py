@@ -19,9 +19,9 @@ from budget.cli.analyze import analyze
 from budget.cli.check import check
 from budget.cli.check_files import schema, validate
 from budget.cli.compare import compare
-from budget.cli.dates import document_date
 from budget.cli.devices import devices
 from budget.cli.diff import diff
+from budget.cli.output import document_date
 from budget.cli.paper import paper
 from budget.cli.report import report
 from budget.cli.streams import in_line, prepare_streams, say, tell

@@ -260,8 +260,8 @@ def _check(
     workers: int,
 ) -> None:
     """Check references one by one; one that is bad does not stop the others."""
+    from budget.cli.computing import progress
     from budget.cli.output import check_destinations, printing
-    from budget.cli.progress import progress
     from budget.errors import BudgetError
     from budget.report.files import write_all
     from budget.report.reference.document import checks_csv, checks_json

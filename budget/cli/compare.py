@@ -110,10 +110,8 @@ def compare(
     and which line of the data sheet limits it. Exit code 1 if a required sensor has no
     device that meets.
     """
-    from budget.cli.command_line import command_line
     from budget.cli.computing import computing
-    from budget.cli.output import check_destinations
-    from budget.cli.pages import check_suffixes
+    from budget.cli.output import check_destinations, check_suffixes, command_line
     from budget.errors import CallError
     from budget.report.comparison.tables import find_column
     from budget.spec import load_catalogue, load_procedure, load_requirement
@@ -212,8 +210,7 @@ def _deliver(
         if path is not None and path != options.STDOUT
     }
     if pages:
-        from budget.cli.dates import document_date
-        from budget.cli.pages import render_pages
+        from budget.cli.output import document_date, render_pages
         from budget.report.comparison.page import comparison_document
 
         document = comparison_document(

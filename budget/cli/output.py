@@ -1,7 +1,9 @@
-"""Where results go: stdout for results, files whole or not at all."""
+"""Where results go: standard output, files and pages, and what they say of the call."""
 
 from __future__ import annotations
 
+import os
+import shlex
 import signal
 import sys
 from contextlib import contextmanager
@@ -10,13 +12,16 @@ from threading import current_thread, main_thread
 from typing import TYPE_CHECKING
 
 from budget.cli.options import STDOUT
-from budget.cli.streams import console, say
+from budget.cli.streams import console, in_line, say
 from budget.errors import CallError
 from budget.journal import note_read
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Sequence
 
+    import typer
+
+    from budget.report.blocks import Document
     from budget.results import Budget
 
 
@@ -99,3 +104,117 @@ def deliver(budget: Budget, *, json: Path | None, csv: Path | None) -> None:
         from budget.report.terminal import render_budget
 
         render_budget(budget, console())
+
+
+SUFFIXES = (".html", ".pdf")
+
+
+def check_suffixes(paths: Sequence[Path]) -> None:
+    """Refuse a kind of page that there is not, before anything is computed.
+
+    Raises
+    ------
+    CallError
+        A suffix is neither of SUFFIXES.
+    """
+    from budget.errors import CallError
+
+    wrong = [str(path) for path in paths if path.suffix.lower() not in SUFFIXES]
+    if wrong:
+        raise CallError(
+            f"-o {', '.join(wrong)}: the suffix decides the kind of page, "
+            f"allowed: {', '.join(SUFFIXES)}"
+        )
+
+
+def render_pages(document: Document, paths: Sequence[Path]) -> dict[Path, str | bytes]:
+    """Return the contents of the files, each kind rendered once.
+
+    Characters that no font of this machine has are named on stderr.
+    """
+    from budget.report.page import render_page
+    from budget.report.typeset import typeset
+
+    files: dict[Path, str | bytes] = {}
+    made: dict[str, str | bytes] = {}
+    for path in paths:
+        suffix = path.suffix.lower()
+        if suffix not in made and suffix == ".html":
+            made[suffix] = render_page(document)
+        elif suffix not in made:
+            found = typeset(document)
+            made[suffix] = found.pdf
+            if found.replaced:
+                names = ", ".join(found.replaced)
+                say(
+                    f"warning: {in_line(path)}: no font on this machine has {names}; "
+                    "the code points stand in their place. Install a font that has "
+                    "them, as Noto Sans CJK has Chinese, and write the report again"
+                )
+        files[path] = made[suffix]
+    return files
+
+
+def document_date() -> str:
+    """Return today's date, or that of SOURCE_DATE_EPOCH where it is set."""
+    import os
+    from datetime import UTC, datetime
+
+    from budget.errors import CallError
+
+    epoch = os.environ.get("SOURCE_DATE_EPOCH")
+    if epoch is None:
+        return datetime.now().astimezone().date().isoformat()
+    try:
+        return datetime.fromtimestamp(int(epoch), tz=UTC).date().isoformat()
+    except (ValueError, OverflowError, OSError):
+        raise CallError(
+            f"SOURCE_DATE_EPOCH is {epoch!r}, expected seconds since 1970 as a whole "
+            "number; unset it to use today's date"
+        ) from None
+
+
+# Where results go and who computes them changes no number.
+WITHOUT_EFFECT = frozenset({"output", "json", "csv", "workers", "cluster"})
+
+
+def command_line(context: typer.Context) -> str:
+    """Return the present call, files by base name, without what changes no number.
+
+    Parameters
+    ----------
+    context : typer.Context
+        Of the command that runs.
+
+    Returns
+    -------
+    str
+        'budget report hg4930.yaml --requirement navigation-grade.yaml'.
+    """
+    words = ["budget", context.info_name or ""]
+    arguments: list[str] = []
+    for parameter in context.command.params:
+        name = parameter.name or ""
+        source = context.get_parameter_source(name)
+        given = source is not None and source.name == "COMMANDLINE"
+        if not given or name in WITHOUT_EFFECT:
+            continue
+        value = context.params[name]
+        values = value if isinstance(value, (list, tuple)) else [value]
+        if parameter.param_type_name == "argument":
+            arguments += [_base_name(one) for one in values]
+        elif isinstance(value, bool):
+            words += [parameter.opts[0]] if value else []
+        else:
+            for one in values:
+                words += [parameter.opts[0], _base_name(one)]
+    return shlex.join([*words[:2], *arguments, *words[2:]])
+
+
+def _base_name(value: object) -> str:
+    """Write a value; of a file its name, with the variant after it."""
+    # In any locale the characters of a name, not what stands for its bytes.
+    text = os.fsencode(str(value)).decode("utf-8", errors="replace")
+    file, hash_sign, variant = text.partition("#")
+    is_file = isinstance(value, Path) or "/" in file or "\\" in file
+    return Path(file).name + hash_sign + variant if is_file else text

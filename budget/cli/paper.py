@@ -32,9 +32,13 @@ def paper(
     Table 1, the figures, the orders of magnitude in the text, the formulas and the
     conclusions: what is printed, ours, their ratio, and why they differ.
     """
-    from budget.cli.dates import document_date
-    from budget.cli.output import check_destinations, printing
-    from budget.cli.pages import check_suffixes, render_pages
+    from budget.cli.output import (
+        check_destinations,
+        check_suffixes,
+        document_date,
+        printing,
+        render_pages,
+    )
     from budget.report.files import write_all
     from budget.report.paper.document import to_csv, to_json
     from budget.report.paper.page import paper_document

@@ -77,11 +77,15 @@ def report(
     method and provenance, the same in HTML and PDF; the HTML page has sliders that
     change the sources.
     """
-    from budget.cli.command_line import command_line
     from budget.cli.computing import computing
-    from budget.cli.dates import document_date
-    from budget.cli.output import check_destinations, printing
-    from budget.cli.pages import check_suffixes, render_pages
+    from budget.cli.output import (
+        check_destinations,
+        check_suffixes,
+        command_line,
+        document_date,
+        printing,
+        render_pages,
+    )
     from budget.cli.streams import say
     from budget.methods.monte_carlo import MAX_TRIALS
     from budget.methods.sobol import SAMPLES

@@ -28,6 +28,7 @@ from budget.report.figures.picture import (
     as_picture,
     capital,
     in_order,
+    to_svg,
 )
 from budget.report.figures.rows import (
     write_beside,
@@ -76,9 +77,6 @@ from budget.report.figures.style import (
     house_style,
     look_of,
     text_width,
-)
-from budget.report.figures.svg import (
-    to_svg,
 )
 from budget.report.figures.timeline import (
     schedule_alt,
