@@ -11,9 +11,9 @@ from budget.spec.records import (
     AccelerometerProcedure,
     ErrorLine,
     GyroProcedure,
+    Origin,
     Procedure,
     Sensor,
-    Source,
 )
 from budget.units import (
     ARCSEC,
@@ -24,7 +24,7 @@ from budget.units import (
 )
 
 ROOT_HOUR = 60.0  # [sqrt(s)]
-NOWHERE = Source(file="", sha256="")
+NOWHERE = Origin(file="", sha256="")
 
 # The paper's figures by line: value [SI] and, of a stability, correlation time [s].
 PAPER_GYRO = {

@@ -17,7 +17,7 @@ from scipy.special import ndtri
 
 from budget.distributions import UNIFORM
 from budget.names import ANGLES, AXES, Name
-from budget.spec.records import Device, Limit, Requirement, Source
+from budget.spec.records import Device, Limit, Origin, Requirement
 from budget.studies.comparison.compare import compare
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
 
@@ -54,7 +54,7 @@ def device(name, *, gyro=None, accelerometer=None, missing=(), **texts):
         name=name,
         figures=(),
         assumptions=(),
-        origin=Source(file=f"{name}.yaml", sha256="0" * 64),
+        origin=Origin(file=f"{name}.yaml", sha256="0" * 64),
         **built,
         **texts,
     )

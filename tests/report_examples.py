@@ -32,9 +32,9 @@ from budget.spec.records import (
     ErrorLine,
     GyroProcedure,
     MakerFigure,
+    Origin,
     Procedure,
     Sensor,
-    Source,
 )
 from budget.studies.coupling import Coupling, CouplingTable
 from budget.studies.densities import Density
@@ -317,7 +317,7 @@ def make_device(name="Zhao 2019 optical IMU"):
             ),
         ),
         assumptions=(),
-        origin=Source(file="zhao-2019.yaml", sha256=SHA),
+        origin=Origin(file="zhao-2019.yaml", sha256=SHA),
         source="Zhao, Zhang, Li 2019, section 3",
     )
 
@@ -340,7 +340,7 @@ def make_procedure(**changes):
         ),
         accelerometer=AccelerometerProcedure(dwell=300.0, pause=0.0),
         assumptions=(),
-        origin=Source(file="zhao-2019.yaml", sha256=SHA),
+        origin=Origin(file="zhao-2019.yaml", sha256=SHA),
     )
     return replace(procedure, **changes)
 

@@ -9,10 +9,10 @@ import pytest
 from numpy.testing import assert_allclose
 
 from budget.methods.allocation import Task, equal, grow, headroom, proportional
-from budget.methods.coverage import coverage_of
 from budget.methods.gum import propagate
 from budget.methods.least_cost import Prices, judge, least_cost
 from budget.methods.scaling import scaled_law
+from budget.methods.trials import coverage_of
 from budget.problem import Group, Output, Problem
 
 

@@ -415,7 +415,7 @@ def test_noise_of_a_sample_is_compared_as_a_density():
 
 def test_every_file_of_the_market_is_read_once():
     """The catalogue costs one reading of each of its files, however many variants."""
-    with patch("budget.spec.catalogue.open_file", wraps=open_file) as opened:
+    with patch("budget.spec.load.open_file", wraps=open_file) as opened:
         load_catalogue()
     files = sorted((shipped("specs") / "devices").glob("*.yaml"))
     assert [one.args[0].path for one in opened.call_args_list] == files

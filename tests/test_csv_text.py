@@ -8,7 +8,7 @@ import io
 import numpy as np
 import pytest
 
-from budget.report.csv_text import csv_text
+from budget.report.document import csv_text
 
 
 def cell(value):

@@ -7,7 +7,7 @@ import xml.etree.ElementTree as ET
 import pytest
 
 from budget.report import figures
-from budget.report.inline import natural_width, svg_element
+from budget.report.page import natural_width, svg_element
 
 SVG = (
     '<?xml version="1.0"?>\n<svg xmlns="http://www.w3.org/2000/svg" width="330pt" '

@@ -20,7 +20,7 @@ from budget.report.comparison.tables import tables as comparison_tables
 from budget.report.document import to_csv, to_json
 from budget.report.figures import density_picture, density_title
 from budget.report.tables import AT_LEAST, group_tables
-from budget.spec.catalogue import load_catalogue
+from budget.spec.load import load_catalogue
 from budget.studies.allocation.allocate import allocate
 from budget.studies.analysis import analyze
 from budget.studies.comparison.compare import compare
@@ -28,9 +28,8 @@ from budget.studies.coupling import coupling
 from budget.studies.densities import critical_densities
 from budget.studies.grades import grade
 from budget.studies.lower_bounds import lacking
-from budget.studies.one_at_a_time import one_at_a_time
 from budget.studies.request import analysis_of
-from budget.studies.what_if import what_if
+from budget.studies.what_if import one_at_a_time, what_if
 
 ZHAO = load_device("zhao-2019")
 REQUIREMENT = load_requirement(

@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from budget.report.markup import (
+from budget.report.page import (
     bind,
     css_string,
     longest_tail,

@@ -16,7 +16,7 @@ from budget.report.formulas import (
     minus,
     sub,
 )
-from budget.report.mathml import to_mathml
+from budget.report.page import to_mathml
 
 
 @pytest.mark.parametrize(

@@ -18,8 +18,7 @@ from document_examples import make_document, make_picture, make_table
 from budget.errors import OutputError
 from budget.report.blocks import Card, Cell, Column, Picture, RowGroup, Section, Table
 from budget.report.formulas import Math
-from budget.report.markup import css_string
-from budget.report.page import SCRIPTS, render_page
+from budget.report.page import SCRIPTS, css_string, render_page
 from budget.resources import shipped
 
 VOID = {"meta", "br", "img", "link", "input", "hr", "col"}
@@ -259,9 +258,7 @@ def test_missing_template_is_named(monkeypatch, tmp_path, name):
     """An installation that lost a file says which one and what to do."""
     templates = copytree(shipped("templates"), tmp_path / "templates")
     (templates / name).unlink()
-    monkeypatch.setattr(
-        "budget.report.markup.shipped", lambda folder: tmp_path / folder
-    )
+    monkeypatch.setattr("budget.report.page.shipped", lambda folder: tmp_path / folder)
 
     with pytest.raises(OutputError, match=rf"{re.escape(name)}: this template"):
         render_page(example())

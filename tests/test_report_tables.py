@@ -9,7 +9,6 @@ from report_examples import GYRO, make_budget, make_output, make_outputs
 
 from budget import load_device, load_procedure
 from budget.names import Name
-from budget.report.not_given import NOTHING, not_given_lines
 from budget.report.tables import (
     align_decimals,
     group_tables,
@@ -23,6 +22,7 @@ from budget.report.tables import (
     settings_lines,
     source_title,
 )
+from budget.report.wording import NOTHING, not_given_lines
 from budget.results import Validation
 from budget.studies.lower_bounds import could_widen
 

@@ -29,9 +29,8 @@ from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.records import SHARED
 from budget.studies.analysis import analyze
 from budget.studies.coupling import coupling
-from budget.studies.one_at_a_time import one_at_a_time
 from budget.studies.request import Analysis
-from budget.studies.what_if import what_if
+from budget.studies.what_if import one_at_a_time, what_if
 from budget.units import DEG_PER_HOUR, MICRO_G
 
 ZHAO = load_device("zhao-2019")

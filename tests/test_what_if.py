@@ -15,7 +15,7 @@ from budget import analyze, load_device
 from budget.distributions import ARCSINE, TRIANGULAR, UNIFORM
 from budget.errors import CallError
 from budget.names import Name
-from budget.spec.records import Limit, Requirement, Source
+from budget.spec.records import Limit, Origin, Requirement
 from budget.studies.conformity import assess
 from budget.studies.request import Analysis
 from budget.studies.what_if import what_if
@@ -181,7 +181,7 @@ def requirement(**limits):
         ),
         caps=(),
         assumptions=(),
-        origin=Source(file="some.yaml", sha256=""),
+        origin=Origin(file="some.yaml", sha256=""),
     )
 
 

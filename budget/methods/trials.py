@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from budget.errors import CallError, ProblemError
 from budget.methods.execution import BLOCK, draw, one_blas_thread
+from budget.methods.intervals import interval_of_values
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -78,3 +80,54 @@ def check_finite(values: Array) -> None:
             "the function returned a value that is not finite; restrict its inputs, or "
             "mend it where it overflows or divides by zero"
         )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Covered:
+    """Trials against given intervals.
+
+    Attributes
+    ----------
+    trials : int
+    inside : ndarray, shape (n_out,)
+        Part of the trials within the given interval [1].
+    interval : ndarray, shape (n_out, 2)
+        Coverage interval of the trials themselves, symmetric in probability [SI].
+    """
+
+    trials: int
+    inside: Array
+    interval: Array
+
+
+def coverage_of(
+    problem: Problem, interval: Array, *, coverage: float, trials: int, seed: int
+) -> Covered:
+    """Count how many trials lie within intervals.
+
+    Parameters
+    ----------
+    problem : Problem
+        Any.
+    interval : ndarray, shape (n_out, 2)
+        Of each output [SI].
+    coverage : float
+        Of the interval that is taken from the trials [1].
+    trials : int
+        Rounded up to whole blocks.
+    seed : int
+        The same seed draws the same unit variates for every size of the sources.
+
+    Returns
+    -------
+    Covered
+    """
+    whole = -(-trials // BLOCK) * BLOCK
+    y = first_trials(problem, trials=whole, seed=seed)
+    within = (y >= interval[:, :1]) & (y <= interval[:, 1:])
+    y.sort(axis=1)
+    return Covered(
+        trials=y.shape[1],
+        inside=within.mean(axis=1),
+        interval=interval_of_values(y, coverage, "symmetric"),
+    )

@@ -1,16 +1,17 @@
-"""Documents for other programs: JSON of schema `budget/1` and CSV, full precision."""
+"""A budget for other programs: JSON of schema budget/1, and CSV, at full precision."""
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 from typing import TYPE_CHECKING, Any
 
-from budget.report.csv_text import csv_text
-
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping, Sequence
 
     from budget.results import Budget
+
 
 COLUMNS = (
     "sensor",
@@ -56,3 +57,52 @@ def to_json(
 def to_csv(budget: Budget) -> str:
     """Write one row for each output and source and one `total`, in printed units."""
     return csv_text(COLUMNS, budget.rows())
+
+
+FORMULA = ("=", "+", "-", "@", "\t")  # what a spreadsheet takes for a formula
+
+
+def csv_text(columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> str:
+    r"""Write rows under a line of heads, LF at the end of each.
+
+    Parameters
+    ----------
+    columns : sequence of str
+        What is written of every row, in this order; nothing where a row lacks it.
+    rows : iterable of mapping
+        Texts, numbers, which are written with all their digits, true or false, and
+        None for nothing.
+
+    Returns
+    -------
+    str
+        A text that a spreadsheet would take for a formula has an apostrophe before it;
+        a number has not, negative ones neither. A carriage return is written as \r.
+    """
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    for row in rows:
+        writer.writerow([_cell(row.get(name)) for name in columns])
+    return text.getvalue()
+
+
+def _cell(value: str | float | None) -> str:
+    """Write one cell."""
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        text = value.replace("\r", "\\r")  # which the writer would not quote
+        return f"'{text}" if text.startswith(FORMULA) and not _is_number(text) else text
+    return str(value) if isinstance(value, int) else repr(float(value))
+
+
+def _is_number(text: str) -> bool:
+    """Whether a text is a number, as the printed ones of the paper are."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

@@ -1,8 +1,9 @@
-"""A document as one HTML page: self-contained, for the screen and for paper."""
+"""A document as one HTML page that needs nothing else: figures and formulas inside."""
 
 from __future__ import annotations
 
 import json
+import re
 from base64 import b64encode
 from hashlib import sha256
 from html import escape
@@ -11,27 +12,18 @@ from typing import TYPE_CHECKING
 from budget.errors import OutputError
 from budget.report import figures
 from budget.report.blocks import Abreast, Run, Table
-from budget.report.inline import natural_width, svg_element
-from budget.report.markup import (
-    bind,
-    css_string,
-    longest_tail,
-    markup,
-    page_environment,
-    script_safe,
-    signs_markup,
-)
-from budget.report.mathml import to_mathml
+from budget.report.formulas import Figure, Fraction, Letter, Line, Mean, Sign, Sub, Sup
 from budget.resources import shipped
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from jinja2 import Environment
     from markupsafe import Markup
 
     from budget.report.blocks import Block, Document, Picture, RowGroup, Words
     from budget.report.formulas import Math
+
 
 SCRIPTS = ("what_if.js", "page.js")  # in the order that they stand in the page
 SMALL_BAR = 0.005  # a share that is thinner than a line behind its number [1]
@@ -177,3 +169,231 @@ def _model(model: Mapping[str, object]) -> Markup:
     return markup(
         script_safe(json.dumps({**model, "colours": colours}, allow_nan=False))
     )
+
+
+# The figures take their inks from the page, so that they turn with light and dark.
+INKS = {
+    figures.INK: "currentColor",
+    figures.MUTED: "var(--muted)",
+    figures.GRID: "var(--grid)",
+    figures.PAPER: "var(--paper)",
+    figures.BLACK: "var(--black)",
+}
+INK = re.compile(r"((?:fill|stroke): ?)(#[0-9a-fA-F]{6})")  # as matplotlib writes it
+ELEMENT = re.compile(r'<(?P<tag>\w+) [^>]*?\bid="(?P<id>[^"]+)"[^>]*?(?P<empty>/?)>')
+PROLOG = re.compile(
+    r"<title>.*?</title>|<metadata>.*?</metadata>|<style.*?</style>", re.DOTALL
+)
+
+
+def svg_element(
+    svg: str, *, name: str, alt: str, tips: Mapping[str, str] | None = None
+) -> str:
+    """Turn an SVG file to an element of HTML: no prolog, no size, the page's inks.
+
+    Parameters
+    ----------
+    svg : str
+        From `budget.report.figures.to_svg`.
+    name : str
+        That of the figure, with which its ids begin.
+    alt : str
+        What it shows, for those who cannot see it.
+    tips : mapping of str to str, optional
+        Tooltips by the gid of the element that they belong to.
+
+    Returns
+    -------
+    str
+        One `svg` element.
+
+    Raises
+    ------
+    ValueError
+        A tip belongs to no element.
+    """
+    head, end, rest = PROLOG.sub("", svg[svg.index("<svg") :]).partition(">")
+    head = re.sub(r' (xmlns(:\w+)?|width|height|version)="[^"]*"', "", head)
+    rest = INK.sub(lambda ink: ink[1] + INKS.get(ink[2], ink[2]), rest)
+    rest = _with_tips(rest, {f"{name}-{gid}": tip for gid, tip in (tips or {}).items()})
+    return f'{head} role="img" aria-label="{escape(alt)}"{end}{rest}'
+
+
+def natural_width(svg: str) -> float:
+    """Return the width that a figure was drawn for [pt]."""
+    found = re.search(r'viewBox="[-\d.]+ [-\d.]+ ([\d.]+) [\d.]+"', svg)
+    if found is None:
+        raise ValueError("an SVG figure has no viewBox, expected one of figures.to_svg")
+    return float(found[1])
+
+
+def _with_tips(svg: str, tips: Mapping[str, str]) -> str:
+    """Put a title into the elements of those ids, which browsers show as a tooltip."""
+    left = dict(tips)
+
+    def with_title(found: re.Match[str]) -> str:
+        tip = left.pop(found["id"], None)
+        if tip is None:
+            return found[0]
+        closing = f"</{found['tag']}>" if found["empty"] else ""
+        start = found[0].removesuffix(">").removesuffix("/")
+        return f"{start}><title>{escape(tip)}</title>{closing}"
+
+    told = ELEMENT.sub(with_title, svg)
+    if left:
+        lost = ", ".join(map(repr, left))
+        raise ValueError(f"the tip {lost} belongs to no element of its figure")
+    return told
+
+
+DIGIT, POINT = "\N{FIGURE SPACE}", "\N{PUNCTUATION SPACE}"  # as wide as those
+MINUS_SIGN = "\N{MINUS SIGN}"
+MINUS = re.compile(r"(?<![\w.)\]])-(?=\d)")  # a sign, not a hyphen
+POWER = re.compile(r"(?<=\d)e([+-]?)0*(\d+)\b")  # of ten, as Python prints it
+PLAIN = re.compile(r"([<>]?[-+]?\d+(\.\d+)?)( [^\d]*)?")
+
+
+def page_environment() -> Environment:
+    """Return the jinja2 environment of every page: escaping, numbers kept with units.
+
+    Missing values are errors, plain text is escaped and its numbers bound to their
+    units; the filters `number` and `longest_tail` set columns.
+    """
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    environment = Environment(
+        loader=FileSystemLoader(shipped("templates")),
+        autoescape=True,
+        undefined=StrictUndefined,
+        finalize=lambda value: bind(value) if type(value) is str else value,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {
+        "number": lambda text, tail=0: markup(number_markup(text, tail=tail)),
+        "longest_tail": longest_tail,
+    }
+    return environment
+
+
+def markup(html: str) -> Markup:
+    """Mark HTML as made here: its makers escape what they are given."""
+    from markupsafe import Markup
+
+    return Markup(html)  # noqa: S704 - see above
+
+
+def number_markup(text: str, *, tail: int = 0) -> str:
+    """Set a printed number for a page: true minus signs, powers of ten raised.
+
+    Parameters
+    ----------
+    text : str
+        As it comes from `tables`.
+    tail : int
+        Characters from the decimal point on to fill up to, so that the points of a
+        column that is set flush right are in line.
+    """
+    own = _tail(text)
+    if own is None:
+        return signs_markup(text)
+    missing = tail - own
+    filler = DIGIT * missing if own else (POINT + DIGIT * missing)[:missing]
+    return signs_markup(
+        PLAIN.sub(lambda parts: parts[1] + filler + (parts[3] or ""), text)
+    )
+
+
+def signs_markup(text: str) -> str:
+    """Escape a text; minus signs of numbers in it are true, powers of ten raised."""
+    told = MINUS.sub(MINUS_SIGN, escape(text))
+    return POWER.sub(
+        lambda power: (
+            "&#8239;&times;&#8239;10<sup>"
+            f"{power[1].replace('-', MINUS_SIGN).replace('+', '')}{power[2]}</sup>"
+        ),
+        told,
+    )
+
+
+def longest_tail(texts: Iterable[str]) -> int:
+    """Return the most characters from a decimal point on, powers of ten left out."""
+    return max((_tail(text) or 0 for text in texts), default=0)
+
+
+def bind(text: str) -> str:
+    """Keep each number and what follows it, its unit mostly, on one line."""
+    return re.sub(r"(?<=\d) (?=\S)", "\N{NO-BREAK SPACE}", text)
+
+
+def script_safe(document: str) -> str:
+    """Escape JSON so that nothing in it can end the script element around it."""
+    for character in "&<>":
+        document = document.replace(character, f"\\u{ord(character):04x}")
+    return document
+
+
+def css_string(text: str) -> str:
+    """Quote a text for CSS; all but plain letters and digits as code points."""
+    return '"' + re.sub(r"[^A-Za-z0-9]", lambda c: f"\\{ord(c[0]):06x}", text) + '"'
+
+
+def _tail(text: str) -> int | None:
+    """Return the length from the decimal point on; None where no point is in line.
+
+    That is so for words, powers of ten and intervals; a unit may follow the number.
+    """
+    plain = PLAIN.fullmatch(text)
+    return None if plain is None else len(plain[2] or "")
+
+
+OVERLINE = "\N{MACRON}"
+
+
+def to_mathml(math: Math, *, displayed: bool = False) -> str:
+    """Write a formula as a `math` element.
+
+    Parameters
+    ----------
+    math : Math
+        The tree.
+    displayed : bool
+        Whether it stands by itself, with quotients at full size.
+
+    Returns
+    -------
+    str
+        MathML Core inside HTML, all texts escaped.
+    """
+    opening = '<math displaystyle="true">' if displayed else "<math>"
+    return f"{opening}{_element(math)}</math>"
+
+
+def _element(math: Math) -> str:  # noqa: PLR0911 - one return for each kind of part
+    """Write one part with all that is in it."""
+    match math:
+        case Letter(text=text, upright=upright):
+            return _letter(text, upright=upright)
+        case Figure(text=text):
+            tag = "mn" if text[:1].isdigit() else "mtext"
+            return f"<{tag}>{escape(text)}</{tag}>"
+        case Sign(text=text, prefix=prefix):
+            form = ' form="prefix"' if prefix else ""
+            return f"<mo{form}>{escape(text)}</mo>"
+        case Sub(base=base, index=index):
+            return f"<msub>{_element(base)}{_element(index)}</msub>"
+        case Sup(base=base, exponent=exponent):
+            return f"<msup>{_element(base)}{_element(exponent)}</msup>"
+        case Mean(base=base):
+            bar = f'<mo stretchy="false">{OVERLINE}</mo>'
+            return f'<mover accent="true">{_element(base)}{bar}</mover>'
+        case Fraction(top=top, bottom=bottom):
+            return f"<mfrac>{_element(top)}{_element(bottom)}</mfrac>"
+        case Line(parts=parts):
+            return f"<mrow>{''.join(map(_element, parts))}</mrow>"
+
+
+def _letter(text: str, *, upright: bool) -> str:
+    """Write a variable: browsers slant one letter, and set several upright."""
+    slant = ' mathvariant="normal"' if upright and len(text) == 1 else ""
+    return f"<mi{slant}>{escape(text)}</mi>"

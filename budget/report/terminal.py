@@ -7,7 +7,6 @@ import textwrap
 from typing import TYPE_CHECKING
 
 from budget.report.indices import index_tables
-from budget.report.not_given import not_given_lines
 from budget.report.tables import (
     AT_LEAST,
     AT_MOST,
@@ -16,6 +15,7 @@ from budget.report.tables import (
     print_coverage,
     settings_lines,
 )
+from budget.report.wording import not_given_lines
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

@@ -6,12 +6,15 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from budget.report.blocks import Cell, Run
+from budget.report.tables import words
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
+    from budget.names import Name
     from budget.report.blocks import Table, Words
     from budget.report.tables import Number
+
 
 METHODS = {
     "gum": "the law of propagation of uncertainty with second-order terms (JCGM 100)",
@@ -90,3 +93,33 @@ def without_empty(table: Table) -> Table:
 def points(lines: Iterable[str]) -> tuple[Words, ...]:
     """Return lines of plain text as points of a listing."""
     return tuple((line,) for line in lines)
+
+
+PLURALS = {
+    "scale_factor": "scale factors",
+    "mounting_angle": "mounting angles",
+    "bias": "biases",
+}
+NOTHING = "changes nothing under this reference"
+
+
+def not_given_lines(reach: Mapping[Name, tuple[Name, ...]]) -> tuple[str, ...]:
+    """Say which lines are absent and what they could change, by sensor and effect.
+
+    Parameters
+    ----------
+    reach : mapping of Name to tuple of Name
+        The outputs that each absent line would reach, from
+        budget.studies.lower_bounds.could_widen.
+    """
+    absent: dict[tuple[str, str], list[str]] = {}
+    for name, outputs in reach.items():
+        reached = {output.quantity for output in outputs}
+        *most, last = [PLURALS[key] for key in PLURALS if key in reached] or [NOTHING]
+        effect = f"{', '.join(most)} and {last}" if most else last
+        said = effect if not reached else f"could widen {effect}"
+        absent.setdefault((name.owner, said), []).append(words(name.quantity))
+    return tuple(
+        f"{sensor} {', '.join(lines)}: {effect}"
+        for (sensor, effect), lines in absent.items()
+    )

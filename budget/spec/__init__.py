@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from budget.spec.catalogue import load_all, load_catalogue, load_variants
 from budget.spec.load import (
+    load_all,
+    load_catalogue,
     load_costs,
     load_device,
     load_procedure,
     load_requirement,
+    load_variants,
     validate,
     variants,
 )

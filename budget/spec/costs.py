@@ -11,7 +11,7 @@ from budget.spec.checking import check
 from budget.spec.fields import Measured, Sign, Strict, mapping_of
 from budget.spec.figures import DENSITY_NOTE, standard_size
 from budget.spec.lines import SENSORS, lines_of
-from budget.spec.records import Cost, Costs, Source
+from budget.spec.records import Cost, Costs, Origin
 from budget.units import Quantity, per_root_hertz
 
 if TYPE_CHECKING:
@@ -96,5 +96,5 @@ def read_costs(document: Document) -> Costs:
             for key, part in given.items()
             if part.u_ref and per_root_hertz(part.u_ref.unit)
         ),
-        origin=Source(file=document.base_name, sha256=document.sha256),
+        origin=Origin(file=document.base_name, sha256=document.sha256),
     )

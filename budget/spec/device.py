@@ -31,7 +31,7 @@ from budget.spec.lines import (
     WHITE,
     lines_of,
 )
-from budget.spec.records import ANGLES, AXES, Device, MakerFigure, Sensor, Source
+from budget.spec.records import ANGLES, AXES, Device, MakerFigure, Origin, Sensor
 from budget.spec.tree import all_of, describe, merge
 from budget.units import STANDARD_GRAVITY, Quantity, parse_quantity
 
@@ -209,7 +209,7 @@ def read_device(document: Document, variant: str = "") -> Device:
         accelerometer=taken[ACCELEROMETER].sensor if ACCELEROMETER in taken else None,
         figures=tuple(MakerFigure(**vars(figure)) for figure in sheet.figures),
         assumptions=tuple(text for one in taken.values() for text in one.assumptions),
-        origin=Source(
+        origin=Origin(
             file=f"{document.base_name}#{variant}" if variant else document.base_name,
             sha256=document.sha256,
         ),

@@ -16,13 +16,14 @@ from budget.spec.requirement import read_requirement
 from budget.spec.tree import MOST_ISSUES, all_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
     from pathlib import Path
 
     from budget.errors import Issue
     from budget.spec.files import NamedFile
     from budget.spec.records import Costs, Device, Procedure, Requirement
     from budget.spec.tree import Document
+
 
 PAPER = "zhao-2019"  # the shipped procedure that stands in for none
 
@@ -143,3 +144,70 @@ def _refuse_variant(file: NamedFile) -> None:
     if file.variant:
         message = f"found '#{file.variant}', only a device file has variants"
         raise refuse(file.shown, message)
+
+
+def load_catalogue() -> tuple[Device, ...]:
+    """Load every device that ships, with all its variants, in the order of files.
+
+    Raises
+    ------
+    SpecError
+        Everything that is wrong with any of the files.
+    """
+    folder = shipped("specs") / FOLDERS["device"]
+    return load_all(sorted(folder.glob("*.yaml")))
+
+
+def load_all(paths: Sequence[str | Path]) -> tuple[Device, ...]:
+    """Load devices as `load_variants` does, from several files.
+
+    Raises
+    ------
+    SpecError
+        With the issues of all files.
+    """
+    devices: list[Device] = []
+    issues: list[Issue] = []
+    for path in paths:
+        try:
+            devices.extend(load_variants(path))
+        except SpecError as error:
+            issues.extend(error.issues)
+    if issues:
+        raise SpecError(tuple(issues))
+    return tuple(devices)
+
+
+def load_variants(path: str | Path) -> tuple[Device, ...]:
+    """Load the devices of one file.
+
+    Parameters
+    ----------
+    path : str or Path
+        'FILE', its base (unless that is abstract) and every variant, or
+        'FILE#VARIANT', that one; the bare name of a shipped device stands for FILE.
+
+    Returns
+    -------
+    tuple of Device
+        In the order of the file, the base first.
+
+    Raises
+    ------
+    SpecError
+        Everything that is wrong with the file, each at its place.
+    """
+    file = find(path, "device")
+    document = open_file(file, "device")
+    if file.variant:
+        return (read_device(document, file.variant),)
+    devices: list[Device] = []
+    issues: list[Issue] = []
+    for name in variant_names(document):
+        try:
+            devices.append(read_device(document, name))
+        except SpecError as error:
+            issues.extend(error.issues)
+    if issues:
+        raise all_of(issues)
+    return tuple(devices)

@@ -16,8 +16,8 @@ from budget.spec.records import (
     AXES,
     AccelerometerProcedure,
     GyroProcedure,
+    Origin,
     Procedure,
-    Source,
 )
 from budget.spec.surroundings import (
     describe_surroundings,
@@ -216,7 +216,7 @@ def read_procedure(document: Document) -> Procedure:
         ),
         station=tuple(one.line for one in shared[STATION]),
         environment=tuple(one.line for one in shared[ENVIRONMENT]),
-        origin=Source(file=document.base_name, sha256=document.sha256),
+        origin=Origin(file=document.base_name, sha256=document.sha256),
     )
 
 

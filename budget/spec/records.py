@@ -103,7 +103,7 @@ class Sensor:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Source:
+class Origin:
     """Where a record came from."""
 
     file: str  # base name, with #VARIANT where one was chosen
@@ -122,7 +122,7 @@ class Device:
     accelerometer: Sensor | None
     figures: tuple[MakerFigure, ...]
     assumptions: tuple[str, ...]
-    origin: Source
+    origin: Origin
     source: str = ""
     vendor: str = ""
     technology: str = ""
@@ -170,7 +170,7 @@ class Procedure:
     gyro: GyroProcedure
     accelerometer: AccelerometerProcedure
     assumptions: tuple[str, ...]
-    origin: Source
+    origin: Origin
     station: tuple[ErrorLine, ...] = ()
     environment: tuple[ErrorLine, ...] = ()
 
@@ -194,7 +194,7 @@ class Requirement:
     limits: tuple[Limit, ...]
     caps: tuple[tuple[str, str], ...]  # ('price', '50000 EUR'), ...
     assumptions: tuple[str, ...]
-    origin: Source
+    origin: Origin
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -213,7 +213,7 @@ class Costs:
 
     costs: tuple[Cost, ...]
     assumptions: tuple[str, ...]
-    origin: Source
+    origin: Origin
 
 
 @dataclass(frozen=True, kw_only=True)

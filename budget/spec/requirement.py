@@ -20,7 +20,7 @@ from budget.spec.fields import (
     per_axis,
 )
 from budget.spec.lines import LINES, SENSORS
-from budget.spec.records import ANGLES, AXES, Limit, Requirement, Source
+from budget.spec.records import ANGLES, AXES, Limit, Origin, Requirement
 from budget.units import Quantity
 
 if TYPE_CHECKING:
@@ -111,7 +111,7 @@ def read_requirement(document: Document) -> Requirement:
         limits=_limits(model.limits),
         caps=tuple((key, text) for key, text in caps.items() if text is not None),
         assumptions=tuple(assumptions),
-        origin=Source(file=document.base_name, sha256=document.sha256),
+        origin=Origin(file=document.base_name, sha256=document.sha256),
     )
 
 

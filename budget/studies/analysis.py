@@ -35,9 +35,8 @@ from budget.results import (
 from budget.spec import load_procedure
 from budget.studies import cautions
 from budget.studies.conformity import assess
-from budget.studies.cost import describe_cost, seconds_per_trial
 from budget.studies.lower_bounds import could_widen
-from budget.studies.progress import stage
+from budget.studies.progress import describe_cost, seconds_per_trial, stage
 from budget.studies.request import (
     DEFAULT_COVERAGE,
     DEFAULT_REFERENCE,

@@ -6,8 +6,8 @@ import json
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from budget.report.csv_text import csv_text
 from budget.report.device_file import device_yaml
+from budget.report.document import csv_text
 from budget.report.tables import print_coverage
 from budget.results import SCHEMA
 

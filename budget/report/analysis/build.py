@@ -31,11 +31,10 @@ from budget.report.blocks import (
     Section,
 )
 from budget.report.document import to_json
-from budget.report.not_given import not_given_lines
 from budget.report.provenance import provenance_section, sign_off_section
 from budget.report.tables import group_tables, key_title
-from budget.report.wording import first_up, points
-from budget.studies.one_at_a_time import one_at_a_time
+from budget.report.wording import first_up, not_given_lines, points
+from budget.studies.what_if import one_at_a_time
 from budget.version import __version__
 
 if TYPE_CHECKING:

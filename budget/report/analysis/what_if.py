@@ -31,8 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.results import Budget
-    from budget.studies.one_at_a_time import SourceSteps, Step
-    from budget.studies.what_if import WhatIf
+    from budget.studies.what_if import SourceSteps, Step, WhatIf
 
 HEADS = {0.0: "without it", 0.5: "at half", 1.0: "now", 2.0: "at twice"}
 

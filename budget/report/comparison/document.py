@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from budget.report.comparison.tables import lists, ranks
-from budget.report.csv_text import csv_text
+from budget.report.document import csv_text
 from budget.results import SCHEMA
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
-from budget.report.csv_text import csv_text
+from budget.report.document import csv_text
 from budget.results import SCHEMA
 from budget.studies.paper.findings import VERDICTS
 from budget.studies.paper.study import ASSUMPTIONS, TITLE

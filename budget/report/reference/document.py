@@ -6,7 +6,7 @@ import json
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from budget.report.csv_text import csv_text
+from budget.report.document import csv_text
 from budget.report.reference.tables import TOGETHER, cause_texts, together_text
 from budget.results import SCHEMA
 

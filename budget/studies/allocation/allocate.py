@@ -10,8 +10,8 @@ import numpy as np
 from budget.calibration.problem import calibration_problem
 from budget.errors import CallError
 from budget.methods.allocation import TOUCHES
-from budget.methods.coverage import coverage_of
 from budget.methods.gum import propagate
+from budget.methods.trials import coverage_of
 from budget.names import Name
 from budget.results import InputFile
 from budget.spec import load_procedure
