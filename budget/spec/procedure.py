@@ -3,26 +3,32 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from math import pi
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
 from budget.earth import normal_gravity
-from budget.model.sources import ENVIRONMENT, SENSORS, STATION
+from budget.model.sources import ENVIRONMENT, SENSORS, STATION, lines_of
+from budget.names import Name, keys_of
 from budget.spec.checking import check
-from budget.spec.fields import Measured, ShortText, Sign, Strict, fault, faults
+from budget.spec.fields import (
+    Measured,
+    ShortText,
+    Sign,
+    Strict,
+    fault,
+    faults,
+    mapping_of,
+)
+from budget.spec.figures import figure_type, take
 from budget.spec.records import (
     AXES,
     AccelerometerProcedure,
     GyroProcedure,
     Origin,
     Procedure,
-)
-from budget.spec.surroundings import (
-    describe_surroundings,
-    surroundings_type,
-    take_surroundings,
 )
 from budget.spec.tree import describe
 from budget.units import Quantity
@@ -32,7 +38,10 @@ if TYPE_CHECKING:
     from pydantic.json_schema import JsonSchemaValue
     from pydantic_core import CoreSchema, core_schema
 
+    from budget.model.source import Source
+    from budget.spec.figures import Taken
     from budget.spec.tree import Document
+
 
 MOST_AZIMUTHS = 360  # one for every degree; all windows are correlated with all
 _ROUNDING = 1e-12  # relative; a latitude of 90 deg is no more than that in radians
@@ -238,3 +247,53 @@ def _assumptions(
 def _shown(value: object) -> str:
     """Return a value as a file spells it."""
     return f"[{', '.join(value)}]" if isinstance(value, tuple) else str(value)
+
+
+@cache
+def surroundings_type(owner: str) -> Any:  # noqa: ANN401
+    """Return the type of the mapping of that owner, nested as its names are dotted."""
+    tree: dict[str, Any] = {}
+    for source in lines_of(owner):
+        *folders, last = keys_of(source.name)
+        branch = tree
+        for folder in folders:
+            branch = branch.setdefault(folder, {})
+        branch[last] = source
+    return _mapping(owner, owner, tree)
+
+
+def take_surroundings(owner: str, mapping: Strict | None) -> tuple[Taken, ...]:
+    """Return the sources that a mapping of that owner names, in the table's order."""
+    taken = []
+    for source in lines_of(owner):
+        figure: Any = mapping
+        for key in keys_of(source.name):
+            figure = getattr(figure, key, None)
+        if figure is not None:
+            taken.append(take(source, owner, figure))
+    return tuple(taken)
+
+
+def describe_surroundings(owner: str, taken: tuple[Taken, ...]) -> tuple[str, ...]:
+    """Say which figures of that owner count, with the words that stand beside them."""
+    return tuple(
+        f"{Name(line.name, owner=owner)}: {line.printed}, "
+        + ", ".join(word for word in words if word)
+        for line in (one.line for one in taken)
+        for words in [
+            (line.meaning, line.includes, line.horizon, line.condition, line.source)
+        ]
+    )
+
+
+def _mapping(title: str, owner: str, tree: dict[str, Any]) -> Any:  # noqa: ANN401
+    """Return the type of one level of the mapping."""
+    fields: dict[str, Any] = {}
+    meanings: dict[str, str] = {}
+    for key, branch in tree.items():
+        if isinstance(branch, dict):
+            fields[key] = _mapping(f"{title} {key}", owner, branch)
+        else:
+            source: Source = branch
+            fields[key], meanings[key] = figure_type(source, owner), source.model
+    return mapping_of(title, fields, meanings)
