@@ -145,7 +145,7 @@ def test_field_takes_the_standard_uncertainty(browser, path):
         field.blur()
         u = read(page, "expanded")["gyro.bias.x"][1]
 
-    expected = model.factor[k] * wanted.u[k] / model.outputs[k].si_per_unit
+    expected = model.coverage_factor[k] * wanted.u[k] / model.outputs[k].si_per_unit
     assert_allclose(u, expected, rtol=AGREES)
 
 

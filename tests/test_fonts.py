@@ -14,7 +14,7 @@ from document_examples import make_document, make_picture, make_table
 from pdf_reading import ask, needs_poppler, squeeze, text_of
 
 from budget.report.blocks import Cell, Column, RowGroup, Section, Table
-from budget.report.fonts import Lettering, choose_fonts, clusters
+from budget.report.fonts import FontSet, choose_fonts, clusters
 from budget.report.typeset import typeset
 
 NOTO = {  # folders of this machine in which Debian's fonts-noto-cjk is
@@ -139,7 +139,7 @@ def test_marks_stay_with_their_letter():
 
 def test_drawings_name_the_font_of_each_part():
     """Only text of a drawing is split by fonts; its tags are left alone."""
-    lettering = Lettering(
+    lettering = FontSet(
         families=("DejaVu Sans", "Other"),
         faces=(),
         coverage=(frozenset(range(32, 127)), frozenset(map(ord, CHINESE))),

@@ -498,7 +498,7 @@ def test_steps_are_the_law_at_changed_sources(factor, place):
     outlook = model.evaluate({model.sources[0].name: factor})
     names_of = [output_title(o.name.partition(".")[2]) for o in model.outputs]
     k = names_of.index(row[2].text)
-    expected = model.factor[k] * outlook.u[k] / model.outputs[k].si_per_unit
+    expected = model.coverage_factor[k] * outlook.u[k] / model.outputs[k].si_per_unit
 
     assert_allclose(row[place].exact, expected, rtol=1e-12)
 

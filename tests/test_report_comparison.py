@@ -34,7 +34,7 @@ from budget.report.comparison.utilisation_map import map_alt, utilisation_map
 from budget.report.page import render_page
 from budget.report.typeset import typeset
 from budget.results import Probability
-from budget.studies.comparison.records import Ahead, Remedy
+from budget.studies.comparison.records import Lead, Remedy
 
 BOTH = ("gyro", "accelerometer")
 DATE = "2026-01-01"
@@ -111,7 +111,7 @@ def test_factor_of_a_source_that_cannot_mend_is_empty():
 def test_ties_share_a_rank(comparison):
     """Of four, the middle two tied: 1, 2=, 2=, 4."""
     row = comparison.devices[0]
-    sure, tied = (Ahead(other="", probability=p) for p in (1.0, 0.5))
+    sure, tied = (Lead(other="", probability=p) for p in (1.0, 0.5))
     rows = [replace(row, ahead=ahead) for ahead in (sure, tied, sure, None)]
 
     assert ranks(rows) == ("1", "2=", "2=", "4")

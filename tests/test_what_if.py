@@ -240,7 +240,7 @@ def test_the_json_alone_gives_the_same_numbers():
 
     assert document["pairs"]
     assert_allclose(found[:, 0], outlook.mean / unit, rtol=1e-12, atol=1e-20)
-    assert_allclose(found[:, 1], model.factor * outlook.u / unit, rtol=1e-12)
+    assert_allclose(found[:, 1], model.coverage_factor * outlook.u / unit, rtol=1e-12)
 
 
 def test_the_json_names_sources_and_outputs_in_printed_units(tmp_path):

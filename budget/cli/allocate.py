@@ -118,7 +118,7 @@ def allocate(
         most=_values(sensors, "--max", most or []),
         least=_values(sensors, "--min", least or []),
     )
-    with computing(workers=1, cluster=None) as shop:
+    with computing(workers=1, cluster=None) as engine:
         allocation = run(
             *loaded,
             requirement=wanted,
@@ -129,7 +129,7 @@ def allocate(
             market=market,
             validate=not no_validate,
             seed=seed,
-            progress=shop.progress,
+            progress=engine.progress,
         )
     documents = {json: allocation_json, csv: allocation_csv}
     files = {

@@ -43,7 +43,7 @@ def analyze(
     check_destinations(json, csv, inputs=[*(devices or ()), procedure])
     basis = choose_basis(None, coverage=coverage, reference=reference)
     loaded = options.load_devices(devices)
-    with computing(workers=workers, cluster=cluster) as shop:
+    with computing(workers=workers, cluster=cluster) as engine:
         budget = run(
             *loaded,
             procedure=load_procedure(procedure),
@@ -53,14 +53,14 @@ def analyze(
             max_trials=max_trials or MAX_TRIALS,
             validate=not no_validate,
             seed=seed,
-            workers=shop.workers,
-            executor=shop.executor,
+            workers=engine.workers,
+            executor=engine.executor,
             coverage=basis.coverage,
             interval=interval,
             reference=basis.reference,
             samples=(samples or SAMPLES) if sobol or samples else None,
             only=only or (),
-            progress=shop.progress,
+            progress=engine.progress,
             talk=say,
         )
     deliver(budget, json=json, csv=csv)

@@ -135,7 +135,7 @@ def compare(
     if not loaded:
         raise CallError("none of the device files can be read; mend them and try again")
 
-    with computing(workers=workers, cluster=cluster) as shop:
+    with computing(workers=workers, cluster=cluster) as engine:
         found = run(
             loaded,
             wanted,
@@ -147,9 +147,9 @@ def compare(
             validate=validate,
             pairs=pairs,
             seed=seed,
-            workers=shop.workers,
-            executor=shop.executor,
-            progress=shop.progress,
+            workers=engine.workers,
+            executor=engine.executor,
+            progress=engine.progress,
         )
     _deliver(
         found,

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Workshop:
+class Computing:
     """Who does the work, and how it is talked about."""
 
     executor: Executor | None
@@ -25,13 +25,13 @@ class Workshop:
 
 
 @contextmanager
-def computing(*, workers: int, cluster: str | None) -> Iterator[Workshop]:
+def computing(*, workers: int, cluster: str | None) -> Iterator[Computing]:
     """Provide workers, local or on a cluster, and a progress bar."""
     from budget.methods.cluster import connect
 
     place = nullcontext() if cluster is None else connect(cluster)
     with place as found, progress() as show:
-        yield Workshop(
+        yield Computing(
             executor=None if found is None else found.executor,
             workers=workers if found is None else found.workers,
             progress=show,

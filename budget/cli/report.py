@@ -12,7 +12,7 @@ from budget.cli import options
 from budget.cli.streams import say_written
 
 if TYPE_CHECKING:
-    from budget.cli.computing import Workshop
+    from budget.cli.computing import Computing
     from budget.report.analysis.build import Extra
     from budget.spec.records import Device, Procedure, Requirement
 
@@ -113,7 +113,7 @@ def report(
     wanted = None if requirement is None else load_requirement(requirement)
     others = load_all(compare or [])
     basis = choose_basis(wanted, coverage=coverage, reference=reference)
-    with computing(workers=workers, cluster=cluster) as shop:
+    with computing(workers=workers, cluster=cluster) as engine:
         budget = analyze(
             *loaded,
             procedure=how,
@@ -124,26 +124,26 @@ def report(
             max_trials=max_trials or MAX_TRIALS,
             validate=not no_validate,
             seed=seed,
-            workers=shop.workers,
-            executor=shop.executor,
+            workers=engine.workers,
+            executor=engine.executor,
             coverage=basis.coverage,
             interval=interval,
             reference=basis.reference,
             samples=(samples or SAMPLES) if sobol or samples else None,
             only=only or (),
             command="report",
-            progress=shop.progress,
+            progress=engine.progress,
             talk=say,
         )
         evidence = gather_evidence(analysis_of(budget), budget, budget.assessment)
         extras: list[Extra] = []
         if allocate and wanted is not None:
-            extras.append(_allocate(loaded, how, wanted, seed=seed, shop=shop))
+            extras.append(_allocate(loaded, how, wanted, seed=seed, engine=engine))
         if others and wanted is not None:
             extras.append(
-                _compare((*loaded, *others), how, wanted, seed=seed, shop=shop)
+                _compare((*loaded, *others), how, wanted, seed=seed, engine=engine)
             )
-        shop.progress("figures and pages", 0, 1)
+        engine.progress("figures and pages", 0, 1)
         document = report_document(
             budget,
             devices=loaded,
@@ -156,7 +156,7 @@ def report(
             number=number,
         )
         files = render_pages(document, output)
-        shop.progress("figures and pages", 1, 1)
+        engine.progress("figures and pages", 1, 1)
     texts: dict[Path, str] = {}
     if json is not None:
         texts[json] = document.json
@@ -206,7 +206,7 @@ def _allocate(
     requirement: Requirement,
     *,
     seed: int,
-    shop: Workshop,
+    engine: Computing,
 ) -> Extra:
     """Share out the limits over the lines of the data sheets."""
     from budget.report.allocation.document import to_document
@@ -219,7 +219,7 @@ def _allocate(
         requirement=requirement,
         procedure=procedure,
         seed=seed,
-        progress=shop.progress,
+        progress=engine.progress,
     )
     return Extra(
         key="allocation",
@@ -236,7 +236,7 @@ def _compare(
     requirement: Requirement,
     *,
     seed: int,
-    shop: Workshop,
+    engine: Computing,
 ) -> Extra:
     """Hold the devices and others against the same limits, by Monte Carlo."""
     from budget.report.analysis.build import Extra
@@ -251,9 +251,9 @@ def _compare(
         [procedure],
         catalogue=load_catalogue(),
         seed=seed,
-        workers=shop.workers,
-        executor=shop.executor,
-        progress=shop.progress,
+        workers=engine.workers,
+        executor=engine.executor,
+        progress=engine.progress,
     )
     return Extra(
         key="comparison",

@@ -80,7 +80,7 @@ class Piece:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Lettering:
+class FontSet:
     """The fonts of a document, and how to write what they do not have.
 
     Attributes
@@ -177,7 +177,7 @@ class Lettering:
 
 def choose_fonts(
     texts: Iterable[str], *, folders: Sequence[Path] | None = None
-) -> Lettering:
+) -> FontSet:
     """Find fonts for all characters of a document.
 
     Of the fonts that could serve, sans serif ones come first, then the order is that
@@ -191,7 +191,7 @@ def choose_fonts(
         Where to look for fonts besides the bundled ones; None for where the system
         keeps its own.
     """
-    bundled = Lettering(
+    bundled = FontSet(
         families=(TEXT_FAMILY,),
         faces=(),
         coverage=(frozenset.intersection(*map(_bundled_coverage, BUNDLED)),),
@@ -217,7 +217,7 @@ def choose_fonts(
         bold = [f for f, w in available if w == BOLD and f.family == family]
         # A bold font with fewer characters would lack some of a heading.
         faces += [face for face in bold[:1] if coverage(face) >= covered]
-    return Lettering(
+    return FontSet(
         families=(TEXT_FAMILY, *chosen),
         faces=tuple(faces),
         coverage=(*bundled.coverage, *chosen.values()),

@@ -1,6 +1,6 @@
 """A document as PDF: its blocks as data for the template `report.typ`.
 
-Every text passes through `Lettering.printable`, so that typst meets no character that
+Every text passes through `FontSet.printable`, so that typst meets no character that
 it cannot show.
 """
 

@@ -22,7 +22,7 @@ from budget.spec.fields import (
     mapping_of,
     per_axis,
 )
-from budget.spec.figures import figure_type, take
+from budget.spec.figures import figure_type, read_figure
 from budget.spec.lines import (
     ACCELEROMETER,
     GYRO,
@@ -198,17 +198,17 @@ def read_device(document: Document, variant: str = "") -> Device:
     parts: dict[str, SensorPart | None] = {
         kind: getattr(sheet, kind) for kind in SENSORS
     }
-    taken = {
-        kind: _take_sensor(kind, name, part, gravity=_gravity(root))
+    read = {
+        kind: _read_sensor(kind, name, part, gravity=_gravity(root))
         for kind, part in parts.items()
         if part is not None
     }
     return Device(
         name=name,
-        gyro=taken[GYRO].sensor if GYRO in taken else None,
-        accelerometer=taken[ACCELEROMETER].sensor if ACCELEROMETER in taken else None,
+        gyro=read[GYRO].sensor if GYRO in read else None,
+        accelerometer=read[ACCELEROMETER].sensor if ACCELEROMETER in read else None,
         figures=tuple(MakerFigure(**vars(figure)) for figure in sheet.figures),
-        assumptions=tuple(text for one in taken.values() for text in one.assumptions),
+        assumptions=tuple(text for one in read.values() for text in one.assumptions),
         origin=Origin(
             file=f"{document.base_name}#{variant}" if variant else document.base_name,
             sha256=document.sha256,
@@ -291,38 +291,40 @@ def _gravity(root: Node) -> float:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _TakenSensor:
+class _ReadSensor:
     """A sensor as the models take it, and what had to be assumed for that."""
 
     sensor: Sensor
     assumptions: tuple[str, ...]
 
 
-def _take_sensor(
+def _read_sensor(
     kind: str, device: str, part: SensorPart, *, gravity: float
-) -> _TakenSensor:
+) -> _ReadSensor:
     """Turn one sensor of a file into its record."""
     model_lines = lines_of(kind)
     figures = {line: getattr(part.errors, line.name, None) for line in model_lines}
-    taken = [take(line, kind, figure) for line, figure in figures.items() if figure]
-    given = {one.line.name for one in taken}
+    read = [
+        read_figure(line, kind, figure) for line, figure in figures.items() if figure
+    ]
+    given = {one.line.name for one in read}
     met = {line.expected for line in model_lines if line.name in given} - {""}
     expected = dict.fromkeys(line.expected for line in model_lines if line.expected)
     bias = _nominal(part, "bias", AXES)
     angle = _nominal(part, "mounting_angle", ANGLES)
-    assumptions = [text for one in taken for text in one.assumptions]
+    assumptions = [text for one in read for text in one.assumptions]
     for key, named, axes in (("bias", bias, AXES), ("mounting_angle", angle, ANGLES)):
         absent = [axis for axis in axes if axis not in named]
         which = f"{', '.join(absent)} " if named else ""
         if absent:
             assumptions.append(f"{kind}.nominal.{key}: {which}not given, 0 assumed")
-    return _TakenSensor(
+    return _ReadSensor(
         sensor=Sensor(
             kind=kind,
             device=device,
             nominal_bias=np.array([bias.get(axis, 0.0) for axis in AXES]),
             nominal_mounting_angle=np.array([angle.get(axis, 0.0) for axis in ANGLES]),
-            lines=tuple(one.line for one in taken),
+            lines=tuple(one.line for one in read),
             not_given=tuple(
                 Name(line.name, owner=kind)
                 for line in model_lines

@@ -175,7 +175,7 @@ class Whole(Part):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Taken:
+class ReadFigure:
     """A line as the models take it, and what had to be assumed for that."""
 
     line: ErrorLine
@@ -188,7 +188,7 @@ def figure_type(line: Line, sensor: str) -> Any:  # noqa: ANN401
     return _figure_type(line.like(sensor), _family(line), line.axes, beside)
 
 
-def take(line: Line, sensor: str, figure: Quantity | Part) -> Taken:
+def read_figure(line: Line, sensor: str, figure: Quantity | Part) -> ReadFigure:
     """Turn a figure as printed into standard uncertainties by axis.
 
     A text is 1 sigma and normal. A sigma meaning divides the value; `max` and `peak to
@@ -211,7 +211,7 @@ def take(line: Line, sensor: str, figure: Quantity | Part) -> Taken:
 
     Returns
     -------
-    Taken
+    ReadFigure
         The line [SI], and what had to be assumed.
     """
     part = _family(line)(value=figure) if isinstance(figure, Quantity) else figure
@@ -252,7 +252,7 @@ def take(line: Line, sensor: str, figure: Quantity | Part) -> Taken:
         condition=say([a.part.condition or "" for a in axes]),
         source=say([a.part.source or "" for a in axes]),
     )
-    return Taken(line=taken, assumptions=tuple(dict.fromkeys(assumptions)))
+    return ReadFigure(line=taken, assumptions=tuple(dict.fromkeys(assumptions)))
 
 
 def standard_size(quantity: Quantity, density: str = "") -> float:

@@ -22,7 +22,7 @@ from budget.spec.fields import (
     faults,
     mapping_of,
 )
-from budget.spec.figures import figure_type, take
+from budget.spec.figures import figure_type, read_figure
 from budget.spec.records import (
     AXES,
     AccelerometerProcedure,
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from pydantic_core import CoreSchema, core_schema
 
     from budget.model.source import Source
-    from budget.spec.figures import Taken
+    from budget.spec.figures import ReadFigure
     from budget.spec.tree import Document
 
 
@@ -262,7 +262,7 @@ def surroundings_type(owner: str) -> Any:  # noqa: ANN401
     return _mapping(owner, owner, tree)
 
 
-def take_surroundings(owner: str, mapping: Strict | None) -> tuple[Taken, ...]:
+def take_surroundings(owner: str, mapping: Strict | None) -> tuple[ReadFigure, ...]:
     """Return the sources that a mapping of that owner names, in the table's order."""
     taken = []
     for source in lines_of(owner):
@@ -270,11 +270,11 @@ def take_surroundings(owner: str, mapping: Strict | None) -> tuple[Taken, ...]:
         for key in keys_of(source.name):
             figure = getattr(figure, key, None)
         if figure is not None:
-            taken.append(take(source, owner, figure))
+            taken.append(read_figure(source, owner, figure))
     return tuple(taken)
 
 
-def describe_surroundings(owner: str, taken: tuple[Taken, ...]) -> tuple[str, ...]:
+def describe_surroundings(owner: str, taken: tuple[ReadFigure, ...]) -> tuple[str, ...]:
     """Say which figures of that owner count, with the words that stand beside them."""
     return tuple(
         f"{Name(line.name, owner=owner)}: {line.printed}, "

@@ -113,7 +113,7 @@ class WhatIf:
     sources : tuple of WhatIfSource
         Those that are not 0 in this run; a factor on 0 changes nothing.
     outputs : tuple of Output
-    factor : ndarray, shape (n_out,)
+    coverage_factor : ndarray, shape (n_out,)
         Coverage factors k: half an interval over u [1].
     shift : ndarray, shape (n_out,)
         d: the middle of an interval less the mean, over u [1].
@@ -130,7 +130,7 @@ class WhatIf:
     sensors: tuple[WhatIfSensor, ...]
     sources: tuple[WhatIfSource, ...]
     outputs: tuple[Output, ...]
-    factor: Array = field(repr=False)
+    coverage_factor: Array = field(repr=False)
     shift: Array = field(repr=False)
     limit: tuple[float | None, ...]
     lower_bound: tuple[bool, ...]
@@ -157,7 +157,7 @@ class WhatIf:
         s = self._factors(factors)
         mean, variance = self.law.mean(s), self.law.variance(s)
         u = np.sqrt(variance)
-        ends = [self.shift - self.factor, self.shift + self.factor]
+        ends = [self.shift - self.coverage_factor, self.shift + self.coverage_factor]
         interval = np.stack([mean + end * u for end in ends], axis=1)
         share = (
             self.law.variance_alone(s)
@@ -218,7 +218,7 @@ class WhatIf:
                     "axis": output.name.axis,
                     "unit": output.unit,
                     "value": float(law.value[k] / unit[k]),
-                    "factor": float(self.factor[k]),
+                    "factor": float(self.coverage_factor[k]),
                     "shift": float(self.shift[k]),
                     "limit": _in_unit(self.limit[k], output),
                     "lower_bound": self.lower_bound[k],
@@ -321,7 +321,7 @@ def what_if(analysis: Analysis, *, budget: Budget | None = None) -> WhatIf:
         ),
         sources=tuple(_source(name, given[name]) for name in varying),
         outputs=problem.outputs,
-        factor=factor,
+        coverage_factor=factor,
         shift=shift,
         limit=tuple(limits.get(output.name) for output in problem.outputs),
         lower_bound=tuple(
@@ -461,7 +461,7 @@ def _step(
     return Step(
         factor=factor,
         u=float(outlook.u[k]),
-        expanded=float(what_if.factor[k] * outlook.u[k]),
+        expanded=float(what_if.coverage_factor[k] * outlook.u[k]),
         utilisation=None if verdict is None else verdict.utilisation,
         verdict="" if verdict is None else verdict.verdict,
     )

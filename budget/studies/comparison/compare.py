@@ -10,7 +10,7 @@ from budget.methods.execution import local_executor
 from budget.results import InputFile, Settings
 from budget.spec import load_procedure
 from budget.studies.comparison.candidates import Candidate, bound_missing
-from budget.studies.comparison.judging import Finding, How, judge_all
+from budget.studies.comparison.judging import JudgedCandidate, Judging, judge_all
 from budget.studies.comparison.ranking import pair_up, rank
 from budget.studies.comparison.records import (
     Comparison,
@@ -117,7 +117,7 @@ def compare(
             f"{requirement.name} limits no sensor that these devices have; "
             "add limits for them, or give other devices"
         )
-    how = How(
+    judging = Judging(
         method=method,
         coverage=requirement.coverage,
         seed=seed,
@@ -128,7 +128,7 @@ def compare(
     with local_executor(1 if executor is not None else workers) as pool:
         findings = judge_all(
             judged,
-            how,
+            judging,
             executor=executor or pool,
             ahead=2 * workers,
             progress=stage(progress, "comparison of devices"),
@@ -198,7 +198,7 @@ def _check_names(procedures: Sequence[Procedure]) -> None:
 
 
 def _verdict(
-    one: Candidate, finding: Finding, catalogue: Sequence[Device]
+    one: Candidate, finding: JudgedCandidate, catalogue: Sequence[Device]
 ) -> DeviceVerdict:
     """Turn a finding into the verdict on one sensor of one device."""
     judged = finding.judged
@@ -258,7 +258,7 @@ def _warnings(
     devices: Sequence[Device],
     requirement: Requirement,
     candidates: Sequence[Candidate],
-    findings: Sequence[Finding],
+    findings: Sequence[JudgedCandidate],
 ) -> tuple[str, ...]:
     """Name what a reader could misread."""
     found = []

@@ -14,7 +14,7 @@ from budget.methods.gum import propagate
 from budget.methods.largest import probability_smaller
 from budget.methods.validation import validate
 from budget.studies.comparison.candidates import Candidate, find_remedy
-from budget.studies.comparison.records import Ahead, Remedy
+from budget.studies.comparison.records import Lead, Remedy
 from budget.studies.judgement import (
     STEP,
     Judged,
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class How:
+class Judging:
     """What every judgement of one comparison shares.
 
     Attributes
@@ -60,7 +60,7 @@ class How:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Finding:
+class JudgedCandidate:
     """What is kept of one candidate; its law and its trials are not.
 
     Attributes
@@ -97,18 +97,18 @@ class Finding:
 
 def judge_all(
     candidates: Sequence[Candidate],
-    how: How,
+    judging: Judging,
     *,
     executor: Executor | None,
     ahead: int,
     progress: Callable[[int, int], None] | None,
-) -> list[Finding]:
+) -> list[JudgedCandidate]:
     """Judge all; those whose rank is open are looked at again with more trials.
 
     Parameters
     ----------
     candidates : sequence of Candidate
-    how : How
+    judging : Judging
     executor : Executor or None
         Does the work in place of this process.
     ahead : int
@@ -116,10 +116,10 @@ def judge_all(
     progress : callable, optional
         Called with the judgements done and those in all.
     """
-    findings: dict[int, Finding] = {}
+    findings: dict[int, JudgedCandidate] = {}
     done = 0
 
-    def take(places: Sequence[int], work: Callable[..., Finding]) -> None:
+    def take(places: Sequence[int], work: Callable[..., JudgedCandidate]) -> None:
         nonlocal done
         total = done + len(places)
         tasks = [(candidates[place], findings.get(place)) for place in places]
@@ -131,43 +131,45 @@ def judge_all(
             if progress is not None:
                 progress(done, total)
 
-    take(range(len(candidates)), partial(_judge, how=how))
-    number = how.trials
-    while number < how.max_trials:
-        number = min(STEP * number, how.max_trials)
-        tied = _tied(candidates, findings, how.max_trials)
+    take(range(len(candidates)), partial(_judge, judging=judging))
+    number = judging.trials
+    while number < judging.max_trials:
+        number = min(STEP * number, judging.max_trials)
+        tied = _tied(candidates, findings, judging.max_trials)
         if not tied:
             break
-        take(tied, partial(_look_closer, how=how, trials=number))
+        take(tied, partial(_look_closer, judging=judging, trials=number))
     return [findings[place] for place in range(len(candidates))]
 
 
-def _judge(task: tuple[Candidate, None], *, how: How) -> Finding:
+def _judge(task: tuple[Candidate, None], *, judging: Judging) -> JudgedCandidate:
     """Judge one candidate, by the law alone or as every command does."""
     one, _ = task
     held = one.limited()
     law = propagate(held.problem)
     doubtful: tuple[str, ...] = ()
-    if how.method == "gum" and not how.validate:
-        judged = screen(held, law, coverage=how.coverage, seed=how.seed)
+    if judging.method == "gum" and not judging.validate:
+        judged = screen(held, law, coverage=judging.coverage, seed=judging.seed)
     else:
         judged = judge(
             held,
             law,
-            coverage=how.coverage,
-            seed=how.seed,
-            trials=how.trials,
-            max_trials=how.max_trials,
+            coverage=judging.coverage,
+            seed=judging.seed,
+            trials=judging.trials,
+            max_trials=judging.max_trials,
         )
-    if how.validate:
-        checks = validate(held.problem, law, coverage=how.coverage, seed=how.seed)
+    if judging.validate:
+        checks = validate(
+            held.problem, law, coverage=judging.coverage, seed=judging.seed
+        )
         doubtful = tuple(
             held.problem.outputs[row].name for row in held.rows if not checks[row].holds
         )
     beyond = np.abs(law.value[held.rows]) >= held.limits
     lacks = lacking((one.sensor,), one.procedure, reference=one.requirement.reference)
     names = [output.name for output in held.outputs]
-    return Finding(
+    return JudgedCandidate(
         judged=judged,
         closer=judged,
         verdict=judged.verdict(one.sensor.expected_missing),
@@ -181,7 +183,9 @@ def _judge(task: tuple[Candidate, None], *, how: How) -> Finding:
     )
 
 
-def _look_closer(task: tuple[Candidate, Finding], *, how: How, trials: int) -> Finding:
+def _look_closer(
+    task: tuple[Candidate, JudgedCandidate], *, judging: Judging, trials: int
+) -> JudgedCandidate:
     """Judge one candidate again with more trials, for its rank."""
     one, finding = task
     if (finding.closer.trials or 0) >= trials:
@@ -190,15 +194,17 @@ def _look_closer(task: tuple[Candidate, Finding], *, how: How, trials: int) -> F
     closer = judge_with(
         held,
         propagate(held.problem),
-        coverage=how.coverage,
-        seed=how.seed,
+        coverage=judging.coverage,
+        seed=judging.seed,
         trials=trials,
     )
     return replace(finding, closer=closer)
 
 
 def _tied(
-    candidates: Sequence[Candidate], findings: dict[int, Finding], max_trials: int
+    candidates: Sequence[Candidate],
+    findings: dict[int, JudgedCandidate],
+    max_trials: int,
 ) -> list[int]:
     """Return the places that a neighbour ties with, where more trials can tell."""
     found: set[int] = set()
@@ -216,7 +222,7 @@ def _tied(
                 a.ends.noise, b.ends.noise
             ):
                 continue  # the same lines under two names: no trial parts them
-            step = Ahead(other="", probability=probability_smaller(a.ends, b.ends))
+            step = Lead(other="", probability=probability_smaller(a.ends, b.ends))
             if step.is_tied:
                 found |= {
                     place

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from budget.methods.largest import probability_smaller
 from budget.studies.comparison.records import (
     VERDICTS,
-    Ahead,
     DeviceVerdict,
+    Lead,
     Pair,
 )
 from budget.studies.figures_of_merit import MERITS, front, read_amount
@@ -74,7 +74,7 @@ def _place(row: DeviceVerdict) -> tuple[int, int, float, float]:
     return VERDICTS.index(verdict), lacks, worst, settle(row.utilisation)
 
 
-def _ahead(row: DeviceVerdict, following: DeviceVerdict | None) -> Ahead | None:
+def _ahead(row: DeviceVerdict, following: DeviceVerdict | None) -> Lead | None:
     """Return how sure it is that a device is better than the next; None by the law.
 
     None also where one of them is only known to be this or more.
@@ -85,7 +85,7 @@ def _ahead(row: DeviceVerdict, following: DeviceVerdict | None) -> Ahead | None:
         return None
     if row.lower_bound or following.lower_bound:
         return None  # of what is not given nobody knows a probability
-    return Ahead(
+    return Lead(
         other=following.name,
         probability=probability_smaller(row.closer.ends, following.closer.ends),
     )

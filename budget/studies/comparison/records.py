@@ -53,7 +53,7 @@ class MissingLines:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Ahead:
+class Lead:
     """How sure it is that a device is better than the next one in its list."""
 
     other: str
@@ -111,7 +111,7 @@ class DeviceVerdict(Entrant):
     remedy: Remedy
     trials: int | None
     advice: str
-    ahead: Ahead | None = None  # of the next one with the same verdict
+    ahead: Lead | None = None  # of the next one with the same verdict
     on_front: tuple[str, ...] = ()  # 'price', 'mass', 'power' it is Pareto-best in
     judged: Judged = field(repr=False, compare=False)
     closer: Judged = field(repr=False, compare=False)  # for the rank
