@@ -13,8 +13,8 @@ from command_line import call, start
 from budget.report.paper.document import COLUMNS
 from budget.report.paper.printing import print_probability, print_ratio
 from budget.report.paper.terminal import paper_text
-from budget.studies.paper.findings import VERDICTS
-from budget.studies.paper.study import SECTIONS, reproduce
+from budget.studies.paper.findings import Verdict
+from budget.studies.paper.study import reproduce
 
 DATED = {"SOURCE_DATE_EPOCH": "86400"}  # else two runs about midnight differ
 CONTRACT = {"where", "printed", "ours", "ratio", "verdict", "why"}
@@ -32,12 +32,17 @@ def document():
     return run.document
 
 
-def test_text_has_every_section_and_is_ascii():
+def test_text_has_every_section_and_is_ascii(study):
     """Without options everything goes to stdout, in ASCII, and the exit code is 0."""
     run = call("paper")
     assert (run.code, run.err) == (0, "")
     assert run.out.isascii()
-    for title in (*SECTIONS.values(), "Nothing explains", "Verdicts", "Assumed"):
+    for title in (
+        *study.paper.sections.values(),
+        "Nothing explains",
+        "Verdicts",
+        "Assumed",
+    ):
         assert f"{title}\n" in run.out
 
 
@@ -54,7 +59,7 @@ def test_json_keeps_the_contract(document):
     assert set(document["inputs"]) == {"device", "procedure"}
     for row in document["rows"]:
         assert row.keys() >= CONTRACT
-        assert row["verdict"] in VERDICTS
+        assert row["verdict"] in set(Verdict)
 
 
 def test_json_holds_the_residual_in_full(document):

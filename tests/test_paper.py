@@ -11,32 +11,22 @@ from numpy.testing import assert_allclose
 from scipy.stats import chi2
 
 from budget.calibration.simulation import simulate
-from budget.studies.paper import findings as words
+from budget.errors import SpecError
+from budget.resources import shipped
 from budget.studies.paper.conditions import (
     PLACES,
     load_conditions,
     nominal_size,
     only_sources,
 )
-from budget.studies.paper.misprints import compute_formulas
+from budget.studies.paper.findings import RUNS, Verdict
+from budget.studies.paper.formulas import compute_formulas, evaluate
 from budget.studies.paper.mounting import biases_from_angles
 from budget.studies.paper.orders import expectation_of
-from budget.studies.paper.printed import (
-    ACCELEROMETER_ORDERS,
-    ANGLE_ORDER,
-    RUNS,
-    TABLE_1,
-)
-from budget.studies.paper.readings import (
-    LEFT_ON,
-    fits_row,
-    fitting_choices,
-    printed_entries,
-    readings,
-    switched_on,
-)
+from budget.studies.paper.printed import FILE, FOLDER, load_paper
+from budget.studies.paper.readings import fitting_choices, readings, switched_on
 from budget.studies.paper.statistics import repeats
-from budget.studies.paper.study import SECTIONS, reproduce
+from budget.studies.paper.study import reproduce
 from budget.studies.paper.table1 import compute_rows
 
 pytestmark = pytest.mark.kernels
@@ -56,7 +46,19 @@ def study():
 
 @pytest.fixture(scope="module")
 def rows(conditions):
-    return {row.row.source.partition(".")[2]: row for row in compute_rows(conditions)}
+    return compute_rows(conditions)
+
+
+def reading_of(conditions, source, name, runs=1):
+    """Return the one reading of a row whose name begins so."""
+    (found,) = (
+        reading
+        for reading in readings(conditions)
+        if reading.source == f"gyro.{source}"
+        and reading.name.startswith(name)
+        and reading.runs == runs
+    )
+    return found
 
 
 def rms(values):
@@ -73,7 +75,8 @@ def find(study, where):
 def test_all_sixty_entries_of_table_1_are_there_once(study):
     """Every printed entry stands in one row, character for character."""
     found = [row.printed for row in study.of_section("table 1") if not row.is_summary]
-    printed = [text for row in TABLE_1 for text in row.entries]
+    paper = study.paper
+    printed = [text for row in paper.table_1 for text in paper.entries(row)]
     assert len(found) == 60
     assert Counter(found) == Counter(printed)
 
@@ -87,14 +90,14 @@ def test_bias_without_spread_agrees_to_six_digits(study, axis, printed):
     row = find(study, f"Table 1, scale factor repeatability, bias {axis}")
     # Doubles leave about 1e-6 of this residual, the paper's no less than ours.
     assert_allclose(row.ours, float(printed), rtol=5e-6)
-    assert row.verdict == words.AGREES
+    assert row.verdict == Verdict.AGREES
 
 
-def test_printed_angle_rounding_is_whole_steps_of_doubles_below_one():
+def test_printed_angle_rounding_is_whole_steps_of_doubles_below_one(conditions):
     """Nonzero entries of rounding size are whole multiples of 2^-53, to five digits."""
     tiny = [
         float(text)
-        for row in TABLE_1
+        for row in conditions.paper.table_1.values()
         for text in row.mounting_angle
         if 0.0 < abs(float(text)) < 1e-10
     ]
@@ -111,8 +114,8 @@ def test_a_spread_of_drawn_means_is_a_fifth_of_a_runs(rows):
     """Means over 25 drawn runs spread by u/5, which the law says."""
     bound = SIGMAS / np.sqrt(2.0 * (repeats(RUNS) - 1))
     for row in rows.values():
-        varies = row.expectation.u > 0.0
-        found = row.drawn[varies] / row.expectation.u[varies] * np.sqrt(RUNS)
+        varies, u = row.single.varies, row.single.expectation.u
+        found = row.drawn[varies] / u[varies] * np.sqrt(RUNS)
         assert np.abs(found - 1.0).max() < bound
         # Control: a mean over 16 runs is told from one over 25.
         assert np.abs(found * 5.0 / 4.0 - 1.0).min() > bound
@@ -136,7 +139,7 @@ def test_simulation_has_the_spread_of_the_law(conditions, rows, source, paramete
         simulate((conditions.gyro,), plan, run=run, only=frozenset({source})) / size
         for run in range(runs)
     ]
-    u = rows[source.partition(".")[2]].expectation.u[PLACES[parameter]]
+    u = rows[source.partition(".")[2]].single.expectation.u[PLACES[parameter]]
     found = np.std(errors, axis=0, ddof=1)[PLACES[parameter]]
     bound = SIGMAS / np.sqrt(2.0 * (runs - 1))
     assert np.abs(found / u - 1.0).max() < bound
@@ -146,16 +149,16 @@ def test_simulation_has_the_spread_of_the_law(conditions, rows, source, paramete
 @pytest.mark.parametrize(
     ("row", "parameter", "verdict"),
     [
-        ("bias repeatability", "bias, all 3", words.FITS_MEAN),
-        ("scale factor repeatability", "scale factor, all 3", words.FITS_MEAN),
-        ("mounting repeatability", "bias, all 3", words.FITS_MEAN),
-        ("bias stability", "bias, all 3", words.FITS_SINGLE),
-        ("bias stability", "scale factor, all 3", words.READING),
-        ("bias stability", "mounting angle, all 6", words.READING),
-        ("angle random walk", "scale factor, all 3", words.READING),
-        ("angle random walk", "mounting angle, all 6", words.READING),
-        ("angle random walk", "bias, all 3", words.READING),
-        ("mounting repeatability", "mounting angle, all 6", words.EXPLAINED),
+        ("bias repeatability", "bias, all 3", Verdict.FITS_MEAN),
+        ("scale factor repeatability", "scale factor, all 3", Verdict.FITS_MEAN),
+        ("mounting repeatability", "bias, all 3", Verdict.FITS_MEAN),
+        ("bias stability", "bias, all 3", Verdict.FITS_SINGLE),
+        ("bias stability", "scale factor, all 3", Verdict.READING),
+        ("bias stability", "mounting angle, all 6", Verdict.READING),
+        ("angle random walk", "scale factor, all 3", Verdict.READING),
+        ("angle random walk", "mounting angle, all 6", Verdict.READING),
+        ("angle random walk", "bias, all 3", Verdict.READING),
+        ("mounting repeatability", "mounting angle, all 6", Verdict.EXPLAINED),
     ],
 )
 def test_verdicts_of_table_1(study, row, parameter, verdict):
@@ -184,7 +187,7 @@ def test_random_walk_row_is_far_below_its_inputs(
     rows, parameter, ours, last_digit, times
 ):
     """Ours from 0.005 deg/sqrt(h), and how many times less is printed (rms)."""
-    row = rows["angle_random_walk"]
+    row = rows["angle_random_walk"].single
     u = row.expectation.u[PLACES[parameter]]
     assert_allclose(u, ours, rtol=0, atol=last_digit)
     printed = rms(row.printed[PLACES[parameter]])
@@ -193,14 +196,9 @@ def test_random_walk_row_is_far_below_its_inputs(
 
 def test_random_walk_as_white_noise_per_sample_is_within_1_3_to_4(conditions):
     """Read as 0.005 deg/h in each sample, printed is 1.3 to 4.1 times larger."""
-    (reading,) = (
-        r
-        for r in readings(conditions)
-        if r.name.startswith("0.005 deg/h,") and r.runs == 1
-    )
-    printed = printed_entries("gyro.angle_random_walk")
+    reading = reading_of(conditions, "angle_random_walk", "0.005 deg/h,")
     times = [
-        rms(printed[place]) / rms(reading.expectation.u[place])
+        rms(reading.printed[place]) / rms(reading.expectation.u[place])
         for place in PLACES.values()
     ]
     assert_allclose(times, [4.09, 2.28, 1.27], rtol=0.01)
@@ -214,29 +212,26 @@ def test_noise_once_a_window_fits_both_white_noise_rows(study):
         for row in study.of_section("readings")
         if name in row.where and "single run" not in row.where
     ]
-    assert {row.verdict for row in found} == {words.READING_FITS}
+    assert {row.verdict for row in found} == {Verdict.READING_FITS}
     assert {row.where.partition(",")[0] for row in found} == {"Table 1", "3.2"}
 
 
 def test_bias_stability_with_independent_turns(conditions):
     """Far apart, turns give 3.9e-7 (adjacent 7.7e-8); angles stay 1.9 times larger."""
-    (reading,) = (
-        r
-        for r in readings(conditions)
-        if r.name.startswith("+ and - turns far apart") and r.runs == 1
-    )
-    printed = printed_entries("gyro.bias_stability")
+    reading = reading_of(conditions, "bias_stability", "+ and - turns far apart")
     assert_allclose(reading.expectation.u[:3], 3.9e-7, rtol=0.01)
     angle = PLACES["mounting_angle"]
-    times = rms(printed[angle]) / rms(reading.expectation.u[angle])
+    times = rms(reading.printed[angle]) / rms(reading.expectation.u[angle])
     assert_allclose(times, 1.92, rtol=0.01)
-    assert reading.fit(printed, "scale_factor").fits
-    assert not reading.fit(printed, "mounting_angle").fits
+    assert reading.fit("scale_factor").fits
+    assert not reading.fit("mounting_angle").fits
 
 
 def test_bias_stability_row_fits_a_run_with_the_random_walk_left_on(conditions):
     """Its twelve entries against a covariance put together by hand, chi2 by scipy."""
-    printed = printed_entries("gyro.bias_stability")
+    left_on = "the angle random walk 0.005 deg/sqrt(h) left on"
+    reading = reading_of(conditions, "bias_stability", left_on)
+    printed = reading.printed
     walk, turn, dwells = 0.005, 18.0 / 3600.0, 4.0 * 300.0 / 3600.0
     # Differences of turns by 360 deg over 4 pi n and, for angles, over 2 arcsec; the
     # mean of four dwells over 2.5 deg/h: white noise N^2/L [deg, h].
@@ -249,11 +244,10 @@ def test_bias_stability_row_fits_a_run_with_the_random_walk_left_on(conditions):
     both = chi2.sf(np.sum((printed / u) ** 2), 12)
     assert_allclose(min(2 * alone, 2 - 2 * alone), 0.42, rtol=0, atol=0.01)
     assert_allclose(min(2 * both, 2 - 2 * both), 0.68, rtol=0, atol=0.02)
-    (reading,) = (r for r in readings(conditions) if r.name == LEFT_ON and r.runs == 1)
-    assert_allclose(reading.fit(printed).p, 0.676, rtol=2e-3)
-    assert fits_row(reading, printed)
+    assert_allclose(reading.fit().p, 0.676, rtol=2e-3)
+    assert reading.fits_row
     # Control: twice the size of the entries is told from theirs.
-    assert not fits_row(reading, 2.0 * printed)
+    assert not replace(reading, printed=2.0 * printed).fits_row
 
 
 def gauss_markov_share(ratio):
@@ -261,21 +255,22 @@ def gauss_markov_share(ratio):
     return 2.0 / ratio**2 * (ratio - 1.0 + np.exp(-ratio))
 
 
-def test_what_a_reading_is_worth_is_said_beside_it(conditions, study):
+def test_what_a_reading_is_worth_is_said_beside_it(conditions, rows, study):
     """62 choices of stated sources: 4 fit the stability row, none a wrong row."""
     choices = switched_on(conditions)
     assert len(choices) == 31
-    fits = {row.source: fitting_choices(choices, row.source) for row in TABLE_1}
-    stability = fits.pop("gyro.bias_stability")
+    fits = {name: fitting_choices(choices, row.single) for name, row in rows.items()}
+    stability = fits.pop("bias_stability")
     assert len(stability) == 4
-    assert all("gyro.angle_random_walk" in chosen for chosen, _ in stability)
-    assert {reading.runs for _, reading in stability} == {1}
-    assert all(chosen == (row,) for row, found in fits.items() for chosen, _ in found)
+    assert all("gyro.angle_random_walk" in reading.sources for reading in stability)
+    assert {reading.runs for reading in stability} == {1}
+    assert any(fits.values())
+    assert all(r.sources == (r.source,) for found in fits.values() for r in found)
     row = find(
         study,
         "Table 1, bias stability, one run with the random walk left on",
     )
-    assert row.verdict == words.READING
+    assert row.verdict == Verdict.READING
     assert_allclose(row.p_single, 0.676, rtol=2e-3)
     assert row.p_mean < 1e-30
     for said in ("64 readings", "0 of 240 wrong choices", "147, 264, 472 times less"):
@@ -296,21 +291,22 @@ def test_orders_of_3_1_in_their_units(study, where, printed, ours):
     row = find(study, f"3.1, gyro, {where}")
     assert row.printed == printed
     assert_allclose(row.ours, ours, rtol=5e-6)
-    assert row.verdict in {words.AGREES, words.AGREES_IN_ORDER}
+    assert row.verdict in {Verdict.AGREES, Verdict.AGREES_IN_ORDER}
 
 
 def test_text_and_table_differ_on_the_bound(study):
     """'within 0.1e-6' stands beside an entry of 9.1776e-7."""
     row = find(study, "3.1, gyro, bias stability, scale factor as a bound")
-    assert (row.printed, row.verdict) == ("within 0.1e-6", words.EXPLAINED)
+    assert (row.printed, row.verdict) == ("within 0.1e-6", Verdict.EXPLAINED)
     assert_allclose(row.ratio, 9.1776, rtol=1e-12)
 
 
 def test_mounting_row_shows_the_order_of_its_angles(conditions):
     """One order of 720 returns the printed biases; the next is far off."""
     found = biases_from_angles(conditions)
-    printed = [float(text) for text in TABLE_1[-1].bias]
-    assert found.order == ANGLE_ORDER
+    paper = conditions.paper
+    printed = [float(text) for text in paper.table_1["mounting_repeatability"].bias]
+    assert found.order == paper.angle_order
     assert np.abs(found.bias - printed).max() < 6e-10
     assert found.misfit < 1.0
     assert found.next_misfit > 100.0  # control
@@ -319,7 +315,8 @@ def test_mounting_row_shows_the_order_of_its_angles(conditions):
 def test_mounting_row_is_a_mean_and_no_single_run(conditions):
     """What the mean angles leave of the bias of z is a mean of products."""
     found = biases_from_angles(conditions)
-    rest = float(TABLE_1[-1].bias[2]) - (found.bias[2] - found.products[2])
+    printed = conditions.paper.table_1["mounting_repeatability"].bias
+    rest = float(printed[2]) - (found.bias[2] - found.products[2])
     allowed = found.rounding[2] + 3.0 * found.u_products[2]
     assert abs(rest - found.products[2]) < allowed
     assert abs(rest) > found.rounding[2] + 3.0 * found.u_products[2]
@@ -327,13 +324,11 @@ def test_mounting_row_is_a_mean_and_no_single_run(conditions):
 
 def test_mounting_angles_fit_without_their_nominal(conditions):
     """About -1 a mean over 25 runs fits; about 0 it does not, nor a single run."""
-    printed = printed_entries("gyro.mounting_repeatability")
-    assert_allclose(printed[PLACES["mounting_angle"]].mean(), -1.008, atol=5e-4)
-    single, mean = (
-        r for r in readings(conditions) if r.source == "gyro.mounting_repeatability"
-    )
-    assert mean.fit(printed, "mounting_angle").fits
-    assert not single.fit(printed, "mounting_angle").fits
+    single = reading_of(conditions, "mounting_repeatability", "")
+    angles = single.printed[PLACES["mounting_angle"]]
+    assert_allclose(angles.mean(), -1.008, atol=5e-4)
+    assert single.of_mean.fit("mounting_angle").fits
+    assert not single.fit("mounting_angle").fits
 
 
 def test_figures_are_straight_with_their_closed_slopes(study):
@@ -367,17 +362,17 @@ def test_figures_have_their_sizes(study, figure, largest):
 def test_accelerometer_magnitudes(conditions, source, parameter, ours):
     """Ours from the inputs of 3.2, to the two digits that were found."""
     (printed,) = (
-        row
-        for row in ACCELEROMETER_ORDERS
-        if row.source == f"accelerometer.{source}" and row.parameter == parameter
+        row for row in conditions.paper.orders if row.name == f"accelerometer.{source}"
     )
     u = expectation_of(printed, conditions).u[PLACES[parameter]]
     assert_allclose(u, ours, rtol=0.035)
 
 
-def test_accelerometer_experiments_are_all_seven():
+def test_accelerometer_experiments_are_all_seven(conditions):
     """Section 3.2 does seven experiments, and each has its orders here."""
-    assert len({row.condition for row in ACCELEROMETER_ORDERS}) == 7
+    orders = [row for row in conditions.paper.orders if row.section == "3.2"]
+    assert len({row.condition for row in orders}) == 7
+    assert {row.sensor for row in orders} == {"accelerometer"}
 
 
 @pytest.mark.parametrize(
@@ -395,7 +390,7 @@ def test_misprints_return_a_wrong_angle(conditions, equation, name, printed, tru
     (formula,) = (
         f
         for f in compute_formulas(conditions)
-        if (f.equation, f.name) == (equation, name)
+        if (f.given.equation, f.name) == (equation, name)
     )
     assert formula.is_misprint
     assert formula.is_right
@@ -403,9 +398,34 @@ def test_misprints_return_a_wrong_angle(conditions, equation, name, printed, tru
     assert_allclose(formula.returns_ours, truth, rtol=1e-8)
 
 
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("-n_x1/n_x2", -2.0 / 3.0),
+        ("n_x2/4 pi n", 3.0 / (4.0 * np.pi)),
+        ("[N_x(3) - N_x(4)]/2g", (7.0 - 11.0) / (2.0 * 9.8)),
+        ("-[N_x(3) + N_x(4)]/2g K_y", -18.0 / (2.0 * 9.8 * 13.0)),
+    ],
+)
+def test_printed_quotients_are_computed_as_they_stand(text, value):
+    """A formula as printed returns what it says, by hand."""
+    values = {"n_x1": 2.0, "n_x2": 3.0, "N_x(3)": 7.0, "N_x(4)": 11.0}
+    values |= {"K_y": 13.0, "g": 9.8, "n": 1.0, "pi": np.pi}
+    assert_allclose(evaluate(text, values), value, rtol=1e-15)
+
+
+@pytest.mark.parametrize("text", ["n_x1", "n_x1*n_x2", "[N_x(3) - ]/2g", "n_q1/n_x2"])
+def test_what_is_no_quotient_is_refused(text):
+    """A text that cannot be computed is an error, never a number."""
+    with pytest.raises(ValueError, match="no quotient of counts"):
+        evaluate(text, {"n_x1": 2.0, "n_x2": 3.0, "N_x(3)": 7.0})
+
+
 def test_eq_4_misses_the_bias_and_eq_17_the_earth(conditions):
     """Eq. (4) is wrong on every axis, eq. (17) where the earth turns along it."""
-    wrong = Counter(f.equation for f in compute_formulas(conditions) if f.is_misprint)
+    wrong = Counter(
+        f.given.equation for f in compute_formulas(conditions) if f.is_misprint
+    )
     assert wrong == {
         "eq. (3)": 1,
         "eq. (4)": 3,
@@ -413,7 +433,9 @@ def test_eq_4_misses_the_bias_and_eq_17_the_earth(conditions):
         "eq. (5)": 2,
         "eq. (17)": 2,
     }
-    seventeen = [f for f in compute_formulas(conditions) if f.equation == "eq. (17)"]
+    seventeen = [
+        f for f in compute_formulas(conditions) if f.given.equation == "eq. (17)"
+    ]
     assert_allclose([f.returns_printed for f in seventeen], 2.17e-8, rtol=1e-3)
     truth = [2.17e-8, 1.30e-7, 9.52e-8]
     assert_allclose([f.truth for f in seventeen], truth, rtol=5e-3)
@@ -425,22 +447,46 @@ def test_conclusions_agree_but_for_two(study):
     differing = {
         row.where: row.verdict
         for row in study.of_section("conclusions")
-        if row.verdict != words.AGREES
+        if row.verdict != Verdict.AGREES
     }
     assert differing == {
         "section 2.1.2: gyro scale factor nonlinearity on scale factor": (
-            words.EXPLAINED
+            Verdict.EXPLAINED
         ),
-        "section 2.1.3, 4: gyro mounting repeatability on bias": words.EXPLAINED,
+        "section 2.1.3, 4: gyro mounting repeatability on bias": Verdict.EXPLAINED,
     }
 
 
 def test_every_row_has_a_known_verdict_and_section(study):
     """Verdicts come from the closed set, sections too, and a reason is given."""
     for row in study.findings:
-        assert row.verdict in words.VERDICTS
-        assert row.section in SECTIONS
+        assert row.verdict in study.paper.verdicts
+        assert row.section in study.paper.sections
         assert row.why
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "message"),
+    [
+        ('"-0.00630"', '"-0.00630?"', "expected a number as printed"),
+        ("[xz, xy, yz,", "[xz, xy, yx,", "expected every angle once"),
+        ("  unexplained: ", "  unclear: ", "expected each once"),
+        ("    is_slip: false", "    is_slop: false", "unknown key 'is_slop'"),
+        ("source: sample_noise", "source: sample_nose", "has no source 'sample_nose'"),
+    ],
+)
+def test_a_slip_in_the_printed_numbers_is_refused(
+    tmp_path, monkeypatch, right, wrong, message
+):
+    """What the paper's file cannot mean is an error at its place, never a number."""
+    text = (shipped("examples") / FOLDER / FILE).read_text(encoding="utf-8")
+    assert right in text
+    folder = tmp_path / FOLDER
+    folder.mkdir()
+    (folder / FILE).write_text(text.replace(right, wrong, 1), encoding="utf-8")
+    monkeypatch.setattr("budget.studies.paper.printed.shipped", lambda _: tmp_path)
+    with pytest.raises(SpecError, match=message):
+        load_paper()
 
 
 def test_sources_that_are_not_asked_for_stay_out(conditions):

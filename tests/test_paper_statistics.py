@@ -9,7 +9,6 @@ from scipy.stats import chi2, norm
 
 from budget.studies.paper.conditions import PLACES, load_conditions
 from budget.studies.paper.orders import expectation_of
-from budget.studies.paper.printed import ACCELEROMETER_ORDERS, RUNS
 from budget.studies.paper.statistics import LEVEL, fit, order_probability
 from budget.studies.paper.table1 import compute_rows
 
@@ -23,14 +22,14 @@ def conditions():
 
 @pytest.fixture(scope="module")
 def rows(conditions):
-    return {row.row.source.partition(".")[2]: row for row in compute_rows(conditions)}
+    return compute_rows(conditions)
 
 
 def test_fit_is_the_chi_square_of_independent_entries(rows):
     """With one axis an entry, p is that of the sum of squares and of the scatter."""
-    row = rows["bias_repeatability"]
+    row = rows["bias_repeatability"].mean
     z = row.printed[PLACES["bias"]] / (0.02 / 5.0)
-    found = row.fit("bias", runs=RUNS)
+    found = row.fit("bias")
     tails = [
         2.0 * min(chi2.cdf(q, df), chi2.sf(q, df))
         for q, df in (((z**2).sum(), 3), (((z - z.mean()) ** 2).sum(), 2))
@@ -43,7 +42,7 @@ def test_fit_is_the_chi_square_of_independent_entries(rows):
 
 def test_fit_is_uniform_under_its_own_reading(rows):
     """Entries drawn as they should be are refused no more often than the level."""
-    row = rows["bias_stability"]
+    row = rows["bias_stability"].single
     rng = np.random.default_rng(0)
     factor = np.linalg.cholesky(row.expectation.covariance)
     trials = 2000
@@ -63,9 +62,8 @@ def test_order_probability_is_a_share_of_draws(conditions):
     """The closed form is the share of draws whose largest entry has the order."""
     (printed,) = (
         row
-        for row in ACCELEROMETER_ORDERS
-        if row.source == "accelerometer.bias_stability"
-        and row.parameter == "mounting_angle"
+        for row in conditions.paper.orders
+        if row.name == "accelerometer.bias_stability"
     )
     found = expectation_of(printed, conditions)
     place = PLACES["mounting_angle"]

@@ -12,12 +12,12 @@ from pdf_reading import needs_poppler, squeeze, text_of
 from budget.report.blocks import Abreast, Picture, Table
 from budget.report.page import render_page
 from budget.report.paper.document import to_json
-from budget.report.paper.page import CARDS, paper_document
+from budget.report.paper.page import paper_document
 from budget.report.paper.printing import print_ours, print_ratio, shorten
 from budget.report.paper.tables import place_of, printed_cell
 from budget.report.typeset import typeset
-from budget.studies.paper.findings import UNEXPLAINED, VERDICTS
-from budget.studies.paper.study import ASSUMPTIONS, SECTIONS, reproduce
+from budget.studies.paper.findings import Verdict
+from budget.studies.paper.study import reproduce
 
 DATE = "2026-01-31"
 NO_FONTS = ()  # besides the bundled ones
@@ -69,10 +69,12 @@ def said(row):
     return (place.group, place.name, place.note, row.verdict, why)
 
 
-@pytest.mark.parametrize("name", SECTIONS)
+@pytest.mark.parametrize(
+    "name", ["table 1", "figures", "text", "formulas", "conclusions", "readings"]
+)
 def test_every_finding_is_one_row_with_its_numbers(study, document, name):
     """Rows of a section are its findings: printed, ours, ratio and both p, exact."""
-    table = table_of(section_of(document, SECTIONS[name]))
+    table = table_of(section_of(document, study.paper.sections[name]))
     rows = {
         (group.title, row[0].text, row[0].note): row
         for group in table.groups
@@ -126,9 +128,8 @@ def test_printed_numbers_keep_their_digits(printed, text, exact, note):
 
 def test_cards_count_every_row_once(study, document):
     """Every verdict belongs to one card, and the counts add up to all rows."""
-    assert sorted(word for words in CARDS.values() for word in words) == sorted(
-        VERDICTS
-    )
+    counted = [word for words in study.paper.cards.values() for word in words]
+    assert sorted(counted) == sorted(Verdict)
     totals = [int(card.lines[0][0].text.split()[0]) for card in document.cards]
     assert sum(totals) == len(study.findings)
     assert document.headline.startswith(f"{len(study.findings)} ")
@@ -140,7 +141,7 @@ def test_what_nothing_explains_is_on_page_one(study, document):
     places = [
         row.where
         for row in study.findings
-        if row.verdict == UNEXPLAINED and row.is_summary
+        if row.verdict == Verdict.UNEXPLAINED and row.is_summary
     ]
     (listing,) = section.blocks
     assert section.on_first_page
@@ -195,7 +196,12 @@ def test_page_says_every_row(study, document):
     for row in study.findings:
         for words in said(row):
             assert squeeze(words).casefold() in text
-    for words in (*SECTIONS.values(), *VERDICTS.values(), *ASSUMPTIONS):
+    paper = study.paper
+    for words in (
+        *paper.sections.values(),
+        *paper.verdicts.values(),
+        *paper.assumptions,
+    ):
         assert squeeze(words).casefold() in text
 
 
@@ -206,7 +212,11 @@ def test_pdf_says_every_row(study, pdf, tmp_path):
     for row in study.findings:
         for words in said(row):
             assert plain(words) in text
-    for words in (*SECTIONS.values(), *(VERDICTS[word] for word, _ in study.counts)):
+    paper = study.paper
+    for words in (
+        *paper.sections.values(),
+        *(paper.verdicts[word] for word in study.counts),
+    ):
         assert plain(words) in text
 
 

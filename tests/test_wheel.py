@@ -95,6 +95,7 @@ def test_wheel_holds_what_it_needs_and_no_more(wheel):
         "budget/_shipped/specs/devices/zhao-2019.yaml",
         "budget/_shipped/specs/references/hg4930-c.json",
         "budget/_shipped/templates/page.html.j2",
+        "budget/_shipped/examples/zhao_2019/printed.yaml",
     ):
         assert needed in names
     roots = {name.partition("/")[0] for name in names}
@@ -140,6 +141,18 @@ def test_wheel_writes_the_report(python, tmp_path):
 
     assert len(pages[0]) > 10_000
     assert pages[0] == pages[1]
+
+
+def test_wheel_computes_the_paper_again(python, tmp_path):
+    """From the wheel, the paper's check is the same document as from the checkout."""
+    here, there = (
+        start("paper", "--json", "-", cwd=tmp_path, python=p)
+        for p in (sys.executable, python)
+    )
+
+    assert (there.code, there.err) == (0, "")
+    assert there.document["rows"]
+    assert there.document == here.document
 
 
 def test_wheel_checks_its_references(python, tmp_path):

@@ -88,7 +88,7 @@ def sweep_title(sweep: Sweep) -> str:
     """State the finding of one figure, and the order that the paper prints."""
     number = sweep.figure.partition(" ")[2]
     head = f"Figure {number}: {_cause(sweep)} and {_effect(sweep)}"
-    printed = f"printed order {sweep.order}"
+    printed = f"printed order {sweep.given.order}"
     if not sweep.largest:
         return f"{head}: no effect at all ({printed}: rounding)"
     if not sweep.slopes.any():
@@ -153,4 +153,6 @@ def _cause(sweep: Sweep) -> str:
 
 def _effect(sweep: Sweep) -> str:
     """Name what is shown."""
-    return "angle errors" if sweep.parameter == "mounting_angle" else "bias errors"
+    return (
+        "angle errors" if sweep.given.parameter == "mounting_angle" else "bias errors"
+    )

@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 from budget.report.document import csv_text
 from budget.results import SCHEMA
-from budget.studies.paper.findings import VERDICTS
-from budget.studies.paper.study import ASSUMPTIONS, TITLE
 
 if TYPE_CHECKING:
     from budget.studies.paper.study import PaperStudy
@@ -32,7 +30,7 @@ def to_document(study: PaperStudy) -> dict[str, Any]:
     return {
         "schema": SCHEMA,
         "command": "paper",
-        "title": TITLE,
+        "title": study.paper.title,
         "inputs": {
             file.role: {"name": file.name, "sha256": file.sha256}
             for file in study.inputs
@@ -40,12 +38,12 @@ def to_document(study: PaperStudy) -> dict[str, Any]:
         "rows": [
             {name: getattr(row, name) for name in COLUMNS} for row in study.findings
         ],
-        "verdicts": dict(VERDICTS),
+        "verdicts": study.paper.verdicts,
         "sweeps": [
             {
                 "figure": sweep.figure,
                 "source": sweep.source,
-                "parameter": sweep.parameter,
+                "parameter": sweep.given.parameter,
                 "size": sweep.size.tolist(),
                 "errors": dict(zip(sweep.names, sweep.errors.tolist(), strict=True)),
             }
@@ -60,7 +58,7 @@ def to_document(study: PaperStudy) -> dict[str, Any]:
             }
             for cell in study.table.cells
         ],
-        "assumptions": list(ASSUMPTIONS),
+        "assumptions": list(study.paper.assumptions),
         "warnings": [],
     }
 

@@ -21,20 +21,7 @@ from budget.report.paper.printing import print_ours, unexplained
 from budget.report.paper.ratios import ratio_picture
 from budget.report.paper.tables import findings_table, printed_cell, verdict_table
 from budget.report.provenance import provenance_section
-from budget.studies.paper.findings import (
-    AGREES,
-    AGREES_IN_ORDER,
-    EXPLAINED,
-    FITS_MEAN,
-    FITS_SINGLE,
-    MISPRINT,
-    READING,
-    READING_FAILS,
-    READING_FITS,
-    UNEXPLAINED,
-    WORD,
-)
-from budget.studies.paper.study import ASSUMPTIONS, SECTIONS, TITLE
+from budget.studies.paper.findings import WORD, Verdict
 from budget.version import __version__
 
 if TYPE_CHECKING:
@@ -43,54 +30,20 @@ if TYPE_CHECKING:
     from budget.studies.paper.study import PaperStudy
 
 COMMAND = "budget paper"
-REFERENCE = (
-    "X. Zhao, L. Zhang, S. Li, Metrology & Measurement Technology 39 (3), 2019, 34-40, "
-    "doi 10.11823/j.issn.1674-5795.2019.03.06"
+OF_FORMULAS: Words = (
+    (
+        "Each formula is fed with the pulses of a sensor without errors, whose six "
+        "angles are 1 to 6 arcsec. "
+    ),
+    sub("n", "ij"),
+    ": pulses of axis ",
+    letter("i"),
+    " over a turn forward minus those back, about z (1), x (2), y (3). ",
+    line(sub("N", "i"), brackets("j")),
+    ": mean count of axis ",
+    letter("i"),
+    ", z up (1), z down, x up, x down, y up, y down (6).",
 )
-CARDS = {
-    "Agree, or fit as random entries": (
-        AGREES,
-        AGREES_IN_ORDER,
-        FITS_MEAN,
-        FITS_SINGLE,
-    ),
-    "Differ": (UNEXPLAINED, READING, EXPLAINED, MISPRINT),
-    "Other readings of the inputs": (READING_FITS, READING_FAILS),
-}
-PULSES = (
-    "Each formula is fed with the pulses of a sensor without errors, whose six angles "
-    "are 1 to 6 arcsec. "
-)
-NOTES: dict[str, Words] = {
-    "table 1": (
-        (
-            "Relative errors. Of a random entry ours is its standard uncertainty u "
-            "under the reading that fits, p the two-sided probability of a value at "
-            "least as extreme if the entry is a single run or a mean over 25. All "
-            "entries of one parameter are judged together, by chi-square and by their "
-            "scatter; that is the row in bold, which says why."
-        ),
-    ),
-    "figures": ("Relative errors; curves that coincide share one label.",),
-    "text": (
-        (
-            "Ours is the largest error, or of random ones their largest u in a single "
-            "run; p the probability that the largest entry has the printed power of "
-            "ten."
-        ),
-    ),
-    "formulas": (
-        PULSES,
-        sub("n", "ij"),
-        ": pulses of axis ",
-        letter("i"),
-        " over a turn forward minus those back, about z (1), x (2), y (3). ",
-        line(sub("N", "i"), brackets("j")),
-        ": mean count of axis ",
-        letter("i"),
-        ", z up (1), z down, x up, x down, y up, y down (6).",
-    ),
-}
 
 
 def paper_document(study: PaperStudy, *, date: str) -> Document:
@@ -110,8 +63,8 @@ def paper_document(study: PaperStudy, *, date: str) -> Document:
     """
     return Document(
         kind="paper",
-        title=TITLE,
-        facts=(REFERENCE,),
+        title=study.paper.title,
+        facts=(study.paper.reference,),
         headline=f"{len(study.findings)} numbers and claims, each with a verdict",
         summary=(
             (
@@ -120,10 +73,10 @@ def paper_document(study: PaperStudy, *, date: str) -> Document:
                 "paper states: what it prints, ours, their ratio, a verdict, and why."
             ),
         ),
-        cards=tuple(_card(study, title) for title in CARDS),
+        cards=tuple(_card(study, title) for title in study.paper.cards),
         sections=(
             _open(study),
-            _assumed(),
+            _assumed(study),
             Section(
                 name="ratios",
                 title="Random entries of Table 1",
@@ -135,7 +88,7 @@ def paper_document(study: PaperStudy, *, date: str) -> Document:
                 title="The verdicts",
                 blocks=(verdict_table(study),),
             ),
-            *(_section(study, name) for name in SECTIONS),
+            *(_section(study, name) for name in study.paper.sections),
             provenance_section(
                 study.inputs, None, version=__version__, command_line=COMMAND
             ),
@@ -148,13 +101,13 @@ def paper_document(study: PaperStudy, *, date: str) -> Document:
 
 def _card(study: PaperStudy, title: str) -> Card:
     """Count the rows of some verdicts, together and each."""
-    counts = dict(study.counts)
-    found = {word: counts[word] for word in CARDS[title] if word in counts}
+    counts = {str(verdict): number for verdict, number in study.counts.items()}
+    found = {word: counts[word] for word in study.paper.cards[title] if word in counts}
     lines: list[Words] = [
         (Run(text=f"{sum(found.values())} of {len(study.findings)}", strong=True),)
     ]
     lines += [
-        (Run(text=f"{word}: {number}", strong=word == UNEXPLAINED),)
+        (Run(text=f"{word}: {number}", strong=word == Verdict.UNEXPLAINED),)
         for word, number in found.items()
     ]
     return Card(title=title, lines=tuple(lines))
@@ -190,14 +143,14 @@ def _said(row: Finding) -> Words:
     )
 
 
-def _assumed() -> Section:
+def _assumed(study: PaperStudy) -> Section:
     """Return what the paper leaves to be assumed."""
     return Section(
         name="assumed",
         title="Assumed",
         blocks=(
             Listing(
-                items=tuple((capital(text),) for text in ASSUMPTIONS),
+                items=tuple((capital(text),) for text in study.paper.assumptions),
                 empty="Nothing: the paper says all that is needed.",
             ),
         ),
@@ -208,11 +161,15 @@ def _assumed() -> Section:
 def _section(study: PaperStudy, name: str) -> Section:
     """Return one part of the paper: how to read it, its figures, its findings."""
     blocks: list[Block] = []
-    if name in NOTES:
-        blocks.append(Paragraph(words=NOTES[name]))
+    notes: dict[str, Words] = {k: (text,) for k, text in study.paper.notes.items()}
+    notes["formulas"] = OF_FORMULAS
+    if name in notes:
+        blocks.append(Paragraph(words=notes[name]))
     if name == "figures":
         blocks.append(Abreast(blocks=tuple(map(sweep_picture, study.sweeps))))
     blocks.append(findings_table(study, name))
     return Section(
-        name=name.replace(" ", "-"), title=SECTIONS[name], blocks=tuple(blocks)
+        name=name.replace(" ", "-"),
+        title=study.paper.sections[name],
+        blocks=tuple(blocks),
     )

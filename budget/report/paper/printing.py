@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from budget.report.tables import print_given, round_uncertainty
-from budget.studies.paper.findings import UNEXPLAINED, VALUE, say
+from budget.studies.paper.findings import VALUE, Verdict, say
 
 if TYPE_CHECKING:
     from budget.studies.paper.findings import Finding
@@ -52,5 +52,7 @@ def shorten(row: Finding) -> str:
 def unexplained(study: PaperStudy) -> tuple[Finding, ...]:
     """Return what nothing explains, entries of one row gathered."""
     return tuple(
-        row for row in study.findings if row.verdict == UNEXPLAINED and row.is_summary
+        row
+        for row in study.findings
+        if row.verdict == Verdict.UNEXPLAINED and row.is_summary
     )

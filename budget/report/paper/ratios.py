@@ -17,7 +17,7 @@ from budget.report.figures.style import (
 )
 from budget.report.paper.printing import print_ratio
 from budget.report.paper.tables import place_of
-from budget.studies.paper.findings import FITS_MEAN, FITS_SINGLE, UNEXPLAINED
+from budget.studies.paper.findings import Verdict
 from budget.ties import first_largest
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ ROW = 12.5  # [pt] from row to row
 LEFT, RIGHT, TOP, BELOW = 180.0, 36.0, 3.0, 31.0  # [pt]
 NAMES = 112.0  # [pt] from the left edge to the names of the parameters
 AIR = 2.0  # times the farthest ratio to the end of the axis [1]
-FITS = frozenset({FITS_MEAN, FITS_SINGLE})
+FITS = frozenset({Verdict.FITS_MEAN, Verdict.FITS_SINGLE})
 JOINED = ", all "  # in the place of a row that speaks of all axes
 
 
@@ -95,7 +95,7 @@ def ratio_marks(study: PaperStudy) -> Figure:
             zorder=3,
             gid=f"tip-{place}",
         )
-        strong = row.verdict == UNEXPLAINED
+        strong = row.verdict == Verdict.UNEXPLAINED
         text = print_ratio(row.ratio)
         write_beside(axes, place, text, reach=RIGHT - 4.0, strong=strong)
     return figure
@@ -131,7 +131,7 @@ def _rows(study: PaperStudy) -> list[Finding]:
 
 def _is_open(rows: list[Finding]) -> bool:
     """Whether nothing explains one of them."""
-    return any(row.verdict == UNEXPLAINED for row in rows)
+    return any(row.verdict == Verdict.UNEXPLAINED for row in rows)
 
 
 def _ratio(row: Finding) -> float:

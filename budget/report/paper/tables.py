@@ -17,11 +17,9 @@ from budget.report.paper.printing import (
 from budget.studies.paper.findings import (
     U_MEAN,
     U_SINGLE,
-    UNEXPLAINED,
-    VERDICTS,
     WORD,
+    Verdict,
 )
-from budget.studies.paper.study import SECTIONS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -90,11 +88,11 @@ def verdict_table(study: PaperStudy) -> Table:
             RowGroup(
                 rows=tuple(
                     (
-                        Cell(text=word, strong=word == UNEXPLAINED),
+                        Cell(text=word.value, strong=word == Verdict.UNEXPLAINED),
                         Cell(text=str(number), exact=number),
-                        Cell(text=VERDICTS[word]),
+                        Cell(text=study.paper.verdicts[word]),
                     )
-                    for word, number in study.counts
+                    for word, number in study.counts.items()
                 )
             ),
         ),
@@ -109,7 +107,7 @@ def findings_table(study: PaperStudy, section: str) -> Table:
     ----------
     study : PaperStudy
     section : str
-        A key of SECTIONS.
+        A key of Paper.sections.
 
     Returns
     -------
@@ -138,7 +136,7 @@ def findings_table(study: PaperStudy, section: str) -> Table:
     columns.append(Column(head="verdict, and why", weight=reason))
     return Table(
         name=f"findings-{section.replace(' ', '-')}",
-        caption=SECTIONS[section],
+        caption=study.paper.sections[section],
         columns=tuple(columns),
         groups=tuple(
             RowGroup(
@@ -184,7 +182,11 @@ def _cells(
         ]
     # A row is judged with its neighbours where the row of them all says why.
     why = "" if row.why.startswith("judged with") else row.why
-    cells.append(Cell(text=row.verdict, strong=row.verdict == UNEXPLAINED, note=why))
+    cells.append(
+        Cell(
+            text=row.verdict.value, strong=row.verdict == Verdict.UNEXPLAINED, note=why
+        )
+    )
     return tuple(cells)
 
 

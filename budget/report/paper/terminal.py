@@ -12,8 +12,7 @@ from budget.report.paper.printing import (
     shorten,
     unexplained,
 )
-from budget.studies.paper.findings import AGREES, VERDICTS
-from budget.studies.paper.study import ASSUMPTIONS, SECTIONS, TITLE
+from budget.studies.paper.findings import Verdict
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -39,22 +38,21 @@ def paper_text(study: PaperStudy, *, width: int) -> str:
     str
         Ends with a line feed; ASCII.
     """
-    lines = [TITLE, ""]
-    total = sum(number for _, number in study.counts)
-    lines.append(f"{total} numbers and claims of the paper, of which")
-    lines += [f"{number:5d}  {word}" for word, number in study.counts]
+    paper, total = study.paper, len(study.findings)
+    lines = [paper.title, "", f"{total} numbers and claims of the paper, of which"]
+    lines += [f"{number:5d}  {word}" for word, number in study.counts.items()]
     lines += ["", "Nothing explains"]
     for row in unexplained(study):
         text = f"{row.where}: printed {row.printed}, ours {print_ours(row)}"
         lines += _wrap(f"{text} ({row.quantity})", width, first="- ")
-    for section, title in SECTIONS.items():
+    for section, title in paper.sections.items():
         lines += ["", *_wrap(title, width, first=""), "=" * min(len(title), width)]
         lines += _section_lines(study.of_section(section), width)
     lines += ["", "Verdicts", "========"]
-    for word, text in VERDICTS.items():
+    for word, text in paper.verdicts.items():
         lines += _wrap(text, width, first=f"{word}: ")
     lines += ["", "Assumed", "======="]
-    for text in ASSUMPTIONS:
+    for text in paper.assumptions:
         lines += _wrap(text, width, first="- ")
     return "\n".join(line.rstrip() for line in lines) + "\n"
 
@@ -102,7 +100,7 @@ def _stacked_lines(
 
 def _why_lines(row: Finding, width: int) -> list[str]:
     """Say why, where it is not said by the verdict or by the row above."""
-    if row.verdict == AGREES and not row.is_summary:
+    if row.verdict == Verdict.AGREES and not row.is_summary:
         return []
     if row.why.startswith("judged with"):
         return []

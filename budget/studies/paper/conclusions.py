@@ -8,93 +8,61 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.methods.gum import propagate
-from budget.model.sources import ACCELEROMETER, GYRO
-from budget.names import Name
-from budget.spec.records import AXES
+from budget.names import AXES, Name
 from budget.studies.coupling import CouplingTable, coupling
 from budget.studies.paper.conditions import PLACES, only_sources
-from budget.studies.paper.findings import (
-    AGREES,
-    EXPLAINED,
-    UNEXPLAINED,
-    WORD,
-    Finding,
-    say,
-)
+from budget.studies.paper.findings import WORD, Finding, Verdict, say, words
+from budget.studies.paper.readings import MOUNTING
 from budget.units import ARCSEC, DEG_PER_HOUR
 
 if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.spec.records import Procedure
     from budget.studies.paper.conditions import Conditions
+    from budget.studies.paper.printed import Conclusion
 
 YES, NO = "affects", "no effect"
-PARAMETERS = ("scale_factor", "mounting_angle", "bias")
-MOUNTING = Name("mounting_repeatability", owner=GYRO)
-
 # A simulation that takes no time: none from some is told by any sampling.
 SAMPLE_RATE, DWELL = 10.0, 20.0  # [Hz], [s]
 
-# What sections 2 and 4 say, for scale factors, mounting angles, bias; '' for nothing
-# said. A parameter's own repeatability is not said to affect it.
-CLAIMS = (
-    (Name("bias_repeatability", owner=GYRO), (NO, NO, ""), "2.1.1, 4"),
-    (Name("bias_stability", owner=GYRO), (YES, YES, ""), "2.1.1, 4"),
-    (Name("angle_random_walk", owner=GYRO), (YES, YES, YES), "2.1.1, 4"),
-    (Name("scale_factor_nonlinearity", owner=GYRO), (NO, "", ""), "2.1.2"),
-    (Name("scale_factor_nonlinearity", owner=GYRO), ("", NO, NO), "2.1.2, 4"),
-    (Name("scale_factor_asymmetry", owner=GYRO), (YES, "", ""), "2.1.2, eq. (17)"),
-    (Name("scale_factor_asymmetry", owner=GYRO), ("", YES, YES), "2.1.2, 4"),
-    (Name("scale_factor_repeatability", owner=GYRO), ("", NO, NO), "2.1.2, 4"),
-    (MOUNTING, (NO, "", YES), "2.1.3, 4"),
-    (Name("bias_repeatability", owner=ACCELEROMETER), (NO, NO, ""), "2.2.1, 4"),
-    (Name("bias_stability", owner=ACCELEROMETER), (YES, YES, ""), "2.2.1, 4"),
-    (Name("sample_noise", owner=ACCELEROMETER), (YES, YES, YES), "2.2.1, 4"),
-    (Name("scale_factor_nonlinearity", owner=ACCELEROMETER), ("", NO, NO), "2.2.2, 4"),
-    (Name("scale_factor_repeatability", owner=ACCELEROMETER), ("", NO, NO), "2.2.2, 4"),
-    (Name("mounting_repeatability", owner=ACCELEROMETER), (NO, "", NO), "2.2.3, 4"),
-)
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class MountingSensitivity:
-    """How the gyro bias answers to the mounting angles, by both formulas.
+class Couplings:
+    """Who couples to whom, by both methods and formulas, and what explains it.
 
     Attributes
     ----------
-    printed, corrected : ndarray, shape (3, 6)
-        d bias / d angle [(deg/h)/arcsec].
+    by_law, by_simulation : tuple of CouplingTable
+        With eq. (4) as printed, and corrected.
+    as_tested : CouplingTable
+        By the law, corrected, counted from the values during the test.
+    sensitivity : tuple of ndarray, shape (3, 6)
+        d bias / d angle of the gyro, printed and corrected [(deg/h)/arcsec].
     """
 
-    printed: Array
-    corrected: Array
+    by_law: tuple[CouplingTable, ...]
+    by_simulation: tuple[CouplingTable, ...]
+    as_tested: CouplingTable
+    sensitivity: tuple[Array, ...]
+
+    def answers(self, source: Name, group: Name) -> dict[str, str]:
+        """Return whether the source affects the group by each method and formula."""
+        return {
+            f"{method}, {formula}": YES if table.cell(source, group).reaches else NO
+            for method, tables in (
+                ("law", self.by_law),
+                ("simulation", self.by_simulation),
+            )
+            for formula, table in zip(
+                ("eq. (4) as printed", "corrected"), tables, strict=True
+            )
+        }
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Verdicts:
-    """The coupling tables of both methods and formulas, and what explains them."""
-
-    law_printed: CouplingTable
-    law_corrected: CouplingTable
-    simulated_printed: CouplingTable
-    simulated_corrected: CouplingTable
-    as_tested: CouplingTable  # by the law, counted from the values during the test
-    sensitivity: MountingSensitivity
-
-    @property
-    def tables(self) -> tuple[tuple[str, CouplingTable], ...]:
-        """The four that are held against the paper, with their names."""
-        return (
-            ("law, eq. (4) as printed", self.law_printed),
-            ("law, corrected", self.law_corrected),
-            ("simulation, eq. (4) as printed", self.simulated_printed),
-            ("simulation, corrected", self.simulated_corrected),
-        )
-
-
-def compute_verdicts(conditions: Conditions) -> Verdicts:
-    """Compute who couples to whom, four times, and the sensitivity that decides it."""
+def compute_couplings(conditions: Conditions) -> Couplings:
+    """Compute who couples to whom, and the sensitivity that decides it."""
     sensors = conditions.sensors
+    procedures = (conditions.printed, conditions.corrected)
 
     def short(procedure: Procedure) -> Procedure:
         return replace(
@@ -108,68 +76,57 @@ def compute_verdicts(conditions: Conditions) -> Verdicts:
         C = propagate(only_sources(conditions.gyro, procedure, MOUNTING)).C
         return np.asarray(C[PLACES["bias"]] * ARCSEC / DEG_PER_HOUR)
 
-    return Verdicts(
-        law_printed=coupling(sensors, conditions.printed),
-        law_corrected=coupling(sensors, conditions.corrected),
-        simulated_printed=coupling(
-            sensors, short(conditions.printed), method="simulation"
-        ),
-        simulated_corrected=coupling(
-            sensors, short(conditions.corrected), method="simulation"
+    return Couplings(
+        by_law=tuple(coupling(sensors, procedure) for procedure in procedures),
+        by_simulation=tuple(
+            coupling(sensors, short(procedure), method="simulation")
+            for procedure in procedures
         ),
         as_tested=coupling(sensors, conditions.corrected, reference="as_tested"),
-        sensitivity=MountingSensitivity(
-            printed=sensitivity(conditions.printed),
-            corrected=sensitivity(conditions.corrected),
-        ),
+        sensitivity=tuple(sensitivity(procedure) for procedure in procedures),
     )
 
 
-def conclusion_findings(verdicts: Verdicts) -> tuple[Finding, ...]:
+def conclusion_findings(
+    couplings: Couplings, conditions: Conditions
+) -> tuple[Finding, ...]:
     """Return one row for each thing the paper says of a source and a parameter."""
     return tuple(
-        _finding(verdicts, source, parameter, claim, section)
-        for source, claims, section in CLAIMS
-        for parameter, claim in zip(PARAMETERS, claims, strict=True)
-        if claim
+        _finding(couplings, conclusion, parameter, claim)
+        for conclusion in conditions.paper.conclusions
+        for parameter, claim in conclusion.claims.items()
     )
 
 
 def _finding(
-    verdicts: Verdicts, source: Name, parameter: str, claim: str, section: str
+    couplings: Couplings, conclusion: Conclusion, parameter: str, claim: str
 ) -> Finding:
     """Hold one claim against four answers."""
-    group = Name(parameter, owner=source.owner)
-    answers = {
-        name: YES if table.cell(source, group).reaches else NO
-        for name, table in verdicts.tables
-    }
+    source, group = conclusion.name, Name(parameter, owner=conclusion.sensor)
+    answers = couplings.answers(source, group)
     given = set(answers.values())
-    verdict, why = UNEXPLAINED, ""
+    by_printed = {name: claim if "printed" in name else NO for name in answers}
+    verdict, why = Verdict.UNEXPLAINED, ""
     ours = "; ".join(f"{name}: {answer}" for name, answer in answers.items())
     if given == {claim}:
-        verdict, ours = AGREES, claim
+        verdict, ours = Verdict.AGREES, claim
         why = "by law and simulation, by both formulas"
         if claim == YES:
-            size = verdicts.law_printed.cell(source, group).size
-            why += f"; {say(size, 2)} of the spread from all sources together"
-    elif source == MOUNTING and parameter == "bias":
-        if answers == {
-            name: claim if "printed" in name else NO for name, _ in verdicts.tables
-        }:
-            verdict = EXPLAINED
-            ours = "only by eq. (4) as printed"
-            why = _explain_mounting(verdicts.sensitivity)
-    elif given == {YES} and not verdicts.as_tested.cell(source, group).reaches:
-        verdict, ours = EXPLAINED, f"{YES} (from nominal)"
+            size = couplings.by_law[0].cell(source, group).size
+            why += f"; {say(size)} of the spread from all sources together"
+    elif (source, parameter) == (MOUNTING, "bias") and answers == by_printed:
+        verdict, ours = Verdict.EXPLAINED, "only by eq. (4) as printed"
+        why = _explain_mounting(*couplings.sensitivity)
+    elif given == {YES} and not couplings.as_tested.cell(source, group).reaches:
+        verdict, ours = Verdict.EXPLAINED, f"{YES} (from nominal)"
         why = (
             "a constant nonlinearity is a change of K and is calibrated as one: no "
             "error against K during the test, in full against the nominal K"
         )
     return Finding(
         section="conclusions",
-        where=f"section {section}: {source.owner} {_words(source.quantity)} on "
-        f"{_words(parameter)}",
+        where=f"section {conclusion.section}: {conclusion.sensor} "
+        f"{words(conclusion.source)} on {words(parameter)}",
         printed=claim,
         ours=ours,
         quantity=WORD,
@@ -178,19 +135,14 @@ def _finding(
     )
 
 
-def _explain_mounting(sensitivity: MountingSensitivity) -> str:
+def _explain_mounting(printed: Array, corrected: Array) -> str:
     """Say why eq. (4) couples and the corrected formula does not, with numbers."""
-    printed, corrected = np.abs(sensitivity.printed), np.abs(sensitivity.corrected)
+    largest = np.abs(printed).max(axis=1)
     rows = ", ".join(
-        f"{axis} {say(row.max(), 2)}" for axis, row in zip(AXES, printed, strict=True)
+        f"{axis} {say(size)}" for axis, size in zip(AXES, largest, strict=True)
     )
     return (
         "eq. (4) undoes dT by its transpose, which leaves (dT + dT^T) w + dT^T b: "
         f"largest d bias/d angle {rows} (deg/h)/arcsec; the corrected formula "
-        f"subtracts the dT it has found, largest {say(corrected.max(), 1)}"
+        f"subtracts the dT it has found, largest {say(np.abs(corrected).max(), 1)}"
     )
-
-
-def _words(name: str) -> str:
-    """Turn a key into words."""
-    return name.replace("_", " ")

@@ -14,12 +14,14 @@ from budget.names import Name
 from budget.results import InputFile
 from budget.spec import load_device, load_procedure
 from budget.spec.records import ErrorLine
+from budget.studies.paper.printed import load_paper
 from budget.units import PPM
 
 if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.problem import Problem
     from budget.spec.records import Procedure, Sensor
+    from budget.studies.paper.printed import Paper
 
 DEVICE = "zhao-2019"  # the shipped files hold the paper's figures as printed
 PLACES = {  # of the parameters among the twelve outputs of a triad
@@ -27,17 +29,18 @@ PLACES = {  # of the parameters among the twelve outputs of a triad
     "mounting_angle": slice(3, 9),
     "bias": slice(9, 12),
 }
-FARTHEST = {"scale_factor_nonlinearity": 750e-6, "scale_factor_asymmetry": 1250e-6}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Conditions:
-    """The paper's device, and its procedure with eq. (4) as printed and as corrected.
+    """What the paper prints, its device, and its procedure.
 
-    To the sensors are added the lines that the paper varies in its figures, at their
-    largest step: nonlinearity 750 ppm, asymmetry 1250 ppm.
+    The procedure has eq. (4) as printed or as corrected. To the sensors are added the
+    lines that the paper varies in its figures, at their largest step: nonlinearity
+    750 ppm, asymmetry 1250 ppm.
     """
 
+    paper: Paper
     gyro: Sensor
     accelerometer: Sensor
     printed: Procedure
@@ -80,15 +83,16 @@ class Expectation:
 
 
 def load_conditions() -> Conditions:
-    """Load the shipped device and procedure of the paper."""
-    device, procedure = load_device(DEVICE), load_procedure()
+    """Load what the paper prints, and the shipped device and procedure of it."""
+    paper, device, procedure = load_paper(), load_device(DEVICE), load_procedure()
     if device.gyro is None or device.accelerometer is None:
         raise ValueError(f"the shipped device {DEVICE} lacks a sensor")
+    nonlinearity = paper.farthest["scale_factor_nonlinearity"]
     return Conditions(
-        gyro=with_lines(device.gyro, **FARTHEST),
+        paper=paper,
+        gyro=with_lines(device.gyro, **paper.farthest),
         accelerometer=with_lines(
-            device.accelerometer,
-            scale_factor_nonlinearity=FARTHEST["scale_factor_nonlinearity"],
+            device.accelerometer, scale_factor_nonlinearity=nonlinearity
         ),
         printed=replace(procedure, formulas="paper"),
         corrected=replace(procedure, formulas="corrected"),
@@ -122,6 +126,14 @@ def with_lines(sensor: Sensor, **values: float) -> Sensor:
 def without_nominal_angles(sensor: Sensor) -> Sensor:
     """Return the sensor with true mounting angles drawn about zero."""
     return replace(sensor, nominal_mounting_angle=np.zeros(6))
+
+
+def value_of(sensor: Sensor, line: str) -> float:
+    """Return a line of the data sheet, which all axes of the paper share [SI]."""
+    found = sensor.line(line)
+    if found is None:
+        raise ValueError(f"the paper's {sensor.kind} lacks {line}")
+    return float(found.u[0])
 
 
 def nominal_size(sensor: Sensor) -> Array:

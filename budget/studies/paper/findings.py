@@ -3,40 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import StrEnum
 
-AGREES = "agrees"
-AGREES_IN_ORDER = "agrees in order"
-FITS_MEAN = "fits a mean over 25 runs"
-FITS_SINGLE = "fits a single run"
-MISPRINT = "misprint, mended"
-EXPLAINED = "differs, explained"
-READING = "differs, a reading fits"
-UNEXPLAINED = "unexplained"
-READING_FITS = "reading that fits"
-READING_FAILS = "reading that does not fit"
+RUNS = 25  # of each condition, section 3.1
 
-VERDICTS = {
-    AGREES: "ours is the printed value: to its digits, as a word, or both are zero "
-    "beyond the rounding of doubles",
-    AGREES_IN_ORDER: "the text gives only a power of ten, and ours has it, or has it "
-    "with a probability of 1 % or more",
-    FITS_MEAN: "a random entry: one of the mean over 25 runs at the stated inputs; "
-    "two-sided p 1 % or more and larger than for a single run",
-    FITS_SINGLE: "a random entry: one of a single run, likewise",
-    MISPRINT: "the formula as printed returns a wrong parameter from error-free "
-    "pulses; ours returns the right one",
-    EXPLAINED: "ours differs, and the cause is shown by computation",
-    READING: "does not fit the stated inputs; another reading of them does. It is "
-    "computed and named, not adopted",
-    UNEXPLAINED: "does not fit, and no reading that was tried explains it",
-    READING_FITS: "another reading of the inputs: all entries fit it, p 1 % or more",
-    READING_FAILS: "another reading of the inputs: it was tried and does not fit",
-}
+
+class Verdict(StrEnum):
+    """How ours stands to what is printed; the paper's file says what each means."""
+
+    AGREES = "agrees"
+    AGREES_IN_ORDER = "agrees in order"
+    FITS_MEAN = "fits a mean over 25 runs"
+    FITS_SINGLE = "fits a single run"
+    MISPRINT = "misprint, mended"
+    EXPLAINED = "differs, explained"
+    READING = "differs, a reading fits"
+    UNEXPLAINED = "unexplained"
+    READING_FITS = "reading that fits"
+    READING_FAILS = "reading that does not fit"
+
 
 # What `ours` is.
 VALUE = "value"
 U_SINGLE = "u, single run"
-U_MEAN = "u, mean over 25 runs"
+U_MEAN = f"u, mean over {RUNS} runs"
 WORD = "word"
 
 
@@ -47,7 +37,7 @@ class Finding:
     Attributes
     ----------
     section : str
-        Part of the study: a key of study.SECTIONS.
+        Part of the study: a key of Paper.sections.
     where : str
         Where the number stands in the paper.
     printed : str
@@ -61,8 +51,7 @@ class Finding:
     ratio : float or None
         Ours over printed, of absolute values [1]; None where one of them is no number
         or zero.
-    verdict : str
-        One of VERDICTS.
+    verdict : Verdict
     why : str
         In words.
     p_single, p_mean : float or None
@@ -79,7 +68,7 @@ class Finding:
     ours: float | str
     quantity: str = VALUE
     ratio: float | None = None
-    verdict: str
+    verdict: Verdict
     why: str
     p_single: float | None = None
     p_mean: float | None = None
@@ -91,6 +80,11 @@ def say(value: float, digits: int = 2) -> str:
     text = f"{value:.{digits}g}"
     mantissa, e, exponent = text.partition("e")
     return f"{mantissa}e{int(exponent)}" if e else text
+
+
+def words(key: str) -> str:
+    """Turn a key into words: 'scale factor'."""
+    return key.replace("_", " ")
 
 
 def ratio_of(ours: float, printed: float) -> float | None:

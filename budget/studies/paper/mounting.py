@@ -1,4 +1,4 @@
-"""The mounting row of Table 1 gives itself away: its biases follow from its angles.
+"""Biases of the mounting row of Table 1 from its angles: their order, run or mean.
 
 With eq. (4) as printed the bias error is a function of the angles alone, linear but for
 1e-4 of itself, so that the mean bias error over any number of runs follows from the
@@ -18,31 +18,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.methods.gum import propagate
-from budget.model.sources import GYRO
-from budget.names import Name
-from budget.spec.records import ANGLES, AXES
+from budget.names import ANGLES, AXES
 from budget.studies.paper.conditions import (
     PLACES,
     nominal_size,
     only_sources,
     without_nominal_angles,
 )
-from budget.studies.paper.findings import (
-    AGREES,
-    FITS_MEAN,
-    UNEXPLAINED,
-    WORD,
-    Finding,
-    ratio_of,
-    say,
-)
-from budget.studies.paper.printed import ANGLE_ORDER, RUNS, TABLE_1
+from budget.studies.paper.findings import RUNS, WORD, Finding, Verdict, ratio_of, say
+from budget.studies.paper.readings import MOUNTING
 
 if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.studies.paper.conditions import Conditions
 
-SOURCE = Name("mounting_repeatability", owner=GYRO)
 HALF_DIGIT = 0.5e-5  # of a printed angle entry [1]
 SIGMAS = 3.0  # standard uncertainties of the products that are allowed [1]
 
@@ -84,9 +73,10 @@ class BiasesFromAngles:
 
 def biases_from_angles(conditions: Conditions) -> BiasesFromAngles:
     """Feed the printed angle errors to the calibration, in every order."""
-    row = next(row for row in TABLE_1 if row.source == SOURCE)
-    size = nominal_size(conditions.gyro)
-    problem = only_sources(conditions.gyro, conditions.printed, SOURCE)
+    row, place = conditions.paper.table_1[MOUNTING.quantity], PLACES["bias"]
+    gyro, procedure = conditions.gyro, conditions.printed
+    size = nominal_size(gyro)
+    problem = only_sources(gyro, procedure, MOUNTING)
     orders = list(permutations(ANGLES))
     printed = np.array([float(text) for text in row.mounting_angle])
     angles = np.stack(
@@ -95,16 +85,13 @@ def biases_from_angles(conditions: Conditions) -> BiasesFromAngles:
 
     def bias(relative: Array) -> Array:
         error = problem.evaluate(relative * size[PLACES["mounting_angle"], None])
-        return np.asarray((error / size[:, None])[PLACES["bias"]])
+        return np.asarray((error / size[:, None])[place])
 
     # Angles drawn about 0: their mean is the printed error plus 1, in 2 arcsec.
-    drawn = only_sources(
-        without_nominal_angles(conditions.gyro), conditions.printed, SOURCE
-    )
-    law = propagate(drawn)
-    second_order = np.diag(law.covariance - law.first_order)[PLACES["bias"]]
-    products = (law.mean / size)[PLACES["bias"]] * (1.0 - 1.0 / RUNS)
-    u_products = np.sqrt(second_order / RUNS) / size[PLACES["bias"]]
+    law = propagate(only_sources(without_nominal_angles(gyro), procedure, MOUNTING))
+    second_order = np.diag(law.covariance - law.first_order)[place]
+    products = (law.mean / size)[place] * (1.0 - 1.0 / RUNS)
+    u_products = np.sqrt(second_order / RUNS) / size[place]
     steps = bias(HALF_DIGIT * np.eye(6)) - bias(np.zeros((6, 1)))
     rounding = np.abs(steps).sum(axis=1)
     found = bias(angles) + products[:, None]
@@ -124,59 +111,59 @@ def biases_from_angles(conditions: Conditions) -> BiasesFromAngles:
 
 
 def mounting_findings(conditions: Conditions) -> tuple[Finding, ...]:
-    """Return the order of the angles, and the biases that follow from them."""
-    found = biases_from_angles(conditions)
-    row = next(row for row in TABLE_1 if row.source == SOURCE)
-    findings = [
+    """Return the order of the angles, and the biases that follow from them.
+
+    The last tells by the products in the bias of z whether the row is a run or a mean.
+    """
+    found, paper = biases_from_angles(conditions), conditions.paper
+    texts = paper.table_1[MOUNTING.quantity].bias
+    order = Finding(
+        section="table 1",
+        where="Table 1, order of the six angles",
+        printed="not said",
+        ours=" ".join(found.order),
+        quantity=WORD,
+        verdict=_agrees(found.order == paper.angle_order),
+        why="of 720 orders the only one that returns the printed biases of the "
+        f"mounting row by eq. (4): off by {say(found.misfit, 2)} of what rounding "
+        f"allows, the next order by {found.next_misfit:.0f}",
+        is_summary=True,
+    )
+    biases = [
         Finding(
             section="table 1",
-            where="Table 1, order of the six angles",
-            printed="not said",
-            ours=" ".join(found.order),
-            quantity=WORD,
-            verdict=AGREES if found.order == ANGLE_ORDER else UNEXPLAINED,
-            why="of 720 orders the only one that returns the printed biases of the "
-            f"mounting row by eq. (4): off by {say(found.misfit, 2)} of what rounding "
-            f"allows, the next order by {found.next_misfit:.0f}",
+            where=f"Table 1, mounting repeatability, bias {axis} from its angles",
+            printed=text,
+            ours=ours,
+            ratio=ratio_of(ours, float(text)),
+            verdict=_agrees(abs(ours - float(text)) <= tolerance),
+            why="eq. (4) at the six printed angles, whose rounding and whose "
+            f"products allow {say(tolerance, 1)}: the formula makes this error, "
+            "not the sensor",
             is_summary=True,
         )
-    ]
-    for axis, text, ours, tolerance in zip(
-        AXES, row.bias, found.bias.tolist(), found.tolerance.tolist(), strict=True
-    ):
-        agrees = abs(ours - float(text)) <= tolerance
-        findings.append(
-            Finding(
-                section="table 1",
-                where=f"Table 1, mounting repeatability, bias {axis} from its angles",
-                printed=text,
-                ours=ours,
-                ratio=ratio_of(ours, float(text)),
-                verdict=AGREES if agrees else UNEXPLAINED,
-                why="eq. (4) at the six printed angles, whose rounding and whose "
-                f"products allow {say(tolerance, 1)}: the formula makes this error, "
-                "not the sensor",
-                is_summary=True,
-            )
+        for axis, text, ours, tolerance in zip(
+            AXES, texts, found.bias.tolist(), found.tolerance.tolist(), strict=True
         )
-    return (*findings, _products_tell_a_mean(found, float(row.bias[2])))
-
-
-def _products_tell_a_mean(found: BiasesFromAngles, printed: float) -> Finding:
-    """Judge by the products in the bias of z whether a row is one run or a mean."""
+    ]
     ours, u = float(found.products[2]), float(found.u_products[2])
-    rest = printed - float(found.bias[2]) + ours
-    slack = float(found.rounding[2])
+    rest, slack = float(texts[2]) - float(found.bias[2]) + ours, found.rounding[2]
     is_mean = abs(rest - ours) <= slack + SIGMAS * u and abs(rest) > slack
-    return Finding(
+    products = Finding(
         section="table 1",
         where="Table 1, mounting repeatability, bias z beyond its mean angles",
         printed=f"{say(rest, 3)}",
         ours=ours,
         ratio=ratio_of(ours, rest),
-        verdict=FITS_MEAN if is_mean else UNEXPLAINED,
+        verdict=Verdict.FITS_MEAN if is_mean else Verdict.UNEXPLAINED,
         why=f"mean of dT^T dT w over {RUNS} draws of 2 arcsec about zero, u "
         f"{say(u, 1)}; a single run would leave 0, give or take {say(slack, 1)} of "
         "rounding",
         is_summary=True,
     )
+    return order, *biases, products
+
+
+def _agrees(condition: bool) -> Verdict:  # noqa: FBT001
+    """Return the verdict on what can only agree or stay unexplained."""
+    return Verdict.AGREES if condition else Verdict.UNEXPLAINED

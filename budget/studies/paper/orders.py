@@ -11,252 +11,197 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.model.sources import ACCELEROMETER, GYRO
+from budget.model.sources import ACCELEROMETER
 from budget.names import Name
 from budget.studies.paper.conditions import (
-    FARTHEST,
     PLACES,
     Expectation,
     expect,
     nominal_size,
     only_sources,
+    value_of,
     with_lines,
 )
 from budget.studies.paper.findings import (
-    AGREES,
-    AGREES_IN_ORDER,
-    EXPLAINED,
-    READING,
-    READING_FAILS,
-    READING_FITS,
+    RUNS,
     U_SINGLE,
-    UNEXPLAINED,
+    VALUE,
     WORD,
     Finding,
+    Verdict,
     ratio_of,
     say,
+    words,
 )
-from budget.studies.paper.printed import (
-    ACCELEROMETER_ORDERS,
-    BOUND,
-    GYRO_ORDERS,
-    RUNS,
-    TABLE_1,
-    UNITS,
-    PrintedOrder,
-)
-from budget.studies.paper.readings import ONCE_A_WINDOW, best_reading
+from budget.studies.paper.printed import UNITS
+from budget.studies.paper.readings import STABILITY, best_reading
 from budget.studies.paper.statistics import LEVEL, order_probability
 from budget.studies.paper.sweeps import power_of_ten
 from budget.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from budget.studies.paper.conditions import Conditions
+    from budget.studies.paper.printed import Parameter, PrintedOrders
     from budget.studies.paper.readings import Reading
 
-STABILITY = Name("bias_stability", owner=GYRO)
 NOISE = Name("sample_noise", owner=ACCELEROMETER)
 
 
 def order_findings(
-    conditions: Conditions,
-    readings: tuple[Reading, ...],
-    of_noise: tuple[Finding, ...],
+    conditions: Conditions, readings: tuple[Reading, ...]
 ) -> tuple[Finding, ...]:
     """Return one row for each order of magnitude in the text of section 3.
 
-    Parameters
-    ----------
-    conditions : Conditions
-    readings : tuple of Reading
-        Those of Table 1.
-    of_noise : tuple of Finding
-        Those of the accelerometer noise, from noise_readings.
-
-    Returns
-    -------
-    tuple of Finding
+    After those of the text come those of the readings of the accelerometer noise.
     """
-    findings = []
-    for printed in (*GYRO_ORDERS, *ACCELEROMETER_ORDERS):
-        row = _judge(printed, expectation_of(printed, conditions), readings)
-        if printed.source == NOISE:
-            row = _explain_noise(row, printed, of_noise)
-        findings.append(row)
-        if (printed.source, printed.parameter) == (STABILITY, "scale_factor"):
-            findings.append(_bound())
-    return tuple(findings)
+    found = []
+    of_noise: list[Finding] = []
+    for printed in conditions.paper.orders:
+        expected = expectation_of(printed, conditions)
+        other, cause = None, ""
+        if printed.name == NOISE:
+            of_noise = noise_readings(printed, conditions)
+            fitting = [r.where for r in of_noise if r.verdict == Verdict.READING_FITS]
+            names = dict.fromkeys(where.partition(": ")[2] for where in fitting)
+            if names:
+                cause = f"all three orders come out if read so: {'; or '.join(names)}"
+        elif printed.source:
+            other = best_reading(readings, printed.name)
+        for parameter in printed.errors:
+            if other is not None and other.is_random(parameter):
+                p = order_probability(
+                    printed.errors[parameter],
+                    other.expectation,
+                    PLACES[parameter],
+                    runs=other.runs,
+                )
+                cause = f"{say(p)} if read so: {other.full_name}"
+            found.append(_judge(printed, parameter, expected, cause=cause))
+            if (printed.name, parameter) == (STABILITY, "scale_factor"):
+                found.append(_bound(conditions))
+    return (*found, *of_noise)
 
 
-def expectation_of(printed: PrintedOrder, conditions: Conditions) -> Expectation:
+def expectation_of(printed: PrintedOrders, conditions: Conditions) -> Expectation:
     """Expect what the text speaks of; nonlinearity at its largest step."""
     sensor = conditions.sensor(printed.sensor)
-    problem = only_sources(sensor, conditions.printed, printed.source)
+    problem = only_sources(sensor, conditions.printed, printed.name)
     size = nominal_size(sensor) / UNITS[printed.unit]
     found = expect(problem, size)
-    line = printed.source.quantity
-    if line not in FARTHEST:
+    step = conditions.paper.farthest.get(printed.source)
+    if step is None:
         return found
     # Stepped, not drawn: the error itself, and no spread.
-    errors = problem.evaluate(np.full((problem.n_inputs, 1), FARTHEST[line]))[:, 0]
+    errors = problem.evaluate(np.full((problem.n_inputs, 1), step))[:, 0]
     return replace(found, mean=errors / size, covariance=np.zeros((12, 12)))
 
 
-def noise_readings(conditions: Conditions) -> tuple[Finding, ...]:
+def noise_readings(printed: PrintedOrders, conditions: Conditions) -> list[Finding]:
     """Return readings of the accelerometer noise of 3.2."""
     sensor, procedure = conditions.accelerometer, conditions.printed
-    size = nominal_size(sensor)
-    line = sensor.line("sample_noise")
-    if line is None:
-        raise ValueError("the paper's accelerometer has no sample noise")
-    sigma = float(line.u[0])
     samples = procedure.sample_rate * procedure.accelerometer.dwell
-    readings = (
-        ("50e-6 m/s^2 in place of 50 ug", sigma / STANDARD_GRAVITY),
-        (ONCE_A_WINDOW, sigma / np.sqrt(samples)),
-        (
-            f"{ONCE_A_WINDOW}, and 50e-6 m/s^2",
-            sigma / STANDARD_GRAVITY / np.sqrt(samples),
-        ),
-    )
-    wanted = [row for row in ACCELEROMETER_ORDERS if row.source == NOISE]
     findings = []
-    for name, u in readings:
-        found = expect(
-            only_sources(with_lines(sensor, sample_noise=float(u)), procedure, NOISE),
-            size,
-        )
-        probabilities = {row: _probabilities(row, found) for row in wanted}
-        fits = any(all(p[k] >= LEVEL for p in probabilities.values()) for k in range(2))
-        findings += [
-            Finding(
-                section="readings",
-                where=f"3.2, sample noise, {_words(row.parameter)}: {name}",
-                printed=row.order,
-                ours=float(found.u[PLACES[row.parameter]].max()),
-                quantity=U_SINGLE,
-                ratio=ratio_of(
-                    float(found.u[PLACES[row.parameter]].max()), float(row.order)
-                ),
-                verdict=READING_FITS if fits else READING_FAILS,
-                why="all three orders must come out, as single runs or as means",
-                p_single=single,
-                p_mean=mean,
-                is_summary=True,
+    for reading in conditions.paper.noise_readings:
+        u = value_of(sensor, NOISE.quantity)
+        u /= STANDARD_GRAVITY if reading.in_si else 1.0
+        u /= np.sqrt(samples) if reading.once_a_window else 1.0
+        noisy = with_lines(sensor, sample_noise=float(u))
+        found = expect(only_sources(noisy, procedure, NOISE), nominal_size(sensor))
+        p = {name: _probabilities(printed, name, found) for name in printed.errors}
+        fits = any(all(both[k] >= LEVEL for both in p.values()) for k in range(2))
+        for parameter, order in printed.errors.items():
+            ours = float(found.u[PLACES[parameter]].max())
+            findings.append(
+                Finding(
+                    section="readings",
+                    where=f"{printed.section}, sample noise, {words(parameter)}: "
+                    f"{reading.name}",
+                    printed=order,
+                    ours=ours,
+                    quantity=U_SINGLE,
+                    ratio=ratio_of(ours, float(order)),
+                    verdict=Verdict.READING_FITS if fits else Verdict.READING_FAILS,
+                    why="all three orders must come out, as single runs or as means",
+                    p_single=p[parameter][0],
+                    p_mean=p[parameter][1],
+                    is_summary=True,
+                )
             )
-            for row, (single, mean) in probabilities.items()
-        ]
-    return tuple(findings)
+    return findings
 
 
 def _judge(
-    printed: PrintedOrder, found: Expectation, readings: tuple[Reading, ...]
+    printed: PrintedOrders, parameter: Parameter, found: Expectation, *, cause: str
 ) -> Finding:
-    """Hold one order against what it should be."""
-    place = PLACES[printed.parameter]
-    where = f"{printed.section}, {printed.sensor}, {printed.condition}, "
-    row = Finding(
+    """Hold one order against what it should be; `cause` explains one that is not."""
+    place, text = PLACES[parameter], printed.errors[parameter]
+    order, unit = float(text), "" if printed.unit == "1" else f" {printed.unit}"
+    single = mean = None
+    quantity = VALUE
+    if found.u[place].any():
+        single, mean = _probabilities(printed, parameter, found)
+        ours, quantity = float(found.u[place].max()), U_SINGLE
+        verdict, why = (
+            Verdict.AGREES_IN_ORDER,
+            "p: of the largest entry having this order",
+        )
+        if max(single, mean) < LEVEL:
+            verdict = Verdict.READING if cause else Verdict.UNEXPLAINED
+            why += f"; {cause}" if cause else ""
+    else:
+        ours = float(np.abs(found.mean[place]).max())
+        zero = float(found.resolution[place].max())
+        if ours <= zero:
+            ours, why = 0.0, "no effect"
+            verdict = Verdict.AGREES if order <= zero else Verdict.UNEXPLAINED
+            why += f"; {say(zero, 1)} is rounding here" if order else ""
+        else:
+            same = power_of_ten(ours) == power_of_ten(order)
+            verdict = Verdict.AGREES_IN_ORDER if same else Verdict.EXPLAINED
+            why = "not rounding, as the text has it: eq. (4)'s own error"
+    return Finding(
         section="text",
-        where=where + _words(printed.parameter),
-        printed=printed.order
-        if printed.unit == "1"
-        else f"{printed.order} {printed.unit}",
-        ours=0.0,
-        verdict=AGREES,
-        why="",
+        where=f"{printed.section}, {printed.sensor}, {printed.condition}, "
+        f"{words(parameter)}",
+        printed=f"{text}{unit}",
+        ours=ours,
+        quantity=quantity,
+        ratio=ratio_of(ours, order),
+        verdict=verdict,
+        why=f"{printed.note}; {why}" if printed.note else why,
+        p_single=single,
+        p_mean=mean,
         is_summary=True,
     )
-    note = f"{printed.note}; " if printed.note else ""
-    order = float(printed.order)
-    if found.u[place].any():
-        single, mean = _probabilities(printed, found)
-        u = float(found.u[place].max())
-        why = f"{note}p: of the largest entry having this order"
-        verdict = AGREES_IN_ORDER
-        if max(single, mean) < LEVEL:
-            other = best_reading(readings, printed.source) if printed.source else None
-            verdict = UNEXPLAINED if other is None else READING
-            if other is not None:
-                p = order_probability(
-                    printed.order, other.expectation, place, runs=other.runs
-                )
-                why += f"; {say(p, 2)} if read so: {other.full_name}"
-        return replace(
-            row,
-            ours=u,
-            quantity=U_SINGLE,
-            ratio=ratio_of(u, order),
-            verdict=verdict,
-            why=why,
-            p_single=single,
-            p_mean=mean,
-        )
-    ours = float(np.abs(found.mean[place]).max())
-    zero = float(found.resolution[place].max())
-    if ours <= zero:
-        agrees = order <= zero
-        return replace(
-            row,
-            verdict=AGREES if agrees else UNEXPLAINED,
-            why=f"{note}no effect; {say(zero, 1)} is rounding here"
-            if order
-            else f"{note}no effect",
-        )
-    same = power_of_ten(ours) == power_of_ten(order)
-    return replace(
-        row,
-        ours=ours,
-        ratio=ratio_of(ours, order),
-        verdict=AGREES_IN_ORDER if same else EXPLAINED,
-        why=f"{note}not rounding, as the text has it: eq. (4)'s own error",
-    )
 
 
-def _bound() -> Finding:
+def _bound(conditions: Conditions) -> Finding:
     """Hold the one order that the text gives as a bound against the table beside it."""
-    row = next(row for row in TABLE_1 if row.source == STABILITY)
-    largest = max(row.scale_factor, key=lambda text: abs(float(text)))
-    beyond = abs(float(largest)) / float(BOUND)
-    as_order = power_of_ten(float(largest)) == power_of_ten(float(BOUND))
+    paper = conditions.paper
+    entries = paper.table_1[STABILITY.quantity].scale_factor
+    largest = max(entries, key=lambda text: abs(float(text)))
+    beyond = abs(float(largest)) / float(paper.bound)
+    as_order = power_of_ten(float(largest)) == power_of_ten(float(paper.bound))
     return Finding(
         section="text",
         where="3.1, gyro, bias stability, scale factor as a bound",
-        printed=f"within {BOUND}",
+        printed=f"within {paper.bound}",
         ours=f"{largest} in Table 1",
         quantity=WORD,
         ratio=beyond,
-        verdict=EXPLAINED if as_order else UNEXPLAINED,
+        verdict=Verdict.EXPLAINED if as_order else Verdict.UNEXPLAINED,
         why=f"the table beside the text has an entry {say(beyond)} times that bound; "
         "as a power of ten, which is how the text reads all others, the two agree",
         is_summary=True,
     )
 
 
-def _explain_noise(
-    row: Finding, printed: PrintedOrder, of_noise: tuple[Finding, ...]
-) -> Finding:
-    """Name the readings that give the orders of the accelerometer noise."""
-    names = [
-        found.where.partition(": ")[2]
-        for found in of_noise
-        if found.verdict == READING_FITS
-        and f", {_words(printed.parameter)}: " in found.where
-    ]
-    if row.verdict != UNEXPLAINED or not names:
-        return row
-    why = f"{row.why}; all three orders come out if read so: {'; or '.join(names)}"
-    return replace(row, verdict=READING, why=why)
-
-
-def _probabilities(printed: PrintedOrder, found: Expectation) -> tuple[float, float]:
+def _probabilities(
+    printed: PrintedOrders, parameter: Parameter, found: Expectation
+) -> tuple[float, float]:
     """Return the probability of the order in a single run and in a mean over 25."""
-    place = PLACES[printed.parameter]
-    return (
-        order_probability(printed.order, found, place, runs=1),
-        order_probability(printed.order, found, place, runs=RUNS),
+    single, mean = (
+        order_probability(printed.errors[parameter], found, PLACES[parameter], runs=n)
+        for n in (1, RUNS)
     )
-
-
-def _words(name: str) -> str:
-    """Turn a key into words."""
-    return name.replace("_", " ")
+    return single, mean

@@ -1,4 +1,4 @@
-"""Other readings of the paper's inputs: each computed, none adopted."""
+"""Readings of Table 1: what the inputs of a row may mean, held against its entries."""
 
 from __future__ import annotations
 
@@ -17,19 +17,20 @@ from budget.studies.paper.conditions import (
     expect,
     nominal_size,
     only_sources,
+    value_of,
     with_lines,
     without_nominal_angles,
 )
 from budget.studies.paper.findings import (
-    READING_FAILS,
-    READING_FITS,
+    RUNS,
     U_MEAN,
     U_SINGLE,
     Finding,
+    Verdict,
     ratio_of,
     say,
+    words,
 )
-from budget.studies.paper.printed import RUNS, TABLE_1
 from budget.studies.paper.statistics import LEVEL, Fit, fit
 from budget.units import DEG_PER_HOUR
 
@@ -38,25 +39,47 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.problem import Problem
-    from budget.spec.records import Procedure, Sensor
+    from budget.spec.records import Procedure
     from budget.studies.paper.conditions import Conditions
+    from budget.studies.paper.printed import GivenReading
 
-FAR_APART = 30_000.0  # pause between windows, 100 correlation times [s]
-PER_SAMPLE = 0.005 * DEG_PER_HOUR  # [rad/s]
-ROOT_HOUR = 60.0  # [sqrt(s)]
 SIX_DIGITS = 5e-6  # doubles leave about 1e-6 of eq. (4)'s residual [1]
-LEFT_ON = "the angle random walk 0.005 deg/sqrt(h) left on beside it"
-ONCE_A_WINDOW = "noise added once to the sum of a window, not to each of its samples"
+STABILITY = Name("bias_stability", owner=GYRO)
+WALK = Name("angle_random_walk", owner=GYRO)
+MOUNTING = Name("mounting_repeatability", owner=GYRO)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Reading:
-    """One way to understand the inputs of one row of Table 1."""
+    """One way to understand the inputs of one row of Table 1, and its entries.
+
+    Attributes
+    ----------
+    source : Name
+        Of the row.
+    name : str
+        What is read so; '' for the inputs as stated.
+    sources : tuple of Name
+        What varies under it.
+    printed : ndarray, shape (12,)
+        Entries of the row [1].
+    expectation : Expectation
+        Of one run.
+    runs : int
+        How many runs each entry is a mean over; 1 for a single run.
+    """
 
     source: Name
-    name: str
-    runs: int
+    name: str = ""
+    sources: tuple[Name, ...]
+    printed: Array
     expectation: Expectation
+    runs: int = 1
+
+    @property
+    def of_mean(self) -> Reading:
+        """The same of a mean over 25 runs."""
+        return replace(self, runs=RUNS)
 
     @property
     def full_name(self) -> str:
@@ -69,115 +92,96 @@ class Reading:
         """Which of the twelve entries are random, shape (12,), boolean."""
         return np.array(self.expectation.u > 0.0)
 
-    def fit(self, printed: Array, parameter: str | None = None) -> Fit:
-        """Hold the entries of one parameter, or all random ones, against it."""
+    def is_random(self, parameter: str) -> bool:
+        """Whether the entries of that parameter vary from run to run."""
+        return bool(self.varies[PLACES[parameter]].all())
+
+    def fit(self, parameter: str | None = None) -> Fit:
+        """Hold the entries of one parameter, or all random ones jointly, against it."""
         if parameter is not None:
-            return fit(printed, self.expectation, PLACES[parameter], runs=self.runs)
+            place = PLACES[parameter]
+            return fit(self.printed, self.expectation, place, runs=self.runs)
         places = self.varies
-        if self.source == Name("mounting_repeatability", owner=GYRO):
+        if self.source == MOUNTING:
             places[PLACES["bias"]] = False  # they follow from the angles, mounting.py
-        return fit(printed, self.expectation, places, runs=self.runs, scatter=False)
+        return fit(
+            self.printed, self.expectation, places, runs=self.runs, scatter=False
+        )
+
+    @property
+    def fits_row(self) -> bool:
+        """Whether random entries fit, together and by parameter, and others agree."""
+        expected, fixed = self.expectation, ~self.varies
+        equal = np.maximum(expected.resolution, SIX_DIGITS * np.abs(expected.mean))
+        if np.any(np.abs(self.printed - expected.mean)[fixed] > equal[fixed]):
+            return False
+        return self.fit().fits and all(
+            self.fit(parameter).fits
+            for parameter in PLACES
+            if self.is_random(parameter)
+        )
 
 
-def printed_entries(source: Name) -> Array:
-    """Return the row of Table 1 of that source as numbers, shape (12,) [1]."""
-    row = next(row for row in TABLE_1 if row.source == source)
-    return np.array([float(text) for text in row.entries])
+def as_stated(
+    conditions: Conditions, row: str, sources: tuple[Name, ...] = ()
+) -> Reading:
+    """Read a row as the paper states its inputs, or with other sources on."""
+    source = Name(row, owner=GYRO)
+    sources = sources or (source,)
+    gyro = conditions.gyro
+    problem = only_sources(gyro, conditions.printed, *sources)
+    return Reading(
+        source=source,
+        sources=sources,
+        printed=np.array([float(text) for text in conditions.paper.entries(row)]),
+        expectation=expect(problem, nominal_size(gyro)),
+    )
 
 
 def readings(conditions: Conditions) -> tuple[Reading, ...]:
-    """Set up every reading, each for a single run and for a mean over 25 runs."""
-    gyro, procedure = conditions.gyro, conditions.printed
-    size = nominal_size(gyro)
-    apart = replace(procedure, gyro=replace(procedure.gyro, pause=FAR_APART))
-    walk = gyro.line("angle_random_walk")
-    if walk is None:
-        raise ValueError("the paper's gyro has no angle random walk")
-    sixtieth = _with_random_walk(gyro, walk.u / ROOT_HOUR)
-    stability, noise = (
-        Name("bias_stability", owner=GYRO),
-        Name("angle_random_walk", owner=GYRO),
-    )
-    found = {
-        (stability, "+ and - turns far apart, their noise independent"): expect(
-            only_sources(gyro, apart, stability), size
-        ),
-        (stability, LEFT_ON): expect(
-            only_sources(gyro, procedure, stability, noise), size
-        ),
-        (stability, "the angle random walk 0.005 deg/sqrt(h) in its place"): expect(
-            only_sources(gyro, procedure, noise), size
-        ),
-        (noise, "0.005 deg/h, white in each sample at 100 Hz"): expect(
-            only_sources(
-                with_lines(gyro, sample_noise=PER_SAMPLE),
-                procedure,
-                Name("sample_noise", owner=GYRO),
-            ),
-            size,
-        ),
-        (noise, "0.005 deg/sqrt(h) converted as if it were deg/h, 60 times less"): (
-            expect(only_sources(sixtieth, procedure, noise), size)
-        ),
-        (noise, ONCE_A_WINDOW): expect(
-            _noise_once_a_window(only_sources(gyro, procedure, noise), procedure), size
-        ),
-        (
-            Name("mounting_repeatability", owner=GYRO),
-            "the nominal 2 arcsec dropped from the draws, errors counted from it",
-        ): _dropped_nominal(conditions),
-    }
-    return tuple(
-        Reading(source=source, name=name, runs=runs, expectation=expectation)
-        for (source, name), expectation in found.items()
-        for runs in (1, RUNS)
-    )
+    """Set up every other reading, each for a single run and for a mean over 25 runs."""
+    single = [
+        replace(
+            as_stated(conditions, given.row),
+            name=given.name,
+            sources=_names(given),
+            expectation=_expect(given, conditions),
+        )
+        for given in conditions.paper.readings
+    ]
+    return tuple(one for reading in single for one in (reading, reading.of_mean))
 
 
 def best_reading(all_readings: tuple[Reading, ...], source: Name) -> Reading | None:
     """Return the reading that fits a row as a whole and group by group, or None."""
-    fitting = [
-        reading
-        for reading in all_readings
-        if reading.source == source and fits_row(reading, printed_entries(source))
-    ]
-    return max(fitting, key=lambda r: r.fit(printed_entries(source)).p, default=None)
-
-
-def fits_row(reading: Reading, printed: Array) -> bool:
-    """Whether random entries fit, together and by parameter, and the rest is equal."""
-    expected, fixed = reading.expectation, ~reading.varies
-    equal = np.maximum(expected.resolution, SIX_DIGITS * np.abs(expected.mean))
-    if np.any(np.abs(printed - expected.mean)[fixed] > equal[fixed]):
-        return False
-    random = [p for p, place in PLACES.items() if reading.varies[place].all()]
-    together = reading.fit(printed)
-    return together.fits and all(reading.fit(printed, p).fits for p in random)
+    fitting = [r for r in all_readings if r.source == source and r.fits_row]
+    return max(fitting, key=lambda reading: reading.fit().p, default=None)
 
 
 def switched_on(conditions: Conditions) -> dict[tuple[Name, ...], Expectation]:
     """Expect one run with every choice of the five stated sources: 31 of them."""
-    size = nominal_size(conditions.gyro)
-    sources = [row.source for row in TABLE_1]
+    rows = list(conditions.paper.table_1)
+    sources = [Name(row, owner=GYRO) for row in rows]
     return {
-        chosen: expect(only_sources(conditions.gyro, conditions.printed, *chosen), size)
+        chosen: as_stated(conditions, rows[0], chosen).expectation
         for n in range(1, len(sources) + 1)
         for chosen in combinations(sources, n)
     }
 
 
 def fitting_choices(
-    choices: dict[tuple[Name, ...], Expectation], source: Name
-) -> tuple[tuple[tuple[str, ...], Reading], ...]:
+    choices: dict[tuple[Name, ...], Expectation], stated: Reading
+) -> tuple[Reading, ...]:
     """Return the choices of sources that fit a row, as one run or a mean over 25."""
-    tried = (
-        (chosen, Reading(source=source, name="", runs=runs, expectation=expectation))
+    return tuple(
+        reading
         for chosen, expectation in choices.items()
         for runs in (1, RUNS)
-    )
-    printed = printed_entries(source)
-    return tuple(
-        (chosen, reading) for chosen, reading in tried if fits_row(reading, printed)
+        if (
+            reading := replace(
+                stated, sources=chosen, expectation=expectation, runs=runs
+            )
+        ).fits_row
     )
 
 
@@ -185,44 +189,63 @@ def reading_findings(all_readings: tuple[Reading, ...]) -> tuple[Finding, ...]:
     """Return a row for each reading and parameter that varies under it."""
     findings = []
     for reading in all_readings:
-        printed = printed_entries(reading.source)
-        together = reading.fit(printed)
-        verdict = READING_FITS if fits_row(reading, printed) else READING_FAILS
-        for parameter, place in PLACES.items():
-            if not reading.varies[place].all():
-                continue
-            found = reading.fit(printed, parameter)
+        together, is_single = reading.fit(), reading.runs == 1
+        verdict = Verdict.READING_FITS if reading.fits_row else Verdict.READING_FAILS
+        for parameter in filter(reading.is_random, PLACES):
+            place, found = PLACES[parameter], reading.fit(parameter)
             # Where the reading has a mean, deviations from it are what is random.
-            rms = _rms((printed - reading.expectation.mean)[place])
-            about = _rms(reading.expectation.mean[place])
-            shifted = about > found.u_rms
+            rms = root_mean_square((reading.printed - reading.expectation.mean)[place])
+            shifted = root_mean_square(reading.expectation.mean[place]) > found.u_rms
             findings.append(
                 Finding(
                     section="readings",
-                    where=f"{_title(reading.source)}, {parameter.replace('_', ' ')}: "
-                    f"{reading.full_name}",
+                    where=f"Table 1, {words(reading.source.quantity)}, "
+                    f"{words(parameter)}: {reading.full_name}",
                     printed=f"rms {say(rms, 3)}" + (" about -1" if shifted else ""),
                     ours=found.u_rms,
-                    quantity=U_SINGLE if reading.runs == 1 else U_MEAN,
+                    quantity=U_SINGLE if is_single else U_MEAN,
                     ratio=ratio_of(found.u_rms, rms),
                     verdict=verdict,
                     why=f"p {say(found.p)}; the whole row p {say(together.p)}, least "
                     f"allowed {LEVEL:g}",
-                    p_single=found.p if reading.runs == 1 else None,
-                    p_mean=None if reading.runs == 1 else found.p,
+                    p_single=found.p if is_single else None,
+                    p_mean=None if is_single else found.p,
                     is_summary=True,
                 )
             )
     return tuple(findings)
 
 
-def _with_random_walk(gyro: Sensor, density: Array) -> Sensor:
-    """Return the gyro with another density of its angle random walk [rad/sqrt(s)]."""
-    lines = tuple(
-        replace(line, u=density) if line.name == "angle_random_walk" else line
-        for line in gyro.lines
-    )
-    return replace(gyro, lines=lines)
+def root_mean_square(values: Array) -> float:
+    """Return the root mean square [1]."""
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _names(given: GivenReading) -> tuple[Name, ...]:
+    """Return what varies under a reading."""
+    return tuple(Name(source, owner=GYRO) for source in given.sources)
+
+
+def _expect(given: GivenReading, conditions: Conditions) -> Expectation:
+    """Expect one run with what a reading changes."""
+    gyro, procedure = conditions.gyro, conditions.printed
+    if given.pause is not None:
+        procedure = replace(procedure, gyro=replace(procedure.gyro, pause=given.pause))
+    if given.sample_noise is not None:
+        gyro = with_lines(gyro, sample_noise=given.sample_noise * DEG_PER_HOUR)
+    walk = value_of(gyro, WALK.quantity) / given.divisor
+    gyro = with_lines(gyro, angle_random_walk=walk)
+    if given.about_zero:
+        gyro = without_nominal_angles(gyro)
+    problem = only_sources(gyro, procedure, *_names(given))
+    if given.once_a_window:
+        problem = _noise_once_a_window(problem, procedure)
+    found = expect(problem, nominal_size(conditions.gyro))
+    if not given.about_zero:
+        return found
+    shift = np.zeros(12)
+    shift[PLACES["mounting_angle"]] = -1.0  # (0 + draw - 2 arcsec) / 2 arcsec
+    return replace(found, mean=found.mean + shift)
 
 
 def _noise_once_a_window(problem: Problem, procedure: Procedure) -> Problem:
@@ -237,29 +260,3 @@ def _noise_once_a_window(problem: Problem, procedure: Procedure) -> Problem:
     variance = np.diag(group.covariance) / (procedure.sample_rate * lengths)
     once = Group.independent(group.name, u=np.sqrt(variance))
     return replace(problem, groups=(once,))
-
-
-def _dropped_nominal(conditions: Conditions) -> Expectation:
-    """Expect errors of angles that are drawn about 0 and counted from 2 arcsec."""
-    gyro = conditions.gyro
-    found = expect(
-        only_sources(
-            without_nominal_angles(gyro),
-            conditions.printed,
-            Name("mounting_repeatability", owner=GYRO),
-        ),
-        nominal_size(gyro),
-    )
-    shift = np.zeros(12)
-    shift[PLACES["mounting_angle"]] = -1.0  # (0 + draw - 2 arcsec) / 2 arcsec
-    return replace(found, mean=found.mean + shift)
-
-
-def _title(source: Name) -> str:
-    """Name the row of Table 1 for people."""
-    return f"Table 1, {source.quantity.replace('_', ' ')}"
-
-
-def _rms(values: Array) -> float:
-    """Return the root mean square [1]."""
-    return float(np.sqrt(np.mean(values**2)))

@@ -10,33 +10,21 @@ import numpy as np
 
 from budget.earth import ROTATION_RATE
 from budget.model.sources import GYRO
-from budget.names import Name
-from budget.spec.records import ANGLES, AXES
-from budget.studies.paper.conditions import (
-    PLACES,
-    nominal_size,
-    only_sources,
-)
+from budget.names import PARAMETERS, Name
+from budget.studies.paper.conditions import PLACES, nominal_size, only_sources
 from budget.studies.paper.findings import (
-    AGREES,
-    AGREES_IN_ORDER,
-    READING_FAILS,
-    UNEXPLAINED,
+    RUNS,
     Finding,
+    Verdict,
     ratio_of,
     say,
-)
-from budget.studies.paper.printed import (
-    ASYMMETRY_STEP,
-    FIGURE_ORDERS,
-    NONLINEARITY_STEP,
-    RUNS,
+    words,
 )
 
 if TYPE_CHECKING:
     from budget.arrays import Array
-    from budget.spec.records import Procedure, Sensor
     from budget.studies.paper.conditions import Conditions
+    from budget.studies.paper.printed import PrintedFigure
 
 PROPORTIONAL = 1e-4  # departure from a straight line over the largest value [1]
 HALF_ULP = 2.0**-53  # of a ratio near 1 [1]
@@ -48,27 +36,29 @@ class Sweep:
 
     Attributes
     ----------
-    figure, source, parameter : str
-        'figure 3', 'gyro.scale_factor_asymmetry', 'mounting_angle'.
+    figure, source : str
+        'figure 3', 'gyro.scale_factor_asymmetry'.
+    given : PrintedFigure
+        What is stepped, and what the paper reads off its figure.
     size : ndarray, shape (25,)
         Nonlinearity or asymmetry at i = 1 to 25 [1].
     errors : ndarray, shape (n, 25)
         Relative errors of the axes or angles [1].
-    names : tuple of str, length n
     slopes : ndarray, shape (n,)
         Closed form of d error / d size [1].
-    order : str
-        What the paper reads off its figure.
     """
 
     figure: str
     source: Name
-    parameter: str
+    given: PrintedFigure
     size: Array
     errors: Array
-    names: tuple[str, ...]
     slopes: Array
-    order: str
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Axes or angles, length n."""
+        return PARAMETERS[self.given.parameter]
 
     @property
     def largest(self) -> float:
@@ -92,40 +82,51 @@ class Sweep:
 
 def compute_sweeps(conditions: Conditions) -> tuple[Sweep, ...]:
     """Calibrate error-free but for the step, 25 times: formulas of the paper."""
-    gyro, procedure = conditions.gyro, conditions.printed
-    angle, bias = _asymmetry_slopes(gyro, procedure)
-    steps = np.arange(1, RUNS + 1)
-    plans = (
-        ("figure 1", "scale_factor_nonlinearity", "bias", NONLINEARITY_STEP, 0 * bias),
-        (
-            "figure 2",
-            "scale_factor_nonlinearity",
-            "mounting_angle",
-            NONLINEARITY_STEP,
-            0 * angle,
-        ),
-        ("figure 3", "scale_factor_asymmetry", "mounting_angle", ASYMMETRY_STEP, angle),
-        ("figure 4", "scale_factor_asymmetry", "bias", ASYMMETRY_STEP, bias),
-    )
+    nominal = nominal_size(conditions.gyro)
+    rising = _asymmetry_slopes(conditions)
     sweeps = []
-    for figure, line, parameter, step, slopes in plans:
-        source = Name(line, owner=GYRO)
-        problem = only_sources(gyro, procedure, source)
-        size = np.asarray(step * steps, dtype=float)
-        errors = problem.evaluate(np.tile(size, (3, 1))) / nominal_size(gyro)[:, None]
+    for figure, given in conditions.paper.figures.items():
+        place, source = PLACES[given.parameter], Name(given.source, owner=GYRO)
+        problem = only_sources(conditions.gyro, conditions.printed, source)
+        size = given.step * np.arange(1.0, RUNS + 1.0)
+        errors = problem.evaluate(np.tile(size, (3, 1))) / nominal[:, None]
+        rises = source.quantity == "scale_factor_asymmetry"
         sweeps.append(
             Sweep(
                 figure=figure,
                 source=source,
-                parameter=parameter,
+                given=given,
                 size=size,
-                errors=errors[PLACES[parameter]],
-                names=ANGLES if parameter == "mounting_angle" else AXES,
-                slopes=slopes,
-                order=FIGURE_ORDERS[figure],
+                errors=errors[place],
+                slopes=rising[place] * rises,
             )
         )
     return tuple(sweeps)
+
+
+def power_of_ten(value: float) -> int:
+    """Return k with 10^k <= |value| < 10^(k+1)."""
+    return floor(log10(abs(value)))
+
+
+def _asymmetry_slopes(conditions: Conditions) -> Array:
+    """Return d(relative error)/dKa of the twelve parameters, shape (12,) [1].
+
+    With G = T/(4 pi n) each row of the response takes up G Ka b off its diagonal and
+    G Ka (b + e) on it, e = (0, w cos L, w sin L). Hence for an angle s G b / d0, s its
+    sign in dT, and by eq. (4) for the biases -(b + w_i) G (b + e_i) + sum over k != i
+    of G b (b + w_k), over b; w = (0, 0, w sin L). Terms in dT are left out, 1e-5.
+    """
+    gyro, procedure = conditions.gyro, conditions.printed
+    b = float(gyro.nominal_bias[0])
+    d0 = float(gyro.nominal_mounting_angle[0])
+    gain = 1.0 / (2.0 * procedure.gyro.rate)  # T / (4 pi n)
+    vertical = ROTATION_RATE * sin(procedure.latitude)
+    e = np.array([0.0, ROTATION_RATE * cos(procedure.latitude), vertical])
+    v = b + np.array([0.0, 0.0, vertical])
+    sign = np.array([-1.0, 1.0, 1.0, -1.0, -1.0, 1.0])
+    bias = gain * (b * (v.sum() - v) - v * (b + e)) / b
+    return np.concatenate([gain * (b + e), sign * gain * b / d0, bias])
 
 
 def sweep_findings(
@@ -137,66 +138,35 @@ def sweep_findings(
         findings.append(_order(sweep))
         if sweep.slopes.any():
             findings += _slopes(sweep)
-    return (*findings, *_figure_3_readings(sweeps[2], conditions.gyro))
-
-
-def power_of_ten(value: float) -> int:
-    """Return k with 10^k <= |value| < 10^(k+1)."""
-    return floor(log10(abs(value)))
-
-
-def _asymmetry_slopes(gyro: Sensor, procedure: Procedure) -> tuple[Array, Array]:
-    """Return d(relative error)/dKa of the angles, shape (6,), and biases, (3,).
-
-    With G = T/(4 pi n) each row of the response takes up G Ka b off its diagonal and
-    G Ka (b + e) on it, e = (0, w cos L, w sin L). Hence for an angle s G b / d0, s its
-    sign in dT, and by eq. (4) for the biases -(b + w_i) G (b + e_i) + sum over k != i
-    of G b (b + w_k), over b; w = (0, 0, w sin L). Terms in dT are left out, 1e-5.
-    """
-    b = float(gyro.nominal_bias[0])
-    d0 = float(gyro.nominal_mounting_angle[0])
-    gain = 1.0 / (2.0 * procedure.gyro.rate)  # T / (4 pi n)
-    vertical = ROTATION_RATE * sin(procedure.latitude)
-    e = np.array([0.0, ROTATION_RATE * cos(procedure.latitude), vertical])
-    v = b + np.array([0.0, 0.0, vertical])
-    sign = np.array([-1.0, 1.0, 1.0, -1.0, -1.0, 1.0])
-    bias = gain * (b * (v.sum() - v) - v * (b + e)) / b
-    return sign * gain * b / d0, bias
+    return (*findings, *_figure_3_readings(sweeps[2], conditions))
 
 
 def _order(sweep: Sweep) -> Finding:
     """Hold the largest error against the order that the text reads off the figure."""
-    where = f"{sweep.figure}, {sweep.parameter.replace('_', ' ')}, order"
-    printed, ours = float(sweep.order), sweep.largest
-    step = "30 ppm x i" if sweep.figure in {"figure 1", "figure 2"} else "50 ppm x i"
-    if ours == 0.0:
-        return Finding(
-            section="figures",
-            where=where,
-            printed=sweep.order,
-            ours=0.0,
-            verdict=AGREES,
-            why=f"{step}: no effect; the printed order is {printed / HALF_ULP:.0f} "
-            "times 2^-53, rounding of calibrated over nominal - 1",
-            is_summary=True,
-        )
-    agrees = power_of_ten(ours) == power_of_ten(printed)
-    why = f"{step}, largest at i = {RUNS}"
-    if not sweep.slopes.any():
+    order, ours = float(sweep.given.order), sweep.largest
+    verdict, why = Verdict.AGREES_IN_ORDER, f", largest at i = {RUNS}"
+    if not ours:
+        verdict = Verdict.AGREES
         why = (
-            f"{step}: the same at every i, eq. (4)'s own error and no rounding, as the "
-            "text has it"
+            f": no effect; the printed order is {order / HALF_ULP:.0f} times 2^-53, "
+            "rounding of calibrated over nominal - 1"
         )
-    elif not agrees:
-        why += f": {say(ours, 3)}, {printed / ours:.0f} times below the order printed"
+    elif power_of_ten(ours) != power_of_ten(order):
+        verdict = Verdict.UNEXPLAINED
+        why += f": {say(ours, 3)}, {order / ours:.0f} times below the order printed"
+    elif not sweep.slopes.any():
+        why = (
+            ": the same at every i, eq. (4)'s own error and no rounding, as the text "
+            "has it"
+        )
     return Finding(
         section="figures",
-        where=where,
-        printed=sweep.order,
+        where=f"{sweep.figure}, {words(sweep.given.parameter)}, order",
+        printed=sweep.given.order,
         ours=ours,
-        ratio=ratio_of(ours, printed),
-        verdict=AGREES_IN_ORDER if agrees else UNEXPLAINED,
-        why=why,
+        ratio=ratio_of(ours, order),
+        verdict=verdict,
+        why=f"{sweep.given.stepped}{why}",
         is_summary=True,
     )
 
@@ -207,10 +177,10 @@ def _slopes(sweep: Sweep) -> list[Finding]:
     return [
         Finding(
             section="figures",
-            where=f"{sweep.figure}, {sweep.parameter.replace('_', ' ')} {name}, slope",
+            where=f"{sweep.figure}, {words(sweep.given.parameter)} {name}, slope",
             printed="proportional",
             ours=float(found),
-            verdict=AGREES if straight else UNEXPLAINED,
+            verdict=Verdict.AGREES if straight else Verdict.UNEXPLAINED,
             why=f"relative error per unit of asymmetry; closed form {say(closed, 5)}; "
             f"straight to {say(sweep.departure, 1)} of the largest error",
         )
@@ -220,37 +190,26 @@ def _slopes(sweep: Sweep) -> list[Finding]:
     ]
 
 
-def _figure_3_readings(sweep: Sweep, gyro: Sensor) -> list[Finding]:
-    """Try readings of figure 3; what changes it must leave figure 4 as it is."""
-    ours = sweep.largest
-    bias = float(np.abs(gyro.nominal_bias[0]))
-    readings = (
-        (
-            "axis in per cent",
-            100.0,
-            "has the order; but figure 4, drawn alike, then misses its own by 100",
-        ),
-        (
-            "the 1200 s of the dwells as t in eq. (12)",
-            1200.0 / 18.0,
-            "has the order; but the biases of figure 4 grow alike, to 67 times theirs",
-        ),
-        (
-            "the whole earth rate added to the bias",
-            1.0 + ROTATION_RATE / bias,
-            "not enough",
-        ),
+def _figure_3_readings(sweep: Sweep, conditions: Conditions) -> list[Finding]:
+    """Try readings of figure 3: by what each would multiply our errors."""
+    bias = float(np.abs(conditions.gyro.nominal_bias[0]))
+    factors = (
+        100.0,  # per cent
+        1200.0 / 18.0,  # time of the dwells over that of a turn
+        1.0 + ROTATION_RATE / bias,
     )
     return [
         Finding(
             section="readings",
-            where=f"figure 3, mounting angle: {name}",
-            printed=sweep.order,
-            ours=factor * ours,
-            ratio=ratio_of(factor * ours, float(sweep.order)),
-            verdict=READING_FAILS,
+            where=f"{sweep.figure}, {words(sweep.given.parameter)}: {name}",
+            printed=sweep.given.order,
+            ours=factor * sweep.largest,
+            ratio=ratio_of(factor * sweep.largest, float(sweep.given.order)),
+            verdict=Verdict.READING_FAILS,
             why=why,
             is_summary=True,
         )
-        for name, factor, why in readings
+        for factor, (name, why) in zip(
+            factors, conditions.paper.figure_3.items(), strict=True
+        )
     ]

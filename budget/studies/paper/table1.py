@@ -7,231 +7,174 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.model.sources import GYRO
-from budget.names import Name
-from budget.spec.records import ANGLES, AXES
+from budget.names import PARAMETERS
 from budget.studies.paper.conditions import (
     PLACES,
-    Expectation,
-    expect,
     nominal_size,
     only_sources,
 )
 from budget.studies.paper.findings import (
-    AGREES,
-    EXPLAINED,
-    FITS_MEAN,
-    FITS_SINGLE,
-    READING,
+    RUNS,
     U_MEAN,
     U_SINGLE,
-    UNEXPLAINED,
     Finding,
+    Verdict,
     ratio_of,
     say,
+    words,
 )
-from budget.studies.paper.mounting import SOURCE as MOUNTING
-from budget.studies.paper.printed import RUNS, TABLE_1
 from budget.studies.paper.readings import (
-    LEFT_ON,
+    MOUNTING,
     SIX_DIGITS,
+    STABILITY,
+    WALK,
+    as_stated,
     best_reading,
     fitting_choices,
+    root_mean_square,
+    switched_on,
 )
-from budget.studies.paper.statistics import (
-    Fit,
-    fit,
-    repeats,
-    spread_of_means,
-    two_sided,
-)
+from budget.studies.paper.statistics import repeats, spread_of_means, two_sided
 
 if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.studies.paper.conditions import Conditions
-    from budget.studies.paper.printed import PrintedRow
     from budget.studies.paper.readings import Reading
 
 HALF_ULP = 2.0**-53  # spacing of doubles just below 1 [1]
-STABILITY, WALK = (
-    Name("bias_stability", owner=GYRO),
-    Name("angle_random_walk", owner=GYRO),
-)
-REPEATABILITIES = (
-    Name("bias_repeatability", owner=GYRO),
-    Name("scale_factor_repeatability", owner=GYRO),
-)
+REPEATABILITIES = ("bias_repeatability", "scale_factor_repeatability")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Row:
-    """One row of Table 1 with what it should be.
+    """One row of Table 1, read as stated.
 
     Attributes
     ----------
-    row : PrintedRow
-    printed : ndarray, shape (12,)
-        Its entries as numbers [1].
-    expectation : Expectation
-        Of one run under the paper's conditions.
+    single, mean : Reading
+        Of a single run and of a mean over 25.
     drawn : ndarray, shape (12,)
         Spread of means over 25 runs, drawn again and again [1].
+    texts : tuple of str
+        The twelve entries as printed.
     """
 
-    row: PrintedRow
-    printed: Array
-    expectation: Expectation
+    single: Reading
+    mean: Reading
     drawn: Array
+    texts: tuple[str, ...]
 
-    def is_random(self, parameter: str) -> bool:
-        """Whether the entries of that parameter vary from run to run."""
-        return bool(self.expectation.u[PLACES[parameter]].all())
-
-    def fit(self, parameter: str, *, runs: int) -> Fit:
-        """Hold the random entries of one parameter against a reading."""
-        return fit(self.printed, self.expectation, PLACES[parameter], runs=runs)
-
-    def fit_all(self, *, runs: int) -> Fit:
-        """Hold all random entries of the row against a reading, jointly."""
-        places = self.expectation.u > 0.0
-        return fit(self.printed, self.expectation, places, runs=runs, scatter=False)
+    @property
+    def title(self) -> str:
+        """Where the row stands."""
+        return f"Table 1, {words(self.single.source.quantity)}"
 
 
-def compute_rows(conditions: Conditions) -> tuple[Row, ...]:
+def compute_rows(conditions: Conditions) -> dict[str, Row]:
     """Compute what each row should be: formulas of the paper, reference nominal."""
     size = nominal_size(conditions.gyro)
-    rows = []
-    for row in TABLE_1:
-        problem = only_sources(conditions.gyro, conditions.printed, row.source)
-        rows.append(
-            Row(
-                row=row,
-                printed=np.array([float(text) for text in row.entries]),
-                expectation=expect(problem, size),
-                drawn=spread_of_means(problem, runs=RUNS) / size,
-            )
+    rows = {}
+    for name in conditions.paper.table_1:
+        single = as_stated(conditions, name)
+        problem = only_sources(conditions.gyro, conditions.printed, single.source)
+        rows[name] = Row(
+            single=single,
+            mean=single.of_mean,
+            drawn=spread_of_means(problem, runs=RUNS) / size,
+            texts=conditions.paper.entries(name),
         )
-    return tuple(rows)
+    return rows
 
 
 def table1_findings(
-    rows: tuple[Row, ...],
-    readings: tuple[Reading, ...],
-    choices: dict[tuple[Name, ...], Expectation],
+    conditions: Conditions, readings: tuple[Reading, ...]
 ) -> tuple[Finding, ...]:
-    """Return, for each row, a summary of every random parameter and all 12 entries.
-
-    Parameters
-    ----------
-    rows : tuple of Row
-    readings : tuple of Reading
-    choices : dict
-        What every choice of the stated sources gives, from readings.switched_on.
-
-    Returns
-    -------
-    tuple of Finding
-    """
+    """Return, for each row, a summary of every random parameter and all 12 entries."""
+    rows = compute_rows(conditions)
     findings = []
-    for row in rows:
-        other = best_reading(readings, row.row.source)
+    for name, row in rows.items():
+        other = best_reading(readings, row.single.source)
         for parameter in PLACES:
-            if row.is_random(parameter):
-                summary = _summarize(row, parameter, other)
-                findings += [summary, *_random_entries(row, parameter, summary)]
+            if row.single.is_random(parameter):
+                findings += _random_entries(row, parameter, other)
             else:
                 findings += _fixed_entries(row, parameter)
-        if row.row.source == STABILITY:
-            findings.append(_left_on(rows, readings, choices))
+        if name == STABILITY.quantity:
+            findings.append(_left_on(rows, readings, conditions))
     return (*findings, _both_repeatabilities(rows))
 
 
-def entry_names(parameter: str) -> tuple[str, ...]:
-    """Name the entries of one parameter: axes or angles."""
-    return ANGLES if parameter == "mounting_angle" else AXES
-
-
-def _summarize(row: Row, parameter: str, other: Reading | None) -> Finding:
-    """Say which reading the entries of one parameter fit together."""
-    single, mean = row.fit(parameter, runs=1), row.fit(parameter, runs=RUNS)
-    rms = float(np.sqrt(np.mean(row.printed[PLACES[parameter]] ** 2)))
-    chosen, quantity, verdict = single, U_SINGLE, UNEXPLAINED
-    if mean.fits and mean.p > single.p:
-        chosen, quantity, verdict = mean, U_MEAN, FITS_MEAN
-    elif single.fits:
-        verdict = FITS_SINGLE
-    elif other is not None:
-        # The biases of that row prove the reading of its angles: mounting.py.
-        verdict = EXPLAINED if row.row.source == MOUNTING else READING
-    place = PLACES[parameter]
-    drawn = np.mean(row.drawn[place] / (row.expectation.u[place] / np.sqrt(RUNS)))
-    why = (
-        f"chi-square for {single.entries} entries: {say(single.chi_square, 3)} as a "
-        f"single run, {say(mean.chi_square, 3)} as a mean over {RUNS}; u single "
-        f"{say(single.u_rms)}, mean {say(mean.u_rms)} ({repeats(RUNS)} means drawn "
-        f"spread by {drawn:.3f} of it)"
+def _random_entries(row: Row, parameter: str, other: Reading | None) -> list[Finding]:
+    """Say which reading the entries of one parameter fit, together and one by one."""
+    place, fits = (
+        PLACES[parameter],
+        (row.single.fit(parameter), row.mean.fit(parameter)),
     )
-    if verdict in {READING, EXPLAINED} and other is not None:
-        p = other.fit(row.printed, parameter).p
-        why += f"; fits if read so: {other.full_name} (p {say(p, 2)})"
-    if verdict == EXPLAINED:
-        why += "; its biases prove it, see below"
-    return Finding(
+    single, mean = fits
+    u, chosen, quantity = row.single.expectation.u[place], single, U_SINGLE
+    verdict, cause = Verdict.UNEXPLAINED, ""
+    means = u / np.sqrt(RUNS)
+    if mean.fits and mean.p > single.p:
+        u, chosen, quantity, verdict = means, mean, U_MEAN, Verdict.FITS_MEAN
+    elif single.fits:
+        verdict = Verdict.FITS_SINGLE
+    elif other is not None:
+        p = other.fit(parameter).p
+        verdict = Verdict.READING
+        cause = f"; fits if read so: {other.full_name} (p {say(p, 2)})"
+        if row.single.source == MOUNTING:  # see mounting.py
+            verdict = Verdict.EXPLAINED
+            cause += "; its biases prove it, see below"
+    rms = root_mean_square(row.single.printed[place])
+    summary = Finding(
         section="table 1",
-        where=f"Table 1, {_title(row)}, {_words(parameter)}, all {single.entries}",
+        where=f"{row.title}, {words(parameter)}, all {single.entries}",
         printed=f"rms {say(rms, 3)}",
         ours=chosen.u_rms,
         quantity=quantity,
         ratio=ratio_of(chosen.u_rms, rms),
         verdict=verdict,
-        why=why,
+        why=f"chi-square for {single.entries} entries: {say(single.chi_square, 3)} as "
+        f"a single run, {say(mean.chi_square, 3)} as a mean over {RUNS}; u single "
+        f"{say(single.u_rms)}, mean {say(mean.u_rms)} ({repeats(RUNS)} means drawn "
+        f"spread by {np.mean(row.drawn[place] / means):.3f} of it){cause}",
         p_single=single.p,
         p_mean=mean.p,
         is_summary=True,
     )
-
-
-def _random_entries(row: Row, parameter: str, summary: Finding) -> list[Finding]:
-    """Return the single entries, with the verdict that they have together."""
-    place = PLACES[parameter]
-    single, mean = row.fit(parameter, runs=1), row.fit(parameter, runs=RUNS)
-    texts = row.row.entries[place]
-    u = row.expectation.u[place]
-    if summary.quantity == U_MEAN:
-        u = u / np.sqrt(RUNS)
-    return [
+    entries = [
         Finding(
             section="table 1",
-            where=f"Table 1, {_title(row)}, {_words(parameter)} {name}",
+            where=f"{row.title}, {words(parameter)} {name}",
             printed=text,
             ours=float(u[k]),
-            quantity=summary.quantity,
+            quantity=quantity,
             ratio=ratio_of(float(u[k]), float(text)),
-            verdict=summary.verdict,
+            verdict=verdict,
             why="judged with its neighbours, in the row above",
             p_single=float(single.p_entries[k]),
             p_mean=float(mean.p_entries[k]),
         )
         for k, (name, text) in enumerate(
-            zip(entry_names(parameter), texts, strict=True)
+            zip(PARAMETERS[parameter], row.texts[place], strict=True)
         )
     ]
+    return [summary, *entries]
 
 
 def _fixed_entries(row: Row, parameter: str) -> list[Finding]:
     """Return entries that do not vary: zeros to rounding, and eq. (4)'s residual."""
-    place = PLACES[parameter]
+    place, expected = PLACES[parameter], row.single.expectation
     findings = []
     for name, text, ours, zero in zip(
-        entry_names(parameter),
-        row.row.entries[place],
-        row.expectation.mean[place].tolist(),
-        row.expectation.resolution[place].tolist(),
+        PARAMETERS[parameter],
+        row.texts[place],
+        expected.mean[place].tolist(),
+        expected.resolution[place].tolist(),
         strict=True,
     ):
-        printed = float(text)
-        ratio = None
-        if abs(ours) <= zero:
+        printed, is_zero = float(text), abs(ours) <= zero
+        if is_zero:
             agrees, why = abs(printed) <= zero, "exactly zero"
             if printed:
                 why = (
@@ -239,7 +182,6 @@ def _fixed_entries(row: Row, parameter: str) -> list[Finding]:
                     "spacing of doubles below 1, left by calibrated over nominal - 1"
                 )
         else:
-            ratio = ratio_of(ours, printed)
             agrees = abs(ours / printed - 1.0) <= SIX_DIGITS
             why = (
                 "eq. (4)'s own error (dT + dT^T) w + dT^T b + dT^T dT w, no rounding; "
@@ -248,29 +190,27 @@ def _fixed_entries(row: Row, parameter: str) -> list[Finding]:
         findings.append(
             Finding(
                 section="table 1",
-                where=f"Table 1, {_title(row)}, {_words(parameter)} {name}",
+                where=f"{row.title}, {words(parameter)} {name}",
                 printed=text,
-                ours=0.0 if abs(ours) <= zero else ours,
-                ratio=ratio,
-                verdict=AGREES if agrees else UNEXPLAINED,
+                ours=0.0 if is_zero else ours,
+                ratio=None if is_zero else ratio_of(ours, printed),
+                verdict=Verdict.AGREES if agrees else Verdict.UNEXPLAINED,
                 why=why,
             )
         )
     return findings
 
 
-def _both_repeatabilities(rows: tuple[Row, ...]) -> Finding:
+def _both_repeatabilities(rows: dict[str, Row]) -> Finding:
     """Judge the two repeatability rows together: only so a single run is excluded."""
-    chosen = [row for row in rows if row.row.source in REPEATABILITIES]
 
-    def together(runs: int) -> tuple[float, float]:
-        fits = [row.fit_all(runs=runs) for row in chosen]
+    def together(readings: list[Reading]) -> tuple[float, float]:
+        fits = [reading.fit() for reading in readings]
         chi_square = sum(one.chi_square for one in fits)
-        n = sum(one.entries for one in fits)
-        return chi_square, two_sided(chi_square, n)
+        return chi_square, two_sided(chi_square, sum(one.entries for one in fits))
 
-    single, p_single = together(1)
-    mean, p_mean = together(RUNS)
+    single, p_single = together([rows[name].single for name in REPEATABILITIES])
+    mean, p_mean = together([rows[name].mean for name in REPEATABILITIES])
     # Printed over u: each row has three random entries with independent axes.
     rms = float(np.sqrt(single / 6.0))
     return Finding(
@@ -280,7 +220,7 @@ def _both_repeatabilities(rows: tuple[Row, ...]) -> Finding:
         ours=1.0 / np.sqrt(RUNS),
         quantity=U_MEAN,
         ratio=float(1.0 / np.sqrt(RUNS) / rms),
-        verdict=FITS_MEAN if p_mean > p_single else FITS_SINGLE,
+        verdict=Verdict.FITS_MEAN if p_mean > p_single else Verdict.FITS_SINGLE,
         why=f"chi-square for 6 entries: {say(single)} as a single run, {say(mean)} as "
         f"a mean over {RUNS}",
         p_single=p_single,
@@ -290,37 +230,31 @@ def _both_repeatabilities(rows: tuple[Row, ...]) -> Finding:
 
 
 def _left_on(
-    rows: tuple[Row, ...],
-    readings: tuple[Reading, ...],
-    choices: dict[tuple[Name, ...], Expectation],
+    rows: dict[str, Row], readings: tuple[Reading, ...], conditions: Conditions
 ) -> Finding:
     """Judge the stability row as a run whose random walk was left on, and the choice.
 
     No number is fitted, but a reading was looked for: how many were tried, how many
     of them fit, and how often one fits by chance, shown by the other rows, is said.
     """
-    row, walk = (
-        next(r for r in rows if r.row.source == source) for source in (STABILITY, WALK)
+    choices = switched_on(conditions)
+    row, walk = (rows[source.quantity].single for source in (STABILITY, WALK))
+    single, mean = (
+        r for r in readings if r.source == STABILITY and r.sources == (STABILITY, WALK)
     )
-    single, mean = (r for r in readings if r.name == LEFT_ON)
-    of_single, of_mean = single.fit(row.printed), mean.fit(row.printed)
-    found = {r.row.source: fitting_choices(choices, r.row.source) for r in rows}
-    fitting = dict(found[STABILITY])
+    of_single = single.fit()
+    found = {name: fitting_choices(choices, r.single) for name, r in rows.items()}
+    fitting = {r.sources: r for r in found.pop(STABILITY.quantity)}
     if any(WALK not in chosen or r.runs != 1 for chosen, r in fitting.items()):
         raise ValueError(
             "a run without the random walk fits: the reason given is wrong"
         )
-    elsewhere = sum(
-        chosen != (source,)
-        for source, fits in found.items()
-        for chosen, _ in fits
-        if source != STABILITY
-    )
+    elsewhere = sum(r.sources != (r.source,) for fits in found.values() for r in fits)
     tried = 2 * len(choices)
-    others = sum(r.source == STABILITY and "turns" in r.name for r in readings)
+    others = sum(r.source == STABILITY and r.sources == (STABILITY,) for r in readings)
     alone, norm = fitting[WALK,], np.linalg.norm
     # Of ratios of normal densities the powers of 2 pi cancel.
-    odds = np.exp(_log_density(alone, row.printed) - _log_density(single, row.printed))
+    odds = np.exp(_log_density(alone) - _log_density(single))
     times = [
         f"{norm(walk.expectation.u[place]) / norm(walk.printed[place]):.0f}"
         for place in PLACES.values()
@@ -333,37 +267,26 @@ def _left_on(
         ours=1.0,
         quantity=U_SINGLE,
         ratio=1.0 / rms,
-        verdict=READING,
+        verdict=Verdict.READING,
         why=f"chi-square {say(of_single.chi_square, 3)} for {of_single.entries} "
-        f"entries, as stated {say(row.fit_all(runs=1).chi_square, 3)}; no free "
+        f"entries, as stated {say(row.fit().chi_square, 3)}; no free "
         f"parameter. Looked for among {tried + others} readings: every choice of the "
         f"five stated sources ({len(choices)}) and turns far apart, each as one run "
         f"and as a mean over {RUNS}. {len(fitting)} fit, all single runs with the "
-        f"random walk; it alone fits as well (p {say(alone.fit(row.printed).p)}, "
+        f"random walk; it alone fits as well (p {say(alone.fit().p)}, "
         f"{say(float(odds))} times as likely), so that the row does not show whether "
         f"the stability was on. By chance {elsewhere} of "
         f"{(len(rows) - 1) * (tried - 2)} wrong choices fit another row. Against it: "
         f"the random walk's own row prints {', '.join(times)} times less",
         p_single=of_single.p,
-        p_mean=of_mean.p,
+        p_mean=mean.fit().p,
         is_summary=True,
     )
 
 
-def _log_density(reading: Reading, printed: Array) -> float:
+def _log_density(reading: Reading) -> float:
     """Return the logarithm of the normal density of twelve entries, less a constant."""
     u = reading.expectation.u
     # Scaled first: scale factors and angles differ by a factor of 1e5.
     _, log_det = np.linalg.slogdet(reading.expectation.covariance / np.outer(u, u))
-    chi_square = reading.fit(printed).chi_square
-    return -0.5 * float(chi_square + log_det) - float(np.log(u).sum())
-
-
-def _title(row: Row) -> str:
-    """Name a row for people."""
-    return _words(row.row.source.quantity)
-
-
-def _words(name: str) -> str:
-    """Turn a key into words."""
-    return name.replace("_", " ")
+    return -0.5 * float(reading.fit().chi_square + log_det) - float(np.log(u).sum())
