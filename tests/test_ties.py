@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from report_examples import make_assessment, make_budget
 
 from budget.names import Name
 from budget.report.allocation.words import print_stop
@@ -21,7 +22,6 @@ from budget.report.tables import (
 )
 from budget.spec.records import ANGLES
 from budget.ties import equal_to, first_largest, from_largest, largest, settle
-from tests.report_examples import make_assessment, make_budget
 
 NOISE = 1e-12  # relative: what other processors and other orders of a sum may change
 
