@@ -11,6 +11,7 @@ from pathlib import Path
 from time import monotonic, sleep
 
 from command_line import call, surroundings
+from forked import NO_READER, run_forked
 
 from budget.resources import shipped
 
@@ -94,6 +95,8 @@ def wait_until_at_work(*numbers, seconds=3.0):
 def run(*args, folder, streams="", before=None, **more):
     """Run a command in a folder; `streams` redirects."""
     words = [*BUDGET, *map(str, args)]
+    if streams == NO_READER:
+        return _run_without_reader(words, folder, environment(**more))
     if streams:
         words = ["bash", "-c", f'"$@" {streams}', "bash", *words]
     return subprocess.run(
@@ -104,6 +107,31 @@ def run(*args, folder, streams="", before=None, **more):
         check=False,
         preexec_fn=before,
         timeout=PATIENCE,
+    )
+
+
+def _run_without_reader(words, folder, variables):
+    """Run a command whose stdout is a pipe that is closed before it writes."""
+    with subprocess.Popen(
+        words,
+        cwd=folder,
+        env=variables,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    ) as process:
+        process.stdout.close()
+        err = process.stderr.read()
+    return subprocess.CompletedProcess(words, process.returncode, b"", err)
+
+
+def run_warm(*args, folder, streams="", **more):
+    """Run a command as `run` does, in a child that has imported everything."""
+    return run_forked(
+        [str(word) for word in args],
+        folder=folder,
+        streams=streams,
+        environment=environment(**more),
+        patience=PATIENCE,
     )
 
 

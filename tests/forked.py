@@ -1,0 +1,154 @@
+"""Commands in processes of their own, forked from one that has imported everything.
+
+A child has its own streams, folder, code and end, as if a shell had started it; what
+it saves is the start. What Python reads as it starts (the locale, PYTHON...) belongs to
+the process that forks: there is one for each environment.
+"""
+
+from __future__ import annotations
+
+import ast
+import atexit
+import gc
+import io
+import json
+import os
+import re
+import runpy
+import signal
+import subprocess
+import sys
+import warnings
+from contextlib import suppress
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+# Read while a command runs, not while Python or a library starts; the last by nobody.
+READ_LATE = ("COLUMNS", "SOURCE_DATE_EPOCH", "PYTEST_CURRENT_TEST")
+NO_READER = ">&|"  # as a redirection: stdout is a pipe that its reader has closed
+_REDIRECTION = re.compile(r"([012]?)([<>])(&-|&\||\s*\S+)")
+
+
+def run_forked(words, *, folder, streams, environment, patience):
+    """Run `budget` with those words; `streams` redirects as in a shell."""
+    late = {name: environment[name] for name in READ_LATE if name in environment}
+    early = {name: text for name, text in environment.items() if name not in late}
+    server = _server(frozenset(early.items()))
+    with TemporaryDirectory() as caught:
+        request = {
+            # As bytes: what characters they are is up to the child's locale.
+            "words": [os.fsencode(word).decode("latin-1") for word in words],
+            "folder": str(folder),
+            "late": late,
+            "streams": f"< {os.devnull} > {caught}/1 2> {caught}/2 {streams}",
+            "patience": patience,
+        }
+        server.stdin.write(json.dumps(request).encode() + b"\n")
+        server.stdin.flush()
+        code = json.loads(server.stdout.readline())
+        out, err = ((Path(caught) / number).read_bytes() for number in "12")
+    return subprocess.CompletedProcess(words, code, out, err)
+
+
+@cache
+def _server(environment):
+    """Start a process that forks, in an environment of pairs; it ends with this one."""
+    process = subprocess.Popen(
+        [sys.executable, __file__],
+        env=dict(environment),
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+    )
+    atexit.register(process.communicate)  # closes its stdin, at which it ends
+    return process
+
+
+def _serve():
+    """Fork a child for every line on stdin, and say its code; a child returns."""
+    asked, told = os.fdopen(os.dup(0), "rb"), os.dup(1)
+    nowhere = os.open(os.devnull, os.O_RDWR)
+    os.dup2(nowhere, 0)
+    os.dup2(nowhere, 1)
+    _import_everything()
+    for line in asked:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of forks where a library has threads
+            child = os.fork()
+        if child == 0:
+            os.close(told)
+            os.close(nowhere)
+            asked.close()
+            return json.loads(line)
+        _, status = os.waitpid(child, 0)
+        os.write(told, f"{os.waitstatus_to_exitcode(status)}\n".encode())
+    sys.exit()
+
+
+def _import_everything():
+    """Import what any command does, and read the files that ship."""
+    import budget
+
+    names = set()
+    for path in Path(budget.__file__).parent.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                names |= {alias.name for alias in node.names}
+            elif isinstance(node, ast.ImportFrom):
+                names.add(node.module)
+    for name in sorted(names):
+        if not name.startswith(("distributed", "_typeshed")):
+            import_module(name)
+    budget.load_catalogue()
+    gc.collect()
+    gc.freeze()  # else a child takes a second to look through all that at its end
+
+
+def _redirect(streams):
+    """Open and close streams as a shell does."""
+    for number, way, target in _REDIRECTION.findall(streams):
+        stream = int(number or way == ">")
+        if target == "&-":
+            os.close(stream)
+        elif target == "&|":
+            read, write = os.pipe()
+            os.close(read)
+            os.dup2(write, stream)
+            os.close(write)
+        else:
+            flags = os.O_RDONLY if way == "<" else os.O_WRONLY | os.O_CREAT
+            opened = os.open(target.strip(), flags, 0o600)
+            os.dup2(opened, stream)
+            os.close(opened)
+
+
+def _streams_of_python():
+    """Make the streams anew as Python makes them, None for a closed one."""
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        old, new = getattr(sys, name), None
+        with suppress(OSError):
+            os.fstat(number)
+            end = io.FileIO(number, "w" if number else "r", closefd=False)
+            new = io.TextIOWrapper(
+                io.BufferedWriter(end) if number else io.BufferedReader(end),
+                encoding=old.encoding,
+                errors=old.errors,
+                newline="\n" if number else None,
+                line_buffering=number == 2,
+            )
+        setattr(sys, name, new)
+        setattr(sys, f"__{name}__", new)
+
+
+if __name__ == "__main__":
+    asked_for = _serve()
+    signal.alarm(int(asked_for["patience"]))
+    os.chdir(asked_for["folder"])
+    os.environ.update(asked_for["late"])
+    _redirect(asked_for["streams"])
+    _streams_of_python()
+    words = [os.fsdecode(word.encode("latin-1")) for word in asked_for["words"]]
+    sys.argv = ["budget", *words]
+    sys.path[0] = asked_for["folder"]
+    runpy.run_module("budget", run_name="__main__", alter_sys=True)
