@@ -11,8 +11,8 @@ import pytest
 from command_line import call, start
 
 from budget.report.paper.document import COLUMNS
-from budget.report.paper.printing import print_probability, print_ratio
 from budget.report.paper.terminal import paper_text
+from budget.report.paper.texts import print_probability, print_ratio
 from budget.studies.paper.findings import Verdict
 from budget.studies.paper.study import reproduce
 

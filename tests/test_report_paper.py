@@ -12,9 +12,8 @@ from pdf_reading import needs_poppler, squeeze, text_of
 from budget.report.blocks import Abreast, Picture, Table
 from budget.report.page import render_page
 from budget.report.paper.document import to_json
-from budget.report.paper.page import paper_document
-from budget.report.paper.printing import print_ours, print_ratio, shorten
-from budget.report.paper.tables import place_of, printed_cell
+from budget.report.paper.page import paper_document, printed_cell
+from budget.report.paper.texts import place_of, print_ours, print_ratio, reason, shorten
 from budget.report.typeset import typeset
 from budget.studies.paper.findings import Verdict
 from budget.studies.paper.study import reproduce
@@ -65,8 +64,7 @@ def pictures_of(document):
 def said(row):
     """Return the texts in which a finding must be found."""
     place = place_of(row)
-    why = "" if row.why.startswith("judged with") else row.why
-    return (place.group, place.name, place.note, row.verdict, why)
+    return (place.group, place.name, place.note, row.verdict, reason(row))
 
 
 @pytest.mark.parametrize(

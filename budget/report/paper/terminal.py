@@ -5,13 +5,15 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING
 
-from budget.report.paper.printing import (
+from budget.report.paper.texts import (
     print_ours,
     print_probability,
     print_ratio,
+    reason,
     shorten,
     unexplained,
 )
+from budget.report.terminal import GAP, set_columns
 from budget.studies.paper.findings import Verdict
 
 if TYPE_CHECKING:
@@ -20,7 +22,7 @@ if TYPE_CHECKING:
     from budget.studies.paper.findings import Finding
     from budget.studies.paper.study import PaperStudy
 
-HEADS = ("printed", "ours", "ours/printed", "verdict")
+HEADS = ("", "printed", "ours", "ours/printed")  # and the verdict, flush left
 TEXT_WIDTH = 100  # of running text, however wide the terminal
 
 
@@ -60,65 +62,38 @@ def paper_text(study: PaperStudy, *, width: int) -> str:
 def _section_lines(rows: Sequence[Finding], width: int) -> list[str]:
     """Set the rows of one section as a table, or one field a line."""
     cells = [
-        (
-            shorten(row),
-            row.printed,
-            print_ours(row),
-            print_ratio(row.ratio),
-            row.verdict,
-        )
+        (shorten(row), row.printed, print_ours(row), print_ratio(row.ratio))
         for row in rows
     ]
-    heads = ("", *HEADS)
-    widths = [
-        max(len(head), *(len(cell[k]) for cell in cells))
-        for k, head in enumerate(heads)
-    ]
-    if sum(widths) + 2 * len(widths) > width:
-        return _stacked_lines(rows, cells, width)
-    lines = [_set(heads, widths)]
-    for row, cell in zip(rows, cells, strict=True):
-        lines.append(_set(cell, widths))
-        lines += _why_lines(row, width)
+    head, table = set_columns(HEADS, list(zip(*cells, strict=True)))
+    verdict = max(len(text) for text in ("verdict", *(row.verdict for row in rows)))
+    is_narrow = len(head) + verdict + 2 * GAP > width
+    lines = [] if is_narrow else [f"{head}  verdict"]
+    for row, (where, printed, ours, ratio), line in zip(
+        rows, cells, table, strict=True
+    ):
+        if is_narrow:
+            text = f"printed {printed}; ours {ours}"
+            text += f"; ratio {ratio}" if ratio else ""
+            lines += _wrap(f"{where}: {row.verdict}", width, first="")
+            lines += _wrap(text, width, first="    ")
+        else:
+            lines.append(f"{line}  {row.verdict}")
+        lines += _wrap(_why(row), width, first="    ")
     return lines
 
 
-def _stacked_lines(
-    rows: Sequence[Finding], cells: Sequence[tuple[str, ...]], width: int
-) -> list[str]:
-    """Set each row as its place and verdict, then what stands there and ours."""
-    lines = []
-    for row, (where, printed, ours, ratio, verdict) in zip(rows, cells, strict=True):
-        lines += _wrap(f"{where}: {verdict}", width, first="")
-        parts = [f"printed {printed}", f"ours {ours}"]
-        if ratio:
-            parts.append(f"ratio {ratio}")
-        lines += _wrap("; ".join(parts), width, first="    ")
-        lines += _why_lines(row, width)
-    return lines
-
-
-def _why_lines(row: Finding, width: int) -> list[str]:
+def _why(row: Finding) -> str:
     """Say why, where it is not said by the verdict or by the row above."""
     if row.verdict == Verdict.AGREES and not row.is_summary:
-        return []
-    if row.why.startswith("judged with"):
-        return []
-    why = row.why
-    if row.p_single is not None and row.p_mean is not None:
-        why = (
-            f"p {print_probability(row.p_single)} (single run), "
-            f"{print_probability(row.p_mean)} (mean over 25); {why}"
-        )
-    return _wrap(why, width, first="    ")
-
-
-def _set(cells: Sequence[str], widths: Sequence[int]) -> str:
-    """Set one line: numbers flush right, names and verdicts flush left."""
-    where, *numbers, verdict = cells
-    texts = [where.ljust(widths[0])]
-    texts += [text.rjust(w) for text, w in zip(numbers, widths[1:-1], strict=True)]
-    return "  ".join([*texts, verdict])
+        return ""
+    why = reason(row)
+    if not why or row.p_single is None or row.p_mean is None:
+        return why
+    return (
+        f"p {print_probability(row.p_single)} (single run), "
+        f"{print_probability(row.p_mean)} (mean over 25); {why}"
+    )
 
 
 def _wrap(text: str, width: int, *, first: str) -> list[str]:

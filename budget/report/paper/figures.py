@@ -1,0 +1,274 @@
+"""Figures of the paper's check: its figures 1 to 4, and the ratios of Table 1."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.report.blocks import Cell, Column, RowGroup, Table
+from budget.report.figures.picture import as_picture
+from budget.report.figures.rows import write_beside
+from budget.report.figures.style import (
+    GRID,
+    INK,
+    MUTED,
+    PAPER,
+    SMALL,
+    canvas,
+    house_style,
+)
+from budget.report.paper.texts import place_of, print_ratio
+from budget.report.tables import print_given
+from budget.studies.paper.findings import Verdict
+from budget.ties import first_largest
+from budget.units import PPM
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from budget.arrays import Array
+    from budget.report.blocks import Picture
+    from budget.studies.paper.study import PaperStudy
+    from budget.studies.paper.sweeps import Sweep
+
+HEIGHT = 190.0  # of a curve [pt]
+DASHES = ("-", "--", ":", "-.")
+ALIKE = 0.01  # curves whose ends differ by less of the largest share a label [1]
+
+ROW = 12.5  # [pt] from row to row of dots
+LEFT, RIGHT, TOP, BELOW = 180.0, 36.0, 3.0, 31.0  # around the dots [pt]
+NAMES = 112.0  # [pt] from the left edge to the names of the parameters
+AIR = 2.0  # times the farthest ratio to the end of the axis [1]
+FITS = (Verdict.FITS_MEAN, Verdict.FITS_SINGLE)
+JOINED = ", all "  # in the place of a row that speaks of all axes
+
+
+def sweep_picture(sweep: Sweep) -> Picture:
+    """Return one of the paper's figures as a block, with the steps behind it."""
+    name, title = sweep.figure.replace(" ", "-"), sweep_title(sweep)
+    ends = {
+        f"curve-{k}": _ends(names, curve)
+        for k, (names, curve) in enumerate(_gathered(sweep))
+    }
+    first, last = (print_given(float(s / PPM)) for s in sweep.size[[0, -1]])
+    return as_picture(
+        _draw_sweep(sweep, title),
+        name=name,
+        title=title,
+        alt=f"{title}. Relative errors from {first} to {last} ppm. "
+        f"{'; '.join(ends.values())}.",
+        tips=ends,
+        data=_steps(sweep, f"steps-of-{name}"),
+    )
+
+
+def sweep_title(sweep: Sweep) -> str:
+    """State the finding of one figure, and the order that the paper prints."""
+    effect = "angle" if sweep.given.parameter == "mounting_angle" else "bias"
+    head = f"{sweep.figure.capitalize()}: {_cause(sweep)} and {effect} errors"
+    printed = f"printed order {sweep.given.order}"
+    if not sweep.largest:
+        return f"{head}: no effect at all ({printed}: rounding)"
+    if not sweep.slopes.any():
+        return f"{head}: none but eq. (4)'s own error, the same throughout ({printed})"
+    size = print_given(sweep.largest, digits=3)
+    return f"{head}: proportional, up to {size} ({printed})"
+
+
+@house_style()
+def _draw_sweep(sweep: Sweep, title: str) -> Figure:
+    """Draw relative errors against the step; curves that coincide share one label."""
+    figure, axes = canvas(HEIGHT, left=58.0, right=66.0, top=12.0, below=34.0)
+    figure.set_label(title)
+    axes.tick_params(axis="y", labelsize=SMALL, labelcolor=MUTED)
+    axes.grid(color=GRID, linewidth=0.6)
+    largest = sweep.largest
+    exponent = int(np.floor(np.log10(largest))) if largest else 0
+    scale = 10.0**exponent
+    x = sweep.size / PPM
+    for k, (names, curve) in enumerate(_gathered(sweep)):
+        axes.plot(
+            x,
+            curve / scale,
+            color=INK,
+            linewidth=1.1,
+            linestyle=DASHES[k % len(DASHES)],
+            gid=f"curve-{k}",
+        )
+        axes.annotate(
+            "all" if len(names) == len(sweep.names) else ", ".join(names),
+            (x[-1], curve[-1] / scale),
+            xytext=(5.0, 0.0),
+            textcoords="offset points",
+            fontsize=SMALL,
+            color=INK,
+            va="center",
+        )
+    axes.set_xlim(0.0, float(x[-1]))
+    reach = 1.15 * largest / scale or 1.0
+    axes.set_ylim(-reach, reach)
+    if not largest:
+        axes.set_yticks([0.0], ["0"])
+    axes.set_xlabel(f"{_cause(sweep)} [ppm]", fontsize=SMALL, color=MUTED)
+    unit = f"1e{exponent}" if largest else "1"
+    axes.set_ylabel(f"relative error [{unit}]", fontsize=SMALL, color=MUTED)
+    return figure
+
+
+def _ends(names: Sequence[str], curve: Array) -> str:
+    """Say where a curve begins and ends."""
+    first, last = (print_given(float(e), digits=3) for e in curve[[0, -1]])
+    return f"{', '.join(names)}: {first} to {last}"
+
+
+def _steps(sweep: Sweep, name: str) -> Table:
+    """Return the relative error of every axis or angle at every step."""
+    heads = (f"{_cause(sweep)} [ppm]", *sweep.names)
+    numbers = np.vstack([sweep.size / PPM, sweep.errors]).T.tolist()
+    rows = tuple(
+        tuple(Cell(text=print_given(number), exact=number) for number in row)
+        for row in numbers
+    )
+    return Table(
+        name=name,
+        caption=f"Relative errors at each step of {sweep.figure}",
+        columns=tuple(Column(head=head, kind="number") for head in heads),
+        groups=(RowGroup(rows=rows),),
+    )
+
+
+def _gathered(sweep: Sweep) -> list[tuple[list[str], Array]]:
+    """Return curves with the names of those that coincide with them."""
+    found: list[tuple[list[str], Array]] = []
+    for name, curve in zip(sweep.names, sweep.errors, strict=True):
+        for names, other in found:
+            if np.abs(other - curve).max() <= ALIKE * sweep.largest:
+                names.append(name)
+                break
+        else:
+            found.append(([name], curve))
+    return found
+
+
+def _cause(sweep: Sweep) -> str:
+    """Name what is stepped."""
+    return sweep.source.rpartition("_")[2]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Dot:
+    """All random entries of one parameter in one row of Table 1.
+
+    Attributes
+    ----------
+    group, parameter : str
+        'Angle random walk', 'bias'.
+    ratio : float
+        u over the root mean square of the printed entries [1].
+    verdict : Verdict
+    """
+
+    group: str
+    parameter: str
+    ratio: float
+    verdict: Verdict
+
+    @property
+    def name(self) -> str:
+        """The dot in a sentence: 'angle random walk on bias'."""
+        return f"{self.group[:1].lower()}{self.group[1:]} on {self.parameter}"
+
+
+def ratio_picture(study: PaperStudy) -> Picture:
+    """Return the ratios of all random rows as a block; the table has them too."""
+    dots = [
+        Dot(
+            group=place_of(row).group,
+            parameter=place_of(row).name.partition(JOINED)[0],
+            ratio=row.ratio,
+            verdict=row.verdict,
+        )
+        for row in study.of_section("table 1")
+        if row.is_summary and row.ratio is not None and JOINED in row.where
+    ]
+    fits = sum(dot.verdict in FITS for dot in dots)
+    far = dots[first_largest([max(dot.ratio, 1.0 / dot.ratio) for dot in dots])]
+    title = (
+        f"{fits} of the {len(dots)} random rows of Table 1 fit; farthest off is "
+        f"{far.name}, {print_ratio(far.ratio)} times the printed"
+    )
+    said = [f"{dot.name} {print_ratio(dot.ratio)} ({dot.verdict})" for dot in dots]
+    is_open = any(dot.verdict == Verdict.UNEXPLAINED for dot in dots)
+    return as_picture(
+        _draw_dots(dots, title),
+        name="ratios",
+        title=title,
+        alt=f"{title}. Ours over printed: {'; '.join(said)}.",
+        tips={
+            f"tip-{place}": f"{dot.name}: {print_ratio(dot.ratio)} times the printed "
+            f"root mean square; {dot.verdict}"
+            for place, dot in enumerate(dots)
+        },
+        caption=(
+            "Ours: u of a single run, or of a mean over 25 where the row fits that. "
+            "Filled: fits; open: does not"
+            + ("; bold: and nothing explains it." if is_open else ".")
+        ),
+    )
+
+
+@house_style()
+def _draw_dots(dots: Sequence[Dot], title: str) -> Figure:
+    """Draw u over the printed root mean square, a dot for each random row."""
+    height = TOP + ROW * len(dots) + BELOW
+    figure, axes = canvas(height, left=LEFT, right=RIGHT, top=TOP, below=BELOW)
+    figure.set_label(title)
+    ratios = [dot.ratio for dot in dots]
+    axes.set_xscale("log")
+    axes.set_xlim(min(*ratios, 1.0) / AIR, max(*ratios, 1.0) * AIR)
+    axes.set_ylim(len(dots) - 0.5, -0.5)
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.minorticks_off()
+    axes.grid(axis="x", color=GRID, linewidth=0.6)
+    axes.axvline(1.0, color=MUTED, linewidth=0.9, zorder=1)
+    axes.set_xlabel("ours / printed, root mean square", fontsize=SMALL, color=MUTED)
+    axes.set_yticks([])
+    group = ""
+    for place, dot in enumerate(dots):
+        if dot.group != group:
+            _write_name(axes, place, dot.group, left=4.0)
+            group = dot.group
+        _write_name(axes, place, dot.parameter, left=NAMES)
+        axes.plot(
+            [dot.ratio],
+            [place],
+            marker="o",
+            markersize=5.5,
+            color=INK if dot.verdict in FITS else PAPER,
+            markeredgecolor=INK,
+            zorder=3,
+            gid=f"tip-{place}",
+        )
+        strong = dot.verdict == Verdict.UNEXPLAINED
+        text = print_ratio(dot.ratio)
+        write_beside(axes, place, text, reach=RIGHT - 4.0, strong=strong)
+    return figure
+
+
+def _write_name(axes: Axes, place: int, text: str, *, left: float) -> None:
+    """Write a name beside the row at a place."""
+    axes.annotate(
+        text,
+        (0.0, place),
+        xycoords=("axes fraction", "data"),
+        xytext=(left - LEFT, 0.0),
+        textcoords="offset points",
+        fontsize=SMALL,
+        color=INK,
+        va="center_baseline",
+    )
