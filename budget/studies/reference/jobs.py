@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from budget.calibration.problem import calibration_problem
 from budget.errors import CallError
 from budget.methods.execution import one_blas_thread
 from budget.methods.monte_carlo import MAX_TRIALS
@@ -17,15 +16,15 @@ from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.cases import Bounds
 from budget.studies.analysis import analyze
 from budget.studies.comparison.compare import compare
-from budget.studies.conformity import assess
 from budget.studies.judgement import TRIALS
-from budget.studies.reference.comparisons import Compared, comparison_numbers
-from budget.studies.reference.numbers import allocation_numbers, budget_numbers
+from budget.studies.reference.numbers import (
+    allocation_numbers,
+    budget_numbers,
+    comparison_numbers,
+)
 from budget.studies.reference.records import JOBS, Asked, files_fault
-from budget.studies.reference.sampling import standard_errors
 from budget.studies.request import (
     choose_basis,
-    choose_sources,
     find_sources,
     sensors_of,
     source_names,
@@ -34,7 +33,7 @@ from budget.studies.request import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.spec.records import Costs, Device, Procedure, Requirement
+    from budget.spec.records import Device, Procedure, Requirement
     from budget.studies.reference.records import Part, Snapshot
 
 # Which settings mean something to which job; the others must stay as they are.
@@ -47,16 +46,6 @@ SETTINGS = {
     "allocate": ("strategy", "fix"),
 }
 _NAMES = {"samples": "sobol and --samples", "max_trials": "max-trials"}
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Records:
-    """The parts as records."""
-
-    devices: tuple[Device, ...]
-    procedures: tuple[Procedure, ...]
-    requirement: Requirement | None
-    costs: Costs | None
 
 
 def check_asked(job: str, asked: Asked) -> None:
@@ -108,36 +97,55 @@ def compute(
     CallError, SpecError
         The parts or settings do not fit together, or a part is no sound file.
     """
-    records = _Records(
-        devices=tuple(read_device(p.document) for p in _of("device", parts)),
-        procedures=tuple(read_procedure(p.document) for p in _of("procedure", parts)),
-        requirement=next(
-            (read_requirement(p.document) for p in _of("requirement", parts)), None
-        ),
-        costs=next((read_costs(p.document) for p in _of("costs", parts)), None),
-    )
+    devices = [read_device(part.document) for part in _of("device", parts)]
+    procedures = [read_procedure(part.document) for part in _of("procedure", parts)]
+    limits = [read_requirement(part.document) for part in _of("requirement", parts)]
+    costs = [read_costs(part.document) for part in _of("costs", parts)]
+    if job != "compare" and len(procedures) > 1:
+        raise CallError(
+            f"{len(procedures)} procedures were given, a reference of kind {job} takes "
+            "one; give one, or take --kind compare"
+        )
+    if job != "analyze" and not limits:
+        raise CallError(
+            f"a reference of kind {job} needs a requirement; give --requirement FILE"
+        )
+    fault = files_fault(job, [part.role for part in parts])
+    if fault:
+        raise CallError(f"found {fault}; give as many, or take another --kind")
     # The matrices are small, threads of BLAS only wait for each other; and with one the
     # order of every sum is the same on any machine.
     with one_blas_thread():
-        if job != "compare" and len(records.procedures) > 1:
-            raise CallError(
-                f"{len(records.procedures)} procedures were given, a reference of kind "
-                f"{job} takes one; give one, or take --kind compare"
-            )
-        if job != "analyze" and records.requirement is None:
-            raise CallError(
-                f"a reference of kind {job} needs a requirement; give --requirement "
-                "FILE"
-            )
-        fault = files_fault(job, [part.role for part in parts])
-        if fault:
-            raise CallError(f"found {fault}; give as many, or take another --kind")
-        if job == "analyze" or records.requirement is None:
-            return _analyze(records, asked, workers)
+        if job == "analyze":
+            requirement = limits[0] if limits else None
+            return _analyze(devices, procedures[0], requirement, asked, workers)
         if job == "compare":
-            names = [part.name for part in _of("device", parts)]
-            return _compare(records, records.requirement, names, asked, workers)
-        return _allocate(records, records.requirement, asked)
+            comparison = compare(
+                devices,
+                limits[0],
+                procedures,
+                method=asked.method,
+                trials=asked.trials or TRIALS,
+                max_trials=asked.max_trials,
+                seed=asked.seed,
+                workers=workers,
+            )
+            names = _once([part.name for part in _of("device", parts)])
+            return comparison_numbers(comparison, names, devices, procedures, limits[0])
+        known = source_names(sensors_of(devices))
+        held = find_sources(asked.fix, known, option="--fix")
+        # Limits are shared out by the law, without the catalogue.
+        allocation = allocate(
+            *devices,
+            requirement=limits[0],
+            procedure=procedures[0],
+            strategy=asked.strategy,
+            costs=costs[0] if costs else None,
+            bounds=Bounds(held=frozenset(held), most={}, least={}),
+            catalogue=(),
+            validate=False,
+        )
+        return allocation_numbers(allocation)
 
 
 def by_law(asked: Asked) -> Asked:
@@ -150,14 +158,19 @@ def _of(role: str, parts: Sequence[Part]) -> list[Part]:
     return [part for part in parts if part.role == role]
 
 
-def _analyze(records: _Records, asked: Asked, workers: int) -> Snapshot:
+def _analyze(
+    devices: Sequence[Device],
+    procedure: Procedure,
+    requirement: Requirement | None,
+    asked: Asked,
+    workers: int,
+) -> Snapshot:
     """Compute a budget; the check of the law by Monte Carlo is no part of it."""
-    (procedure,), requirement = records.procedures, records.requirement
     basis = choose_basis(
         requirement, coverage=asked.coverage, reference=asked.reference
     )
     budget = analyze(
-        *records.devices,
+        *devices,
         procedure=procedure,
         requirement=requirement,
         method=asked.method,
@@ -173,71 +186,12 @@ def _analyze(records: _Records, asked: Asked, workers: int) -> Snapshot:
         samples=asked.samples,
         only=asked.only,
     )
-    errors = None
-    if budget.settings.trials is not None:
-        sensors = sensors_of(records.devices)
-        problem = calibration_problem(
-            sensors,
-            procedure,
-            reference=basis.reference,
-            only=choose_sources(sensors, procedure, asked.only)[0],
-        )
-        errors = standard_errors(
-            problem,
-            trials=budget.settings.trials,
-            coverage=basis.coverage,
-            interval=asked.interval,
-        )
-    verdict = None
-    if requirement is not None:
-        verdict = assess(budget, requirement, records.devices)
-    return budget_numbers(budget, errors, verdict)
+    return budget_numbers(budget)
 
 
-def _compare(
-    records: _Records,
-    requirement: Requirement,
-    names: list[str],
-    asked: Asked,
-    workers: int,
-) -> Snapshot:
-    """Compare devices; names that stand twice are counted."""
-    comparison = compare(
-        records.devices,
-        requirement,
-        records.procedures,
-        method=asked.method,
-        trials=asked.trials or TRIALS,
-        max_trials=asked.max_trials,
-        seed=asked.seed,
-        workers=workers,
-    )
-    unique = [
+def _once(names: Sequence[str]) -> list[str]:
+    """Count the names that stand twice."""
+    return [
         name if names.count(name) == 1 else f"{name} ({names[: k + 1].count(name)})"
         for k, name in enumerate(names)
     ]
-    compared = Compared(
-        devices=records.devices,
-        names=unique,
-        requirement=requirement,
-        procedures=records.procedures,
-    )
-    return comparison_numbers(comparison, compared)
-
-
-def _allocate(records: _Records, requirement: Requirement, asked: Asked) -> Snapshot:
-    """Share limits out by the law, without the catalogue."""
-    (procedure,) = records.procedures
-    known = source_names(sensors_of(records.devices))
-    held = find_sources(asked.fix, known, option="--fix")
-    allocation = allocate(
-        *records.devices,
-        requirement=requirement,
-        procedure=procedure,
-        strategy=asked.strategy,
-        costs=records.costs,
-        bounds=Bounds(held=frozenset(held), most={}, least={}),
-        catalogue=(),
-        validate=False,
-    )
-    return allocation_numbers(allocation)

@@ -2,84 +2,242 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import TYPE_CHECKING
 
-import numpy as np
-
+from budget.studies.comparison.records import DeviceVerdict
+from budget.studies.judgement import NORMAL_TRIALS
 from budget.studies.reference.records import Number, Snapshot, Word
+from budget.studies.reference.sampling import StandardErrors, standard_errors
+from budget.studies.request import Analysis, analysis_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from budget.results import Assessment, Budget, OutputBudget
+    from budget.names import Name
+    from budget.problem import Output
+    from budget.results import Budget, OutputBudget
+    from budget.spec.records import Device, Procedure, Requirement
     from budget.studies.allocation.records import Allocation
-    from budget.studies.reference.sampling import StandardErrors
+    from budget.studies.comparison.records import Comparison
 
-# A correlation coefficient or a probability is a part of 1; so much of 1 is rounding.
+# A correlation coefficient, a probability or an index is a part of 1; so much of 1 is
+# rounding, of the estimators of Sobol' indices too.
 PART = 1e-9
-# Sobol' indices of a linear output are exact; their estimators still round.
-INDEX = 1e-9
 # The solver of the least cost is sure of the cost to a part of 1e-6; as the cost is
 # flat around its least, it is sure of a line to the root of that only.
 LEAST_COST, LEAST_COST_LINE = 1e-5, 2e-3
 
-
-@dataclass(frozen=True, kw_only=True)
-class _Sure:
-    """Sampling uncertainty of one number; none by the law."""
-
-    standard_error: float | None = None
-    degrees_of_freedom: float | None = None
+# What the standard errors of trials are of: fields of StandardErrors.
+MEAN, U, LOW, HIGH, END = "mean", "u", "low", "high", "end"
 
 
-_EXACT = _Sure()
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Certainty:
+    """How sure the numbers of each output are: by rounding, and by its trials.
+
+    Attributes
+    ----------
+    errors : StandardErrors or None
+        Of the outputs in their places; None by the law.
+    """
+
+    places: Mapping[Name, int]
+    errors: StandardErrors | None = None
+
+    @classmethod
+    def of_trials(
+        cls, analysis: Analysis, trials: int | None, *, interval: str = "symmetric"
+    ) -> Certainty:
+        """Return that of so many trials of a calibration; None: of the law."""
+        outputs = analysis.problem.outputs
+        return cls(
+            places={output.name: place for place, output in enumerate(outputs)},
+            errors=None
+            if trials is None
+            else standard_errors(
+                analysis.problem,
+                trials=trials,
+                coverage=analysis.coverage,
+                interval=interval,
+            ),
+        )
+
+    def number(
+        self,
+        output: Output,
+        quantity: str,
+        value: float,
+        spread: str = "",
+        *,
+        limit: float = 0.0,
+    ) -> Number:
+        """Return a number of an output, in its unit or as a part of its limit.
+
+        Parameters
+        ----------
+        value, limit : float
+            [SI]
+        spread : str
+            What its standard error is that of; '' where no trial touches it.
+        """
+        per = limit or output.si_per_unit
+        number = Number(
+            subject=output.name,
+            quantity=quantity,
+            unit="1" if limit else output.unit,
+            value=value / per,
+            floor=output.resolution / per,
+        )
+        errors = self.errors
+        if errors is None or not spread:
+            return number
+        place = self.places[output.name]
+        freedom = {
+            MEAN: errors.degrees_of_freedom,
+            U: float(errors.u_degrees_of_freedom[place]),
+        }
+        return replace(
+            number,
+            standard_error=float(getattr(errors, spread)[place]) / per,
+            degrees_of_freedom=freedom.get(spread, errors.end_degrees_of_freedom),
+        )
+
+    def correlation(self, one: Output, other: Output, value: float) -> Number:
+        """Return the correlation of two outputs."""
+        number = Number(
+            subject=one.name,
+            quantity="correlation",
+            partner=other.name,
+            unit="1",
+            value=value,
+            floor=PART,
+        )
+        if self.errors is None:
+            return number
+        spread = self.errors.correlation[self.places[one.name], self.places[other.name]]
+        return replace(
+            number,
+            standard_error=float(spread),
+            degrees_of_freedom=self.errors.degrees_of_freedom,
+        )
 
 
-def budget_numbers(
-    budget: Budget, errors: StandardErrors | None, assessment: Assessment | None
-) -> Snapshot:
+def budget_numbers(budget: Budget) -> Snapshot:
     """Return all that a budget says.
+
+    Shares are left out: they are ratios of contributions; so are correlations between
+    the triads, which the model keeps independent.
+    """
+    settings = budget.settings
+    sure = Certainty.of_trials(
+        analysis_of(budget), settings.trials, interval=settings.interval
+    )
+    numbers: list[Number] = []
+    for row in budget.outputs:
+        numbers += (
+            sure.number(row.output, "mean", row.mean, MEAN),
+            sure.number(
+                row.output, "standard_uncertainty", row.standard_uncertainty, U
+            ),
+            sure.number(row.output, "interval_low", row.interval[0], LOW),
+            sure.number(row.output, "interval_high", row.interval[1], HIGH),
+        )
+        numbers += _contributions(row, sure, settings.sobol_scrambles)
+    r = budget.correlation
+    numbers += (
+        sure.correlation(one.output, other.output, float(r[a, b]))
+        for (a, one), (b, other) in combinations(enumerate(budget.outputs), 2)
+        if one.is_resolved and other.is_resolved and one.sensor == other.sensor
+    )
+    words = [
+        _not_given(sensor, (n for n in budget.not_given if n.owner == sensor))
+        for sensor in dict.fromkeys(row.sensor for row in budget.outputs)
+    ]
+    if budget.assessment is not None:
+        used = [
+            sure.number(
+                row.output, "utilisation", row.largest_error, END, limit=row.limit
+            )
+            for row in budget.assessment.outputs
+        ]
+        numbers += used
+        rests_on = "" if sure.errors is None else "utilisation"
+        for one in budget.assessment.sensors:
+            own = [
+                number
+                for number, row in zip(used, budget.assessment.outputs, strict=True)
+                if row.output.name.owner == one.sensor
+            ]
+            numbers.append(_largest(one.sensor, own))
+            words.append(
+                Word(
+                    subject=one.sensor,
+                    quantity="verdict",
+                    text=one.verdict,
+                    rests_on=rests_on,
+                )
+            )
+    return Snapshot(numbers=tuple(numbers), words=tuple(words))
+
+
+def comparison_numbers(
+    comparison: Comparison,
+    names: Sequence[str],
+    devices: Sequence[Device],
+    procedures: Sequence[Procedure],
+    requirement: Requirement,
+) -> Snapshot:
+    """Return what a comparison says of every sensor of every device.
+
+    Ranks, worst outputs and factors are left out: where two are alike, which of them
+    comes first is chance, and what they rest on is here. So is what missing lines
+    could do, which depends on the whole catalogue.
 
     Parameters
     ----------
-    budget : Budget
-    errors : StandardErrors or None
-        Of its outputs, in their order; None by the law.
-    assessment : Assessment or None
-        The budget against a requirement.
-
-    Returns
-    -------
-    Snapshot
-        Shares are left out: they are ratios of contributions; so are correlations
-        between the triads, which the model keeps independent.
+    comparison : Comparison
+    names : sequence of str
+        Of the devices, each once.
+    devices, procedures, requirement
+        That were compared.
     """
     numbers: list[Number] = []
-    for k, row in enumerate(budget.outputs):
-        numbers.extend(_output_numbers(row, k, errors))
-        numbers.extend(_cause_numbers(row, budget.settings.sobol_scrambles))
-    numbers.extend(_correlations(budget, errors))
-    words = [
-        Word(
-            subject=sensor,
-            quantity="not_given",
-            text=", ".join(n for n in budget.not_given if n.owner == sensor),
-        )
-        for sensor in dict.fromkeys(row.sensor for row in budget.outputs)
-    ]
-    if assessment is not None:
-        numbers.extend(_utilisations(budget, assessment, errors))
-        words.extend(
-            Word(
-                subject=row.sensor,
-                quantity="verdict",
-                text=row.verdict,
-                rests_on="" if errors is None else "utilisation",
+    words: list[Word] = []
+    by_name = {procedure.name: procedure for procedure in procedures}
+    for row in comparison.entrants:
+        device = names[row.place]
+        if len(procedures) > 1:
+            device = f"{device} @ {row.procedure}"
+        subject = f"{device} {row.sensor}"
+        if isinstance(row, DeviceVerdict):
+            analysis = Analysis(
+                devices=(devices[row.place],),
+                procedure=by_name[row.procedure],
+                coverage=requirement.coverage,
+                reference=requirement.reference,
+            ).alone(row.sensor)
+            sure = Certainty.of_trials(analysis, row.trials)
+            numbers += _device_numbers(row, device, sure)
+            words += (
+                Word(
+                    subject=subject,
+                    quantity="verdict",
+                    text=row.verdict,
+                    rests_on="" if row.trials is None else "utilisation",
+                ),
+                # Axes are alike: which of them is the worst may hang on rounding.
+                Word(
+                    subject=subject,
+                    quantity="limiting_source",
+                    text=row.remedy.source,
+                    rests_on="utilisation",
+                ),
             )
-            for row in assessment.sensors
-        )
+        else:
+            words.append(Word(subject=subject, quantity="verdict", text="undecidable"))
+        words.append(_not_given(subject, row.not_given))
     return Snapshot(numbers=tuple(numbers), words=tuple(words))
 
 
@@ -90,127 +248,71 @@ def allocation_numbers(allocation: Allocation) -> Snapshot:
     files that are no input, the other is a search.
     """
     line = LEAST_COST_LINE if allocation.strategy == "cost" else 0.0
-    numbers: list[Number] = []
-    words: list[Word] = []
-    yes = {True: "yes", False: "no"}
-    words.append(
+    # Subject, quantity, unit, value, rounding.
+    rows: list[tuple[str, str, str, float | None, float]] = []
+    words = [
         Word(
             subject="requirement",
             quantity="feasible",
-            text=yes[allocation.feasible],
+            text="yes" if allocation.feasible else "no",
         )
-    )
+    ]
     for row in allocation.sources:
-        room = None if row.headroom is None else row.headroom.value
-        values = {"now": row.now, "allowed": row.allowed, "headroom": room}
-        numbers.extend(
-            Number(
-                subject=row.source,
-                quantity=quantity,
-                unit=row.unit,
-                value=value / row.si_per_unit,
-                floor=line * value / row.si_per_unit if quantity == "allowed" else 0.0,
-            )
-            for quantity, value in values.items()
-            if value is not None
-        )
+        sizes = {
+            "now": row.now,
+            "allowed": row.allowed,
+            "headroom": None if row.headroom is None else row.headroom.value,
+        }
+        for quantity, size in sizes.items():
+            value = None if size is None else size / row.si_per_unit
+            floor = line * value if value and quantity == "allowed" else 0.0
+            rows.append((row.source, quantity, row.unit, value, floor))
         words.append(Word(subject=row.source, quantity="status", text=row.status))
     for limited in allocation.outputs:
-        parts = {
-            "utilisation_now": limited.now,
-            "utilisation_allowed": limited.allowed,
-            "utilisation_floor": limited.floor,
-        }
-        numbers.extend(
-            Number(
-                subject=limited.output.name,
-                quantity=quantity,
-                unit="1",
-                value=value,
-                floor=max(
-                    line if quantity == "utilisation_allowed" else 0.0,
-                    limited.output.resolution / limited.limit,
-                ),
-            )
-            for quantity, value in parts.items()
-            if value is not None
+        name, least = limited.output.name, limited.output.resolution / limited.limit
+        rows += (
+            (name, "utilisation_now", "1", limited.now, least),
+            (name, "utilisation_allowed", "1", limited.allowed, max(line, least)),
+            (name, "utilisation_floor", "1", limited.floor, least),
         )
     for cost in allocation.costs:
-        numbers.extend(
-            Number(
-                subject=cost.sensor,
-                quantity=quantity,
-                unit="1",
-                value=value,
-                floor=LEAST_COST * value,
-            )
-            for quantity, value in (("cost_now", cost.now), ("cost", cost.cost))
+        rows += (
+            (cost.sensor, "cost_now", "1", cost.now, LEAST_COST * cost.now),
+            (cost.sensor, "cost", "1", cost.cost, LEAST_COST * cost.cost),
         )
+    numbers = (
+        Number(subject=subject, quantity=quantity, unit=unit, value=value, floor=floor)
+        for subject, quantity, unit, value, floor in rows
+        if value is not None
+    )
     return Snapshot(numbers=tuple(numbers), words=tuple(words))
 
 
-def _output_numbers(
-    row: OutputBudget, k: int, errors: StandardErrors | None
+def _not_given(subject: str, names: Iterable[Name]) -> Word:
+    """Return the word on the lines that are not given."""
+    return Word(subject=subject, quantity="not_given", text=", ".join(names))
+
+
+def _contributions(
+    row: OutputBudget, sure: Certainty, scrambles: int | None
 ) -> Iterator[Number]:
-    """Yield mean, u and both ends of one output."""
-    scale = row.output.si_per_unit
-    sure = dict.fromkeys(("mean", "u", "low", "high"), _EXACT)
-    if errors is not None:
-        freedom = {
-            "mean": errors.degrees_of_freedom,
-            "u": float(errors.u_degrees_of_freedom[k]),
-            "low": errors.end_degrees_of_freedom,
-            "high": errors.end_degrees_of_freedom,
-        }
-        sure = {
-            name: _Sure(
-                standard_error=float(getattr(errors, name)[k]) / scale,
-                degrees_of_freedom=degrees,
-            )
-            for name, degrees in freedom.items()
-        }
-    for quantity, value, name in (
-        ("mean", row.mean, "mean"),
-        ("standard_uncertainty", row.standard_uncertainty, "u"),
-        ("interval_low", row.interval[0], "low"),
-        ("interval_high", row.interval[1], "high"),
-    ):
-        yield Number(
-            subject=row.output.name,
-            quantity=quantity,
-            unit=row.output.unit,
-            value=value / scale,
-            floor=row.output.resolution / scale,
-            standard_error=sure[name].standard_error,
-            degrees_of_freedom=sure[name].degrees_of_freedom,
-        )
-
-
-def _cause_numbers(row: OutputBudget, scrambles: int | None) -> Iterator[Number]:
     """Yield contributions, by the law under every method, and Sobol' indices."""
-    scale = row.output.si_per_unit
     for part in row.contributions:
-        yield Number(
-            subject=row.output.name,
-            quantity="contribution",
-            partner=part.source,
-            unit=row.output.unit,
-            value=part.standard_uncertainty / scale,
-            floor=row.output.resolution / scale,
-        )
+        own = sure.number(row.output, "contribution", part.standard_uncertainty)
+        own = replace(own, partner=part.source)
+        yield own
         if part.sobol is None or scrambles is None:
             continue
         for quantity, value, ends in (
             ("sobol_first", part.sobol.first, part.sobol.first_interval),
             ("sobol_total", part.sobol.total, part.sobol.total_interval),
         ):
-            yield Number(
-                subject=row.output.name,
+            yield replace(
+                own,
                 quantity=quantity,
-                partner=part.source,
                 unit="1",
                 value=value,
-                floor=INDEX,
+                floor=PART,
                 standard_error=_of_interval(ends, scrambles),
                 degrees_of_freedom=scrambles - 1.0,
             )
@@ -226,60 +328,52 @@ def _of_interval(ends: tuple[float, float], scrambles: int) -> float:
     return (ends[1] - ends[0]) / 2.0 / t
 
 
-def _correlations(budget: Budget, errors: StandardErrors | None) -> Iterator[Number]:
-    """Yield the correlations of the outputs of a triad that have a spread."""
-    r = np.asarray(budget.correlation)
-    rows: Sequence[tuple[int, OutputBudget]] = [
-        (k, row) for k, row in enumerate(budget.outputs) if row.is_resolved
-    ]
-    for (a, one), (b, other) in combinations(rows, 2):
-        if one.sensor != other.sensor:
-            continue
-        yield Number(
-            subject=one.output.name,
-            quantity="correlation",
-            partner=other.output.name,
-            unit="1",
-            value=float(r[a, b]),
-            floor=PART,
-            standard_error=None if errors is None else float(errors.correlation[a, b]),
-            degrees_of_freedom=None if errors is None else errors.degrees_of_freedom,
-        )
-
-
-def _utilisations(
-    budget: Budget, assessment: Assessment, errors: StandardErrors | None
+def _device_numbers(
+    row: DeviceVerdict, device: str, sure: Certainty
 ) -> Iterator[Number]:
-    """Yield the part of its limit that each required output, and each sensor, uses."""
-    places = {row.output.name: k for k, row in enumerate(budget.outputs)}
-    worst: dict[str, Number] = {}
-    for row in assessment.outputs:
-        sure = _EXACT
-        if errors is not None:
-            sure = _Sure(
-                standard_error=float(errors.end[places[row.output.name]]) / row.limit,
-                degrees_of_freedom=errors.end_degrees_of_freedom,
-            )
-        number = Number(
-            subject=row.output.name,
-            quantity="utilisation",
+    """Yield the numbers of one sensor of one device."""
+    used: list[Number] = []
+    for one in row.outputs:
+        name = f"{device} {one.output.name}"
+        conformance = Number(
+            subject=name,
+            quantity="conformance",
             unit="1",
-            value=row.utilisation,
-            floor=row.output.resolution / row.limit,
-            standard_error=sure.standard_error,
-            degrees_of_freedom=sure.degrees_of_freedom,
+            value=one.conformance,
+            floor=PART,
+            trials=row.trials,
         )
-        yield number
-        sensor = row.output.name.owner
-        if sensor not in worst or number.value > worst[sensor].value:
-            worst[sensor] = number
-    for sensor, number in worst.items():
-        yield Number(
-            subject=sensor,
-            quantity="utilisation",
-            unit="1",
-            value=number.value,
-            floor=number.floor,
-            standard_error=number.standard_error,
-            degrees_of_freedom=number.degrees_of_freedom,
-        )
+        error = one.largest_error
+        for number in (
+            sure.number(
+                one.output, "standard_uncertainty", one.standard_uncertainty, U
+            ),
+            sure.number(one.output, "largest_error", error, END),
+        ):
+            yield replace(number, subject=name)
+        yield conformance
+        used.append(sure.number(one.output, "utilisation", error, END, limit=one.limit))
+    subject = f"{device} {row.sensor}"
+    yield _largest(subject, used)
+    yield Number(
+        subject=subject,
+        quantity="conformance",
+        unit="1",
+        value=row.conformance.value,
+        floor=PART,
+        trials=row.trials or NORMAL_TRIALS,  # by the law counted in draws of it
+    )
+
+
+def _largest(subject: str, numbers: Sequence[Number]) -> Number:
+    """Return the largest of several numbers as one of their sensor.
+
+    It strays no further than that of them which strays furthest.
+    """
+    errors = [n.standard_error for n in numbers if n.standard_error is not None]
+    return replace(
+        max(numbers, key=lambda number: number.value),
+        subject=subject,
+        floor=max(number.floor for number in numbers),
+        standard_error=max(errors) if errors else None,
+    )
