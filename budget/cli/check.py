@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -12,8 +11,6 @@ from budget.cli import options
 from budget.cli.streams import console, in_line, say
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from budget.studies.reference.catalogue import FoundReference
     from budget.studies.reference.records import Difference, Job, Role, StoredInput
 
@@ -261,9 +258,8 @@ def _check(
 ) -> None:
     """Check references one by one; one that is bad does not stop the others."""
     from budget.cli.computing import progress
-    from budget.cli.output import check_destinations, printing
+    from budget.cli.output import check_destinations, hand_out
     from budget.errors import BudgetError
-    from budget.report.files import write_all
     from budget.report.reference.document import checks_csv, checks_json
     from budget.report.reference.terminal import render_checks
     from budget.studies.reference.catalogue import find_references
@@ -292,23 +288,13 @@ def _check(
             show("check", done, len(found))
     for text in errors:
         say(text)
-    documents: dict[Path | None, Callable[[], str]] = {
-        json: lambda: checks_json(checks, errors),
-        csv: lambda: checks_csv(checks),
-    }
-    write_all(
-        {
-            path: text()
-            for path, text in documents.items()
-            if path is not None and path != options.STDOUT
-        }
+    hand_out(
+        [
+            (json, lambda: checks_json(checks, errors)),
+            (csv, lambda: checks_csv(checks)),
+        ],
+        lambda: render_checks(checks, len(errors), console()),
     )
-    document = documents.get(options.STDOUT)
-    with printing():
-        if document is not None:
-            sys.stdout.write(document())
-        else:
-            render_checks(checks, len(errors), console())
     if errors:
         raise typer.Exit(EXIT_BAD_INPUT)
     if not all(one.holds for one in checks):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -54,9 +53,8 @@ def diff(
     requirement and the settings of that. The numbers of a reference are the stored
     ones. Exit code 0 whatever differs.
     """
-    from budget.cli.output import check_destinations, printing
+    from budget.cli.output import check_destinations, hand_out
     from budget.errors import CallError
-    from budget.report.files import write_all
     from budget.report.reference.document import difference_csv, difference_json
     from budget.report.reference.terminal import render_difference
     from budget.studies.reference.check import compare_sides
@@ -77,20 +75,13 @@ def diff(
             for name, own in zip((first, second), stored, strict=True)
         )
     )
-    renders = ((json, difference_json), (csv, difference_csv))
-    write_all(
-        {
-            path: render(difference)
-            for path, render in renders
-            if path is not None and path != options.STDOUT
-        }
+    hand_out(
+        [
+            (json, lambda: difference_json(difference)),
+            (csv, lambda: difference_csv(difference)),
+        ],
+        lambda: render_difference(difference, console()),
     )
-    on_stdout = [render for path, render in renders if path == options.STDOUT]
-    with printing():
-        if on_stdout:
-            sys.stdout.write(on_stdout[0](difference))
-            return
-        render_difference(difference, console())
 
 
 def _reference(name: str) -> ReferenceBudget | None:

@@ -17,7 +17,7 @@ from budget.errors import CallError
 from budget.journal import note_read
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     import typer
 
@@ -80,30 +80,45 @@ def printing() -> Iterator[None]:
         signal.signal(signal.SIGPIPE, before)
 
 
+def hand_out(
+    documents: Sequence[tuple[Path | None, Callable[[], str]]],
+    show: Callable[[], None],
+) -> None:
+    """Write the documents that were asked for; print the one for stdout, or `show`.
+
+    Parameters
+    ----------
+    documents : sequence of (Path or None, callable)
+        Where each goes, None for nowhere, and what makes its text.
+    show : callable
+        Prints the result for people.
+    """
+    from budget.report.files import write_all
+
+    wanted = {path: text for path, text in documents if path is not None}
+    on_stdout = wanted.pop(STDOUT, None)
+    write_all({path: text() for path, text in wanted.items()})
+    with printing():
+        if on_stdout is None:
+            show()
+        else:
+            sys.stdout.write(on_stdout())
+
+
 def deliver(budget: Budget, *, json: Path | None, csv: Path | None) -> None:
     """Print the budget for people, or the document asked for; write the files."""
     from budget.report.document import to_csv, to_json
-    from budget.report.files import write_all
 
-    documents = [(json, to_json), (csv, to_csv)]
-    write_all(
-        {
-            path: render(budget)
-            for path, render in documents
-            if path is not None and path != STDOUT
-        }
-    )
-    on_stdout = [render for path, render in documents if path == STDOUT]
-    if csv == STDOUT:  # the only output that has no room for them
-        for text in budget.warnings:
-            say(f"warning: {text}")
-    with printing():
-        if on_stdout:
-            sys.stdout.write(on_stdout[0](budget))
-            return
+    def show() -> None:
         from budget.report.terminal import render_budget
 
         render_budget(budget, console())
+
+    if csv == STDOUT:  # the only output that has no room for them
+        for text in budget.warnings:
+            say(f"warning: {text}")
+    documents = [(json, lambda: to_json(budget)), (csv, lambda: to_csv(budget))]
+    hand_out(documents, show)
 
 
 SUFFIXES = (".html", ".pdf")

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import floor, inf, log10
 from typing import TYPE_CHECKING
 
-from budget.report.tables import output_title, source_title, words
+from budget.report.tables import output_title, round_value, source_title, words
 from budget.studies.reference.records import TOOL
 from budget.studies.request import read_name
 
@@ -37,7 +37,7 @@ MOST_ROWS = 24  # on a terminal
 MOST_IDLE = 12  # changes without effect that a terminal names
 FACTOR = 3.0  # a number that grew by more is said to be so many times as large
 MOST_DIGITS = 10  # of a number that moved by very little
-PLAIN = (-4, 7)  # decimal exponents that are written without one
+PLAIN = (-4, 4)  # decimal exponents that are written without one
 AXES = {3, 6}  # how many axes a parameter has
 AXIS = 3  # letters that no name of an axis has
 ALL = "100 %"
@@ -54,12 +54,12 @@ NONE = "-"
 class Row:
     """One or more numbers that moved alike."""
 
-    labels: tuple[str, ...]
     before: str
     after: str
     change: str  # of the uncertainty of the output, or of the number itself
     times: str  # how many tolerances or standard errors
     because: str  # numbers of the changes
+    labels: tuple[str, ...] = ()
 
     @property
     def label(self) -> str:
@@ -176,40 +176,20 @@ def print_pair(before: float, after: float) -> tuple[str, str]:
     for number in (difference, abs(before), abs(after)):
         if 0.0 < number < inf:
             place = min(place, floor(log10(number)) - 1)
-    place = max(place, top - MOST_DIGITS + 1)
-    return _print(before, top, place), _print(after, top, place)
-
-
-def _print(value: float, top: int, place: int) -> str:
-    """Print a number down to a decimal place, `top` being that of the first digit."""
-    if PLAIN[0] <= top < PLAIN[1]:
-        text = f"{value:.{max(-place, 0)}f}"
-    else:
-        own = floor(log10(abs(value))) if value else top
-        text = _short(f"{value:.{max(own - place, 0)}e}")
-    return text.removeprefix("-") if float(text) == 0.0 else text
+    u = 10.0 ** (max(place, top - MOST_DIGITS + 1) + 1)  # two digits of it: to `place`
+    return round_value(before, u), round_value(after, u)
 
 
 def _rows(moves: Sequence[Move]) -> tuple[Row, ...]:
     """Make rows; axes whose rows say the same are one row."""
-    rows: dict[tuple[str, ...], list[str]] = {}
+    rows: dict[Row, list[str]] = {}
     for move in moves:
-        rows.setdefault(_cells(move), []).append(_split(move.key.subject)[1])
-    return tuple(
-        Row(
-            labels=tuple(labels),
-            before=cells[0],
-            after=cells[1],
-            change=cells[2],
-            times=cells[3],
-            because=cells[4],
-        )
-        for cells, labels in rows.items()
-    )
+        rows.setdefault(_row(move), []).append(_split(move.key.subject)[1])
+    return tuple(replace(row, labels=tuple(labels)) for row, labels in rows.items())
 
 
-def _cells(move: Move) -> tuple[str, ...]:
-    """Return before, after, change, times and because of one move."""
+def _row(move: Move) -> Row:
+    """Return the row of one move, without its label."""
     if isinstance(move.before, float) and isinstance(move.after, float):
         before, after = print_pair(move.before, move.after)
     else:
@@ -224,7 +204,9 @@ def _cells(move: Move) -> tuple[str, ...]:
     times = NONE
     if move.times is not None:
         times = f"{_two_digits(move.times)} {'s.e.' if move.is_sampled else 'tol'}"
-    return before, after, change, times, _because(move)
+    return Row(
+        before=before, after=after, change=change, times=times, because=_because(move)
+    )
 
 
 def _because(move: Move) -> str:
@@ -287,16 +269,11 @@ def _percent(part: float) -> str:
 
 
 def _two_digits(value: float) -> str:
-    """Print two digits, plainly where that is short."""
+    """Print two digits, plainly where that is short: 0.0015, 1500, 1.5e4."""
     if value == 0.0:
         return "0"
     top = floor(log10(value))
-    if PLAIN[0] <= top < PLAIN[1] - 3:
+    if PLAIN[0] <= top < PLAIN[1]:
         return f"{value:.{max(1 - top, 0)}f}"
-    return _short(f"{value:.1e}")
-
-
-def _short(text: str) -> str:
-    """Write an exponent without the plus and the zeros: 1.2e-05 as 1.2e-5."""
-    mantissa, _, exponent = text.partition("e")
+    mantissa, _, exponent = f"{value:.1e}".partition("e")
     return f"{mantissa}e{int(exponent)}"
