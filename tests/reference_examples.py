@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 from budget.studies.reference.check import make_reference
-from budget.studies.reference.jobs import compute
-from budget.studies.reference.parts import (
+from budget.studies.reference.files import (
     digest,
-    present_parts,
-    stored_parts,
+    present_documents,
+    stored_documents,
     take_in,
     take_text,
 )
+from budget.studies.reference.jobs import compute
 from budget.studies.reference.records import Asked
 from budget.studies.reference.store import read_reference, reference_text
 
@@ -47,7 +47,7 @@ def parts_of(text=DEVICE, *, job="analyze", more=()):
     )
     inputs = [device, take_text("procedure", "zhao-2019")]
     inputs += [take_text(role, name) for role, name in more]
-    return stored_parts(inputs, reference="test", job=job)
+    return stored_documents(inputs, reference="test", job=job)
 
 
 def snapshot(text=DEVICE, *, job="analyze", more=(), **asked):
@@ -73,5 +73,7 @@ def stored(path):
 
 
 def now(reference, folder):
-    """Return the parts of a reference as their files are now."""
-    return present_parts(reference.inputs, folder, reference="test", job=reference.job)
+    """Return the inputs of a reference as their files are now."""
+    return present_documents(
+        reference.inputs, folder, reference="test", job=reference.job
+    )

@@ -15,7 +15,7 @@ from numpy.testing import assert_allclose
 from reference_examples import DEVICE, store, stored
 
 from budget.resources import shipped
-from budget.studies.reference.catalogue import shipped_references
+from budget.studies.reference.files import shipped_references
 
 ROOT = Path(__file__).resolve().parent.parent
 WORSE = DEVICE.replace("value: 0.04 deg/h", "value: 0.0404 deg/h")

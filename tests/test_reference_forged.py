@@ -12,7 +12,7 @@ from command_line import call
 from budget.cli import options
 from budget.spec import reader
 from budget.studies.reference import records
-from budget.studies.reference.parts import digest, take_text
+from budget.studies.reference.files import digest, take_text
 from budget.studies.reference.store import _checksum
 
 DEVICE = "name: One\ngyro: {errors: {bias_repeatability: 0.1 deg/h}}\n"

@@ -11,13 +11,16 @@ import pytest
 from budget.resources import shipped
 from budget.spec.device import variant_names
 from budget.spec.files import find, open_file
-from budget.studies.reference.catalogue import shipped_references
 from budget.studies.reference.check import check, make_reference
 from budget.studies.reference.exchange import KeyChange, effective, exchange
 from budget.studies.reference.explain import input_changes
+from budget.studies.reference.files import (
+    shipped_references,
+    stored_documents,
+    take_text,
+)
 from budget.studies.reference.jobs import by_law, compute
 from budget.studies.reference.moves import find_moves
-from budget.studies.reference.parts import stored_parts, take_text
 from budget.studies.reference.records import Asked
 from budget.studies.reference.store import read_reference
 
@@ -239,14 +242,14 @@ def test_every_figure_of_the_catalogue_moves_a_number(device):
         replace(take_text("device", stem), variant=variant),
         take_text("procedure", "zhao-2019-eq4"),
     ]
-    part, procedure = stored_parts(inputs, reference=device, job="analyze")
+    part, procedure = stored_documents(inputs, reference=device, job="analyze")
     base = compute("analyze", (part, procedure), Asked())
     figures = model_figures(device)
 
     for figure in figures:
         larger = replace(figure.node, value=figure.larger(), written=figure.larger())
         key = KeyChange(steps=figure.steps, before=figure.node, after=larger)
-        changed = replace(part, document=exchange(part.document, key))
+        changed = exchange(part, key)
         moves = find_moves(base, compute("analyze", (changed, procedure), Asked()))
         (change,) = input_changes((part,), (changed,))
         assert moves, figure.key

@@ -121,8 +121,8 @@ def test_standard_errors_fall_with_the_root_of_trials(problem):
 def test_standard_errors_of_indices_are_what_seeds_do():
     """Sobol' indices of a gyro with asymmetry vary as their scrambles say."""
     device, how = parts_of()
-    sensor = read_device(device.document).gyro
-    small = calibration_problem((sensor,), read_procedure(how.document))
+    sensor = read_device(device).gyro
+    small = calibration_problem((sensor,), read_procedure(how))
     drawn = [sobol(small, samples=64, seed=seed) for seed in range(40)]
     told = np.mean([(r.total.high - r.total.low) / 2.0 for r in drawn], axis=0)
     seen = spread([r.total.value for r in drawn])

@@ -14,9 +14,8 @@ from command_line import call
 from reference_examples import DEVICE, store, stored
 
 from budget.errors import ReferenceFileError
-from budget.studies.reference.catalogue import shipped_references
+from budget.studies.reference.files import shipped_references, stored_documents
 from budget.studies.reference.jobs import compute
-from budget.studies.reference.parts import stored_parts
 from budget.studies.reference.records import Asked
 from budget.studies.reference.store import (
     MOST_BYTES,
@@ -87,7 +86,7 @@ class TestFirstVersion:
     def test_its_content_can_be_computed_with(self):
         """The stored texts are sound files, and give the quantities stored then."""
         first = stored(FIRST)
-        parts = stored_parts(first.inputs, reference="first", job=first.job)
+        parts = stored_documents(first.inputs, reference="first", job=first.job)
         again = compute(first.job, parts, first.settings)
 
         assert set(first.by_key()) <= set(again.by_key())

@@ -11,7 +11,7 @@ from budget.cli import options
 from budget.cli.streams import console, in_line, say
 
 if TYPE_CHECKING:
-    from budget.studies.reference.catalogue import FoundReference
+    from budget.spec.files import NamedFile
     from budget.studies.reference.records import Difference, Job, Role, StoredInput
 
 EXIT_MOVED = 1
@@ -225,7 +225,7 @@ def _take_in(files: dict[Role, list[str]], folder: Path) -> tuple[StoredInput, .
     """Read all inputs, or say everything that is wrong in them."""
     from budget.errors import Issue, SpecError
     from budget.spec.load import PAPER
-    from budget.studies.reference.parts import take_in, take_shipped
+    from budget.studies.reference.files import take_in, take_shipped
 
     defaults: dict[Role, str] = {"device": options.BUILT_IN_DEVICE, "procedure": PAPER}
     if not files["device"]:
@@ -262,13 +262,13 @@ def _check(
     from budget.errors import BudgetError
     from budget.report.reference.document import checks_csv, checks_json
     from budget.report.reference.terminal import render_checks
-    from budget.studies.reference.catalogue import find_references
     from budget.studies.reference.check import check as run
+    from budget.studies.reference.files import find_references
     from budget.studies.reference.store import read_reference
 
     checks: list[Difference] = []
     errors: list[str] = []
-    found: list[FoundReference] = []
+    found: list[NamedFile] = []
     for wanted in [[name] for name in names] or [[]]:
         try:
             found.extend(find_references(wanted))

@@ -87,7 +87,7 @@ def diff(
 def _reference(name: str) -> ReferenceBudget | None:
     """Read a stored reference; None where the name is of a device."""
     from budget.spec.files import find
-    from budget.studies.reference.catalogue import find_references, shipped_references
+    from budget.studies.reference.files import find_references, shipped_references
     from budget.studies.reference.store import read_reference
 
     ships = {one.shown for one in shipped_references()}
@@ -109,8 +109,8 @@ def _side(
     from budget.errors import CallError
     from budget.spec.load import PAPER
     from budget.studies.reference.check import computed_side, stored_side
-    from budget.studies.reference.parts import (
-        stored_parts,
+    from budget.studies.reference.files import (
+        stored_documents,
         take_shipped,
         take_text,
     )
@@ -131,5 +131,5 @@ def _side(
         inputs.append(take_text("procedure", procedure))
     else:
         inputs.append(take_shipped("procedure", PAPER))
-    parts = stored_parts(inputs, reference="", job="analyze")
+    parts = stored_documents(inputs, reference="", job="analyze")
     return computed_side("analyze", parts, asked, name=name)

@@ -11,9 +11,9 @@ from budget.studies.reference.explain import (
     input_changes,
     version_changes,
 )
+from budget.studies.reference.files import present_documents, stored_documents
 from budget.studies.reference.jobs import check_asked, compute
 from budget.studies.reference.moves import count_compared, find_moves
-from budget.studies.reference.parts import present_parts, stored_parts
 from budget.studies.reference.records import (
     TOOL,
     Change,
@@ -26,7 +26,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from budget.studies.reference.records import Asked, Job, Part, StoredInput
+    from budget.spec.tree import Document
+    from budget.studies.reference.records import Asked, Job, StoredInput
 
 # What takes the place of causes where the stored inputs cannot be read.
 _UNREADABLE = Change(
@@ -47,8 +48,8 @@ def make_reference(
     CallError, SpecError
         Inputs or settings that do not fit together.
     """
-    parts = stored_parts(inputs, reference="", job=job)
-    side = computed_side(job, parts, asked, name="", workers=workers)
+    documents = stored_documents(inputs, reference="", job=job)
+    side = computed_side(job, documents, asked, name="", workers=workers)
     return ReferenceBudget(
         job=job,
         inputs=tuple(inputs),
@@ -60,16 +61,16 @@ def make_reference(
 
 
 def computed_side(
-    job: Job, parts: tuple[Part, ...], asked: Asked, *, name: str, workers: int = 1
+    job: Job, inputs: tuple[Document, ...], asked: Asked, *, name: str, workers: int = 1
 ) -> Side:
     """Compute a budget now. Raises as make_reference."""
     check_asked(job, asked)
     return Side(
         name=name,
         job=job,
-        parts=parts,
+        inputs=inputs,
         asked=asked,
-        snapshot=compute(job, parts, asked, workers=workers),
+        snapshot=compute(job, inputs, asked, workers=workers),
         versions=present_versions(),
     )
 
@@ -85,7 +86,7 @@ def stored_side(reference: ReferenceBudget, *, name: str) -> Side:
     return Side(
         name=name,
         job=reference.job,
-        parts=stored_parts(reference.inputs, reference=name, job=reference.job),
+        inputs=stored_documents(reference.inputs, reference=name, job=reference.job),
         asked=reference.settings,
         snapshot=reference,
         versions=reference.versions,
@@ -113,7 +114,7 @@ def check(
     workers : int
         Number of processes; changes no number.
     root : Path, optional
-        Folder that its files must be in; see `parts.tree_of`.
+        Folder that its files must be in; see `files.tree_of`.
 
     Returns
     -------
@@ -127,8 +128,10 @@ def check(
     """
     job, asked = reference.job, reference.settings
     check_asked(job, asked)
-    parts = present_parts(reference.inputs, folder, reference=name, job=job, root=root)
-    now = computed_side(job, parts, asked, name=name, workers=workers)
+    inputs = present_documents(
+        reference.inputs, folder, reference=name, job=job, root=root
+    )
+    now = computed_side(job, inputs, asked, name=name, workers=workers)
     versions = version_changes(reference.versions, now.versions)
     moves = find_moves(reference, now.snapshot)
     try:
@@ -136,7 +139,7 @@ def check(
     except BudgetError:  # stored inputs only explain: they stop no check
         changes: tuple[Change, ...] = (_UNREADABLE, *versions)
     else:
-        changes = (*input_changes(then.parts, now.parts), *versions)
+        changes = (*input_changes(then.inputs, now.inputs), *versions)
         if moves:
             changes, moves = explain(then, now, moves)
     return Difference(

@@ -19,7 +19,8 @@ from budget.studies.reference.records import EXACT, TOOL, Cause, Change, Move, f
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from budget.studies.reference.records import Asked, Job, Key, Part, Snapshot
+    from budget.spec.tree import Document
+    from budget.studies.reference.records import Asked, Job, Key, Snapshot
 
 MOST_CHANGES = 200  # keys that are exchanged one by one; more is another file
 
@@ -30,7 +31,7 @@ class Side:
 
     name: str
     job: Job
-    parts: tuple[Part, ...]
+    inputs: tuple[Document, ...]
     asked: Asked
     snapshot: Snapshot
     versions: Mapping[str, str]
@@ -38,7 +39,7 @@ class Side:
     def computed(self) -> Snapshot | None:
         """Compute it again; None where its inputs make no sound files."""
         try:
-            return compute(self.job, self.parts, self.asked)
+            return compute(self.job, self.inputs, self.asked)
         except BudgetError:
             return None
 
@@ -119,10 +120,12 @@ def explain(
     return tuple(changes[k] for k in order), tuple(told)
 
 
-def input_changes(before: Sequence[Part], after: Sequence[Part]) -> tuple[Change, ...]:
+def input_changes(
+    before: Sequence[Document], after: Sequence[Document]
+) -> tuple[Change, ...]:
     """Return what differs between the files, where no number moved."""
     return tuple(
-        replace(change, acts=False) for change, _ in _part_changes(before, after)
+        replace(change, acts=False) for change, _ in _input_changes(before, after)
     )
 
 
@@ -141,10 +144,10 @@ def version_changes(
 
 def _exchanges(before: Side, after: Side) -> Iterator[_Exchanged]:
     """Yield every difference of files and settings, each with the side to try it on."""
-    found = _part_changes(before.parts, after.parts)
-    few = sum(parts is not None for _, parts in found) <= MOST_CHANGES
-    for change, parts in found:
-        side = None if parts is None or not few else replace(before, parts=parts)
+    found = _input_changes(before.inputs, after.inputs)
+    few = sum(inputs is not None for _, inputs in found) <= MOST_CHANGES
+    for change, inputs in found:
+        side = None if inputs is None or not few else replace(before, inputs=inputs)
         yield _Exchanged(change=change, side=side)
     new = asdict(after.asked)
     for name, old in asdict(before.asked).items():
@@ -191,69 +194,73 @@ def _together(
     return found
 
 
-def _part_changes(
-    before: Sequence[Part], after: Sequence[Part]
-) -> list[tuple[Change, tuple[Part, ...] | None]]:
-    """Return what differs between files, with the parts before that have it alone.
+def _input_changes(
+    before: Sequence[Document], after: Sequence[Document]
+) -> list[tuple[Change, tuple[Document, ...] | None]]:
+    """Return what differs between files, with the inputs before that have it alone.
 
-    Parts that the other side has not come first, and cannot be tried.
+    Files that the other side has not come first, and cannot be tried.
     """
     pairs = _pairs(before, after)
     gone = [p for k, p in enumerate(before) if all(k != old for old, _ in pairs)]
     new = [p for k, p in enumerate(after) if all(k != one for _, one in pairs)]
-    found: list[tuple[Change, tuple[Part, ...] | None]] = [
+    found: list[tuple[Change, tuple[Document, ...] | None]] = [
         *(
-            (Change(where=p.role, key=p.name, before="there", after=""), None)
+            (Change(where=p.kind, key=p.base_name, before="there", after=""), None)
             for p in gone
         ),
         *(
-            (Change(where=p.role, key=p.name, before="", after="there"), None)
+            (Change(where=p.kind, key=p.base_name, before="", after="there"), None)
             for p in new
         ),
     ]
     for old, place in pairs:
-        part, other = before[old], after[place]
-        for key in differences(part.document, other.document):
+        own, other = before[old], after[place]
+        for key in differences(own, other):
             was, now = show_change(key)
             change = Change(
-                where=f"{part.role} {part.name}"
-                if part.name == other.name
-                else part.role,
+                where=f"{own.kind} {own.base_name}"
+                if own.base_name == other.base_name
+                else own.kind,
                 key=key.path,
                 before=was,
                 after=now,
-                is_text=is_text(part.role, key.steps),
+                is_text=is_text(own.kind, key.steps),
             )
-            alone = replace(part, document=exchange(part.document, key))
+            alone = exchange(own, key)
             found.append((change, (*before[:old], alone, *before[old + 1 :])))
     return found
 
 
-def _pairs(before: Sequence[Part], after: Sequence[Part]) -> list[tuple[int, int]]:
-    """Return which part is which: by role and name, a lone one of a role by role."""
+def _pairs(
+    before: Sequence[Document], after: Sequence[Document]
+) -> list[tuple[int, int]]:
+    """Return which file is which: by role and name, a lone one of a role by role."""
     pairs: list[tuple[int, int]] = []
     free = list(range(len(after)))
     for same_name in (True, False):
-        for old, part in enumerate(before):
+        for old, own in enumerate(before):
             if any(old == one for one, _ in pairs):
                 continue
             fits = [
                 new
                 for new in free
-                if after[new].role == part.role
-                and (after[new].name == part.name or not same_name)
+                if after[new].kind == own.kind
+                and (after[new].base_name == own.base_name or not same_name)
             ]
             # Of several devices without a name in common none is the other's successor.
-            if fits and (same_name or _is_lone(part, before, after)):
+            if fits and (same_name or _is_lone(own, before, after)):
                 pairs.append((old, fits[0]))
                 free.remove(fits[0])
     return sorted(pairs)
 
 
-def _is_lone(part: Part, before: Sequence[Part], after: Sequence[Part]) -> bool:
-    """Whether a role has one part on each side."""
+def _is_lone(
+    own: Document, before: Sequence[Document], after: Sequence[Document]
+) -> bool:
+    """Whether a role has one file on each side."""
     return all(
-        sum(one.role == part.role for one in side) == 1 for side in (before, after)
+        sum(one.kind == own.kind for one in side) == 1 for side in (before, after)
     )
 
 

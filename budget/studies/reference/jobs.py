@@ -1,4 +1,4 @@
-"""Compute what a reference is about: parts and settings in, numbers and words out."""
+"""Compute what a reference is about: inputs and settings in, numbers and words out."""
 
 from __future__ import annotations
 
@@ -34,7 +34,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.spec.records import Device, Procedure, Requirement
-    from budget.studies.reference.records import Part, Snapshot
+    from budget.spec.tree import Document
+    from budget.studies.reference.records import Snapshot
 
 # Which settings mean something to which job; the others must stay as they are.
 SETTINGS = {
@@ -72,15 +73,15 @@ def check_asked(job: str, asked: Asked) -> None:
 
 
 def compute(
-    job: str, parts: Sequence[Part], asked: Asked, *, workers: int = 1
+    job: str, inputs: Sequence[Document], asked: Asked, *, workers: int = 1
 ) -> Snapshot:
-    """Do a job on its parts.
+    """Do a job on its inputs.
 
     Parameters
     ----------
     job : str
         'analyze', 'compare' or 'allocate'.
-    parts : sequence of Part
+    inputs : sequence of Document
         Devices first, in the order they were given.
     asked : Asked
         Settings.
@@ -95,12 +96,12 @@ def compute(
     Raises
     ------
     CallError, SpecError
-        The parts or settings do not fit together, or a part is no sound file.
+        Inputs or settings do not fit together, or a file is not sound.
     """
-    devices = [read_device(part.document) for part in _of("device", parts)]
-    procedures = [read_procedure(part.document) for part in _of("procedure", parts)]
-    limits = [read_requirement(part.document) for part in _of("requirement", parts)]
-    costs = [read_costs(part.document) for part in _of("costs", parts)]
+    devices = [read_device(one) for one in _of("device", inputs)]
+    procedures = [read_procedure(one) for one in _of("procedure", inputs)]
+    limits = [read_requirement(one) for one in _of("requirement", inputs)]
+    costs = [read_costs(one) for one in _of("costs", inputs)]
     if job != "compare" and len(procedures) > 1:
         raise CallError(
             f"{len(procedures)} procedures were given, a reference of kind {job} takes "
@@ -110,7 +111,7 @@ def compute(
         raise CallError(
             f"a reference of kind {job} needs a requirement; give --requirement FILE"
         )
-    fault = files_fault(job, [part.role for part in parts])
+    fault = files_fault(job, [one.kind for one in inputs])
     if fault:
         raise CallError(f"found {fault}; give as many, or take another --kind")
     # The matrices are small, threads of BLAS only wait for each other; and with one the
@@ -130,7 +131,7 @@ def compute(
                 seed=asked.seed,
                 workers=workers,
             )
-            names = _once([part.name for part in _of("device", parts)])
+            names = _once([one.base_name for one in _of("device", inputs)])
             return comparison_numbers(comparison, names, devices, procedures, limits[0])
         known = source_names(sensors_of(devices))
         held = find_sources(asked.fix, known, option="--fix")
@@ -153,9 +154,9 @@ def by_law(asked: Asked) -> Asked:
     return replace(asked, method="gum", trials=None, max_trials=None, samples=None)
 
 
-def _of(role: str, parts: Sequence[Part]) -> list[Part]:
-    """Return the parts of one role."""
-    return [part for part in parts if part.role == role]
+def _of(role: str, inputs: Sequence[Document]) -> list[Document]:
+    """Return the inputs of one role."""
+    return [one for one in inputs if one.kind == role]
 
 
 def _analyze(

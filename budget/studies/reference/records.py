@@ -21,8 +21,6 @@ from budget.names import Name
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.spec.tree import Document
-
 Job = Literal["analyze", "compare", "allocate"]
 Role = Literal["device", "procedure", "requirement", "costs"]
 
@@ -270,26 +268,6 @@ class ReferenceBudget(Snapshot):
     inputs: Annotated[tuple[StoredInput, ...], Field(min_length=1, max_length=MANY)]
     settings: Asked
     versions: Mapping[Line, Line]  # of the tool and what it stands on
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Part:
-    """One device, procedure, requirement or costs, ready to be computed with.
-
-    Attributes
-    ----------
-    name : str
-        Base name of the file, with #VARIANT where one was chosen.
-    document : Document
-        Its nodes; of a device with the variant laid over the base.
-    sha256 : str
-        Of the file's bytes.
-    """
-
-    role: Role
-    name: str
-    document: Document
-    sha256: str
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -21,7 +21,7 @@ from budget.errors import ReferenceFileError
 from budget.journal import note_read
 from budget.spec.reader import MOST_BYTES as LONGEST_INPUT
 from budget.spec.schema import schema_of
-from budget.studies.reference.parts import digest
+from budget.studies.reference.files import digest
 from budget.studies.reference.records import (
     KNOWN_FIRST,
     STRICT,

@@ -1,4 +1,4 @@
-"""Input files as parts to compute with: as they are now, or as a reference has them."""
+"""Files of references: reference budgets by name, their inputs as stored and now."""
 
 from __future__ import annotations
 
@@ -10,19 +10,47 @@ from typing import TYPE_CHECKING
 
 from budget.errors import ReferenceFileError
 from budget.resources import shipped
+from budget.spec.checking import nearest
 from budget.spec.composer import compose
 from budget.spec.device import read_device, variant_names
 from budget.spec.files import FOLDERS, NamedFile, find, open_file
 from budget.spec.tree import Document, all_of
 from budget.studies.reference.exchange import effective
-from budget.studies.reference.records import Part, StoredInput
+from budget.studies.reference.records import StoredInput
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.studies.reference.records import Role
 
+FOLDER = "references"
+SUFFIX = ".json"  # of a reference budget
 SUFFIXES = (".yaml", ".yml")
+
+
+def shipped_references() -> tuple[NamedFile, ...]:
+    """Return the references that ship, by name."""
+    return tuple(
+        NamedFile(path=path, shown=path.stem, variant="")
+        for path in sorted((shipped("specs") / FOLDER).glob(f"*{SUFFIX}"))
+    )
+
+
+def find_references(names: Sequence[str]) -> tuple[NamedFile, ...]:
+    """Find references by file, by folder or by bare name; all that ship without one.
+
+    Raises
+    ------
+    ReferenceFileError
+        A name is of none, or a folder has none.
+    """
+    if not names:
+        return shipped_references()
+    found: dict[Path, NamedFile] = {}
+    for name in names:
+        for one in _find(name):
+            found.setdefault(one.path, one)
+    return tuple(found.values())
 
 
 def take_in(role: Role, typed: str | Path, folder: Path) -> StoredInput:
@@ -75,15 +103,15 @@ def _take(role: Role, file: NamedFile) -> StoredInput:
     )
 
 
-def present_parts(
+def present_documents(
     inputs: Sequence[StoredInput],
     folder: Path,
     *,
     reference: str,
     job: str,
     root: Path | None = None,
-) -> tuple[Part, ...]:
-    """Return the parts as their files are now.
+) -> tuple[Document, ...]:
+    """Return the inputs as their files are now, a device with its variant laid over.
 
     Parameters
     ----------
@@ -105,7 +133,7 @@ def present_parts(
     SpecError
         A file cannot be read on.
     """
-    parts: list[Part] = []
+    found: list[Document] = []
     tree = tree_of(folder) if root is None else root
     for one in inputs:
         path = _locate(one, folder)
@@ -122,21 +150,21 @@ def present_parts(
         document = open_file(
             NamedFile(path=path, shown=shown, variant=one.variant), one.role
         )
-        parts.extend(_parts(document, one, job))
-    return tuple(parts)
+        found.extend(_documents(document, one, job))
+    return tuple(found)
 
 
-def stored_parts(
+def stored_documents(
     inputs: Sequence[StoredInput], *, reference: str, job: str
-) -> tuple[Part, ...]:
-    """Return the parts as a reference has them; '' for files that were just read.
+) -> tuple[Document, ...]:
+    """Return the inputs as a reference has them; '' for files that were just read.
 
     Raises
     ------
     SpecError
-        A part is unsound.
+        An input is unsound.
     """
-    parts: list[Part] = []
+    found: list[Document] = []
     for one in inputs:
         shown = f"{reference}, stored {one.file}" if reference else one.file
         root, issues = compose(one.text.removeprefix("\N{BYTE ORDER MARK}"), shown)
@@ -150,8 +178,8 @@ def stored_parts(
             issues=(),
             kind=one.role,
         )
-        parts.extend(_parts(document, one, job))
-    return tuple(parts)
+        found.extend(_documents(document, one, job))
+    return tuple(found)
 
 
 def tree_of(folder: Path) -> Path:
@@ -198,33 +226,16 @@ def digest(text: str) -> str:
     return sha256(text.encode()).hexdigest()
 
 
-def _parts(document: Document, one: StoredInput, job: str) -> list[Part]:
-    """Return one part, or one for every variant in a comparison."""
+def _documents(document: Document, one: StoredInput, job: str) -> list[Document]:
+    """Return one input, or one for every variant in a comparison."""
     if one.role != "device":
-        return [
-            Part(
-                role=one.role,
-                name=document.base_name,
-                document=document,
-                sha256=document.sha256,
-            )
-        ]
+        return [document]
     names: tuple[str, ...] = (one.variant,)
     if job == "compare" and not one.variant:
         names = variant_names(document)
-    parts = []
     for name in names:
         read_device(document, name)  # says what is wrong, at its place in the file
-        part = effective(document, name)
-        parts.append(
-            Part(
-                role=one.role,
-                name=part.base_name,
-                document=part,
-                sha256=document.sha256,
-            )
-        )
-    return parts
+    return [effective(document, name) for name in names]
 
 
 def _is_bare(file: str) -> bool:
@@ -252,3 +263,31 @@ def _path_from(folder: Path, path: Path) -> str:
     # 'C:x.yaml' is a name here and a place on a disk elsewhere; './C:x.yaml' is not.
     is_odd = _is_bare(relative) or PureWindowsPath(relative).anchor
     return f"./{relative}" if is_odd else relative
+
+
+def _find(name: str) -> tuple[NamedFile, ...]:
+    """Find what one name stands for."""
+    path = Path(name)
+    if is_there(path, folder=True):
+        inside = tuple(
+            NamedFile(path=one, shown=str(one), variant="")
+            for one in sorted(path.glob(f"*{SUFFIX}"))
+        )
+        if not inside:
+            raise ReferenceFileError(
+                f"{name}: has no {SUFFIX} file, expected a folder with references; "
+                "store one with `budget check --save`"
+            )
+        return inside
+    if is_there(path, folder=False):
+        return (NamedFile(path=path, shown=name, variant=""),)
+    there = shipped_references()
+    bare = name.removesuffix(SUFFIX)
+    by_name = tuple(one for one in there if one.shown == bare)
+    if by_name:
+        return by_name
+    known = tuple(one.shown for one in there)
+    raise ReferenceFileError(
+        f"{name}: no such file, expected a reference budget, a folder of them, or a "
+        f"shipped one: {', '.join(known) or 'none'}{nearest(bare, known)}"
+    )
