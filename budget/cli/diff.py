@@ -108,15 +108,14 @@ def _side(
     """Return one side: what is stored, or a device computed now."""
     from budget.errors import CallError
     from budget.spec.load import PAPER
-    from budget.studies.reference.check import computed_side, stored_side
+    from budget.studies.reference.check import make_reference, side_of
     from budget.studies.reference.files import (
-        stored_documents,
         take_shipped,
         take_text,
     )
 
     if own is not None:
-        return stored_side(own, name=name)
+        return side_of(own, name=name)
     if model is not None and model.job != "analyze":
         raise CallError(
             f"{name} is a device, and the reference beside it is of kind {model.job}; "
@@ -131,5 +130,4 @@ def _side(
         inputs.append(take_text("procedure", procedure))
     else:
         inputs.append(take_shipped("procedure", PAPER))
-    parts = stored_documents(inputs, reference="", job="analyze")
-    return computed_side("analyze", parts, asked, name=name)
+    return side_of(make_reference("analyze", inputs, asked), name=name)

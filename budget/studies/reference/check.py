@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from budget.errors import BudgetError, CallError
@@ -26,8 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from budget.spec.tree import Document
-    from budget.studies.reference.records import Asked, Job, StoredInput
+    from budget.studies.reference.records import Asked, Job, Move, StoredInput
 
 # What takes the place of causes where the stored inputs cannot be read.
 _UNREADABLE = Change(
@@ -48,34 +48,20 @@ def make_reference(
     CallError, SpecError
         Inputs or settings that do not fit together.
     """
-    documents = stored_documents(inputs, reference="", job=job)
-    side = computed_side(job, documents, asked, name="", workers=workers)
+    check_asked(job, asked)
+    read = stored_documents(inputs, reference="", job=job)
+    computed = compute(job, read, asked, workers=workers)
     return ReferenceBudget(
         job=job,
         inputs=tuple(inputs),
         settings=asked,
-        numbers=side.snapshot.numbers,
-        words=side.snapshot.words,
-        versions=side.versions,
-    )
-
-
-def computed_side(
-    job: Job, inputs: tuple[Document, ...], asked: Asked, *, name: str, workers: int = 1
-) -> Side:
-    """Compute a budget now. Raises as make_reference."""
-    check_asked(job, asked)
-    return Side(
-        name=name,
-        job=job,
-        inputs=inputs,
-        asked=asked,
-        snapshot=compute(job, inputs, asked, workers=workers),
+        numbers=computed.numbers,
+        words=computed.words,
         versions=present_versions(),
     )
 
 
-def stored_side(reference: ReferenceBudget, *, name: str) -> Side:
+def side_of(budget: ReferenceBudget, *, name: str) -> Side:
     """Return a reference as one side of a difference.
 
     Raises
@@ -83,14 +69,8 @@ def stored_side(reference: ReferenceBudget, *, name: str) -> Side:
     SpecError
         A stored input cannot be read.
     """
-    return Side(
-        name=name,
-        job=reference.job,
-        inputs=stored_documents(reference.inputs, reference=name, job=reference.job),
-        asked=reference.settings,
-        snapshot=reference,
-        versions=reference.versions,
-    )
+    inputs = stored_documents(budget.inputs, reference=name, job=budget.job)
+    return Side(name=name, inputs=inputs, budget=budget)
 
 
 def check(
@@ -131,26 +111,26 @@ def check(
     inputs = present_documents(
         reference.inputs, folder, reference=name, job=job, root=root
     )
-    now = computed_side(job, inputs, asked, name=name, workers=workers)
-    versions = version_changes(reference.versions, now.versions)
-    moves = find_moves(reference, now.snapshot)
-    try:
-        then = stored_side(reference, name=name)
-    except BudgetError:  # stored inputs only explain: they stop no check
-        changes: tuple[Change, ...] = (_UNREADABLE, *versions)
-    else:
-        changes = (*input_changes(then.inputs, now.inputs), *versions)
-        if moves:
-            changes, moves = explain(then, now, moves)
-    return Difference(
-        first=name,
-        second=name,
-        job=job,
-        compared=count_compared(reference, now.snapshot),
-        sampled=sum(number.is_sampled for number in reference.numbers),
-        moves=moves,
-        changes=changes,
+    computed = compute(job, inputs, asked, workers=workers)
+    now = replace(
+        reference,
+        numbers=computed.numbers,
+        words=computed.words,
+        known=computed.known,
+        versions=present_versions(),
     )
+    changes = version_changes(reference.versions, now.versions)
+    moves = find_moves(reference, now)
+    try:
+        then = side_of(reference, name=name)
+    except BudgetError:  # stored inputs only explain: they stop no check
+        changes = (_UNREADABLE, *changes)
+    else:
+        changes = (*input_changes(then.inputs, inputs), *changes)
+        if moves:
+            side = Side(name=name, inputs=inputs, budget=now)
+            changes, moves = explain(then, side, moves)
+    return _difference((name, name), reference, now, moves, changes)
 
 
 def compare_sides(first: Side, second: Side) -> Difference:
@@ -164,19 +144,31 @@ def compare_sides(first: Side, second: Side) -> Difference:
     CallError
         They are of different kinds.
     """
-    if first.job != second.job:
+    a, b = first.budget, second.budget
+    if a.job != b.job:
         raise CallError(
-            f"{first.name} is of kind {first.job}, {second.name} of kind {second.job}: "
-            "they have no numbers in common; give two of one kind"
+            f"{first.name} is of kind {a.job}, {second.name} of kind {b.job}: they "
+            "have no numbers in common; give two of one kind"
         )
-    a, b = first.snapshot, second.snapshot
     changes, moves = explain(first, second, find_moves(a, b))
+    largest = tuple(sorted(moves, key=lambda move: -move.size))
+    return _difference((first.name, second.name), a, b, largest, changes)
+
+
+def _difference(
+    names: tuple[str, str],
+    before: ReferenceBudget,
+    after: ReferenceBudget,
+    moves: tuple[Move, ...],
+    changes: tuple[Change, ...],
+) -> Difference:
+    """Put together what differs between two budgets."""
     return Difference(
-        first=first.name,
-        second=second.name,
-        job=first.job,
-        compared=count_compared(a, b),
-        sampled=sum(number.is_sampled for number in a.numbers),
-        moves=tuple(sorted(moves, key=lambda move: -move.size)),
+        first=names[0],
+        second=names[1],
+        job=before.job,
+        compared=count_compared(before, after),
+        sampled=sum(number.is_sampled for number in before.numbers),
+        moves=moves,
         changes=changes,
     )

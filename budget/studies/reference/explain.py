@@ -20,32 +20,33 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from budget.spec.tree import Document
-    from budget.studies.reference.records import Asked, Job, Key, Snapshot
+    from budget.studies.reference.records import Asked, Key, ReferenceBudget, Snapshot
 
 MOST_CHANGES = 200  # keys that are exchanged one by one; more is another file
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Side:
-    """One of two budgets: its name, how it was made, and what came out."""
+    """One of two budgets, with its inputs read."""
 
     name: str
-    job: Job
     inputs: tuple[Document, ...]
-    asked: Asked
-    snapshot: Snapshot
-    versions: Mapping[str, str]
+    budget: ReferenceBudget
 
-    def computed(self) -> Snapshot | None:
+    def again(self) -> Snapshot | None:
         """Compute it again; None where its inputs make no sound files."""
         try:
-            return compute(self.job, self.inputs, self.asked)
+            return compute(self.budget.job, self.inputs, self.budget.settings)
         except BudgetError:
             return None
 
     def law(self) -> Snapshot | None:
         """Compute it again by the law; None where its inputs make no sound files."""
-        return replace(self, asked=by_law(self.asked)).computed()
+        return self.asking(by_law(self.budget.settings)).again()
+
+    def asking(self, settings: Asked) -> Side:
+        """Return the same with other settings."""
+        return replace(self, budget=replace(self.budget, settings=settings))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,10 +90,10 @@ def explain(
             acts = _note(causes, len(changes), find_moves(law, alone))
         changes.append(replace(one.change, acts=acts))
     together = _together(causes, law, after.law())
-    versions = list(version_changes(before.versions, after.versions))
-    again = before.computed()
+    versions = list(version_changes(before.budget.versions, after.budget.versions))
+    again = before.again()
     if again is not None:
-        acts = _note(causes, len(changes), find_moves(before.snapshot, again))
+        acts = _note(causes, len(changes), find_moves(before.budget, again))
         if acts and not versions:
             versions = [
                 Change(where=TOOL, key="code", before="as stored", after="as it is")
@@ -149,18 +150,15 @@ def _exchanges(before: Side, after: Side) -> Iterator[_Exchanged]:
     for change, inputs in found:
         side = None if inputs is None or not few else replace(before, inputs=inputs)
         yield _Exchanged(change=change, side=side)
-    new = asdict(after.asked)
-    for name, old in asdict(before.asked).items():
+    asked = before.budget.settings
+    new = asdict(after.budget.settings)
+    for name, old in asdict(asked).items():
         if old != new[name]:
-            yield _Exchanged(
-                change=Change(
-                    where="settings",
-                    key=name,
-                    before=_word(old),
-                    after=_word(new[name]),
-                ),
-                side=replace(before, asked=replace(before.asked, **{name: new[name]})),
+            change = Change(
+                where="settings", key=name, before=_word(old), after=_word(new[name])
             )
+            side = before.asking(replace(asked, **{name: new[name]}))
+            yield _Exchanged(change=change, side=side)
 
 
 def _note(causes: Mapping[Key, list[Cause]], place: int, found: Sequence[Move]) -> bool:
