@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from budget.studies.reference.check import make_reference
-from budget.studies.reference.files import (
+from budget.references.check import make_reference
+from budget.references.files import (
     digest,
     present_documents,
     stored_documents,
     take_in,
     take_text,
 )
-from budget.studies.reference.jobs import compute
-from budget.studies.reference.records import Asked
-from budget.studies.reference.store import read_reference, reference_text
+from budget.references.jobs import compute
+from budget.references.records import Asked
+from budget.references.store import read_reference, reference_text
 
 DEVICE = """\
 name: Two sensors

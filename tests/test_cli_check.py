@@ -14,8 +14,8 @@ from command_line import call, start
 from numpy.testing import assert_allclose
 from reference_examples import DEVICE, store, stored
 
+from budget.references.files import shipped_references
 from budget.resources import shipped
-from budget.studies.reference.files import shipped_references
 
 ROOT = Path(__file__).resolve().parent.parent
 WORSE = DEVICE.replace("value: 0.04 deg/h", "value: 0.0404 deg/h")
@@ -282,8 +282,8 @@ class TestMoved:
     @pytest.mark.usefixtures("folder")
     def test_another_version_of_the_tool(self, monkeypatch):
         """Numbers that the tool itself moved are laid at its door, with the version."""
-        from budget.studies.reference import check as module
-        from budget.studies.reference import jobs
+        from budget.references import check as module
+        from budget.references import jobs
 
         monkeypatch.setattr(
             module, "present_versions", lambda: {"budget": "9.9", "numpy": "9.0"}
@@ -299,7 +299,7 @@ class TestMoved:
     @pytest.mark.usefixtures("folder")
     def test_another_version_that_moves_nothing(self, monkeypatch):
         """A reference that holds says once that other versions stored it."""
-        from budget.studies.reference import check as module
+        from budget.references import check as module
 
         monkeypatch.setattr(module, "present_versions", lambda: {"budget": "9.9"})
         run = call("check", "ref.json")

@@ -10,7 +10,7 @@ from command_line import call
 from reference_examples import DEVICE, store, stored
 
 from budget.errors import ReferenceFileError
-from budget.studies.reference.files import take_in
+from budget.references.files import take_in
 
 WORSE = DEVICE.replace("value: 0.04 deg/h", "value: 0.0404 deg/h")
 KEY = "gyro.errors.bias_stability"

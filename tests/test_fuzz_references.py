@@ -13,9 +13,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from budget.errors import ReferenceFileError
+from budget.references.records import ReferenceBudget
+from budget.references.store import read_reference
 from budget.resources import shipped
-from budget.studies.reference.records import ReferenceBudget
-from budget.studies.reference.store import read_reference
 
 STORED = shipped("specs") / "references" / "zhao-2019-corrected-nominal.json"
 CONTENT = json.loads(STORED.read_text(encoding="utf-8"))

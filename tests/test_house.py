@@ -25,6 +25,7 @@ FLOORS = (
     ("results",),
     ("calibration", "methods"),
     ("studies",),
+    ("references",),
     ("report",),
     ("cli",),
     ("__main__",),

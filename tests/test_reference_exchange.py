@@ -9,10 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 from reference_examples import DEVICE, parts_of
 
-from budget.spec.composer import compose
-from budget.spec.device import read_device
-from budget.spec.tree import Document, plain
-from budget.studies.reference.exchange import (
+from budget.references.exchange import (
     FIGURE_TEXTS,
     TEXTS,
     differences,
@@ -21,6 +18,9 @@ from budget.studies.reference.exchange import (
     is_text,
     show_change,
 )
+from budget.spec.composer import compose
+from budget.spec.device import read_device
+from budget.spec.tree import Document, plain
 from budget.units import DEG_PER_HOUR
 
 FILES = Path(__file__).resolve().parent.parent / "docs" / "files.md"

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from budget.names import Name
-from budget.studies.reference.moves import count_compared, find_moves
-from budget.studies.reference.records import (
+from budget.references.difference import count_compared, find_moves
+from budget.references.records import (
     KNOWN_FIRST,
     KNOWN_NOW,
     Number,

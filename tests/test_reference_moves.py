@@ -10,14 +10,14 @@ import pytest
 from numpy.testing import assert_allclose
 from reference_examples import DEVICE, snapshot
 
-from budget.report.reference.tables import move_table
-from budget.studies.reference.moves import (
+from budget.references.difference import (
     FALSE_ALARM,
     count_compared,
     find_moves,
     probability_of,
 )
-from budget.studies.reference.records import EXACT, Number, Snapshot, Word
+from budget.references.records import EXACT, Number, Snapshot, Word
+from budget.report.reference.tables import move_table
 
 PAIRS = 30
 TRIALS = 2000

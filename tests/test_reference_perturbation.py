@@ -8,21 +8,21 @@ from dataclasses import dataclass, replace
 
 import pytest
 
-from budget.resources import shipped
-from budget.spec.device import variant_names
-from budget.spec.files import find, open_file
-from budget.studies.reference.check import check, make_reference
-from budget.studies.reference.exchange import KeyChange, effective, exchange
-from budget.studies.reference.explain import input_changes
-from budget.studies.reference.files import (
+from budget.references.attribution import input_changes
+from budget.references.check import check, make_reference
+from budget.references.difference import find_moves
+from budget.references.exchange import KeyChange, effective, exchange
+from budget.references.files import (
     shipped_references,
     stored_documents,
     take_text,
 )
-from budget.studies.reference.jobs import by_law, compute
-from budget.studies.reference.moves import find_moves
-from budget.studies.reference.records import Asked
-from budget.studies.reference.store import read_reference
+from budget.references.jobs import by_law, compute
+from budget.references.records import Asked
+from budget.references.store import read_reference
+from budget.resources import shipped
+from budget.spec.device import variant_names
+from budget.spec.files import find, open_file
 
 NUMBER = re.compile(r"[-+]?[0-9]+(?:\.[0-9]+)?(?:e[-+]?[0-9]+)?")
 # Keys of a figure that are words, though some begin with a digit ('1 sigma').

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from budget.references.records import Cause, Change, Key, Move
 from budget.report.reference.tables import (
     MOST_IDLE,
     MOST_ROWS,
@@ -12,7 +13,6 @@ from budget.report.reference.tables import (
     move_table,
     print_pair,
 )
-from budget.studies.reference.records import Cause, Change, Key, Move
 
 
 def move(subject="gyro.bias.x", quantity="standard_uncertainty", **more):

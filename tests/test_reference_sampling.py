@@ -12,9 +12,9 @@ from budget.distributions import UNIFORM
 from budget.methods.monte_carlo import sample
 from budget.methods.sobol import sobol
 from budget.problem import Group, Output, Problem
+from budget.references.sampling import SHAPE_TRIALS, standard_errors
 from budget.spec.device import read_device
 from budget.spec.procedure import read_procedure
-from budget.studies.reference.sampling import SHAPE_TRIALS, standard_errors
 
 SEEDS = 300
 TRIALS = 4000

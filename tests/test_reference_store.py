@@ -14,10 +14,10 @@ from command_line import call
 from reference_examples import DEVICE, store, stored
 
 from budget.errors import ReferenceFileError
-from budget.studies.reference.files import shipped_references, stored_documents
-from budget.studies.reference.jobs import compute
-from budget.studies.reference.records import Asked
-from budget.studies.reference.store import (
+from budget.references.files import shipped_references, stored_documents
+from budget.references.jobs import compute
+from budget.references.records import Asked
+from budget.references.store import (
     MOST_BYTES,
     NEWEST,
     read_reference,

@@ -11,8 +11,8 @@ from budget.cli import options
 from budget.cli.streams import console, in_line, say
 
 if TYPE_CHECKING:
+    from budget.references.records import Difference, Job, Role, StoredInput
     from budget.spec.files import NamedFile
-    from budget.studies.reference.records import Difference, Job, Role, StoredInput
 
 EXIT_MOVED = 1
 EXIT_BAD_INPUT = 2
@@ -187,10 +187,10 @@ def _save(
     """Compute a reference and store it."""
     from budget.cli.output import check_destinations
     from budget.errors import CallError, ReferenceFileError
+    from budget.references.check import make_reference
+    from budget.references.records import Asked
+    from budget.references.store import parse_reference, reference_text
     from budget.report.files import write_all
-    from budget.studies.reference.check import make_reference
-    from budget.studies.reference.records import Asked
-    from budget.studies.reference.store import parse_reference, reference_text
 
     if documents != (None, None):
         raise CallError(
@@ -224,8 +224,8 @@ def _save(
 def _take_in(files: dict[Role, list[str]], folder: Path) -> tuple[StoredInput, ...]:
     """Read all inputs, or say everything that is wrong in them."""
     from budget.errors import Issue, SpecError
+    from budget.references.files import take_in, take_shipped
     from budget.spec.load import PAPER
-    from budget.studies.reference.files import take_in, take_shipped
 
     defaults: dict[Role, str] = {"device": options.BUILT_IN_DEVICE, "procedure": PAPER}
     if not files["device"]:
@@ -260,11 +260,11 @@ def _check(
     from budget.cli.computing import progress
     from budget.cli.output import check_destinations, hand_out
     from budget.errors import BudgetError
+    from budget.references.check import check as run
+    from budget.references.files import find_references
+    from budget.references.store import read_reference
     from budget.report.reference.document import checks_csv, checks_json
     from budget.report.reference.terminal import render_checks
-    from budget.studies.reference.check import check as run
-    from budget.studies.reference.files import find_references
-    from budget.studies.reference.store import read_reference
 
     checks: list[Difference] = []
     errors: list[str] = []

@@ -46,8 +46,8 @@ def schema(
     from json import dumps
 
     from budget.cli.output import printing
+    from budget.references.store import reference_schema
     from budget.spec import json_schema
-    from budget.studies.reference.store import reference_schema
 
     found = reference_schema() if kind == "reference" else json_schema(kind)
     with printing():

@@ -10,8 +10,8 @@ from budget.cli import options
 from budget.cli.streams import console
 
 if TYPE_CHECKING:
-    from budget.studies.reference.explain import Side
-    from budget.studies.reference.records import Asked, ReferenceBudget
+    from budget.references.attribution import Side
+    from budget.references.records import Asked, ReferenceBudget
 
 SUFFIX = ".json"
 
@@ -55,10 +55,10 @@ def diff(
     """
     from budget.cli.output import check_destinations, hand_out
     from budget.errors import CallError
+    from budget.references.check import compare_sides
+    from budget.references.records import Asked
     from budget.report.reference.document import difference_csv, difference_json
     from budget.report.reference.terminal import render_difference
-    from budget.studies.reference.check import compare_sides
-    from budget.studies.reference.records import Asked
 
     check_destinations(json, csv, inputs=[first, second, procedure])
     stored = [_reference(name) for name in (first, second)]
@@ -86,9 +86,9 @@ def diff(
 
 def _reference(name: str) -> ReferenceBudget | None:
     """Read a stored reference; None where the name is of a device."""
+    from budget.references.files import find_references, shipped_references
+    from budget.references.store import read_reference
     from budget.spec.files import find
-    from budget.studies.reference.files import find_references, shipped_references
-    from budget.studies.reference.store import read_reference
 
     ships = {one.shown for one in shipped_references()}
     is_bare = name in ships and not find(name, "device").path.is_file()
@@ -107,12 +107,12 @@ def _side(
 ) -> Side:
     """Return one side: what is stored, or a device computed now."""
     from budget.errors import CallError
-    from budget.spec.load import PAPER
-    from budget.studies.reference.check import make_reference, side_of
-    from budget.studies.reference.files import (
+    from budget.references.check import make_reference, side_of
+    from budget.references.files import (
         take_shipped,
         take_text,
     )
+    from budget.spec.load import PAPER
 
     if own is not None:
         return side_of(own, name=name)

@@ -13,7 +13,7 @@ from budget.results import SCHEMA
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.studies.reference.records import Change, Difference, Move
+    from budget.references.records import Change, Difference, Move
 
 COLUMNS = (
     *("reference", "subject", "quantity", "partner", "unit", "before", "after"),

@@ -6,14 +6,14 @@ from dataclasses import dataclass, replace
 from math import floor, inf, log10
 from typing import TYPE_CHECKING
 
+from budget.references.records import TOOL
 from budget.report.tables import output_title, round_value, source_title, words
-from budget.studies.reference.records import TOOL
 from budget.studies.request import read_name
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.studies.reference.records import Change, Move
+    from budget.references.records import Change, Move
 
 # What a reader looks at first; the other numbers follow from what moves these.
 PRINCIPAL = (

@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING
 
+from budget.references.records import TOOL
 from budget.report.reference.tables import (
     NONE,
     MoveTable,
@@ -13,15 +14,14 @@ from budget.report.reference.tables import (
 )
 from budget.report.tables import align_decimals
 from budget.report.terminal import GAP, Page, set_columns
-from budget.studies.reference.records import TOOL
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from rich.console import Console
 
+    from budget.references.records import Change, Difference
     from budget.report.reference.tables import Group
-    from budget.studies.reference.records import Change, Difference
 
 HEADS = {"check": ("stored", "now"), "diff": ("A", "B")}
 INDENT = " " * GAP

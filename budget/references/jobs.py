@@ -8,6 +8,12 @@ from typing import TYPE_CHECKING
 from budget.errors import CallError
 from budget.methods.execution import one_blas_thread
 from budget.methods.monte_carlo import MAX_TRIALS
+from budget.references.numbers import (
+    allocation_numbers,
+    budget_numbers,
+    comparison_numbers,
+)
+from budget.references.records import JOBS, Asked, files_fault
 from budget.spec.costs import read_costs
 from budget.spec.device import read_device
 from budget.spec.procedure import read_procedure
@@ -17,12 +23,6 @@ from budget.studies.allocation.cases import Bounds
 from budget.studies.analysis import analyze
 from budget.studies.comparison.compare import compare
 from budget.studies.judgement import TRIALS
-from budget.studies.reference.numbers import (
-    allocation_numbers,
-    budget_numbers,
-    comparison_numbers,
-)
-from budget.studies.reference.records import JOBS, Asked, files_fault
 from budget.studies.request import (
     choose_basis,
     find_sources,
@@ -33,9 +33,9 @@ from budget.studies.request import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from budget.references.records import Snapshot
     from budget.spec.records import Device, Procedure, Requirement
     from budget.spec.tree import Document
-    from budget.studies.reference.records import Snapshot
 
 # Which settings mean something to which job; the others must stay as they are.
 SETTINGS = {

@@ -9,19 +9,19 @@ from pathlib import Path, PureWindowsPath
 from typing import TYPE_CHECKING
 
 from budget.errors import ReferenceFileError
+from budget.references.exchange import effective
+from budget.references.records import StoredInput
 from budget.resources import shipped
 from budget.spec.checking import nearest
 from budget.spec.composer import compose
 from budget.spec.device import read_device, variant_names
 from budget.spec.files import FOLDERS, NamedFile, find, open_file
 from budget.spec.tree import Document, all_of
-from budget.studies.reference.exchange import effective
-from budget.studies.reference.records import StoredInput
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.studies.reference.records import Role
+    from budget.references.records import Role
 
 FOLDER = "references"
 SUFFIX = ".json"  # of a reference budget

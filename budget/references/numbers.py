@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import TYPE_CHECKING
 
+from budget.references.records import Number, Snapshot, Word
+from budget.references.sampling import StandardErrors, standard_errors
 from budget.studies.comparison.records import DeviceVerdict
 from budget.studies.judgement import NORMAL_TRIALS
-from budget.studies.reference.records import Number, Snapshot, Word
-from budget.studies.reference.sampling import StandardErrors, standard_errors
 from budget.studies.request import Analysis, analysis_of
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from math import inf, isinf, sqrt
 from typing import TYPE_CHECKING, TypeVar
 
-from budget.studies.reference.records import (
+from budget.references.records import (
     EXACT,
     Key,
     Move,

@@ -6,28 +6,28 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from budget.errors import BudgetError, CallError
-from budget.studies.reference.explain import (
+from budget.references.attribution import (
     Side,
     explain,
     input_changes,
     version_changes,
 )
-from budget.studies.reference.files import present_documents, stored_documents
-from budget.studies.reference.jobs import check_asked, compute
-from budget.studies.reference.moves import count_compared, find_moves
-from budget.studies.reference.records import (
+from budget.references.difference import count_compared, find_moves
+from budget.references.files import present_documents, stored_documents
+from budget.references.jobs import check_asked, compute
+from budget.references.records import (
     TOOL,
     Change,
     Difference,
     ReferenceBudget,
 )
-from budget.studies.reference.store import present_versions
+from budget.references.store import present_versions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from budget.studies.reference.records import Asked, Job, Move, StoredInput
+    from budget.references.records import Asked, Job, Move, StoredInput
 
 # What takes the place of causes where the stored inputs cannot be read.
 _UNREADABLE = Change(

@@ -19,16 +19,16 @@ from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from budget.errors import ReferenceFileError
 from budget.journal import note_read
-from budget.spec.reader import MOST_BYTES as LONGEST_INPUT
-from budget.spec.schema import schema_of
-from budget.studies.reference.files import digest
-from budget.studies.reference.records import (
+from budget.references.files import digest
+from budget.references.records import (
     KNOWN_FIRST,
     STRICT,
     ReferenceBudget,
     Sha256,
     files_fault,
 )
+from budget.spec.reader import MOST_BYTES as LONGEST_INPUT
+from budget.spec.schema import schema_of
 from budget.version import __version__
 
 if TYPE_CHECKING:

@@ -6,21 +6,21 @@ from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING
 
 from budget.errors import BudgetError
-from budget.studies.reference.exchange import (
+from budget.references.difference import find_moves
+from budget.references.exchange import (
     differences,
     exchange,
     is_text,
     show_change,
 )
-from budget.studies.reference.jobs import by_law, compute
-from budget.studies.reference.moves import find_moves
-from budget.studies.reference.records import EXACT, TOOL, Cause, Change, Move, finite
+from budget.references.jobs import by_law, compute
+from budget.references.records import EXACT, TOOL, Cause, Change, Move, finite
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from budget.references.records import Asked, Key, ReferenceBudget, Snapshot
     from budget.spec.tree import Document
-    from budget.studies.reference.records import Asked, Key, ReferenceBudget, Snapshot
 
 MOST_CHANGES = 200  # keys that are exchanged one by one; more is another file
 
