@@ -13,15 +13,16 @@ from budget.references.exchange import effective
 from budget.references.records import StoredInput
 from budget.resources import shipped
 from budget.spec.checking import nearest
-from budget.spec.composer import compose
 from budget.spec.device import read_device, variant_names
 from budget.spec.files import FOLDERS, NamedFile, find, open_file
-from budget.spec.tree import Document, all_of
+from budget.spec.reader import parse
+from budget.spec.tree import all_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.references.records import Role
+    from budget.spec.tree import Document
 
 FOLDER = "references"
 SUFFIX = ".json"  # of a reference budget
@@ -167,17 +168,11 @@ def stored_documents(
     found: list[Document] = []
     for one in inputs:
         shown = f"{reference}, stored {one.file}" if reference else one.file
-        root, issues = compose(one.text.removeprefix("\N{BYTE ORDER MARK}"), shown)
-        if issues:
-            raise all_of(issues)
-        document = Document(
-            file=shown,
-            base_name=_locate(one, Path()).name,
-            sha256=one.sha256,
-            root=root,
-            issues=(),
-            kind=one.role,
-        )
+        base_name = _locate(one, Path()).name
+        document = parse(one.text.encode(), shown, base_name=base_name)
+        if document.issues:
+            raise all_of(document.issues)
+        document = replace(document, kind=one.role)
         found.extend(_documents(document, one, job))
     return tuple(found)
 

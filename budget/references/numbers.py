@@ -106,21 +106,17 @@ class Certainty:
 
     def correlation(self, one: Output, other: Output, value: float) -> Number:
         """Return the correlation of two outputs."""
-        number = Number(
-            subject=one.name,
-            quantity="correlation",
-            partner=other.name,
-            unit="1",
-            value=value,
-            floor=PART,
-        )
-        if self.errors is None:
-            return number
-        spread = self.errors.correlation[self.places[one.name], self.places[other.name]]
-        return replace(
-            number,
+        errors = self.errors
+        if errors is None:
+            return _part(one.name, "correlation", value, other.name)
+        spread = errors.correlation[self.places[one.name], self.places[other.name]]
+        return _part(
+            one.name,
+            "correlation",
+            value,
+            other.name,
             standard_error=float(spread),
-            degrees_of_freedom=self.errors.degrees_of_freedom,
+            degrees_of_freedom=errors.degrees_of_freedom,
         )
 
 
@@ -171,14 +167,7 @@ def budget_numbers(budget: Budget) -> Snapshot:
                 if row.output.name.owner == one.sensor
             ]
             numbers.append(_largest(one.sensor, own))
-            words.append(
-                Word(
-                    subject=one.sensor,
-                    quantity="verdict",
-                    text=one.verdict,
-                    rests_on=rests_on,
-                )
-            )
+            words.append(_word(one.sensor, "verdict", one.verdict, rests_on))
     return Snapshot(numbers=tuple(numbers), words=tuple(words))
 
 
@@ -220,23 +209,14 @@ def comparison_numbers(
             ).alone(row.sensor)
             sure = Certainty.of_trials(analysis, row.trials)
             numbers += _device_numbers(row, device, sure)
+            rests_on = "" if row.trials is None else "utilisation"
             words += (
-                Word(
-                    subject=subject,
-                    quantity="verdict",
-                    text=row.verdict,
-                    rests_on="" if row.trials is None else "utilisation",
-                ),
+                _word(subject, "verdict", row.verdict, rests_on),
                 # Axes are alike: which of them is the worst may hang on rounding.
-                Word(
-                    subject=subject,
-                    quantity="limiting_source",
-                    text=row.remedy.source,
-                    rests_on="utilisation",
-                ),
+                _word(subject, "limiting_source", row.remedy.source, "utilisation"),
             )
         else:
-            words.append(Word(subject=subject, quantity="verdict", text="undecidable"))
+            words.append(_word(subject, "verdict", "undecidable"))
         words.append(_not_given(subject, row.not_given))
     return Snapshot(numbers=tuple(numbers), words=tuple(words))
 
@@ -250,13 +230,8 @@ def allocation_numbers(allocation: Allocation) -> Snapshot:
     line = LEAST_COST_LINE if allocation.strategy == "cost" else 0.0
     # Subject, quantity, unit, value, rounding.
     rows: list[tuple[str, str, str, float | None, float]] = []
-    words = [
-        Word(
-            subject="requirement",
-            quantity="feasible",
-            text="yes" if allocation.feasible else "no",
-        )
-    ]
+    feasible = "yes" if allocation.feasible else "no"
+    words = [_word("requirement", "feasible", feasible)]
     for row in allocation.sources:
         sizes = {
             "now": row.now,
@@ -267,7 +242,7 @@ def allocation_numbers(allocation: Allocation) -> Snapshot:
             value = None if size is None else size / row.si_per_unit
             floor = line * value if value and quantity == "allowed" else 0.0
             rows.append((row.source, quantity, row.unit, value, floor))
-        words.append(Word(subject=row.source, quantity="status", text=row.status))
+        words.append(_word(row.source, "status", row.status))
     for limited in allocation.outputs:
         name, least = limited.output.name, limited.output.resolution / limited.limit
         rows += (
@@ -288,9 +263,38 @@ def allocation_numbers(allocation: Allocation) -> Snapshot:
     return Snapshot(numbers=tuple(numbers), words=tuple(words))
 
 
+def _word(subject: str, quantity: str, text: str, rests_on: str = "") -> Word:
+    """Return a word."""
+    return Word(subject=subject, quantity=quantity, text=text, rests_on=rests_on)
+
+
 def _not_given(subject: str, names: Iterable[Name]) -> Word:
     """Return the word on the lines that are not given."""
-    return Word(subject=subject, quantity="not_given", text=", ".join(names))
+    return _word(subject, "not_given", ", ".join(names))
+
+
+def _part(
+    subject: str,
+    quantity: str,
+    value: float,
+    partner: str = "",
+    *,
+    standard_error: float | None = None,
+    degrees_of_freedom: float | None = None,
+    trials: int | None = None,
+) -> Number:
+    """Return a part of 1: an index, a correlation, a probability."""
+    return Number(
+        subject=subject,
+        quantity=quantity,
+        partner=partner,
+        unit="1",
+        value=value,
+        floor=PART,
+        standard_error=standard_error,
+        degrees_of_freedom=degrees_of_freedom,
+        trials=trials,
+    )
 
 
 def _contributions(
@@ -298,21 +302,19 @@ def _contributions(
 ) -> Iterator[Number]:
     """Yield contributions, by the law under every method, and Sobol' indices."""
     for part in row.contributions:
-        own = sure.number(row.output, "contribution", part.standard_uncertainty)
-        own = replace(own, partner=part.source)
-        yield own
+        u = sure.number(row.output, "contribution", part.standard_uncertainty)
+        yield replace(u, partner=part.source)
         if part.sobol is None or scrambles is None:
             continue
         for quantity, value, ends in (
             ("sobol_first", part.sobol.first, part.sobol.first_interval),
             ("sobol_total", part.sobol.total, part.sobol.total_interval),
         ):
-            yield replace(
-                own,
-                quantity=quantity,
-                unit="1",
-                value=value,
-                floor=PART,
+            yield _part(
+                row.output.name,
+                quantity,
+                value,
+                part.source,
                 standard_error=_of_interval(ends, scrambles),
                 degrees_of_freedom=scrambles - 1.0,
             )
@@ -335,14 +337,6 @@ def _device_numbers(
     used: list[Number] = []
     for one in row.outputs:
         name = f"{device} {one.output.name}"
-        conformance = Number(
-            subject=name,
-            quantity="conformance",
-            unit="1",
-            value=one.conformance,
-            floor=PART,
-            trials=row.trials,
-        )
         error = one.largest_error
         for number in (
             sure.number(
@@ -351,18 +345,12 @@ def _device_numbers(
             sure.number(one.output, "largest_error", error, END),
         ):
             yield replace(number, subject=name)
-        yield conformance
+        yield _part(name, "conformance", one.conformance, trials=row.trials)
         used.append(sure.number(one.output, "utilisation", error, END, limit=one.limit))
     subject = f"{device} {row.sensor}"
     yield _largest(subject, used)
-    yield Number(
-        subject=subject,
-        quantity="conformance",
-        unit="1",
-        value=row.conformance.value,
-        floor=PART,
-        trials=row.trials or NORMAL_TRIALS,  # by the law counted in draws of it
-    )
+    trials = row.trials or NORMAL_TRIALS  # by the law counted in draws of it
+    yield _part(subject, "conformance", row.conformance.value, trials=trials)
 
 
 def _largest(subject: str, numbers: Sequence[Number]) -> Number:

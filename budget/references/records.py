@@ -26,7 +26,7 @@ Role = Literal["device", "procedure", "requirement", "costs"]
 
 MANY = 1000  # inputs of a reference at the most
 NONE, ONE, MAYBE = range(1), range(1, 2), range(2)
-SOME = range(1, MANY + 1)
+SOME = range(1, 10**9)  # or more: a file may have many variants
 
 # How many files of each role a job takes.
 FILES: Mapping[str, Mapping[str, range]] = {
@@ -102,7 +102,7 @@ class StoredInput:
 class Asked:
     """What was asked for besides the files; None leaves it to the job's default.
 
-    Coverage and reference are None too where a requirement rules them, so that a
+    Coverage and error reference are None too where a requirement rules them, so that a
     change of the requirement is one of the result.
     """
 
