@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 import shutil
 
 import pytest
@@ -95,6 +96,20 @@ class TestDevices:
         ]
         assert len(sizes) > 10
         assert sizes == sorted(sizes, reverse=True)
+
+    def test_what_a_missing_line_would_add_to_is_marked(self, folder):
+        """A gyro bias without its stability has this u or more, as analyze says."""
+        (folder / "less.yaml").write_text(
+            DEVICE.replace(
+                "    bias_stability: {value: 0.04 deg/h, correlation_time: 300 s}\n", ""
+            )
+        )
+        assert output(analyze("less.yaml"), "gyro.bias.x")["lower_bound"]
+        run = call("diff", "imu.yaml", "less.yaml")
+        table = run.out[run.out.index("Gyro bias, u") :].splitlines()
+        assert re.fullmatch(r"  all +0\.\d+ +>= 0\.\d+ .*", table[1]), table[1]
+        assert ">=, <=: this or worse" in " ".join(run.out.split())
+        assert ">=" not in call("diff", "imu.yaml", "better.yaml").out
 
     def test_turned_round(self):
         """B against A has the same differences with the other sign."""

@@ -39,6 +39,7 @@ def move(subject="gyro.bias.x", quantity="standard_uncertainty", **more):
         (1.0, 1.0 + 1e-15, ("1.000000000", "1.000000000")),
         (-1.5e-10, 3.1e-9, ("-1.5e-10", "3.10e-9")),
         (1e9, 1.1e9, ("1.00e9", "1.10e9")),
+        (2829.1, 29697.2, ("2829", "29697")),
         (0.0, 0.0, ("0", "0")),
         (0.0, 1.0, ("0.00", "1.00")),
     ],
@@ -219,3 +220,17 @@ def test_changes_without_effect_are_counted():
     assert lines[1] == "device a.yaml: notes: (not there) -> x (moves no number)"
     assert lines[-1] == "and 5 more that move no number, in --json"
     assert len(lines) == MOST_IDLE + 2
+
+
+@pytest.mark.parametrize(
+    ("quantity", "pair"),
+    [("standard_uncertainty", ("2.00", "≥ 2.50")), ("conformance", ("2.00", "≤ 2.50"))],
+)
+def test_a_lower_bound_is_marked(quantity, pair):
+    """Where a line lacks, u is this or more, and a conformance this or less."""
+    one = move(quantity=quantity, after=2.5, bounds=(False, True))
+    table = move_table([one])
+    (row,) = table.groups[0].rows
+    assert (row.before, row.after) == pair
+    assert table.has_bounds
+    assert not move_table([move()]).has_bounds

@@ -123,15 +123,19 @@ def _number_move(
     one = before or after
     if one is None:
         return None
-    scale = _scale(one, old, new)
+    move = Move(
+        key=one.key,
+        unit=(after or one).unit,
+        before=None if before is None else before.value,
+        after=None if after is None else after.value,
+        scale=_scale(one, old, new),
+        bounds=(
+            before is not None and before.lower_bound,
+            after is not None and after.lower_bound,
+        ),
+    )
     if before is None or after is None:
-        return Move(
-            key=one.key,
-            unit=one.unit,
-            before=None if before is None else before.value,
-            after=None if after is None else after.value,
-            scale=scale,
-        )
+        return move
     difference = abs(after.value - before.value)
     tolerance = max(
         EXACT * max(abs(before.value), abs(after.value)), before.floor, after.floor
@@ -143,15 +147,8 @@ def _number_move(
     if same_unit and sampled and probability_of(before, after) >= level:
         return None
     spread = _spread(before, after) if sampled else tolerance
-    return Move(
-        key=one.key,
-        unit=after.unit,
-        before=before.value,
-        after=after.value,
-        is_sampled=sampled,
-        times=finite(difference / spread) if spread > 0.0 else None,
-        scale=scale,
-    )
+    times = finite(difference / spread) if spread > 0.0 else None
+    return replace(move, is_sampled=sampled, times=times)
 
 
 def _word_move(

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from budget.names import Name
     from budget.problem import Output
-    from budget.results import Budget, OutputBudget
+    from budget.results import Budget, OutputAssessment, OutputBudget
     from budget.spec.records import Device, Procedure, Requirement
     from budget.studies.allocation.records import Allocation
     from budget.studies.comparison.records import Comparison
@@ -72,6 +72,7 @@ class Certainty:
         spread: str = "",
         *,
         limit: float = 0.0,
+        lower_bound: bool = False,
     ) -> Number:
         """Return a number of an output, in its unit or as a part of its limit.
 
@@ -81,6 +82,8 @@ class Certainty:
             [SI]
         spread : str
             What its standard error is that of; '' where no trial touches it.
+        lower_bound : bool
+            See Number.
         """
         per = limit or output.si_per_unit
         number = Number(
@@ -89,6 +92,7 @@ class Certainty:
             unit="1" if limit else output.unit,
             value=value / per,
             floor=output.resolution / per,
+            lower_bound=lower_bound,
         )
         errors = self.errors
         if errors is None or not spread:
@@ -132,13 +136,16 @@ def budget_numbers(budget: Budget) -> Snapshot:
     )
     numbers: list[Number] = []
     for row in budget.outputs:
+        numbers.append(sure.number(row.output, "mean", row.mean, MEAN))
         numbers += (
-            sure.number(row.output, "mean", row.mean, MEAN),
             sure.number(
-                row.output, "standard_uncertainty", row.standard_uncertainty, U
-            ),
-            sure.number(row.output, "interval_low", row.interval[0], LOW),
-            sure.number(row.output, "interval_high", row.interval[1], HIGH),
+                row.output, quantity, value, spread, lower_bound=row.lower_bound
+            )
+            for quantity, value, spread in (
+                ("standard_uncertainty", row.standard_uncertainty, U),
+                ("interval_low", row.interval[0], LOW),
+                ("interval_high", row.interval[1], HIGH),
+            )
         )
         numbers += _contributions(row, sure, settings.sobol_scrambles)
     r = budget.correlation
@@ -152,12 +159,7 @@ def budget_numbers(budget: Budget) -> Snapshot:
         for sensor in dict.fromkeys(row.sensor for row in budget.outputs)
     ]
     if budget.assessment is not None:
-        used = [
-            sure.number(
-                row.output, "utilisation", row.largest_error, END, limit=row.limit
-            )
-            for row in budget.assessment.outputs
-        ]
+        used = [_utilisation(row, sure) for row in budget.assessment.outputs]
         numbers += used
         rests_on = "" if sure.errors is None else "utilisation"
         for one in budget.assessment.sensors:
@@ -255,8 +257,16 @@ def allocation_numbers(allocation: Allocation) -> Snapshot:
             (cost.sensor, "cost_now", "1", cost.now, LEAST_COST * cost.now),
             (cost.sensor, "cost", "1", cost.cost, LEAST_COST * cost.cost),
         )
+    bounds = {one.output.name for one in allocation.outputs if one.lower_bound}
     numbers = (
-        Number(subject=subject, quantity=quantity, unit=unit, value=value, floor=floor)
+        Number(
+            subject=subject,
+            quantity=quantity,
+            unit=unit,
+            value=value,
+            floor=floor,
+            lower_bound=subject in bounds,
+        )
         for subject, quantity, unit, value, floor in rows
         if value is not None
     )
@@ -302,8 +312,11 @@ def _contributions(
 ) -> Iterator[Number]:
     """Yield contributions, by the law under every method, and Sobol' indices."""
     for part in row.contributions:
-        u = sure.number(row.output, "contribution", part.standard_uncertainty)
-        yield replace(u, partner=part.source)
+        u = part.standard_uncertainty
+        number = sure.number(
+            row.output, "contribution", u, lower_bound=part.lower_bound
+        )
+        yield replace(number, partner=part.source)
         if part.sobol is None or scrambles is None:
             continue
         for quantity, value, ends in (
@@ -337,20 +350,34 @@ def _device_numbers(
     used: list[Number] = []
     for one in row.outputs:
         name = f"{device} {one.output.name}"
-        error = one.largest_error
-        for number in (
-            sure.number(
-                one.output, "standard_uncertainty", one.standard_uncertainty, U
-            ),
-            sure.number(one.output, "largest_error", error, END),
+        for quantity, value, spread in (
+            ("standard_uncertainty", one.standard_uncertainty, U),
+            ("largest_error", one.largest_error, END),
         ):
+            number = sure.number(
+                one.output, quantity, value, spread, lower_bound=one.lower_bound
+            )
             yield replace(number, subject=name)
-        yield _part(name, "conformance", one.conformance, trials=row.trials)
-        used.append(sure.number(one.output, "utilisation", error, END, limit=one.limit))
+        p = _part(name, "conformance", one.conformance, trials=row.trials)
+        yield replace(p, lower_bound=one.lower_bound)
+        used.append(_utilisation(one, sure))
     subject = f"{device} {row.sensor}"
     yield _largest(subject, used)
     trials = row.trials or NORMAL_TRIALS  # by the law counted in draws of it
-    yield _part(subject, "conformance", row.conformance.value, trials=trials)
+    p = _part(subject, "conformance", row.conformance.value, trials=trials)
+    yield replace(p, lower_bound=row.lower_bound)
+
+
+def _utilisation(row: OutputAssessment, sure: Certainty) -> Number:
+    """Return the part of its limit that a required output uses."""
+    return sure.number(
+        row.output,
+        "utilisation",
+        row.largest_error,
+        END,
+        limit=row.limit,
+        lower_bound=row.lower_bound,
+    )
 
 
 def _largest(subject: str, numbers: Sequence[Number]) -> Number:
@@ -364,4 +391,5 @@ def _largest(subject: str, numbers: Sequence[Number]) -> Number:
         subject=subject,
         floor=max(number.floor for number in numbers),
         standard_error=max(errors) if errors else None,
+        lower_bound=any(number.lower_bound for number in numbers),
     )

@@ -153,6 +153,8 @@ class Number:
         Of the standard error; None for so many that they do not count.
     trials : int or None
         Of a proportion: the value times this is a count.
+    lower_bound : bool
+        Whether it is this or worse: a line that is not given would add to it.
     """
 
     __pydantic_config__: ClassVar[ConfigDict] = STRICT
@@ -166,6 +168,7 @@ class Number:
     standard_error: NotNegative | None = None
     degrees_of_freedom: Positive | None = None
     trials: Annotated[int, Field(ge=1, lt=2**63)] | None = None
+    lower_bound: bool = False
 
     @property
     def key(self) -> Key:
@@ -311,6 +314,8 @@ class Move:
     scale : float or None
         What the size of a difference is measured by, as it was before: the standard
         uncertainty of the output, of what has none the number itself [unit].
+    bounds : (bool, bool)
+        Whether the number before, and after, is this or worse; see Number.
     together : float or None
         What all changes do at once beyond the sum of what each does alone, by the law
         [unit]; None where that is nothing, or not known.
@@ -323,6 +328,7 @@ class Move:
     is_sampled: bool = False
     times: float | None = None
     scale: float | None = None
+    bounds: tuple[bool, bool] = (False, False)
     causes: tuple[Cause, ...] = ()
     together: float | None = None
 

@@ -275,8 +275,13 @@ def _faults(error: ValidationError, shown: str) -> str:
 
 
 def _set(values: dict[str, Any]) -> dict[str, Any]:
-    """Leave out what is None or empty."""
-    return {k: v for k, v in values.items() if v is not None and v not in ("", ())}
+    """Leave out what is None, False or empty."""
+    unset = (None, False)  # 0 is a seed
+    return {
+        k: v
+        for k, v in values.items()
+        if not any(v is one for one in unset) and v not in ("", ())
+    }
 
 
 def _line(value: object) -> str:

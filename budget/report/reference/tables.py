@@ -7,7 +7,15 @@ from math import floor, inf, log10
 from typing import TYPE_CHECKING
 
 from budget.references.records import TOOL
-from budget.report.tables import output_title, round_value, source_title, words
+from budget.report.tables import (
+    AT_LEAST,
+    AT_MOST,
+    PLAIN_BELOW,
+    output_title,
+    round_value,
+    source_title,
+    words,
+)
 from budget.studies.request import read_name
 
 if TYPE_CHECKING:
@@ -33,6 +41,7 @@ TITLES = {
     "contribution": "contribution of",
     "correlation": "correlation with",
 }
+FALLING = {"interval_low", "conformance"}  # the worse, the smaller
 MOST_ROWS = 24  # on a terminal
 MOST_IDLE = 12  # changes without effect that a terminal names
 FACTOR = 3.0  # a number that grew by more is said to be so many times as large
@@ -87,6 +96,7 @@ class MoveTable:
     has_standard_errors: bool
     has_tolerances: bool
     has_together: bool
+    has_bounds: bool
 
 
 def move_table(moves: Sequence[Move]) -> MoveTable:
@@ -114,6 +124,7 @@ def move_table(moves: Sequence[Move]) -> MoveTable:
         has_standard_errors=any(move.is_sampled for move in numbers),
         has_tolerances=any(not move.is_sampled for move in numbers),
         has_together=any(together_text(move) for move in chosen),
+        has_bounds=any(any(move.bounds) for move in chosen),
     )
 
 
@@ -176,7 +187,10 @@ def print_pair(before: float, after: float) -> tuple[str, str]:
     for number in (difference, abs(before), abs(after)):
         if 0.0 < number < inf:
             place = min(place, floor(log10(number)) - 1)
-    u = 10.0 ** (max(place, top - MOST_DIGITS + 1) + 1)  # two digits of it: to `place`
+    place = max(place, top - MOST_DIGITS + 1)
+    if top < PLAIN_BELOW:
+        place = min(place, 0)  # no digit before the point is rounded away
+    u = 10.0 ** (place + 1)  # values are printed to its second digit
     return round_value(before, u), round_value(after, u)
 
 
@@ -191,9 +205,14 @@ def _rows(moves: Sequence[Move]) -> tuple[Row, ...]:
 def _row(move: Move) -> Row:
     """Return the row of one move, without its label."""
     if isinstance(move.before, float) and isinstance(move.after, float):
-        before, after = print_pair(move.before, move.after)
+        pair = print_pair(move.before, move.after)
     else:
-        before, after = (_word(value) for value in (move.before, move.after))
+        pair = (_word(move.before), _word(move.after))
+    sign = AT_MOST if move.key.quantity in FALLING else AT_LEAST
+    before, after = (
+        f"{sign} {text}" if bound else text
+        for text, bound in zip(pair, move.bounds, strict=True)
+    )
     change = NONE
     ratio = 1.0 if move.relative is None else 1.0 + move.relative
     if ratio > FACTOR and move.scale == move.before:

@@ -13,7 +13,7 @@ from budget.report.reference.tables import (
     move_table,
 )
 from budget.report.tables import align_decimals
-from budget.report.terminal import GAP, Page, set_columns
+from budget.report.terminal import GAP, SIGNS, Page, set_columns
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -162,7 +162,11 @@ def _columns(
     after: list[str] = []
     for group in groups:  # decimal points in line within a group
         texts = align_decimals(
-            [text for row in group.rows for text in (row.before, row.after)]
+            [
+                text.translate(SIGNS)
+                for row in group.rows
+                for text in (row.before, row.after)
+            ]
         )
         before.extend(texts[0::2])
         after.extend(texts[1::2])
@@ -225,5 +229,7 @@ def _print_legend(tables: Sequence[MoveTable], page: Page, *, command: str) -> N
         text += " tol: times the tolerance, 1e-9 relative or rounding."
     if command == "check" and any(table.has_standard_errors for table in tables):
         text += " s.e.: standard errors of a difference between two seeds."
+    if any(table.has_bounds for table in tables):
+        text += " >=, <=: this or worse, as a line is not given that would add to it."
     page.line()
     page.paragraph(text)
