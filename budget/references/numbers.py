@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import TYPE_CHECKING
 
@@ -43,7 +43,7 @@ class Certainty:
         Of the outputs in their places; None by the law.
     """
 
-    places: Mapping[Name, int]
+    places: Mapping[Name, int] = field(default_factory=dict)
     errors: StandardErrors | None = None
 
     @classmethod
@@ -51,13 +51,13 @@ class Certainty:
         cls, analysis: Analysis, trials: int | None, *, interval: str = "symmetric"
     ) -> Certainty:
         """Return that of so many trials of a calibration; None: of the law."""
-        outputs = analysis.problem.outputs
+        if trials is None:
+            return cls()
+        problem = analysis.problem
         return cls(
-            places={output.name: place for place, output in enumerate(outputs)},
-            errors=None
-            if trials is None
-            else standard_errors(
-                analysis.problem,
+            places={output.name: k for k, output in enumerate(problem.outputs)},
+            errors=standard_errors(
+                problem,
                 trials=trials,
                 coverage=analysis.coverage,
                 interval=interval,
