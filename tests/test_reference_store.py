@@ -10,7 +10,7 @@ from pathlib import Path
 import jsonschema
 import numpy as np
 import pytest
-from command_line import call
+from command_line import analyze, call
 from reference_examples import DEVICE, store, stored
 
 from budget.errors import ReferenceFileError
@@ -149,6 +149,23 @@ class TestText:
         broken = (replace(first, value=float("inf")), *rest)
         with pytest.raises(ValueError, match="JSON compliant"):
             reference_text(replace(reference, numbers=broken))
+
+    def test_lower_bounds_are_stored(self, path):
+        """Of the same outputs that analyze calls lower bounds, and of no others."""
+        said = analyze(path.with_name("imu.yaml"))
+        wanted = {
+            f"{one['sensor']}.{one['parameter']}.{one['axis']}"
+            for one in said["outputs"]
+            if one["lower_bound"]
+        }
+        found = {
+            one.subject
+            for one in stored(path).numbers
+            if one.lower_bound and one.quantity == "standard_uncertainty"
+        }
+        assert 0 < len(wanted) < len(said["outputs"])
+        assert found == wanted
+        assert '"lower_bound": false' not in path.read_text(encoding="utf-8")
 
     def test_what_is_not_given_is_absent(self, path):
         """No null stands in a file."""
