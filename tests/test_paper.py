@@ -414,11 +414,25 @@ def test_printed_quotients_are_computed_as_they_stand(text, value):
     assert_allclose(evaluate(text, values), value, rtol=1e-15)
 
 
-@pytest.mark.parametrize("text", ["n_x1", "n_x1*n_x2", "[N_x(3) - ]/2g", "n_q1/n_x2"])
+@pytest.mark.parametrize(
+    "text",
+    ["n_x1", "n_x1*n_x2", "[N_x(3) - ]/2g", "n_q1/n_x2", "n_x1/n_q2", "n_x1/n_x2 + 1"],
+)
 def test_what_is_no_quotient_is_refused(text):
     """A text that cannot be computed is an error, never a number."""
     with pytest.raises(ValueError, match="no quotient of counts"):
         evaluate(text, {"n_x1": 2.0, "n_x2": 3.0, "N_x(3)": 7.0})
+
+
+def test_the_second_d_xy_is_held_against_the_first(conditions):
+    """Ours is what the package returns for d_xy, not the true angle put in for it."""
+    angles = {
+        f.name: f
+        for f in compute_formulas(conditions)
+        if f.given.equation == "eq. (5)" and f.name.endswith("d_xy")
+    }
+    assert angles["second d_xy"].returns_ours == angles["d_xy"].returns_ours
+    assert angles["second d_xy"].returns_ours != angles["second d_xy"].truth
 
 
 def test_eq_4_misses_the_bias_and_eq_17_the_earth(conditions):

@@ -7,8 +7,7 @@ that the package uses (budget.model.response), so that agreement means something
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from math import cos, pi, prod, sin
 from typing import TYPE_CHECKING
 
@@ -22,10 +21,9 @@ from budget.studies.paper.findings import WORD, Finding, Verdict
 from budget.units import ARCSEC, DEG_PER_HOUR, STANDARD_GRAVITY
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
     from budget.arrays import Array
-    from budget.model.response import CalibratedTriad
     from budget.studies.paper.conditions import Conditions
     from budget.studies.paper.printed import PrintedFormula
 
@@ -48,20 +46,32 @@ IN_UNIT: dict[str, Callable[[float], float]] = {  # from SI
 }
 # A quotient as printed: '-[N_x(3) - N_x(4)]/2g K_y'; what is beside each other is
 # multiplied, n by itself is one turn.
+FACTOR = r"\d|pi|K_[xyz]|n_[xyz]\d|[gn]"
 QUOTIENT = re.compile(
     r"(?:d_xy = )?(?P<sign>-?)\[?(?P<first>[nN]_[xyz]\(?\d\)?)"
-    r"(?: (?P<joined>[-+]) (?P<second>N_[xyz]\(\d\))\])?/(?P<below>.*)"
+    r"(?: (?P<joined>[-+]) (?P<second>N_[xyz]\(\d\))\])?"
+    rf"/(?P<below>(?:(?:{FACTOR}) ?)+)"
 )
-FACTOR = re.compile(r"\d|pi|K_[xyz]|n_[xyz]\d|[gn]")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Returned:
-    """What a formula makes of error-free pulses: as printed, ours, and truth [SI]."""
+class Pulses:
+    """Error-free pulses of one test, and what they must return.
 
-    printed: float
-    ours: float
-    truth: float
+    Attributes
+    ----------
+    counts : dict
+        Counts and factors by the names that they have in the formulas [SI].
+    ours, truth : dict
+        Each parameter by its name, as the package finds it and as it is [SI].
+    printed : dict
+        What those printed formulas return that are no quotients of counts [SI].
+    """
+
+    counts: dict[str, float] = field(default_factory=dict)
+    ours: dict[str, float]
+    truth: dict[str, float]
+    printed: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,25 +107,28 @@ class Formula:
 
 def compute_formulas(conditions: Conditions) -> tuple[Formula, ...]:
     """Return every calibration formula of section 1, in the order of the paper."""
-    compute = {
-        "eq. (3)": _gyro_turns(conditions),
-        "eq. (4)": _gyro_bias(conditions),
+    gyro, accelerometer = _gyro(conditions), _accelerometer(conditions)
+    tests = {
+        "eq. (3)": gyro,
+        "eq. (4)": gyro,
         "2.1.1": _integral(conditions),
-        "eq. (5)": _accelerometer(conditions),
+        "eq. (5)": accelerometer,
         "eq. (17)": _asymmetry(conditions),
     }
     formulas = []
     for given in conditions.paper.formulas:
-        in_unit = IN_UNIT[given.unit]
+        pulses, in_unit = tests[given.equation], IN_UNIT[given.unit]
         for name in given.names:
-            found = compute[given.equation](name, given.printed)
+            printed = pulses.printed.get(name)
+            if printed is None:
+                printed = evaluate(given.printed, pulses.counts)
             formulas.append(
                 Formula(
                     name=name,
                     given=given,
-                    returns_printed=in_unit(found.printed),
-                    returns_ours=in_unit(found.ours),
-                    truth=in_unit(found.truth),
+                    returns_printed=in_unit(printed),
+                    returns_ours=in_unit(pulses.ours[name]),
+                    truth=in_unit(pulses.truth[name]),
                 )
             )
     return tuple(formulas)
@@ -137,7 +150,7 @@ def evaluate(text: str, values: Mapping[str, float]) -> float:
         above += sign * values[found["second"]]
     below = prod(
         float(factor) if factor.isdigit() else values[factor]
-        for factor in FACTOR.findall(found["below"])
+        for factor in re.findall(FACTOR, found["below"])
     )
     return (-above if found["sign"] else above) / below
 
@@ -167,102 +180,66 @@ def _finding(formula: Formula) -> Finding:
     )
 
 
-Compute = Callable[[str, str], Returned]  # of a name and the printed text
-
-
 def _mounting() -> Array:
     """Return I + dT of eq. (1) at ANGLE."""
     xy, xz, yx, yz, zx, zy = ANGLE
     return np.array([[1.0, xz, -xy], [-yz, 1.0, yx], [zy, -zx, 1.0]])
 
 
-def _calibrate(conditions: Conditions, sensor: str) -> CalibratedTriad:
-    """Calibrate from error-free readings, as the package does."""
-    K, bias = {
-        "gyro": (GYRO_K, GYRO_BIAS),
-        "accelerometer": (ACCELEROMETER_K, ACCELEROMETER_BIAS),
-    }[sensor]
+def _pulses(
+    conditions: Conditions, sensor: str, counts: dict[str, float], K: Array, bias: Array
+) -> Pulses:
+    """Calibrate a triad from error-free readings, as the package does."""
     scheme = scheme_of(sensor, conditions.corrected)
     inputs = (scheme.turn + scheme.standing).T
-    return estimate(scheme, K[:, None] * (_mounting() @ inputs + bias[:, None]))
-
-
-def _quotients(
-    values: Mapping[str, float], found: CalibratedTriad, K: Array, bias: Array
-) -> Compute:
-    """Compute K_x, d_xy, the bias of x, each by a quotient of counts."""
+    found = estimate(scheme, K[:, None] * (_mounting() @ inputs + bias[:, None]))
     ours, truth = (
-        {
-            **{f"K_{axis}": factors[i] for i, axis in enumerate(AXES)},
-            **{f"d_{angle}": angles[i] for i, angle in enumerate(ANGLES)},
-            **{axis: biases[i] for i, axis in enumerate(AXES)},
-        }
+        _named("K_{}", AXES, factors)
+        | _named("d_{}", ANGLES, angles)
+        | _named(f"{sensor} bias {{}}", AXES, biases)
+        # The second d_xy of eq. (5) is held against d_xy, whose name it bears.
+        | {"second d_xy": float(angles[0])}
         for factors, angles, biases in (
             (found.scale_factor, found.mounting_angle, found.bias),
             (K, ANGLE, bias),
         )
     )
-
-    def compute(name: str, printed: str) -> Returned:
-        parameter = name.rpartition(" ")[2]  # of 'second d_xy', 'accelerometer bias x'
-        # The second d_xy is held against d_xy, whose name it bears.
-        mine = truth if name.startswith("second") else ours
-        return Returned(
-            printed=evaluate(printed, values),
-            ours=float(mine[parameter]),
-            truth=float(truth[parameter]),
-        )
-
-    return compute
+    return Pulses(counts=counts, ours=ours, truth=truth)
 
 
-def _gyro_turns(conditions: Conditions) -> Compute:
-    """Eq. (3): scale factors and angles from turns by one revolution."""
-    n = GYRO_K[:, None] * _mounting() * 4.0 * pi
-    values = {
-        f"n_{axis}{j}": float(n[i, turned])
-        for i, axis in enumerate(AXES)
-        for j, turned in enumerate(TURNED, start=1)
+def _named(text: str, names: Sequence[str], values: Array) -> dict[str, float]:
+    """Return values by a text with each name in its place."""
+    return {
+        text.format(name): float(value)
+        for name, value in zip(names, values, strict=True)
     }
-    found = _calibrate(conditions, "gyro")
-    return _quotients(values | {"pi": pi, "n": 1.0}, found, GYRO_K, GYRO_BIAS)
 
 
-def _accelerometer(conditions: Conditions) -> Compute:
-    """Eq. (5): twelve positions."""
-    g, K, M = conditions.printed.gravity, ACCELEROMETER_K, _mounting()
-    values = {
-        f"N_{axis}({j})": float((K * (M[:, up] * sign * g + ACCELEROMETER_BIAS))[i])
-        for i, axis in enumerate(AXES)
-        for j, (up, sign) in enumerate(FACES, start=1)
-    }
-    values |= {"g": g} | {f"K_{axis}": float(K[i]) for i, axis in enumerate(AXES)}
-    found = _calibrate(conditions, "accelerometer")
-    return _quotients(values, found, K, ACCELEROMETER_BIAS)
-
-
-def _gyro_bias(conditions: Conditions) -> Compute:
-    """Eq. (4): the bias, by the transpose as printed and by the inverse of eq. (1)."""
-    w = np.array([0.0, 0.0, ROTATION_RATE * sin(conditions.printed.latitude)])
+def _gyro(conditions: Conditions) -> Pulses:
+    """Eqs. (3) and (4): turns by one revolution; the bias by the transpose of dT."""
     M = _mounting()
+    n = GYRO_K[:, None] * M * 4.0 * pi
+    w = np.array([0.0, 0.0, ROTATION_RATE * sin(conditions.printed.latitude)])
     static = GYRO_K * (M @ w + GYRO_BIAS)
-    printed = (np.eye(3) + (M - np.eye(3)).T) @ (static / GYRO_K) - w
-    return _by_axis(printed, _calibrate(conditions, "gyro").bias, GYRO_BIAS)
+    bias = (np.eye(3) + (M - np.eye(3)).T) @ (static / GYRO_K) - w  # eq. (4)
+    counts = {"pi": pi, "n": 1.0}
+    for j, turned in enumerate(TURNED, start=1):
+        counts |= _named(f"n_{{}}{j}", AXES, n[:, turned])
+    pulses = _pulses(conditions, "gyro", counts, GYRO_K, GYRO_BIAS)
+    return replace(pulses, printed=_named("gyro bias {}", AXES, bias))
 
 
-def _by_axis(printed: Array, ours: Array, truth: Array) -> Compute:
-    """Return the values of the axis that a name ends with or has after 'dK_'."""
-
-    def compute(name: str, _: str) -> Returned:
-        i = AXES.index(name.removeprefix("dK_")[0] if "dK_" in name else name[-1])
-        return Returned(
-            printed=float(printed[i]), ours=float(ours[i]), truth=float(truth[i])
-        )
-
-    return compute
+def _accelerometer(conditions: Conditions) -> Pulses:
+    """Eq. (5): twelve positions."""
+    g, K, bias = conditions.printed.gravity, ACCELEROMETER_K, ACCELEROMETER_BIAS
+    counts = _named("K_{}", AXES, K) | {"g": g}
+    for j, (axis, sign) in enumerate(FACES, start=1):
+        means = K * (_mounting()[:, axis] * sign * g + bias)
+        counts |= _named(f"N_{{}}({j})", AXES, means)
+    return _pulses(conditions, "accelerometer", counts, K, bias)
 
 
-def _integral(conditions: Conditions) -> Compute:
+def _integral(conditions: Conditions) -> Pulses:
     """2.1.1: what z counts of the horizontal earth rate while the table turns about z.
 
     Over whole turns both integrals vanish, so that the misprint does no harm there; a
@@ -275,15 +252,15 @@ def _integral(conditions: Conditions) -> Compute:
     x, y = horizontal * (1.0 - cos(azimuth)), horizontal * sin(azimuth)
     zx, zy = ANGLE[4:]
     truth = (_mounting() - np.eye(3))[2] @ np.array([x, y, 0.0])
-    found = Returned(
-        printed=float(zy * y - zx * y),
-        ours=float(zy * x - zx * y),
-        truth=float(truth),
+    name = "earth rate in the count of z"
+    return Pulses(
+        printed={name: float(zy * y - zx * y)},
+        ours={name: float(zy * x - zx * y)},
+        truth={name: float(truth)},
     )
-    return lambda *_: found
 
 
-def _asymmetry(conditions: Conditions) -> Compute:
+def _asymmetry(conditions: Conditions) -> Pulses:
     """Eq. (17): scale-factor error from asymmetry, at the paper's bias, 1250 ppm."""
     rate, latitude = conditions.printed.gyro.rate, conditions.printed.latitude
     Ka, T = conditions.paper.farthest["scale_factor_asymmetry"], 2.0 * pi / rate
@@ -292,5 +269,9 @@ def _asymmetry(conditions: Conditions) -> Compute:
     plus = (1.0 + Ka / 2.0) * (2.0 * pi + along * T)
     minus = (1.0 - Ka / 2.0) * (-2.0 * pi + along * T)
     counted = (plus - minus) / (4.0 * pi) - 1.0  # eq. (3) on these pulses
-    printed = np.full(3, Ka * T * b / (4.0 * pi))
-    return _by_axis(printed, Ka * T * along / (4.0 * pi), counted)
+    name = "dK_{}/K from asymmetry"
+    return Pulses(
+        printed=_named(name, AXES, np.full(3, Ka * T * b / (4.0 * pi))),
+        ours=_named(name, AXES, Ka * T * along / (4.0 * pi)),
+        truth=_named(name, AXES, counted),
+    )

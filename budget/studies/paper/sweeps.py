@@ -11,7 +11,7 @@ import numpy as np
 from budget.earth import ROTATION_RATE
 from budget.model.sources import GYRO
 from budget.names import PARAMETERS, Name
-from budget.studies.paper.conditions import PLACES, nominal_size, only_sources
+from budget.studies.paper.conditions import HALF_ULP, PLACES, nominal_size, only_sources
 from budget.studies.paper.findings import (
     RUNS,
     Finding,
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from budget.studies.paper.printed import PrintedFigure
 
 PROPORTIONAL = 1e-4  # departure from a straight line over the largest value [1]
-HALF_ULP = 2.0**-53  # of a ratio near 1 [1]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

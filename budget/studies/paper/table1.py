@@ -9,6 +9,7 @@ import numpy as np
 
 from budget.names import PARAMETERS
 from budget.studies.paper.conditions import (
+    HALF_ULP,
     PLACES,
     nominal_size,
     only_sources,
@@ -41,7 +42,6 @@ if TYPE_CHECKING:
     from budget.studies.paper.conditions import Conditions
     from budget.studies.paper.readings import Reading
 
-HALF_ULP = 2.0**-53  # spacing of doubles just below 1 [1]
 REPEATABILITIES = ("bias_repeatability", "scale_factor_repeatability")
 
 
