@@ -75,6 +75,11 @@ class Finding:
     is_summary: bool = False
 
 
+def agrees_if(condition: bool) -> Verdict:  # noqa: FBT001 - the one thing it asks
+    """Return the verdict on what can only agree or stay unexplained."""
+    return Verdict.AGREES if condition else Verdict.UNEXPLAINED
+
+
 def say(value: float, digits: int = 2) -> str:
     """Write a number within a sentence: '7.7e-8', '3890', '0.16'."""
     text = f"{value:.{digits}g}"

@@ -25,7 +25,15 @@ from budget.studies.paper.conditions import (
     only_sources,
     without_nominal_angles,
 )
-from budget.studies.paper.findings import RUNS, WORD, Finding, Verdict, ratio_of, say
+from budget.studies.paper.findings import (
+    RUNS,
+    WORD,
+    Finding,
+    Verdict,
+    agrees_if,
+    ratio_of,
+    say,
+)
 from budget.studies.paper.readings import MOUNTING
 
 if TYPE_CHECKING:
@@ -123,7 +131,7 @@ def mounting_findings(conditions: Conditions) -> tuple[Finding, ...]:
         printed="not said",
         ours=" ".join(found.order),
         quantity=WORD,
-        verdict=_agrees(found.order == paper.angle_order),
+        verdict=agrees_if(found.order == paper.angle_order),
         why="of 720 orders the only one that returns the printed biases of the "
         f"mounting row by eq. (4): off by {say(found.misfit, 2)} of what rounding "
         f"allows, the next order by {found.next_misfit:.0f}",
@@ -136,7 +144,7 @@ def mounting_findings(conditions: Conditions) -> tuple[Finding, ...]:
             printed=text,
             ours=ours,
             ratio=ratio_of(ours, float(text)),
-            verdict=_agrees(abs(ours - float(text)) <= tolerance),
+            verdict=agrees_if(abs(ours - float(text)) <= tolerance),
             why="eq. (4) at the six printed angles, whose rounding and whose "
             f"products allow {say(tolerance, 1)}: the formula makes this error, "
             "not the sensor",
@@ -162,8 +170,3 @@ def mounting_findings(conditions: Conditions) -> tuple[Finding, ...]:
         is_summary=True,
     )
     return order, *biases, products
-
-
-def _agrees(condition: bool) -> Verdict:  # noqa: FBT001
-    """Return the verdict on what can only agree or stay unexplained."""
-    return Verdict.AGREES if condition else Verdict.UNEXPLAINED

@@ -29,6 +29,7 @@ from budget.studies.paper.findings import (
     WORD,
     Finding,
     Verdict,
+    agrees_if,
     ratio_of,
     say,
     words,
@@ -153,7 +154,7 @@ def _judge(
         zero = float(found.resolution[place].max())
         if ours <= zero:
             ours, why = 0.0, "no effect"
-            verdict = Verdict.AGREES if order <= zero else Verdict.UNEXPLAINED
+            verdict = agrees_if(order <= zero)
             why += f"; {say(zero, 1)} is rounding here" if order else ""
         else:
             same = power_of_ten(ours) == power_of_ten(order)

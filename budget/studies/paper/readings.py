@@ -88,6 +88,16 @@ class Reading:
         return f"{self.name}, {kind}"
 
     @property
+    def quantity(self) -> str:
+        """What the standard uncertainty of an entry is: of a run or of a mean."""
+        return U_SINGLE if self.runs == 1 else U_MEAN
+
+    @property
+    def u(self) -> Array:
+        """Standard uncertainties of the entries, shape (12,) [1]."""
+        return np.asarray(self.expectation.u / np.sqrt(self.runs))
+
+    @property
     def varies(self) -> NDArray[np.bool_]:
         """Which of the twelve entries are random, shape (12,), boolean."""
         return np.array(self.expectation.u > 0.0)
@@ -203,7 +213,7 @@ def reading_findings(all_readings: tuple[Reading, ...]) -> tuple[Finding, ...]:
                     f"{words(parameter)}: {reading.full_name}",
                     printed=f"rms {say(rms, 3)}" + (" about -1" if shifted else ""),
                     ours=found.u_rms,
-                    quantity=U_SINGLE if is_single else U_MEAN,
+                    quantity=reading.quantity,
                     ratio=ratio_of(found.u_rms, rms),
                     verdict=verdict,
                     why=f"p {say(found.p)}; the whole row p {say(together.p)}, least "

@@ -16,6 +16,7 @@ from budget.studies.paper.findings import (
     RUNS,
     Finding,
     Verdict,
+    agrees_if,
     ratio_of,
     say,
     words,
@@ -179,7 +180,7 @@ def _slopes(sweep: Sweep) -> list[Finding]:
             where=f"{sweep.figure}, {words(sweep.given.parameter)} {name}, slope",
             printed="proportional",
             ours=float(found),
-            verdict=Verdict.AGREES if straight else Verdict.UNEXPLAINED,
+            verdict=agrees_if(straight),
             why=f"relative error per unit of asymmetry; closed form {say(closed, 5)}; "
             f"straight to {say(sweep.departure, 1)} of the largest error",
         )

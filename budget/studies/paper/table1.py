@@ -20,6 +20,7 @@ from budget.studies.paper.findings import (
     U_SINGLE,
     Finding,
     Verdict,
+    agrees_if,
     ratio_of,
     say,
     words,
@@ -106,16 +107,11 @@ def table1_findings(
 
 def _random_entries(row: Row, parameter: str, other: Reading | None) -> list[Finding]:
     """Say which reading the entries of one parameter fit, together and one by one."""
-    place, fits = (
-        PLACES[parameter],
-        (row.single.fit(parameter), row.mean.fit(parameter)),
-    )
-    single, mean = fits
-    u, chosen, quantity = row.single.expectation.u[place], single, U_SINGLE
-    verdict, cause = Verdict.UNEXPLAINED, ""
-    means = u / np.sqrt(RUNS)
+    place = PLACES[parameter]
+    single, mean = row.single.fit(parameter), row.mean.fit(parameter)
+    chosen, verdict, cause = row.single, Verdict.UNEXPLAINED, ""
     if mean.fits and mean.p > single.p:
-        u, chosen, quantity, verdict = means, mean, U_MEAN, Verdict.FITS_MEAN
+        chosen, verdict = row.mean, Verdict.FITS_MEAN
     elif single.fits:
         verdict = Verdict.FITS_SINGLE
     elif other is not None:
@@ -125,19 +121,21 @@ def _random_entries(row: Row, parameter: str, other: Reading | None) -> list[Fin
         if row.single.source == MOUNTING:  # see mounting.py
             verdict = Verdict.EXPLAINED
             cause += "; its biases prove it, see below"
+    u, u_rms = chosen.u[place], chosen.fit(parameter).u_rms
+    drawn = np.mean(row.drawn[place] / row.mean.u[place])
     rms = root_mean_square(row.single.printed[place])
     summary = Finding(
         section="table 1",
         where=f"{row.title}, {words(parameter)}, all {single.entries}",
         printed=f"rms {say(rms, 3)}",
-        ours=chosen.u_rms,
-        quantity=quantity,
-        ratio=ratio_of(chosen.u_rms, rms),
+        ours=u_rms,
+        quantity=chosen.quantity,
+        ratio=ratio_of(u_rms, rms),
         verdict=verdict,
         why=f"chi-square for {single.entries} entries: {say(single.chi_square, 3)} as "
         f"a single run, {say(mean.chi_square, 3)} as a mean over {RUNS}; u single "
         f"{say(single.u_rms)}, mean {say(mean.u_rms)} ({repeats(RUNS)} means drawn "
-        f"spread by {np.mean(row.drawn[place] / means):.3f} of it){cause}",
+        f"spread by {drawn:.3f} of it){cause}",
         p_single=single.p,
         p_mean=mean.p,
         is_summary=True,
@@ -148,7 +146,7 @@ def _random_entries(row: Row, parameter: str, other: Reading | None) -> list[Fin
             where=f"{row.title}, {words(parameter)} {name}",
             printed=text,
             ours=float(u[k]),
-            quantity=quantity,
+            quantity=chosen.quantity,
             ratio=ratio_of(float(u[k]), float(text)),
             verdict=verdict,
             why="judged with its neighbours, in the row above",
@@ -194,7 +192,7 @@ def _fixed_entries(row: Row, parameter: str) -> list[Finding]:
                 printed=text,
                 ours=0.0 if is_zero else ours,
                 ratio=None if is_zero else ratio_of(ours, printed),
-                verdict=Verdict.AGREES if agrees else Verdict.UNEXPLAINED,
+                verdict=agrees_if(agrees),
                 why=why,
             )
         )
