@@ -275,13 +275,8 @@ def _faults(error: ValidationError, shown: str) -> str:
 
 
 def _set(values: dict[str, Any]) -> dict[str, Any]:
-    """Leave out what is None, False or empty."""
-    unset = (None, False)  # 0 is a seed
-    return {
-        k: v
-        for k, v in values.items()
-        if not any(v is one for one in unset) and v not in ("", ())
-    }
+    """Leave out what is None, False or empty; 0 is a seed."""
+    return {k: v for k, v in values.items() if v or (v == 0 and v is not False)}
 
 
 def _line(value: object) -> str:
