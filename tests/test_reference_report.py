@@ -59,6 +59,13 @@ def test_axes_that_say_the_same_are_one_row():
     assert [row.label for row in group.rows] == ["z", "x, y"]
 
 
+def test_names_with_commas_are_told_apart():
+    """Devices that say the same are one row, also under 'eq. 4, as printed'."""
+    names = ("a.yaml @ eq. 4, as printed", "b.yaml @ eq. 4, as printed")
+    (group,) = move_table([move(f"{name} gyro") for name in names]).groups
+    assert [row.label for row in group.rows] == ["; ".join(names)]
+
+
 @pytest.mark.parametrize(
     ("subject", "title", "label"),
     [

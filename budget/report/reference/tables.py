@@ -75,7 +75,8 @@ class Row:
         """Name of the row; nothing where it stands for all axes."""
         if len(self.labels) in AXES and all(len(label) < AXIS for label in self.labels):
             return "all"
-        return ", ".join(self.labels)
+        # The name of a procedure may have a comma.
+        return ("; " if "," in "".join(self.labels) else ", ").join(self.labels)
 
 
 @dataclass(frozen=True, kw_only=True)
