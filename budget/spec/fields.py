@@ -34,9 +34,7 @@ _BREAK = re.compile(r"[\t\n\r]")
 class Strict(BaseModel):
     """A mapping with known keys; nothing is converted in silence."""
 
-    model_config = ConfigDict(
-        extra="forbid", strict=True, frozen=True, defer_build=True
-    )
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
 
 def fault(message: str) -> PydanticCustomError:
