@@ -11,8 +11,12 @@ from dataclasses import dataclass
 from decimal import Decimal
 from functools import cache, lru_cache
 from math import pi, sqrt
+from typing import TYPE_CHECKING
 
 from budget.errors import UnitError
+
+if TYPE_CHECKING:
+    import pint
 
 HOUR = 3600.0  # [s]
 DEGREE = pi / 180.0  # [rad]
@@ -32,8 +36,6 @@ _FACTOR = rf"(?:sqrt\({_NAME}\)|{_NAME}(?:(?:\^|\*\*)?2)?)"
 _PRODUCT = rf"{_FACTOR}(?:[/*]{_FACTOR})*"
 _TERM = rf"(?:{_FACTOR}|\({_PRODUCT}\))"
 _UNIT = re.compile(rf"{_TERM}(?:[/*]{_TERM})*")
-# A sign between factors, a number of a definition, a root, or a name and its square.
-_PART = re.compile(rf"([/*()])|({NUMBER})|sqrt\(({_NAME})\)|({_NAME})((?:\^|\*\*)?2)?")
 _QUANTITY = re.compile(rf"((?>{NUMBER}))\s*([^\s\d.,:_+-]\S*(?: \S+)*)")
 # Sizes a quantity may have, beside 0 [SI]. The law of propagation takes fourth powers
 # of figures and products of them, which must neither overflow nor vanish.
@@ -97,26 +99,26 @@ KINDS = (
     Kind("a frequency", ("Hz", "kHz")),
 )
 
-# What each unit is a product of, none for a base unit. An angle is a base, so that a
-# rate is never taken for a frequency.
+# Our own registry: pint's default one reads ug and mg as masses and turns deg/s into
+# Hz. An angle is a dimension here, so that a rate is never taken for a frequency.
 _BASES = {
-    "rad": "",
-    "deg": f"{DEGREE!r}*rad",
-    "arcmin": f"{DEGREE / 60.0!r}*rad",
-    "arcsec": f"{ARCSEC!r}*rad",
-    "s": "",
-    "min": "60*s",
-    "h": "3600*s",
-    "Hz": "1/s",
-    "m": "",
-    "degC": "",
+    "rad": "[angle]",
+    "deg": f"{DEGREE!r} * rad",
+    "arcmin": f"{DEGREE / 60.0!r} * rad",
+    "arcsec": f"{ARCSEC!r} * rad",
+    "s": "[time]",
+    "min": "60 * s",
+    "h": "3600 * s",
+    "Hz": "1 / s",
+    "m": "[length]",
+    "degC": "[temperature]",
     "K": "degC",
-    "ft": "0.3048*m",
-    "dps": "deg/s",
-    "dph": "deg/h",
-    "fps": "ft/s",
-    "Gal": "1e-2*m/s^2",
-    "g": "GRAVITY*m/s^2",
+    "ft": "0.3048 * m",
+    "dps": "deg / s",
+    "dph": "deg / h",
+    "fps": "ft / s",
+    "Gal": "1e-2 * m / s ** 2",
+    "g": "GRAVITY * m / s ** 2",
     "percent": "1e-2",
     "ppm": "1e-6",
 }
@@ -129,7 +131,7 @@ _PREFIXED = {
     "Hz": "k",
 }
 DEFINITIONS = _BASES | {
-    prefix + base: f"{_PREFIXES[prefix]}*{base}"
+    prefix + base: f"{_PREFIXES[prefix]} * {base}"
     for base, prefixes in _PREFIXED.items()
     for prefix in prefixes
 }
@@ -274,6 +276,17 @@ class _Size:
     dimension: frozenset[tuple[str, object]]  # base dimension and its power
 
 
+@lru_cache(maxsize=8)
+def _registry(gravity: float) -> pint.UnitRegistry[float]:
+    """Return the registry in which `g` is that gravity [m/s^2]."""
+    import pint  # a quarter of a second, so not before a unit is read
+
+    registry: pint.UnitRegistry[float] = pint.UnitRegistry(None)
+    for name, definition in DEFINITIONS.items():
+        registry.define(f"{name} = {definition.replace('GRAVITY', repr(gravity))}")
+    return registry
+
+
 @lru_cache(maxsize=1024)
 def _size(unit: str, gravity: float) -> _Size | None:
     """Return the size of a unit, or None where the text is no unit we know."""
@@ -281,33 +294,10 @@ def _size(unit: str, gravity: float) -> _Size | None:
     names = re.findall(_NAME, plain.replace("sqrt(", "("))
     if not _UNIT.fullmatch(plain) or not DEFINITIONS.keys() >= set(names):
         return None
-    powers = _powers(plain, gravity)
-    size = 1.0
-    # The divisors last, each in one power: what cancels leaves no rounding.
-    for part, power in sorted(powers.items(), key=lambda item: item[1] < 0.0):
-        if isinstance(part, float):
-            size *= part**power
-    bases = {part: power for part, power in powers.items() if isinstance(part, str)}
-    return _Size(size, frozenset((part, p) for part, p in bases.items() if p))
-
-
-def _powers(product: str, gravity: float) -> dict[float | str, float]:
-    """Return the powers of the numbers and base units that a product stands for."""
-    powers: dict[float | str, float] = {}
-    outer = sign = 1.0  # power of the parentheses, and of what comes next in them
-    for part in _PART.finditer(product):
-        mark, number, root, name, square = part.groups()
-        if mark:
-            outer = {"(": outer * sign, ")": 1.0}.get(mark, outer)
-            sign = -1.0 if mark == "/" else 1.0
-            continue
-        power = outer * sign * (0.5 if root else 2.0 if square else 1.0)
-        unit = root or name
-        definition = DEFINITIONS[unit] if unit else ""
-        inner = _powers(definition.replace("GRAVITY", repr(gravity)), gravity)
-        for one, its_power in (inner or {unit or float(number): 1.0}).items():
-            powers[one] = powers.get(one, 0.0) + power * its_power
-    return powers
+    powers = re.sub(r"sqrt(\([^)]*\))", r"\1**0.5", plain)
+    powers = re.sub(r"([A-Za-z])(?:\^|\*\*)?2", r"\1**2", powers)
+    parsed = _registry(gravity).Quantity(1.0, powers).to_root_units()
+    return _Size(parsed.magnitude, frozenset(parsed.dimensionality.items()))
 
 
 @cache
