@@ -16,12 +16,12 @@ from jsonschema import Draft202012Validator
 
 import budget
 from budget.errors import SpecError
+from budget.model.sources import SENSORS, lines_of, walk_of
 from budget.report.allocation.document import to_document
 from budget.report.comparison.document import to_dict
 from budget.spec import load_costs, load_device, validate
 from budget.spec.device import read_device
 from budget.spec.files import find, open_file
-from budget.spec.lines import SENSORS, lines_of, walk_of
 from budget.spec.records import ANGLES, AXES
 from budget.studies.allocation.allocate import allocate
 

@@ -12,8 +12,8 @@ from numpy.testing import assert_allclose
 from ruamel.yaml import YAML
 
 import budget
+from budget.model.sources import SENSORS, lines_of
 from budget.spec import load_device, load_requirement, variants
-from budget.spec.lines import SENSORS, lines_of
 from budget.units import UnitError, parse_quantity
 
 HERE = Path(__file__).resolve().parent

@@ -6,7 +6,7 @@ import pytest
 from command_line import analyze, call, contribution
 from numpy.testing import assert_allclose
 
-from budget.spec.lines import lines_of
+from budget.model.sources import lines_of
 
 GYRO = """\
 name: gyro alone

@@ -9,8 +9,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from budget.errors import SpecError
+from budget.model.sources import SENSORS, lines_of
 from budget.spec import load_device
-from budget.spec.lines import SENSORS, lines_of
 
 DEG = pi / 180.0
 DEG_H = DEG / 3600.0

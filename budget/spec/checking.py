@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from budget.spec.lines import LINES, twin_of
+from budget.model.sources import SOURCES, twin_of
 from budget.spec.tree import MOST_ISSUES, all_of, describe, plain
 
 if TYPE_CHECKING:
@@ -96,7 +96,7 @@ def _slip(word: str, allowed: tuple[str, ...]) -> str:
     Near is not enough here: '4 sigma' is no slip of '1 sigma' nor 'lognormal' of
     'normal', and a line of one kind of sensor has its own twin on the other.
     """
-    if any(line.name == word for line in LINES):
+    if any(line.name == word for line in SOURCES):
         twin = twin_of(word)
         return f"; did you mean {twin!r}?" if twin in allowed else ""
     digits = re.findall("[0-9]", word)

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, create_model
 
+from budget.model.sources import SENSORS, lines_of
 from budget.names import Name
 from budget.spec.checking import check
 from budget.spec.fields import Measured, Sign, Strict, mapping_of
 from budget.spec.figures import DENSITY_NOTE, standard_size
-from budget.spec.lines import SENSORS, lines_of
 from budget.spec.records import Cost, Costs, Origin
 from budget.units import Quantity, per_root_hertz
 

@@ -9,6 +9,14 @@ import numpy as np
 from pydantic import Field, create_model, model_validator
 
 from budget.errors import UnitError
+from budget.model.sources import (
+    ACCELEROMETER,
+    GYRO,
+    SAMPLE_NOISE,
+    SENSORS,
+    WHITE,
+    lines_of,
+)
 from budget.names import Name
 from budget.spec.checking import check, nearest
 from budget.spec.fields import (
@@ -23,14 +31,6 @@ from budget.spec.fields import (
     per_axis,
 )
 from budget.spec.figures import figure_type, read_figure
-from budget.spec.lines import (
-    ACCELEROMETER,
-    GYRO,
-    SAMPLE_NOISE,
-    SENSORS,
-    WHITE,
-    lines_of,
-)
 from budget.spec.records import ANGLES, AXES, Device, MakerFigure, Origin, Sensor
 from budget.spec.tree import all_of, describe, merge
 from budget.units import STANDARD_GRAVITY, Quantity, parse_quantity

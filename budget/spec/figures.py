@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import Field, create_model, model_validator
 
 from budget.distributions import BY_NAME, NORMAL, Distribution
+from budget.model.sources import SAMPLE_NOISE, WALKS, walk_of
 from budget.names import ONE_VALUE, Name
 from budget.spec.fields import (
     Measured,
@@ -21,12 +22,11 @@ from budget.spec.fields import (
     faults,
     mapping_of,
 )
-from budget.spec.lines import SAMPLE_NOISE, WALKS, walk_of
 from budget.spec.records import ErrorLine
 from budget.units import ONE_SIDED, WALK_PER_DENSITY, Quantity, per_root_hertz
 
 if TYPE_CHECKING:
-    from budget.spec.lines import Line
+    from budget.model.source import Source
 
 # What is printed, over the standard uncertainty [1].
 SIGMAS = {"1 sigma": 1.0, "2 sigma": 2.0, "3 sigma": 3.0, "rms": 1.0, "typical": 1.0}
@@ -182,13 +182,13 @@ class ReadFigure:
     assumptions: tuple[str, ...]
 
 
-def figure_type(line: Line, sensor: str) -> Any:  # noqa: ANN401
+def figure_type(line: Source, sensor: str) -> Any:  # noqa: ANN401
     """Return the type of a figure of that line: a text or a mapping."""
     beside = walk_of(sensor) if line.name == SAMPLE_NOISE else ""
     return _figure_type(line.like(sensor), _family(line), line.axes, beside)
 
 
-def read_figure(line: Line, sensor: str, figure: Quantity | Part) -> ReadFigure:
+def read_figure(line: Source, sensor: str, figure: Quantity | Part) -> ReadFigure:
     """Turn a figure as printed into standard uncertainties by axis.
 
     A text is 1 sigma and normal. A sigma meaning divides the value; `max` and `peak to
@@ -202,7 +202,7 @@ def read_figure(line: Line, sensor: str, figure: Quantity | Part) -> ReadFigure:
 
     Parameters
     ----------
-    line : Line
+    line : Source
         The model line.
     sensor : str
         Whose line it is.
@@ -295,7 +295,7 @@ def _figure_type(
     return Annotated[whole, OrText(measured)]
 
 
-def _family(line: Line) -> type[Part]:
+def _family(line: Source) -> type[Part]:
     """Return what a file may say about a figure of that line."""
     if line.name == "bias_stability":
         return StabilityPart

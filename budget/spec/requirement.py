@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import Field, create_model, model_validator
 
 from budget.distributions import COVERAGES, is_coverage
+from budget.model.sources import SENSORS, SOURCES
 from budget.names import Name
 from budget.spec.checking import check
 from budget.spec.fields import (
@@ -19,7 +20,6 @@ from budget.spec.fields import (
     mapping_of,
     per_axis,
 )
-from budget.spec.lines import LINES, SENSORS
 from budget.spec.records import ANGLES, AXES, Limit, Origin, Requirement
 from budget.units import Quantity
 
@@ -42,7 +42,7 @@ class Caps(Strict):
 
 def _limits_type() -> Any:  # noqa: ANN401
     """Return the type of the limits of both sensors."""
-    bias = LINES[0]
+    bias = SOURCES[0]
     sensors = {
         sensor: mapping_of(
             f"{sensor} limits",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from budget.spec.lines import lines_of
+from budget.model.sources import lines_of
 from budget.units import DEG_PER_HOUR, MICRO_G
 
 if TYPE_CHECKING:

@@ -15,16 +15,15 @@ import numpy as np
 from budget.calibration.problem import calibration_problem
 from budget.distributions import NORMAL
 from budget.methods.gum import propagate
-from budget.model.sources import source_of
+from budget.model.sources import lines_of, source_of
 from budget.names import Name, parameters_of
-from budget.spec.lines import lines_of
 from budget.spec.records import ErrorLine
 from budget.units import parse_quantity
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from budget.spec.lines import Line
+    from budget.model.source import Source
     from budget.spec.records import Procedure, Sensor
 
 PROBE_TIME = 300.0  # correlation time of a probe [s]
@@ -93,7 +92,7 @@ def could_widen(
 
 
 def _reached(
-    sensor: Sensor, probes: Mapping[Name, Line], procedure: Procedure, reference: str
+    sensor: Sensor, probes: Mapping[Name, Source], procedure: Procedure, reference: str
 ) -> dict[Name, tuple[Name, ...]]:
     """Return for each probe the outputs that it alone reaches."""
     bare = replace(
@@ -111,7 +110,7 @@ def _reached(
     }
 
 
-def _stand_in(name: Name, only: frozenset[Name] | None) -> Line | None:
+def _stand_in(name: Name, only: frozenset[Name] | None) -> Source | None:
     """Return the model line of a missing one; None where it is not asked for.
 
     'gyro.noise' is the first of the noise lines, a random walk.
@@ -125,7 +124,7 @@ def _stand_in(name: Name, only: frozenset[Name] | None) -> Line | None:
     return lines[0] if lines else None
 
 
-def _probe(line: Line, kind: str) -> ErrorLine:
+def _probe(line: Source, kind: str) -> ErrorLine:
     """Return a line of size 1 in its most usual unit; its size decides nothing."""
     unit = line.like(kind)
     size = parse_quantity(f"1 {unit}", unit)

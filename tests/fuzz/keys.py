@@ -6,8 +6,8 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from budget.model.sources import lines_of
 from budget.spec import json_schema
-from budget.spec.lines import lines_of
 
 DOCS = Path(__file__).parent.parent.parent / "docs" / "files.md"
 

@@ -43,13 +43,18 @@ __all__ = [
     "ENVIRONMENT",
     "GYRO",
     "IN_RUN",
+    "SAMPLE_NOISE",
     "SENSORS",
     "SOURCES",
     "STATION",
     "TEST",
     "TURN_ON",
+    "WALKS",
+    "WHITE",
     "lines_of",
     "source_of",
+    "twin_of",
+    "walk_of",
 ]
 
 # In the order of tables, figures and inputs.
@@ -212,6 +217,12 @@ SOURCES = (
     ),
 )
 
+# Lines that a value per root of hertz may stand for.
+WALKS = tuple(one.name for one in SOURCES if isinstance(one.effect, WhiteNoise | Walk))
+# What white noise may be given as: as a random walk or by the sample, not as both.
+WHITE = tuple(one.name for one in SOURCES if one.expected == "noise")
+SAMPLE_NOISE = next(one.name for one in SOURCES if isinstance(one.effect, SampleNoise))
+
 
 def lines_of(owner: str) -> tuple[Source, ...]:
     """Return the sources that an owner can have, in their order."""
@@ -237,3 +248,19 @@ def source_of(owner: str, name: str) -> Source:
 
 def _names(sources: Iterable[Source]) -> str:
     return ", ".join(source.name for source in sources)
+
+
+def walk_of(sensor: str) -> str:
+    """Return the random walk that white noise is on that sensor."""
+    names = (line.name for line in lines_of(sensor))
+    return next(name for name in names if name in WHITE and name in WALKS)
+
+
+def twin_of(name: str) -> str:
+    """Return the line that is the same on the other kind of sensor; '' if none is."""
+    for one in SOURCES:
+        for other in SOURCES if one.name == name else ():
+            alike = (type(other.effect), other.model) == (type(one.effect), one.model)
+            if alike and not other.units.keys() & one.units.keys():
+                return other.name
+    return ""

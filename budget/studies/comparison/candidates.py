@@ -11,8 +11,8 @@ import numpy as np
 from budget.calibration.problem import calibration_problem
 from budget.errors import CallError
 from budget.methods.gum import propagate
+from budget.model.sources import lines_of
 from budget.names import Name
-from budget.spec.lines import lines_of
 from budget.studies.comparison.records import AssumedLine, MissingLines, Remedy
 from budget.studies.grades import UNKNOWN, grade
 from budget.studies.judgement import Limited, limit_problem
