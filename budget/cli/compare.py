@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from budget.cli import options
-from budget.cli.streams import console, say, say_written
+from budget.cli.streams import console, say
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
     from budget.errors import Issue
     from budget.report.comparison.tables import Column
     from budget.spec.records import Device
@@ -198,32 +195,24 @@ def _deliver(
     command: str,
 ) -> None:
     """Print the comparison, or the document asked for; write the files."""
-    from budget.cli.output import printing
+    from budget.cli.output import document_date, hand_out, render_pages
     from budget.report.comparison.document import json_pieces, to_csv
-    from budget.report.files import write_all
 
-    documents: list[tuple[Path | None, Callable[[Comparison], Iterable[str]]]]
-    documents = [(json, json_pieces), (csv, lambda found: [to_csv(found)])]
-    files: dict[Path, str | bytes | Iterable[str]] = {
-        path: render(comparison)
-        for path, render in documents
-        if path is not None and path != options.STDOUT
-    }
+    def show() -> None:
+        from budget.report.comparison.terminal import render_comparison
+
+        render_comparison(comparison, console(), sort=sort)
+
+    rendered: dict[Path, str | bytes] = {}
     if pages:
-        from budget.cli.output import document_date, render_pages
         from budget.report.comparison.page import comparison_document
 
         document = comparison_document(
             comparison, date=document_date(), command_line=command
         )
-        files |= render_pages(document, pages)
-    write_all(files)
-    say_written(pages)
-    on_stdout = [render for path, render in documents if path == options.STDOUT]
-    with printing():
-        if on_stdout:
-            sys.stdout.writelines(on_stdout[0](comparison))
-            return
-        from budget.report.comparison.terminal import render_comparison
-
-        render_comparison(comparison, console(), sort=sort)
+        rendered = render_pages(document, pages)
+    documents = [
+        (json, lambda: json_pieces(comparison)),
+        (csv, lambda: [to_csv(comparison)]),
+    ]
+    hand_out(documents, show, pages=rendered)

@@ -12,12 +12,12 @@ from threading import current_thread, main_thread
 from typing import TYPE_CHECKING
 
 from budget.cli.options import STDOUT
-from budget.cli.streams import console, in_line, say
+from budget.cli.streams import console, in_line, say, say_written
 from budget.errors import CallError
 from budget.journal import note_read
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     import typer
 
@@ -81,28 +81,35 @@ def printing() -> Iterator[None]:
 
 
 def hand_out(
-    documents: Sequence[tuple[Path | None, Callable[[], str]]],
-    show: Callable[[], None],
+    documents: Sequence[tuple[Path | None, Callable[[], str | Iterable[str]]]],
+    show: Callable[[], None] | None = None,
+    *,
+    pages: Mapping[Path, str | bytes] | None = None,
 ) -> None:
     """Write the documents that were asked for; print the one for stdout, or `show`.
 
     Parameters
     ----------
     documents : sequence of (Path or None, callable)
-        Where each goes, None for nowhere, and what makes its text.
-    show : callable
+        Where each goes, None for nowhere, and what makes its text, whole or in pieces.
+    show : callable, optional
         Prints the result for people.
+    pages : mapping of Path to str or bytes, optional
+        Further files, which a person is told of.
     """
     from budget.report.files import write_all
 
     wanted = {path: text for path, text in documents if path is not None}
     on_stdout = wanted.pop(STDOUT, None)
-    write_all({path: text() for path, text in wanted.items()})
+    pages = pages or {}
+    write_all({**{path: text() for path, text in wanted.items()}, **pages})
+    say_written(pages)
     with printing():
-        if on_stdout is None:
+        if on_stdout is not None:
+            text = on_stdout()
+            sys.stdout.writelines([text] if isinstance(text, str) else text)
+        elif show is not None:
             show()
-        else:
-            sys.stdout.write(on_stdout())
 
 
 def deliver(budget: Budget, *, json: Path | None, csv: Path | None) -> None:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from budget.cli import options
-from budget.cli.streams import console, say_written, tell
+from budget.cli.streams import console, tell
 
 
 def paper(
@@ -36,10 +35,9 @@ def paper(
         check_destinations,
         check_suffixes,
         document_date,
-        printing,
+        hand_out,
         render_pages,
     )
-    from budget.report.files import write_all
     from budget.report.paper.document import to_csv, to_json
     from budget.report.paper.page import paper_document
     from budget.report.paper.terminal import paper_text
@@ -49,19 +47,11 @@ def paper(
     pages = output or []
     check_suffixes(pages)
     study = reproduce()
-    documents = [(json, to_json), (csv, to_csv)]
-    on_stdout = [render for path, render in documents if path == options.STDOUT]
-    files: dict[Path, str | bytes] = {
-        path: render(study)
-        for path, render in documents
-        if path not in {None, options.STDOUT}
-    }
+    rendered: dict[Path, str | bytes] = {}
     if pages:
-        files |= render_pages(paper_document(study, date=document_date()), pages)
-    write_all(files)
-    say_written(pages)
-    with printing():
-        if on_stdout:
-            sys.stdout.write(on_stdout[0](study))
-        elif not pages:
-            tell(paper_text(study, width=console().width))
+        rendered = render_pages(paper_document(study, date=document_date()), pages)
+    hand_out(
+        [(json, lambda: to_json(study)), (csv, lambda: to_csv(study))],
+        None if pages else lambda: tell(paper_text(study, width=console().width)),
+        pages=rendered,
+    )

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from budget.cli import options
-from budget.cli.streams import say_written
 
 if TYPE_CHECKING:
     from budget.cli.computing import Computing
@@ -83,7 +81,7 @@ def report(
         check_suffixes,
         command_line,
         document_date,
-        printing,
+        hand_out,
         render_pages,
     )
     from budget.cli.streams import say
@@ -91,7 +89,6 @@ def report(
     from budget.methods.sobol import SAMPLES
     from budget.report.analysis.build import report_document
     from budget.report.document import to_csv
-    from budget.report.files import write_all
     from budget.spec import load_all, load_procedure, load_requirement
     from budget.studies.analysis import analyze
     from budget.studies.evidence import gather_evidence
@@ -157,17 +154,8 @@ def report(
         )
         files = render_pages(document, output)
         engine.progress("figures and pages", 1, 1)
-    texts: dict[Path, str] = {}
-    if json is not None:
-        texts[json] = document.json
-    if csv is not None:
-        texts[csv] = to_csv(budget)
-    on_stdout = texts.pop(options.STDOUT, None)
-    write_all({**files, **texts})
-    say_written(output)
-    if on_stdout is not None:
-        with printing():
-            sys.stdout.write(on_stdout)
+    documents = [(json, lambda: document.json), (csv, lambda: to_csv(budget))]
+    hand_out(documents, pages=files)
 
 
 def _check_extras(
