@@ -9,9 +9,15 @@ import subprocess
 import sys
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
+from functools import cache
 from unittest.mock import patch
 
+import typer.main
+
 from budget.cli import main
+
+# A process builds its commands once; without this each call here would again.
+COMMAND = cache(typer.main.get_command)
 
 # A terminal of usual width without colours, whatever the tests are started from.
 TERMINAL = {"COLUMNS": "80", "NO_COLOR": "1", "PYTHONIOENCODING": "utf-8"}
@@ -48,6 +54,7 @@ def call(*args, **environment):
     code = 0
     with (
         patch.object(sys, "argv", ["budget", *map(str, args)]),
+        patch.object(typer.main, "get_command", COMMAND),
         patch.dict(os.environ, surroundings() | environment, clear=True),
         redirect_stdout(out),
         redirect_stderr(err),
