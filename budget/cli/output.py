@@ -139,8 +139,6 @@ def check_suffixes(paths: Sequence[Path]) -> None:
     CallError
         A suffix is neither of SUFFIXES.
     """
-    from budget.errors import CallError
-
     wrong = [str(path) for path in paths if path.suffix.lower() not in SUFFIXES]
     if wrong:
         raise CallError(
@@ -179,10 +177,7 @@ def render_pages(document: Document, paths: Sequence[Path]) -> dict[Path, str | 
 
 def document_date() -> str:
     """Return today's date, or that of SOURCE_DATE_EPOCH where it is set."""
-    import os
     from datetime import UTC, datetime
-
-    from budget.errors import CallError
 
     epoch = os.environ.get("SOURCE_DATE_EPOCH")
     if epoch is None:
