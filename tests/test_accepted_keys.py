@@ -17,8 +17,6 @@ from jsonschema import Draft202012Validator
 import budget
 from budget.errors import SpecError
 from budget.model.sources import SENSORS, lines_of, walk_of
-from budget.report.allocation.document import to_document
-from budget.report.comparison.document import to_dict
 from budget.spec import load_costs, load_device, validate
 from budget.spec.device import read_device
 from budget.spec.files import find, open_file
@@ -302,7 +300,7 @@ def compared(requirement, load):
         tree[sensor] = {"errors": errors}
     one = load(load_device, tree)
     wanted = load(budget.load_requirement, {"name": "x", **requirement})
-    return to_dict(budget.compare([one], wanted, [PAPER], method="gum"))
+    return budget.compare([one], wanted, [PAPER], method="gum").to_dict()
 
 
 @pytest.mark.parametrize("key", choices("requirement", moving=True), ids=str)
@@ -344,7 +342,7 @@ def test_a_key_of_a_procedure_in_the_table_is_printed(key, load):
     tree = replaced(place_of(key), key.path, example(key))
     procedure = load(budget.load_procedure, tree)
     if key.path == ("name",):
-        document = to_dict(budget.compare([one], wanted, [procedure], method="gum"))
+        document = budget.compare([one], wanted, [procedure], method="gum").to_dict()
         assert document["procedures"] == [MARK]
     else:  # a word beside a figure of the station
         document = budget.analyze(one, procedure=procedure, validate=False).to_dict()
@@ -367,16 +365,14 @@ def test_a_key_of_costs_moves_a_number(key, load):
     }
     wanted = load(budget.load_requirement, {"name": "x", "limits": {sensor: limits}})
     documents = [
-        to_document(
-            allocate(
-                one,
-                requirement=wanted,
-                procedure=PAPER,
-                costs=load(load_costs, {"costs": {key.path[1]: part}}),
-                catalogue=(),
-                validate=False,
-            )
-        )
+        allocate(
+            one,
+            requirement=wanted,
+            procedure=PAPER,
+            costs=load(load_costs, {"costs": {key.path[1]: part}}),
+            catalogue=(),
+            validate=False,
+        ).to_dict()
         for part in ({"a": 1}, {"a": 1, key.path[-1]: example(key)})
     ]
     before, after = (numbers([one["sources"], one["costs"]]) for one in documents)

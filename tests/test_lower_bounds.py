@@ -10,7 +10,6 @@ import pytest
 
 from budget import load_device, load_procedure, load_requirement
 from budget.names import Name
-from budget.report.allocation.document import to_document
 from budget.report.allocation.page import allocation_section
 from budget.report.allocation.terminal import allocation_text
 from budget.report.analysis.causes import rank_causes
@@ -234,14 +233,12 @@ def test_an_allocation_says_what_its_parts_of_limits_lack():
     found = allocate(bare, requirement=REQUIREMENT, catalogue=(), validate=False)
     whole = allocate(ZHAO, requirement=REQUIREMENT, catalogue=(), validate=False)
     reached = lacking(bare.sensors, load_procedure(), reference=REQUIREMENT.reference)
-    marked = {
-        row["output"]: row["lower_bound"] for row in to_document(found)["outputs"]
-    }
+    marked = {row["output"]: row["lower_bound"] for row in found.to_dict()["outputs"]}
 
     assert marked == {name: bool(reached[name]) for name in marked}
     assert AT_LEAST in allocation_text(found, width=100)
     assert AT_LEAST in repr(allocation_section(found))
-    assert not any(row["lower_bound"] for row in to_document(whole)["outputs"])
+    assert not any(row["lower_bound"] for row in whole.to_dict()["outputs"])
     assert AT_LEAST not in allocation_text(whole, width=100)
 
 

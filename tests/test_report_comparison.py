@@ -16,7 +16,7 @@ from rich.console import Console
 
 from budget.errors import CallError
 from budget.report.blocks import Picture, Table
-from budget.report.comparison.document import to_csv, to_dict, to_json
+from budget.report.comparison.document import to_csv, to_json
 from budget.report.comparison.fronts import pareto_alt, pareto_scatter
 from budget.report.comparison.margins import margin_alt, margin_bars
 from budget.report.comparison.page import comparison_document, comparison_sections
@@ -26,7 +26,6 @@ from budget.report.comparison.tables import (
     print_factor,
     print_parts,
     print_probability,
-    ranks,
     tables,
 )
 from budget.report.comparison.terminal import render_comparison
@@ -34,7 +33,7 @@ from budget.report.comparison.utilisation_map import map_alt, utilisation_map
 from budget.report.page import render_page
 from budget.report.typeset import typeset
 from budget.results import Probability
-from budget.studies.comparison.records import Lead, Remedy
+from budget.studies.comparison.records import Lead, Remedy, ranks
 
 BOTH = ("gyro", "accelerometer")
 DATE = "2026-01-01"
@@ -206,7 +205,7 @@ def test_documents_agree(comparison):
 
 def test_document_is_in_printed_units(comparison):
     """A limit of one degree an hour is 1 deg/h in the document."""
-    outputs = to_dict(comparison)["devices"][0]["outputs"]
+    outputs = comparison.to_dict()["devices"][0]["outputs"]
     (bias,) = (o for o in outputs if (o["parameter"], o["axis"]) == ("bias", "x"))
 
     assert bias["unit"] == "deg/h"

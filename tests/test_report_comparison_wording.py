@@ -13,7 +13,7 @@ from document_text import find, lines, rows, section
 from rich.console import Console
 
 from budget.report.blocks import Listing, Picture, Table
-from budget.report.comparison.document import to_dict, to_json
+from budget.report.comparison.document import to_json
 from budget.report.comparison.margins import margin_title
 from budget.report.comparison.page import comparison_document, comparison_sections
 from budget.report.comparison.tables import tables
@@ -59,7 +59,7 @@ def test_unknown_amounts_stand_in_terminal_page_and_document(capped):
     """Each of the three names the devices whose mass is not known."""
     page = comparison_document(capped, date=DATE)
     remarks = " ".join(lines(section(page, "remarks")))
-    of = {one["name"]: one for one in to_dict(capped)["devices"]}
+    of = {one["name"]: one for one in capped.to_dict()["devices"]}
 
     assert "Not known whether over a cap" in rendered(capped)
     assert "not known for silent, poet" in rendered(capped)
@@ -101,7 +101,7 @@ def test_limits_of_a_sensor_that_no_device_has_are_not_met():
         assert "has a device that meets; the limits for the accelerometer" in text
         assert "are not judged" in text
     assert "limits the accelerometer" in " ".join(lines(section(document, "remarks")))
-    assert to_dict(found)["not_compared"] == ["accelerometer"]
+    assert found.to_dict()["not_compared"] == ["accelerometer"]
 
 
 @pytest.mark.parametrize("sensors", [BOTH, ("accelerometer",)])
@@ -111,7 +111,7 @@ def test_json_is_written_piece_by_piece_as_if_at_once(sensors):
     found = compared(devices, requirement(sensors=BOTH), method="gum", pairs=True)
     if sensors != BOTH:
         found = replace(found, devices=(), pairs=())
-    whole = json.dumps(to_dict(found), ensure_ascii=False, indent=1) + "\n"
+    whole = json.dumps(found.to_dict(), ensure_ascii=False, indent=1) + "\n"
     assert to_json(found) == whole
 
 

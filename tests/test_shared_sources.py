@@ -17,7 +17,6 @@ from budget.model.scheme import BIAS
 from budget.model.source import TEST, Disturbance, Source
 from budget.model.sources import SOURCES, STATION
 from budget.names import Name
-from budget.report.allocation.document import to_document
 from budget.report.allocation.page import allocation_section
 from budget.report.allocation.terminal import allocation_text
 from budget.report.analysis.causes import rank_causes
@@ -174,5 +173,5 @@ def test_allocation_holds_it_and_tells_its_headroom(procedure, requirement):
     assert len(alone) == 2
     assert_allclose(row.headroom.value, min(alone), rtol=1e-9)
     assert "Station lines" in allocation_text(found, width=100)
-    assert to_document(found)["sources"][-1]["sensor"] == "station"
+    assert found.to_dict()["sources"][-1]["sensor"] == "station"
     assert "station" in repr(allocation_section(found))

@@ -197,7 +197,6 @@ def _allocate(
     engine: Computing,
 ) -> Extra:
     """Share out the limits over the lines of the data sheets."""
-    from budget.report.allocation.document import to_document
     from budget.report.allocation.page import allocation_section
     from budget.report.analysis.build import Extra
     from budget.studies.allocation.allocate import allocate
@@ -211,7 +210,7 @@ def _allocate(
     )
     return Extra(
         key="allocation",
-        content=to_document(found),
+        content=found.to_dict(),
         sections=(allocation_section(found),),
         inputs=found.inputs,
         warnings=found.warnings,
@@ -228,7 +227,6 @@ def _compare(
 ) -> Extra:
     """Hold the devices and others against the same limits, by Monte Carlo."""
     from budget.report.analysis.build import Extra
-    from budget.report.comparison.document import to_dict
     from budget.report.comparison.page import comparison_sections
     from budget.spec import load_catalogue
     from budget.studies.comparison.compare import compare
@@ -245,7 +243,7 @@ def _compare(
     )
     return Extra(
         key="comparison",
-        content=to_dict(found),
+        content=found.to_dict(),
         sections=comparison_sections(found),
         inputs=found.inputs,
         warnings=found.warnings,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from difflib import get_close_matches
-from itertools import pairwise
 from math import inf
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +22,7 @@ from budget.report.tables import (
     source_title,
     words,
 )
-from budget.studies.comparison.records import VERDICTS
+from budget.studies.comparison.records import VERDICTS, rank_number, ranks
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -69,7 +68,7 @@ class Column:
 
 
 COLUMNS = (
-    Column(key="rank", head="rank", order=lambda row: int(row.rank.rstrip("="))),
+    Column(key="rank", head="rank", order=lambda row: rank_number(row.rank)),
     Column(key="device", head="device", order=lambda row: row.device.casefold()),
     Column(
         key="verdict",
@@ -167,22 +166,10 @@ def find_column(name: str) -> Column:
     )
 
 
-def lists(comparison: Comparison) -> dict[tuple[str, str], list[DeviceVerdict]]:
-    """Return the devices by (sensor, procedure), sensor by sensor, best first."""
-    found: dict[tuple[str, str], list[DeviceVerdict]] = {
-        (sensor, procedure): []
-        for sensor in comparison.required
-        for procedure in comparison.procedures
-    }
-    for one in comparison.devices:
-        found[one.sensor, one.procedure].append(one)
-    return found
-
-
 def tables(comparison: Comparison, *, sort: Column | None = None) -> tuple[Table, ...]:
     """Return a table for each sensor and procedure, best first or by a column."""
     found = []
-    for (sensor, procedure), devices in lists(comparison).items():
+    for (sensor, procedure), devices in comparison.lists.items():
         rows = [
             _row(one, rank) for one, rank in zip(devices, ranks(devices), strict=True)
         ]
@@ -218,20 +205,6 @@ def side_by_side(found: Sequence[Table], sensor: str) -> tuple[SideRow, ...]:
             cells=tuple(cells[row.of.place, table.procedure] for table in own),
         )
         for row in own[0].rows
-    )
-
-
-def ranks(devices: Sequence[DeviceVerdict]) -> tuple[str, ...]:
-    """Return ranks; neighbours that cannot be told apart at 95 % share one."""
-    numbers, tied = [1], [False] * len(devices)
-    for place, (better, _) in enumerate(pairwise(devices)):
-        is_tied = better.ahead is not None and better.ahead.is_tied
-        numbers.append(numbers[-1] if is_tied else place + 2)
-        if is_tied:
-            tied[place] = tied[place + 1] = True
-    return tuple(
-        f"{number}{'=' if share else ''}"
-        for number, share in zip(numbers, tied, strict=False)
     )
 
 

@@ -1,11 +1,12 @@
-"""What an allocation says: frozen records, SI inside."""
+"""What an allocation says: frozen records, SI inside, and their JSON document."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
 
 from budget.names import Name
+from budget.results import SCHEMA
 from budget.ties import settle
 
 if TYPE_CHECKING:
@@ -50,6 +51,20 @@ class LimitedOutput:
     def sensor(self) -> str:
         """Owner of the output."""
         return self.output.name.owner
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it, in printed units."""
+        return {
+            "output": self.output.name,
+            "unit": self.output.unit,
+            "limit": self.limit / self.output.si_per_unit,
+            "utilisation_now": self.now,
+            "utilisation_allowed": self.allowed,
+            "utilisation_floor": self.floor,
+            "binding": self.is_binding,
+            "lower_bound": self.lower_bound,
+            "parts": [asdict(part) for part in self.parts],
+        }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,6 +119,38 @@ class SourceAllotment:
             and self.best_offered is not None
             and self.allowed < self.best_offered
         )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it, in the unit of its file."""
+
+        def size(value: float | None) -> float | None:
+            return None if value is None else value / self.si_per_unit
+
+        room = self.headroom
+        return {
+            "sensor": self.source.owner,
+            "source": self.source,
+            "unit": self.unit,
+            "status": self.status,
+            "now": size(self.now),
+            "allowed": size(self.allowed),
+            "uncorrected": size(self.uncorrected),
+            "binding_output": next(iter(self.binding_outputs), None),
+            "at_ceiling": self.at_ceiling,
+            "at_least": self.at_least,
+            "ceiling": size(self.ceiling),
+            "least": size(self.least),
+            "binding_outputs": list(self.binding_outputs),
+            "headroom": None
+            if room is None
+            else {
+                "value": size(room.value),
+                "stopped_by": next(iter(room.stopped_by), None),
+                "all_that_stop": list(room.stopped_by),
+            },
+            "best_offered": size(self.best_offered),
+            "counts": self.counts,
+        }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -204,6 +251,20 @@ class Match:
         """Whether every allocated line is given and small enough."""
         return not self.missing and not self.beyond
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it."""
+        return {
+            "name": self.device,
+            "file": self.file,
+            "sensor": self.sensor,
+            "meets": self.meets,
+            "lines": [
+                {"source": line.source, "ratio": line.ratio, "how": line.how}
+                for line in self.lines
+            ],
+            "extra": list(self.extra),
+        }
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Allocation:
@@ -241,3 +302,46 @@ class Allocation:
     def impossible(self) -> tuple[LimitedOutput, ...]:
         """Outputs whose limits are passed by what cannot be allocated."""
         return tuple(row for row in self.outputs if row.floor > 1.0)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON document of schema `budget/1`, in the units of the files."""
+        return {
+            "schema": SCHEMA,
+            "command": "allocate",
+            "title": self.title,
+            "inputs": {
+                file.role: {"name": file.name, "sha256": file.sha256}
+                for file in self.inputs
+            },
+            "settings": {
+                "method": "gum",
+                "strategy": self.strategy,
+                "seed": self.seed,
+                "coverage": self.coverage,
+                "reference": self.reference,
+                "formulas": self.formulas,
+            },
+            "feasible": self.feasible,
+            "not_allocated": list(self.not_allocated),
+            "sources": [source.to_dict() for source in self.sources],
+            "outputs": [row.to_dict() for row in self.outputs],
+            "relaxations": [
+                {
+                    "output": row.output.name,
+                    "unit": row.output.unit,
+                    "limit": row.limit / row.output.si_per_unit,
+                    "needed": row.floor * row.limit / row.output.si_per_unit,
+                }
+                for row in self.impossible
+            ],
+            "levers": [asdict(lever) for lever in self.levers],
+            "costs": [asdict(cost) for cost in self.costs],
+            "checks": [
+                {**asdict(check), "corrected": check.is_corrected}
+                for check in self.checks
+            ],
+            "devices": [match.to_dict() for match in self.matches],
+            "not_given": list(self.not_given),
+            "assumptions": list(self.assumptions),
+            "warnings": list(self.warnings),
+        }

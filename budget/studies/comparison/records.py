@@ -1,11 +1,16 @@
-"""What a comparison finds: frozen records, SI inside."""
+"""What a comparison finds: frozen records, SI inside, and their JSON documents."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from dataclasses import asdict, dataclass, field
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+from budget.results import SCHEMA
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
     from budget.names import Name
     from budget.results import InputFile, OutputAssessment, Probability, Settings
     from budget.studies.judgement import Judged
@@ -13,6 +18,8 @@ if TYPE_CHECKING:
 # Best first; what nobody can decide comes after all that is decided, so that a maker
 # who publishes less is not ranked higher.
 VERDICTS = ("meets", "undecided", "fails", "undecidable")
+
+DEVICES = "devices"  # in the JSON document, best first
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,6 +57,15 @@ class MissingLines:
     assumed: tuple[AssumedLine, ...]
     utilisation: float | None  # with those, by the law [1]; None: not known
     verdict: str  # 'meets', 'fails', or '' where it is not known
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it."""
+        return {
+            "lines": list(self.lines),
+            "assumed": [str(line) for line in self.assumed],
+            "utilisation": self.utilisation,
+            "verdict": self.verdict or None,
+        }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,6 +112,24 @@ class Entrant:
     over_caps: tuple[str, ...]  # 'mass 140 g, at most 100 g'
     unknown_caps: tuple[UnknownCap, ...]
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of every entrant, judged or not."""
+        return {
+            "name": self.name,
+            "file": self.file,
+            "technology": self.technology,
+            "sensor": self.sensor,
+            "procedure": self.procedure,
+            "verdict": "undecidable",
+            "not_given": list(self.not_given),
+            "missing": None if self.missing is None else self.missing.to_dict(),
+            "price": self.price,
+            "mass": self.mass,
+            "power": self.power,
+            "over_caps": list(self.over_caps),
+            "unknown_caps": [asdict(unknown) for unknown in self.unknown_caps],
+        }
+
 
 @dataclass(frozen=True, kw_only=True)
 class DeviceVerdict(Entrant):
@@ -131,6 +165,36 @@ class DeviceVerdict(Entrant):
         """What is left of the limit, as a part of it; negative beyond [1]."""
         return 1.0 - self.utilisation
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it, but its rank, in printed units."""
+        ahead = self.ahead
+        return {
+            **super().to_dict(),
+            "rank": None,  # its place, filled in by its list
+            "verdict": self.verdict,
+            "lower_bound": self.lower_bound,
+            "utilisation": self.utilisation,
+            "utilisation_interval": list(self.utilisation_interval),
+            "margin": self.margin,
+            "worst_output": self.worst_output,
+            "worst_outputs": list(self.worst_outputs),
+            **self.conformance.to_dict(),
+            "limiting_source": self.remedy.source,
+            "limiting_share": self.remedy.share,
+            "improvement_factor": self.remedy.factor,
+            "ahead": None
+            if ahead is None
+            else {
+                "other": ahead.other,
+                "probability": ahead.probability,
+                "tied": ahead.is_tied,
+            },
+            "on_front": list(self.on_front),
+            "advice": self.advice,
+            "trials": self.trials,
+            "outputs": [output.to_dict() for output in self.outputs],
+        }
+
 
 @dataclass(frozen=True, kw_only=True)
 class Pair:
@@ -143,6 +207,18 @@ class Pair:
     utilisation: float
     conformance: Probability
     lower_bound: bool  # the utilisation is this or more, the conformance this or less
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it."""
+        return {
+            "gyro": self.gyro,
+            "accelerometer": self.accelerometer,
+            "procedure": self.procedure,
+            "verdict": self.verdict,
+            "lower_bound": self.lower_bound,
+            "utilisation": self.utilisation,
+            **self.conformance.to_dict(),
+        }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -178,3 +254,63 @@ class Comparison:
             any(d.verdict == "meets" for d in self.devices if d.sensor == sensor)
             for sensor in self.required
         )
+
+    @property
+    def lists(self) -> dict[tuple[str, str], list[DeviceVerdict]]:
+        """Devices by (sensor, procedure), sensor by sensor, best first."""
+        found: dict[tuple[str, str], list[DeviceVerdict]] = {
+            (sensor, procedure): []
+            for sensor in self.required
+            for procedure in self.procedures
+        }
+        for one in self.devices:
+            found[one.sensor, one.procedure].append(one)
+        return found
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON document of schema `budget/1`, in printed units."""
+        return {**self.frame(), DEVICES: list(self.entries())}
+
+    def frame(self) -> dict[str, Any]:
+        """Return the document with an empty list in the place of the devices."""
+        return {
+            "schema": SCHEMA,
+            "command": "compare",
+            "requirement": self.requirement,
+            "procedures": list(self.procedures),
+            "met": self.is_met,
+            "caps": dict(self.caps),
+            "not_compared": list(self.not_compared),
+            "inputs": [asdict(file) for file in self.inputs],
+            "settings": asdict(self.settings),
+            DEVICES: [],
+            "nothing_known": [one.to_dict() for one in self.nothing_known],
+            "pairs": [pair.to_dict() for pair in self.pairs],
+            "assumptions": list(self.assumptions),
+            "warnings": list(self.warnings),
+        }
+
+    def entries(self) -> Iterator[dict[str, Any]]:
+        """Yield the entries of `devices`, best first."""
+        for devices in self.lists.values():
+            for one, rank in zip(devices, ranks(devices), strict=True):
+                yield one.to_dict() | {"rank": rank_number(rank)}
+
+
+def ranks(devices: Sequence[DeviceVerdict]) -> tuple[str, ...]:
+    """Return ranks; neighbours that cannot be told apart at 95 % share one, '2='."""
+    numbers, tied = [1], [False] * len(devices)
+    for place, (better, _) in enumerate(pairwise(devices)):
+        is_tied = better.ahead is not None and better.ahead.is_tied
+        numbers.append(numbers[-1] if is_tied else place + 2)
+        if is_tied:
+            tied[place] = tied[place + 1] = True
+    return tuple(
+        f"{number}{'=' if share else ''}"
+        for number, share in zip(numbers, tied, strict=False)
+    )
+
+
+def rank_number(rank: str) -> int:
+    """Return a rank without the mark of a tie."""
+    return int(rank.rstrip("="))
