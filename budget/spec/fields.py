@@ -34,7 +34,11 @@ _BREAK = re.compile(r"[\t\n\r]")
 class Strict(BaseModel):
     """A mapping with known keys; nothing is converted in silence."""
 
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+    # Most are parts of others, or of files that a command does not read: each is built
+    # where it is first asked.
+    model_config = ConfigDict(
+        extra="forbid", strict=True, frozen=True, defer_build=True
+    )
 
 
 def fault(message: str) -> PydanticCustomError:
