@@ -26,21 +26,7 @@ from budget.report.blocks import (
     Sliders,
     Table,
 )
-from budget.report.formulas import (
-    Figure,
-    Letter,
-    Mean,
-    Sup,
-    brackets,
-    equals,
-    fraction,
-    letter,
-    line,
-    minus,
-    sign,
-    sub,
-    upright,
-)
+from budget.report.formulas import Math
 from budget.report.tables import group_tables
 
 DATE = "2026-01-31"
@@ -121,48 +107,16 @@ def make_overview(name="limits"):
 
 def make_equations():
     """Return formulas with every kind of part."""
-    n_x2 = sub("n", "x2")
+    sources = {
+        "K_x = n_(x 2)/(4 pi m)": "(3)",
+        "delta_(y z) = -n_(y 2)/n_(y 3)": "",
+        "epsilon = macron(N)/K - (I + T^upright(T)) omega sin L": "(4)",
+        "u^2 = 0.25 times g": "",
+    }
     return Equations(
-        equations=(
-            Equation(
-                math=equals(
-                    sub("K", "x"),
-                    fraction(n_x2, line(upright("4"), letter("π"), letter("m"))),
-                ),
-                number="(3)",
-            ),
-            Equation(
-                math=equals(
-                    sub("δ", "yz"), minus(fraction(sub("n", "y2"), sub("n", "y3")))
-                )
-            ),
-            Equation(
-                math=equals(
-                    letter("ε"),
-                    line(
-                        fraction(Mean(base=letter("N")), letter("K")),
-                        sign("\N{MINUS SIGN}"),
-                        brackets(
-                            letter("I"),
-                            sign("+"),
-                            Sup(
-                                base=letter("T"),
-                                exponent=Letter(text="T", upright=True),
-                            ),
-                        ),
-                        letter("ω"),
-                        Letter(text="sin", upright=True),
-                        letter("L"),
-                    ),
-                ),
-                number="(4)",
-            ),
-            Equation(
-                math=equals(
-                    Sup(base=letter("u"), exponent=Figure(text="2")),
-                    line(upright("0.25"), sign("\N{MULTIPLICATION SIGN}"), letter("g")),
-                )
-            ),
+        equations=tuple(
+            Equation(math=Math(source=source), number=number)
+            for source, number in sources.items()
         )
     )
 
@@ -255,7 +209,7 @@ def later_pages():
                 Paragraph(
                     words=(
                         "U95 is half the width of the 95 % interval, ",
-                        sub("u", "c"),
+                        Math(source="u_c"),
                         " the combined standard uncertainty of all sources.",
                     )
                 ),
@@ -297,7 +251,7 @@ def later_pages():
                     rows=(
                         ("seed", ("0",)),
                         ("coverage", (Run(text="95 %", exact=0.95),)),
-                        ("formula", ("the mean of ", Mean(base=letter("N")), ".")),
+                        ("formula", ("the mean of ", Math(source="macron(N)"), ".")),
                     )
                 ),
                 Panel(title="Formulas, eq. (3) and (4)", blocks=(make_equations(),)),

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import fields, is_dataclass
 
-from budget.report.blocks import Run, Table
-from budget.report.formulas import Figure, Letter, Sign
+from budget.report.blocks import Table
 
 
 def walk(part):
@@ -28,15 +27,9 @@ def find(document, kind):
 
 
 def say(words):
-    """Return a line of text with the letters of its formulas."""
+    """Return a line of text with its formulas as they are said."""
     return "".join(
-        part
-        if isinstance(part, str)
-        else part.text
-        if isinstance(part, Run)
-        else "".join(
-            p.text for p in walk(part) if isinstance(p, Letter | Figure | Sign)
-        )
+        part if isinstance(part, str) else getattr(part, "text", None) or part.alt
         for part in words
     )
 

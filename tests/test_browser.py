@@ -113,7 +113,7 @@ def test_page_does_not_scroll_sideways(browser, path, media, width):
 @pytest.mark.parametrize("width", [400, 1600])
 def test_words_without_end_break(browser, tmp_path, width):
     """A name of hundreds of letters widens no page, wherever it stands."""
-    document = fill(example(), "Wortungetüm" * 30, formulas=False)
+    document = fill(example(), "Wortungetüm" * 30)
     view = {"width": width, "height": 900}
     with opened(browser, written(tmp_path, document), viewport=view) as (page, _):
         assert page.evaluate("document.scrollingElement.scrollWidth") <= width

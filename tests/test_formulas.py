@@ -1,82 +1,70 @@
-"""The paper's scheme: error-free readings return what was put in; misprints do not."""
+"""Formulas: what is said of them, and the MathML that typst makes."""
 
 from __future__ import annotations
 
-from math import pi
+import warnings
 
-import numpy as np
 import pytest
-from builders import procedure
-from numpy.testing import assert_allclose
 
-from budget.calibration.schemes import scheme_of
-from budget.model.response import estimate
-
-K = np.array([2.0, 3.0, 5.0])
-ANGLE = np.array([1e-5, -2e-5, 3e-5, -4e-5, 5e-5, 6e-5])  # xy xz yx yz zx zy
-XY, XZ, YX, YZ, ZX, ZY = ANGLE
-M = np.array([[1.0, XZ, -XY], [-YZ, 1.0, YX], [ZY, -ZX, 1.0]])  # eq. (1)
-BIAS = np.array([1e-5, -2e-5, 3e-5])
-GRAVITY = 9.7966933092
-FACES = [(2, 1), (2, -1), (0, 1), (0, -1), (1, 1), (1, -1)]
-SCHEMES = {
-    "as the paper does it": {},
-    "azimuths that do not balance": {"azimuths": (0.0, 90.0, 130.0), "turns": 2},
-}
-
-
-def readings(scheme):
-    """Return what error-free windows count a second, shape (3, n)."""
-    return K[:, None] * (M @ (scheme.turn + scheme.standing).T + BIAS[:, None])
-
-
-@pytest.mark.parametrize("owner", ["gyro", "accelerometer"])
-@pytest.mark.parametrize("how", SCHEMES.values(), ids=SCHEMES)
-def test_the_estimator_inverts_the_measurement_model(owner, how):
-    """Error-free readings return K, the six angles and the bias of eqs. (1), (2)."""
-    scheme = scheme_of(owner, procedure(**how))
-    found = estimate(scheme, readings(scheme))
-    # Angles and biases are differences of readings: rounding of 1e-16 of the inputs.
-    assert_allclose(found.scale_factor, K, rtol=1e-13)
-    assert_allclose(found.mounting_angle, ANGLE, rtol=1e-9)
-    assert_allclose(found.bias, BIAS, rtol=1e-9)
-
-
-def test_paper_bias_leaves_the_residual_of_eq_4():
-    """Eq. (4) as printed is wrong by (dT + dT^T) w + dT^T b + dT^T dT w."""
-    scheme = scheme_of("gyro", procedure(formulas="paper"))
-    found = estimate(scheme, readings(scheme))
-    dT, w = M - np.eye(3), scheme.rotated
-    residual = (dT + dT.T) @ w + dT.T @ BIAS + dT.T @ dT @ w
-    assert_allclose(found.bias - BIAS, residual, rtol=1e-6)
-    assert np.abs(residual).min() > 1e-12 * np.abs(BIAS).max()  # it is there
-
-
-def gyro_pulses():
-    """Return n_ij of error-free turns by one revolution."""
-    return K[:, None] * M * 4.0 * pi
-
-
-def face_rates():
-    """Return what error-free faces count a second, shape (3, 6)."""
-    return np.stack(
-        [K * (M[:, axis] * sign * GRAVITY + BIAS) for axis, sign in FACES], axis=1
-    )
+from budget.report.formulas import Math, to_mathml, with_math
 
 
 @pytest.mark.parametrize(
-    ("angle", "printed"),
+    ("source", "element"),
     [
-        # eq. (3) prints d_yx with a minus sign
-        (YX, lambda n, N: -n[1, 2] / n[1, 1]),
-        # eq. (5) prints d_yz with N_x in place of N_y
-        (YZ, lambda n, N: -(N[0, 2] - N[0, 3]) / (2.0 * GRAVITY * K[1])),
-        # eq. (5) prints a second d_xy, which is d_xz
-        (XY, lambda n, N: (N[0, 4] - N[0, 5]) / (2.0 * GRAVITY * K[0])),
+        ("K_x", "<msub><mi>K</mi><mi>x</mi></msub>"),
+        ("2 g", "<mn>2</mn><mi>g</mi>"),
+        ("upright(T)", '<mi mathvariant="normal">T</mi>'),
+        ("-x", "<mo>\N{MINUS SIGN}</mo><mi>x</mi>"),
+        (
+            "c_k^upright(T)",
+            '<msubsup><mi>c</mi><mi>k</mi><mi mathvariant="normal">T</mi></msubsup>',
+        ),
+        (
+            "macron(N)",
+            '<mover><mi>N</mi><mo stretchy="false">\N{MACRON}</mo></mover>',
+        ),
+        ("a/b", "<mfrac><mi>a</mi><mi>b</mi></mfrac>"),
     ],
-    ids=["d_yx", "d_yz", "second d_xy"],
 )
-def test_printed_formula_returns_a_wrong_angle(angle, printed):
-    """Each misprint, fed with error-free pulses, misses the angle by its own size."""
-    wrong = printed(gyro_pulses(), face_rates())
-    assert abs(wrong - angle) > 0.9 * abs(angle)
+def test_every_part_has_its_element(source, element):
+    """Letters, numbers, signs, indices, bars and quotients are set as such."""
+    assert to_mathml((source,)) == (element,)
+
+
+def test_formulas_are_set_in_their_order():
+    """As many come back as were given, each in its place."""
+    assert to_mathml(("a", "b", "c")) == ("<mi>a</mi>", "<mi>b</mi>", "<mi>c</mi>")
+
+
+def test_what_mathml_cannot_show_is_not_passed_over():
+    """A part that typst leaves out is a warning, and no formula without it."""
+    with pytest.warns(UserWarning, match="overline was ignored"):
+        to_mathml(("overline(N)",))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        to_mathml(("macron(M)",))
+
+
+@pytest.mark.parametrize(
+    ("source", "said"),
+    [
+        ("K_x = n/m", "K_x = n/m"),
+        ("macron(N)", "mean of N"),
+        ("c_k^upright(T)", "c_k^T"),
+        ('"cov"(y_k, y_l)', "cov(y_k, y_l)"),
+        ("e^(-L\\/tau)", "e^(-L/tau)"),
+    ],
+)
+def test_formulas_are_said_on_a_line(source, said):
+    """Who hears the page hears the formula."""
+    assert Math(source=source).alt == said
+
+
+def test_a_text_is_cut_at_its_dollar_signs():
+    """Words and formulas take turns, wherever the text begins."""
+    assert with_math("$K$ is a factor, $g$") == (
+        Math(source="K"),
+        " is a factor, ",
+        Math(source="g"),
+    )

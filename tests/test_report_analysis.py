@@ -370,8 +370,8 @@ def test_letters_of_the_formulas_are_named():
     notes = {e.number for e in find(report, Equation)}
 
     for words in (
-        *("\u0394T the matrix of them", "I the unit matrix", "g gravity"),
-        *("at latitude \u03c6", "number of pulses a second over the azimuths"),
+        *("Delta T the matrix of them", "I the unit matrix", "g gravity"),
+        *("at latitude phi", "number of pulses a second over the azimuths"),
         "number of pulses a second of axis i",
     ):
         assert words in said

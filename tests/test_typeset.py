@@ -69,7 +69,7 @@ def texts_of(part):
         for name in part.__dataclass_fields__:
             if name not in {
                 *("svg", "json", "model", "tips", "caption", "name", "kind", "alt"),
-                *("number", "math", "base", "index", "top", "bottom", "parts"),
+                *("number", "source"),
             }:
                 yield from texts_of(getattr(part, name))
 

@@ -5,26 +5,12 @@ from __future__ import annotations
 import pytest
 
 from budget.report.blocks import Run
-from budget.report.formulas import (
-    Letter,
-    Mean,
-    Sup,
-    brackets,
-    equals,
-    fraction,
-    letter,
-    line,
-    minus,
-    sub,
-    upright,
-)
-from budget.report.typeset_text import (
+from budget.report.formulas import Math
+from budget.report.typeset import (
     BREAK,
     break_long,
-    cut_math,
     cut_numbers,
     cut_words,
-    say,
     shorten,
 )
 
@@ -86,31 +72,10 @@ def test_bold_runs_are_marked():
     assert "".join(map(flat, parts)) == "<a>bc"
 
 
-@pytest.mark.parametrize(
-    ("math", "said"),
-    [
-        (equals(sub("K", "x"), fraction(letter("n"), letter("m"))), "K_x = n/m"),
-        (fraction(letter("n"), line(upright("4"), letter("m"))), "n/(4 m)"),
-        (minus(letter("a")), f"{MINUS}a"),
-        (Mean(base=letter("N")), "mean of N"),
-        (Sup(base=letter("T"), exponent=Letter(text="T", upright=True)), "T^T"),
-        (line(letter("a"), brackets("b")), "a(b)"),
-    ],
-)
-def test_formulas_are_said_on_a_line(math, said):
-    """Who hears the page hears the formula."""
-    assert say(math) == said
-    assert cut_math(math)["alt"] == said
-
-
-def test_formulas_are_trees_of_their_parts():
-    """The template is given kinds and fields, no markup."""
-    tree = cut_math(sub("K", "x"))["tree"]
-    assert tree == {
-        "is": "sub",
-        "base": {"is": "letter", "text": "K", "upright": False},
-        "index": {"is": "letter", "text": "x", "upright": False},
-    }
+def test_formulas_have_a_source_and_words():
+    """The template sets the one, who hears the page hears the other."""
+    (part,) = cut_words((Math(source="macron(N)"),))
+    assert part == {"is": "math", "alt": "mean of N", "source": "macron(N)"}
 
 
 def test_long_words_may_be_broken_and_short_ones_not():

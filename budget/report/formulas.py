@@ -1,119 +1,70 @@
-"""Formulas as trees, which HTML sets as MathML and the PDF as typst mathematics."""
+"""Formulas in typst's notation, which the PDF sets as they are and HTML as MathML.
+
+Sources are constants of this package, never texts of a user: they are run as typst.
+"""
 
 from __future__ import annotations
 
+import re
+import warnings
 from dataclasses import dataclass
+from functools import cache
+from unicodedata import normalize
+
+EXPERIMENTAL = "html export is under active development"
+# Browsers set a combining bar beside its letter, and a bar marked as an accent on it.
+BAR = (
+    ('<mover accent="true">', "<mover>"),
+    ("<mo>\u0304</mo>", '<mo stretchy="false">\N{MACRON}</mo>'),
+)
+SAID = (  # what stands in a source beside letters and signs, and how it is said
+    (r"macron\((\w+)\)", r"mean of \1"),
+    (r"upright\((\w+)\)", r"\1"),
+    (r'"(\w+)"', r"\1"),
+    (r"\\/", "/"),
+)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Letter:
-    """A variable, in italics; upright where it is a name or a transposition."""
+class Math:
+    """A formula: 'K_x = n_(x 2)/(4 pi m)'."""
 
-    text: str
-    upright: bool = False
+    source: str
 
-
-@dataclass(frozen=True, kw_only=True)
-class Figure:
-    """A number or a word, upright."""
-
-    text: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class Sign:
-    """An operator or a bracket; a `prefix` sign stands close to what it belongs to."""
-
-    text: str
-    prefix: bool = False
+    @property
+    def alt(self) -> str:
+        """The formula for those who cannot see it: 'mean of N/K - mean of omega'."""
+        text = self.source
+        for pattern, words in SAID:
+            text = re.sub(pattern, words, text)
+        return text
 
 
-@dataclass(frozen=True, kw_only=True)
-class Sub:
-    """An index below."""
-
-    base: Math
-    index: Math
-
-
-@dataclass(frozen=True, kw_only=True)
-class Sup:
-    """An exponent, or the T of a transposed matrix."""
-
-    base: Math
-    exponent: Math
+def with_math(text: str) -> tuple[str | Math, ...]:
+    """Cut a text of this package at its dollar signs: words, formula, words, ..."""
+    return tuple(
+        Math(source=part) if place % 2 else part
+        for place, part in enumerate(text.split("$"))
+        if part
+    )
 
 
-@dataclass(frozen=True, kw_only=True)
-class Mean:
-    """A bar above."""
+@cache
+def to_mathml(sources: tuple[str, ...]) -> tuple[str, ...]:
+    """Write formulas as MathML Core: what stands inside each `math` element.
 
-    base: Math
+    Letters are plain: a browser slants those that are not marked as upright.
+    """
+    import typst
 
-
-@dataclass(frozen=True, kw_only=True)
-class Fraction:
-    """A quotient."""
-
-    top: Math
-    bottom: Math
-
-
-@dataclass(frozen=True, kw_only=True)
-class Line:
-    """Parts one after another."""
-
-    parts: tuple[Math, ...]
-
-
-Math = Letter | Figure | Sign | Sub | Sup | Mean | Fraction | Line
-
-
-def letter(text: str) -> Letter:
-    """Return a variable."""
-    return Letter(text=text)
-
-
-def upright(text: str) -> Figure:
-    """Return a number or a word."""
-    return Figure(text=text)
-
-
-def sign(text: str) -> Sign:
-    """Return an operator between two terms, or a bracket."""
-    return Sign(text=text)
-
-
-def minus(term: Math) -> Line:
-    """Return a term with a minus before it."""
-    return Line(parts=(Sign(text="\N{MINUS SIGN}", prefix=True), term))
-
-
-def sub(base: Math | str, index: Math | str) -> Sub:
-    """Return a letter with an index; plain texts are letters."""
-    return Sub(base=_letter(base), index=_letter(index))
-
-
-def fraction(top: Math, bottom: Math) -> Fraction:
-    """Return a quotient."""
-    return Fraction(top=top, bottom=bottom)
-
-
-def line(*parts: Math | str) -> Line:
-    """Return parts one after another; plain texts are letters."""
-    return Line(parts=tuple(_letter(part) for part in parts))
-
-
-def equals(left: Math, right: Math) -> Line:
-    """Return an equation."""
-    return Line(parts=(left, Sign(text="="), right))
-
-
-def brackets(*parts: Math | str) -> Line:
-    """Return parts in round brackets."""
-    return line(sign("("), *parts, sign(")"))
-
-
-def _letter(part: Math | str) -> Math:
-    """Take a plain text for a variable."""
-    return Letter(text=part) if isinstance(part, str) else part
+    text = "\n\n".join(f"$ {source} $" for source in sources)
+    html, doubts = typst.compile_with_warnings(
+        text.encode(), format="html", ignore_system_fonts=True
+    )
+    for doubt in doubts:
+        if EXPERIMENTAL not in doubt.message:
+            warnings.warn(f"formulas: typst says: {doubt.message}", stacklevel=2)
+    page = normalize("NFKC", html.decode())
+    for theirs, ours in BAR:
+        page = page.replace(theirs, ours)
+    return tuple(re.findall(r"<math[^>]*>(.*?)</math>", page))

@@ -6,13 +6,13 @@ import json
 import re
 from base64 import b64encode
 from hashlib import sha256
-from html import escape
+from html import escape, unescape
 from typing import TYPE_CHECKING
 
 from budget.errors import OutputError
 from budget.report import figures
 from budget.report.blocks import Abreast, Run, Table
-from budget.report.formulas import Figure, Fraction, Letter, Line, Mean, Sign, Sub, Sup
+from budget.report.formulas import Math, to_mathml
 from budget.resources import shipped
 
 if TYPE_CHECKING:
@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from markupsafe import Markup
 
     from budget.report.blocks import Block, Document, Picture, RowGroup, Words
-    from budget.report.formulas import Math
 
 
 SCRIPTS = ("what_if.js", "page.js")  # in the order that they stand in the page
+FORMULA = re.compile(r"(<math[^>]*>)(.*?)</math>", re.DOTALL)
 SMALL_BAR = 0.005  # a share that is thinner than a line behind its number [1]
 
 
@@ -63,7 +63,7 @@ def _render(document: Document) -> str:
     environment = page_environment()
     environment.filters |= {
         "words": _words,
-        "mathml": lambda math: markup(to_mathml(math, displayed=True)),
+        "formula": lambda math: markup(_formula(math, "displaystyle")),
         "kind": lambda block: type(block).__name__,
         "is_broad": _is_broad,
         "tails": _tails,
@@ -75,7 +75,7 @@ def _render(document: Document) -> str:
         "per_cent": lambda share: f"{100.0 * min(share, 1.0):.1f}%",
     }
     script = _script(environment)
-    return environment.get_template("page.html.j2").render(
+    page = environment.get_template("page.html.j2").render(
         document=document,
         first=[section for section in document.sections if section.on_first_page],
         rest=[section for section in document.sections if not section.on_first_page],
@@ -85,6 +85,7 @@ def _render(document: Document) -> str:
         script=markup(script),
         script_hash=b64encode(sha256(script.encode()).digest()).decode(),
     )
+    return _with_mathml(page)
 
 
 def _script(environment: Environment) -> str:
@@ -102,12 +103,27 @@ def _part(part: str | Run | Math) -> str:
     """Set one part of a line; a number stays with its unit."""
     if isinstance(part, str):
         return escape(bind(part))
-    if not isinstance(part, Run):
-        return to_mathml(part)
+    if isinstance(part, Math):
+        return _formula(part)
     text = escape(bind(part.text))
     if part.exact is not None:
         text = f'<span class="number" title="{part.exact!r}">{_signs(part.text)}</span>'
     return f"<strong>{text}</strong>" if part.strong else text
+
+
+def _formula(math: Math, style: str = "") -> str:
+    """Hold the place of a formula; all of a page are set at once in the end."""
+    opening = f'<math {style}="true">' if style else "<math>"
+    return f"{opening}{escape(math.source)}</math>"
+
+
+def _with_mathml(page: str) -> str:
+    """Set the formulas of a page; no other text in it can have such a tag."""
+    sources = tuple(dict.fromkeys(unescape(one[2]) for one in FORMULA.finditer(page)))
+    if not sources:
+        return page
+    found = dict(zip(sources, to_mathml(sources), strict=True))
+    return FORMULA.sub(lambda one: f"{one[1]}{found[unescape(one[2])]}</math>", page)
 
 
 def _signs(text: str) -> str:
@@ -345,55 +361,3 @@ def _tail(text: str) -> int | None:
     """
     plain = PLAIN.fullmatch(text)
     return None if plain is None else len(plain[2] or "")
-
-
-OVERLINE = "\N{MACRON}"
-
-
-def to_mathml(math: Math, *, displayed: bool = False) -> str:
-    """Write a formula as a `math` element.
-
-    Parameters
-    ----------
-    math : Math
-        The tree.
-    displayed : bool
-        Whether it stands by itself, with quotients at full size.
-
-    Returns
-    -------
-    str
-        MathML Core inside HTML, all texts escaped.
-    """
-    opening = '<math displaystyle="true">' if displayed else "<math>"
-    return f"{opening}{_element(math)}</math>"
-
-
-def _element(math: Math) -> str:  # noqa: PLR0911 - one return for each kind of part
-    """Write one part with all that is in it."""
-    match math:
-        case Letter(text=text, upright=upright):
-            return _letter(text, upright=upright)
-        case Figure(text=text):
-            tag = "mn" if text[:1].isdigit() else "mtext"
-            return f"<{tag}>{escape(text)}</{tag}>"
-        case Sign(text=text, prefix=prefix):
-            form = ' form="prefix"' if prefix else ""
-            return f"<mo{form}>{escape(text)}</mo>"
-        case Sub(base=base, index=index):
-            return f"<msub>{_element(base)}{_element(index)}</msub>"
-        case Sup(base=base, exponent=exponent):
-            return f"<msup>{_element(base)}{_element(exponent)}</msup>"
-        case Mean(base=base):
-            bar = f'<mo stretchy="false">{OVERLINE}</mo>'
-            return f'<mover accent="true">{_element(base)}{bar}</mover>'
-        case Fraction(top=top, bottom=bottom):
-            return f"<mfrac>{_element(top)}{_element(bottom)}</mfrac>"
-        case Line(parts=parts):
-            return f"<mrow>{''.join(map(_element, parts))}</mrow>"
-
-
-def _letter(text: str, *, upright: bool) -> str:
-    """Write a variable: browsers slant one letter, and set several upright."""
-    slant = ' mathvariant="normal"' if upright and len(text) == 1 else ""
-    return f"<mi{slant}>{escape(text)}</mi>"

@@ -7,7 +7,9 @@ it cannot show.
 from __future__ import annotations
 
 import re
+import textwrap
 from dataclasses import dataclass
+from math import sqrt
 from typing import TYPE_CHECKING, Any
 
 from budget.report.blocks import (
@@ -18,28 +20,54 @@ from budget.report.blocks import (
     Panel,
     Paragraph,
     Picture,
+    Run,
     Sliders,
     Table,
 )
-from budget.report.fonts import choose_fonts, name_character
+from budget.report.fonts import choose_fonts, name_character, text_width
 from budget.report.pdf import render_pdf
-from budget.report.typeset_tables import plain_table
-from budget.report.typeset_text import (
-    break_long,
-    cut_math,
-    cut_words,
-    shorten,
-)
+from budget.report.tables import align_decimals
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
     from pathlib import Path
 
-    from budget.report.blocks import Block, Document
+    from budget.report.blocks import Block, Column, Document, RowGroup, Words
+    from budget.report.formulas import Math
+
+    Part = str | dict[str, Any]  # of a line of text, as JSON
 
 TEMPLATE = "report.typ"
 HEAD_LENGTH = 100  # characters that fit into the running head
 SIZE = re.compile(r'<svg\b[^>]*?\bwidth="([\d.]+)(?:pt)?"')
+
+
+# Tables.
+LONGEST_HEAD = 160  # characters of the head of a column; it is on every page
+NARROW_HEAD = 12  # characters of the head of a narrow column before it is broken
+CROWDED = 9  # columns; from there on a table is set smaller, its heads broken sooner
+CROWDED_HEAD = 7  # characters
+SHORT_CELL = 26  # characters; a column of such cells is never narrower than they are
+SPLIT_CELL = 1500  # characters; a row with such a cell may go on on the next page
+LEAST_SHARE = 11.0  # [em] that a column of long text can do with
+SMALL = 0.9  # size of notes over that of the table [1]
+EXPONENT = 0.6  # size of exponents over that of the table [1]
+
+# Text.
+MINUS, BOUND, NARROW = "\N{MINUS SIGN}", "\N{NO-BREAK SPACE}", "\u202f"
+DIGIT, POINT = "\N{FIGURE SPACE}", "\N{PUNCTUATION SPACE}"  # as wide as those
+BREAK = "\N{ZERO WIDTH SPACE}"  # a line may end here
+
+# As `tables` prints: '<0.1', '-2.3e-9', '230 000', '79 %'.
+NUMBER = re.compile(
+    r"(?P<head>[<>]?)(?P<digits>[+-]?\d[\d ]*(?:\.\d+)?)(?:e(?P<power>-?\d+))?"
+    r"(?P<tail>| [^\d\s].*)"
+)
+# In a sentence: no part of a name, a date or a range.
+NEGATIVE = re.compile(r"(?<![\w.+/-])-(?=\d+(?:\.\d+)?(?:e-?\d+)?(?![\d.]*\w))")
+RAISED = re.compile(rf"(?<![\w.+/-])({MINUS}?\d+(?:\.\d+)?)e(-?\d+)(?!\.?\w)")
+LONG_WORD = 24  # characters; words of a report are shorter
+UNBROKEN = 12  # characters of a long one between places where a line may end
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -220,3 +248,189 @@ def _map_strings(part: Any, change: Callable[[str], str]) -> Any:  # noqa: ANN40
     if isinstance(part, list):
         return [_map_strings(item, change) for item in part]
     return part
+
+
+def plain_table(table: Table) -> dict[str, Any]:
+    """Return a table as JSON holds it.
+
+    `natural` is how wide it is where no text is broken and `least` how narrow it can
+    be where only short texts are not, both without the air between columns [em].
+    """
+    groups = [_plain_rows(table, group) for group in table.groups]
+    rows = [row for group in groups for row in group]
+    crowded = len(table.columns) >= CROWDED
+    columns = [
+        _plain_column(column, [row[k] for row in rows], crowded=crowded)
+        for k, column in enumerate(table.columns)
+    ]
+    return {
+        "is": "table",
+        "columns": columns,
+        "crowded": crowded,
+        "natural": sum(column["natural"] for column in columns),
+        "least": sum(
+            column["natural"] if column["share"] is None else LEAST_SHARE
+            for column in columns
+        ),
+        "groups": [
+            {"title": break_long(group.title), "rows": plain}
+            for group, plain in zip(table.groups, groups, strict=True)
+        ],
+    }
+
+
+def _plain_column(
+    column: Column, cells: Sequence[dict[str, Any]], *, crowded: bool
+) -> dict[str, Any]:
+    """Return a column; long text has a share of the width instead of its own."""
+    longest = max((max(len(c["plain"]), len(c["note"])) for c in cells), default=0)
+    head = break_long(shorten(column.head, LONGEST_HEAD))
+    if crowded or column.kind != "text":
+        narrow = max(CROWDED_HEAD if crowded else NARROW_HEAD, longest)
+        lines = textwrap.wrap(head, width=narrow, break_long_words=False)
+        head = "\n".join(lines)
+    widths = [text_width(line, bold=True) for line in head.split("\n")]
+    widths += [text_width(c["plain"], bold=c["strong"]) for c in cells]
+    widths += [SMALL * text_width(c["note"]) for c in cells]
+    wraps = column.kind == "text" and longest > SHORT_CELL
+    # Text twice as long is set wider and higher, both by the root of two.
+    share = column.weight * sqrt(max(1.0, longest / SHORT_CELL)) if wraps else None
+    return {
+        "head": head,
+        "kind": column.kind,
+        "natural": max(widths),
+        "share": share,
+    }
+
+
+def _plain_rows(table: Table, group: RowGroup) -> list[list[dict[str, Any]]]:
+    """Return the rows of a group, decimal points in line within each column."""
+    wholes = [
+        # A row is split between pages if one of its cells would fill one.
+        all(len(cell.text) + len(cell.note) < SPLIT_CELL for cell in row)
+        for row in group.rows
+    ]
+    by_column = []
+    for place, column in enumerate(table.columns):
+        cells = [row[place] for row in group.rows]
+        texts = [cell.text for cell in cells]
+        numeric = column.kind == "number"
+        parts = cut_numbers(texts) if numeric else [break_long(t) for t in texts]
+        by_column.append(
+            [
+                {
+                    "text": part,
+                    "plain": _join(part),
+                    "share": cell.share,
+                    "strong": cell.strong,
+                    "note": break_long(cell.note),
+                    "whole": whole,
+                }
+                for part, cell, whole in zip(parts, cells, wholes, strict=True)
+            ]
+        )
+    return [list(row) for row in zip(*by_column, strict=True)]
+
+
+def _join(part: Part) -> str:
+    """Write a part about as wide as it will be."""
+    if isinstance(part, str):
+        return part
+    power = part["power"]
+    raised = power[: round(EXPONENT * len(power))]
+    times = f"\u202f\N{MULTIPLICATION SIGN}\u202f10{raised}" if power else ""
+    return f"{part['head']}{part['digits']}{times}{part['tail']}{part['pad']}"
+
+
+def cut_words(words: Words) -> list[Part]:
+    """Turn a line of text into what JSON holds: texts, numbers, formulas."""
+    parts: list[Part] = []
+    for word in words:
+        if isinstance(word, str):
+            parts += _cut_text(word)
+        elif isinstance(word, Run):
+            cut = list(_cut_text(word.text))
+            parts += [{"is": "strong", "parts": cut}] if word.strong else cut
+        else:
+            parts.append(cut_math(word))
+    return parts
+
+
+def cut_math(math: Math) -> dict[str, Any]:
+    """Turn a formula into what JSON holds, with words for those who hear it."""
+    return {"is": "math", "alt": math.alt, "source": math.source}
+
+
+def cut_numbers(texts: Sequence[str]) -> list[Part]:
+    """Turn a column of printed numbers into parts, padded to bring points in line.
+
+    What is no number, a dash or a word, stays as it is; powers of ten have no part in
+    the line of points.
+    """
+    found = [NUMBER.fullmatch(text) for text in texts]
+    plain = [m["digits"] for m in found if m and m["power"] is None]
+    pads = iter(align_decimals(plain, digit=DIGIT, point=POINT))
+    parts: list[Part] = []
+    for text, match in zip(texts, found, strict=True):
+        if match is None:
+            parts.append(break_long(text))
+            continue
+        digits, power = match["digits"], match["power"]
+        pad = next(pads)[len(digits) :] if power is None else ""
+        parts.append(
+            {
+                "is": "number",
+                "head": match["head"],
+                "digits": _print_digits(digits),
+                "power": "" if power is None else _print_digits(power),
+                "tail": match["tail"].replace(" ", BOUND, 1),
+                "pad": pad,
+            }
+        )
+    return parts
+
+
+def shorten(text: str, length: int) -> str:
+    """Cut a text that is too long, and show that it was."""
+    return text if len(text) <= length else f"{text[: length - 1].rstrip()}…"
+
+
+def break_long(text: str) -> str:
+    """Let a line end within words that no column could hold."""
+    return re.sub(rf"\S{{{LONG_WORD},}}", lambda word: _break_word(word[0]), text)
+
+
+def _break_word(word: str) -> str:
+    """Let a line end after signs, and where there are none for too long."""
+    pieces = re.split(r"(?<=[/_,;.:=-])(?=[^\s/_,;.:=-])", word)
+    return BREAK.join(
+        piece[start : start + UNBROKEN]
+        for piece in pieces
+        for start in range(0, len(piece), UNBROKEN)
+    )
+
+
+def _cut_text(text: str) -> Iterator[Part]:
+    """Yield a text with the numbers in it set as numbers, bound to their units."""
+    # Pieces between powers of ten: text, mantissa, exponent, text, ...
+    pieces = RAISED.split(NEGATIVE.sub(MINUS, text))
+    for place in range(0, len(pieces), 3):
+        words = re.sub(r"(?<=\d) (?=\S)", BOUND, pieces[place])
+        if place:
+            words = re.sub(r"^ (?=\S)", BOUND, words)
+        if words:
+            yield break_long(words)
+        if place + 1 < len(pieces):
+            yield {
+                "is": "number",
+                "head": "",
+                "digits": pieces[place + 1],
+                "power": _print_digits(pieces[place + 2]),
+                "tail": "",
+                "pad": "",
+            }
+
+
+def _print_digits(digits: str) -> str:
+    """Write a true minus sign, and narrow blanks between groups of digits."""
+    return digits.replace("-", MINUS).replace(" ", NARROW)

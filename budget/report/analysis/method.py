@@ -5,20 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from budget.report.analysis.calibration_formulas import (
-    PAPER,
-    accelerometer_panel,
-    gyro_bias_panel,
-    notation,
-    turns_panel,
+from budget.report.blocks import (
+    Equation,
+    Equations,
+    Listing,
+    Pairs,
+    Panel,
+    Paragraph,
+    Section,
 )
-from budget.report.analysis.propagation_formulas import (
-    coverage_panel,
-    indices_panel,
-    law_panel,
-    noise_panel,
-)
-from budget.report.blocks import Listing, Pairs, Panel, Paragraph, Section
+from budget.report.formulas import Math, with_math
 from budget.report.tables import print_count, print_coverage, words
 from budget.report.wording import (
     BY_LAW,
@@ -29,12 +25,17 @@ from budget.report.wording import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Collection, Iterable
+    from collections.abc import Set as AbstractSet
 
     from budget.report.blocks import Block, Words
     from budget.results import Settings
     from budget.spec.records import Device, Procedure
 
+PAPER = (
+    "X. Zhao, L. Zhang, S. Li, Metrology & Measurement Technology 39 (3), 2019, 34-40, "
+    "doi 10.11823/j.issn.1674-5795.2019.03.06"
+)
 REFERENCE_LIST: tuple[str, ...] = (
     f"Zhao 2019: {PAPER}",
     "JCGM 100:2008, Guide to the expression of uncertainty in measurement (GUM)",
@@ -47,6 +48,63 @@ REFERENCE_LIST: tuple[str, ...] = (
     "NIMA TR8350.2, Department of Defense World Geodetic System 1984, third edition",
 )
 SOBOL_REFERENCE = "SALib: estimators of Sobol' indices after Saltelli et al. 2010"
+
+# Axis and the turn that scales it; angle, sign, and pulse differences: eq. (3).
+TURN_SCALES = (("x", "2"), ("y", "3"), ("z", "1"))
+TURN_ANGLES = (
+    ("x y", "-", "x 1", "x 2"),
+    ("x z", "", "x 3", "x 2"),
+    ("y x", "", "y 1", "y 3"),
+    ("y z", "-", "y 2", "y 3"),
+    ("z x", "-", "z 3", "z 1"),
+    ("z y", "", "z 2", "z 1"),
+)
+# Axis and its face up; angle, sign, and the face up that shows it: eq. (5).
+FACE_SCALES = (("x", 3), ("y", 5), ("z", 1))
+FACE_ANGLES = (
+    ("x y", "-", 1),
+    ("x z", "", 5),
+    ("y x", "", 1),
+    ("y z", "-", 3),
+    ("z x", "-", 5),
+    ("z y", "", 3),
+)
+NOTATION = (
+    f"After {PAPER}, its misprints mended. $K$ is a scale factor, $delta$ a mounting "
+    "angle, $Delta T$ the matrix of them in its eq. (1), $epsilon$ and $nabla$ the "
+    "bias of gyro and accelerometer, $I$ the unit matrix, $g$ gravity."
+)
+CORRECTED = "macron(N)/K - (I + Delta T) macron(omega)"
+PRINTED = "(I + Delta T^upright(T)) macron(N)/K - macron(omega)"
+BIAS_LETTERS = (
+    "$macron(N)$ is the mean number of pulses a second over the azimuths, "
+    "$macron(omega)$ the mean earth rate there in body axes, (0, 0, "
+    "$omega sin phi$) at latitude $phi$ where they balance. "
+)
+HELD = (
+    "A limit is on the absolute error: what is held against it is the larger of the "
+    "two ends, without its sign."
+)
+PLUS_MINUS, SIGMA, TAU = "\N{PLUS-MINUS SIGN}", "\u03c3", "\u03c4"
+# Lines of a data sheet; variance of the average over a window, and what it is of.
+NOISE = (
+    ({"angle_random_walk", "velocity_random_walk"}, "N^2/L", "white, density N"),
+    (
+        {"sample_noise"},
+        "sigma^2/(f L)",
+        f"white per sample, {SIGMA} at rate f",
+    ),
+    (
+        {"bias_stability"},
+        "2 sigma^2 (tau/L)^2 (L/tau - 1 + e^(-L\\/tau))",
+        f"first-order Gauss-Markov, {SIGMA} and correlation time {TAU}",
+    ),
+    (
+        {"rate_random_walk", "acceleration_random_walk"},
+        "K^2 (s + L/3)",
+        "random walk K from t = 0",
+    ),
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,25 +125,22 @@ def method_section(
     """Return settings, formulas and references; of the sensors that are there."""
     panels: list[Block] = [
         Pairs(rows=_settings_rows(settings, trials)),
-        Paragraph(words=notation()),
+        Paragraph(words=with_math(NOTATION)),
     ]
     if "gyro" in sensors:
-        panels += [turns_panel(), gyro_bias_panel(procedure.formulas)]
+        panels += [_turns_panel(), _gyro_bias_panel(procedure.formulas)]
     if "accelerometer" in sensors:
-        panels.append(accelerometer_panel())
+        panels.append(_accelerometer_panel())
     lines = {
         line.name
         for device in devices
         for sensor in device.sensors
         for line in sensor.lines
     }
-    panels += [law_panel(), coverage_panel(settings)]
-    noise = noise_panel(lines)
-    if noise is not None:
-        panels.append(noise)
+    panels += [_law_panel(), _coverage_panel(settings), *_noise_panels(lines)]
     references = REFERENCE_LIST
     if settings.sobol_samples is not None:
-        panels.append(indices_panel())
+        panels.append(_indices_panel())
         references += (SOBOL_REFERENCE,)
     panels.append(
         Panel(
@@ -138,3 +193,142 @@ def _trials_words(settings: Settings, trials: Trials) -> str:
     if trials.densities:
         parts.append(f"{print_count(trials.densities)} for the distributions")
     return "; ".join(parts) or "none"
+
+
+def _formulas(
+    title: str, text: str, equations: Iterable[str | tuple[str, str]]
+) -> Panel:
+    """Return formulas, some with what they are of, under what their letters mean."""
+    pairs = [(one, "") if isinstance(one, str) else one for one in equations]
+    return Panel(
+        title=title,
+        blocks=(
+            Paragraph(words=with_math(text), small=True),
+            Equations(
+                equations=tuple(
+                    Equation(math=Math(source=source), number=note)
+                    for source, note in pairs
+                )
+            ),
+        ),
+    )
+
+
+def _turns_panel() -> Panel:
+    """Return the gyro's scale factors and mounting angles: Zhao 2019, eq. (3)."""
+    return _formulas(
+        "Gyro scale factors and mounting angles, eq. (3)",
+        "$n_(i j)$: pulses of axis i over m turns forward minus those back, about "
+        "z (j = 1), x (2), y (3). The paper prints $delta_(y x)$ with a minus, "
+        "against its eq. (1).",
+        [
+            *(f"K_{axis} = n_({axis} {turn})/(4 pi m)" for axis, turn in TURN_SCALES),
+            *(
+                f"delta_({angle}) = {sign}n_({top})/n_({bottom})"
+                for angle, sign, top, bottom in TURN_ANGLES
+            ),
+        ],
+    )
+
+
+def _gyro_bias_panel(formulas: str) -> Panel:
+    """Return the gyro's bias: Zhao 2019, eq. (4) as printed, or corrected."""
+    if formulas == "paper":
+        return _formulas(
+            "Gyro bias, eq. (4) as printed",
+            f"{BIAS_LETTERS}This is exact only without mounting angles; the corrected "
+            f"formula is $epsilon = {CORRECTED}$.",
+            [f"epsilon = {PRINTED}"],
+        )
+    return _formulas(
+        "Gyro bias, corrected from eq. (4)",
+        f"{BIAS_LETTERS}The paper prints ${PRINTED}$, which does not invert its eq. "
+        "(1) where there are mounting angles.",
+        [f"epsilon = {CORRECTED}"],
+    )
+
+
+def _accelerometer_panel() -> Panel:
+    """Return the accelerometer's parameters: Zhao 2019, eq. (5)."""
+
+    def faces(axis: str, face: int, sign: str) -> str:
+        return f"(N_{axis} ({face}) {sign} N_{axis} ({face + 1}))"
+
+    return _formulas(
+        "Accelerometer, eq. (5)",
+        "$N_i (j)$: mean number of pulses a second of axis i over the two dwells with "
+        "z up (j = 1), z down (2), x up (3), x down (4), y up (5), y down (6). The "
+        "paper prints $delta_(y z)$ with the counts of x, and $delta_(x y)$ twice; "
+        "the second is $delta_(x z)$.",
+        [
+            *(
+                f"K_{axis} = {faces(axis, face, '-')}/(2 g)"
+                for axis, face in FACE_SCALES
+            ),
+            *(
+                f"delta_({angle}) = {sign}{faces(angle[0], face, '-')}"
+                f"/(2 g K_{angle[0]})"
+                for angle, sign, face in FACE_ANGLES
+            ),
+            *(
+                f"nabla_{axis} = {faces(axis, face, '+')}/(2 K_{axis})"
+                for axis, face in FACE_SCALES
+            ),
+        ],
+    )
+
+
+def _law_panel() -> Panel:
+    """Return the law of propagation to second order, JCGM 100, 5.1.2."""
+    return _formulas(
+        "Law of propagation",
+        "$c$: sensitivities, $H$: second derivatives of an output at the nominal "
+        "point, $U_x$: covariance of the inputs; an input that is not normal adds its "
+        "fourth moment. JCGM 100:2008, eq. (13) and the note to 5.1.2, without the "
+        "third derivatives of that note.",
+        [
+            "E(y) - y(x) = 1/2 tr(H U_x)",
+            '"cov"(y_k, y_l) = c_k^upright(T) U_x c_l + 1/2 tr(H_k U_x H_l U_x)',
+        ],
+    )
+
+
+def _coverage_panel(settings: Settings) -> Panel:
+    """Return the coverage interval of the method."""
+    percent = print_coverage(settings.coverage)
+    if settings.method == "gum":
+        return _formulas(
+            "Coverage",
+            f"The interval is mean {PLUS_MINUS} U, with k of the normal law for "
+            f"{percent} %, JCGM 100:2008, G.1.3. {HELD}",
+            ["U = k u"],
+        )
+    text = f"The interval holds {percent} % of the trials, JCGM 101:2008, 7.7. {HELD}"
+    return Panel(title="Coverage", blocks=(Paragraph(words=(text,), small=True),))
+
+
+def _noise_panels(lines: AbstractSet[str]) -> list[Panel]:
+    """Return the variance of a window average of every process that is given."""
+    found = [
+        (f"u_L^2 = {variance}", note)
+        for names, variance, note in NOISE
+        if names & lines
+    ]
+    if not found:
+        return []
+    text = (
+        "The noise of a window enters as its average, a Gaussian quantity with a "
+        "variance in closed form; averages of one process over several windows are "
+        "correlated accordingly. $L$ is the length of a window, $s$ its start."
+    )
+    return [_formulas("Noise averaged over a window", text, found)]
+
+
+def _indices_panel() -> Panel:
+    """Return first-order and total index."""
+    return _formulas(
+        "Sobol' indices",
+        "Part of the variance that the source $i$ makes alone, and with all its "
+        "products.",
+        ["S_i = V(E(y | x_i))/V(y)", "S_(upright(T) i) = E(V(y | x_(tilde i)))/V(y)"],
+    )

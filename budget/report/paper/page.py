@@ -19,7 +19,7 @@ from budget.report.blocks import (
     Table,
 )
 from budget.report.figures.picture import capital
-from budget.report.formulas import brackets, letter, line, sub
+from budget.report.formulas import with_math
 from budget.report.paper.document import to_json
 from budget.report.paper.figures import ratio_picture, sweep_picture
 from budget.report.paper.texts import (
@@ -40,19 +40,11 @@ if TYPE_CHECKING:
     from budget.studies.paper.study import PaperStudy
 
 COMMAND = "budget paper"
-OF_FORMULAS: Words = (
-    (
-        "Each formula is fed with the pulses of a sensor without errors, whose six "
-        "angles are 1 to 6 arcsec. "
-    ),
-    sub("n", "ij"),
-    ": pulses of axis ",
-    letter("i"),
-    " over a turn forward minus those back, about z (1), x (2), y (3). ",
-    line(sub("N", "i"), brackets("j")),
-    ": mean count of axis ",
-    letter("i"),
-    ", z up (1), z down, x up, x down, y up, y down (6).",
+OF_FORMULAS = with_math(
+    "Each formula is fed with the pulses of a sensor without errors, whose six angles "
+    "are 1 to 6 arcsec. $n_(i j)$: pulses of axis $i$ over a turn forward minus those "
+    "back, about z (1), x (2), y (3). $N_i (j)$: mean count of axis $i$, z up (1), z "
+    "down, x up, x down, y up, y down (6)."
 )
 # A printed number, and what it is where it is not the entry itself: 'rms 4.74e-9'.
 PRINTED = re.compile(r"(?P<head>rms |)(?P<number>-?[0-9.]+(?:e-?[0-9]+)?)(?P<tail>.*)")
