@@ -6,14 +6,14 @@ import os
 
 from hypothesis import HealthCheck, settings
 
-# FUZZ_EXAMPLES=20000 pytest tests/test_fuzz_files.py searches on, anew each time.
+# FUZZ_EXAMPLES=20000 pytest tests/fuzz/test_files.py searches on, anew each time.
 FRESH = int(os.environ.get("FUZZ_EXAMPLES", "0"))
 
 
 def examples(number):
     """Return settings with that many fixed examples, or FRESH random ones.
 
-    No deadline: on a busy machine it fails at random; test_fuzz_cost.py counts steps.
+    No deadline: on a busy machine it fails at random; test_cost.py counts steps.
     """
     return settings(
         max_examples=FRESH or number,

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from pathlib import Path
+
+from places import DOCS
 
 from budget.model.sources import lines_of
 from budget.spec import json_schema
 
-DOCS = Path(__file__).parent.parent.parent / "docs" / "files.md"
+FILES = DOCS / "files.md"
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,8 @@ def keys_of(kind):
 
 def table():
     """Return the docs' table of keys that move no number: where, and which."""
-    text = DOCS.read_text(encoding="utf-8").partition("### Keys that move no number")[2]
+    text = FILES.read_text(encoding="utf-8")
+    text = text.partition("### Keys that move no number")[2]
     part = text.partition("\n## ")[0]
     rows = re.findall(r"^\| ([a-z ]+) \| (`.*) \|$", part, re.MULTILINE)
     assert len(rows) > 4, "the table is not there, or has another form"

@@ -6,7 +6,7 @@
 FOLDER keeps the inputs that reach new code; other options are those of libFuzzer. The
 shipped files and everything in `found/` are the seeds. An input that breaks the
 reader ends the run and is written to the current folder as `crash-...`: put it into
-`found/`, where `tests/test_fuzz_found.py` replays it for ever, and mend the reader.
+`found/`, where `tests/fuzz/test_found.py` replays it for ever, and mend the reader.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ with atheris.instrument_imports(include=["budget", "ruamel"]):
     from budget.spec import json_schema
 
 FOUND = HERE / "found"
-LONGEST = 1500  # bytes; longer files are the business of test_fuzz_cost.py
+LONGEST = 1500  # bytes; longer files are the business of test_cost.py
 # The one kind of which none ships.
 COSTS = b"costs: {gyro.bias_stability: {a: 1, p: 2, u_ref: 0.04 deg/h}}\n"
 

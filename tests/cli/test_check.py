@@ -1,0 +1,365 @@
+"""`budget check`: what it prints, writes and returns."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import re
+import shutil
+
+import pytest
+from command_line import call, start
+from numpy.testing import assert_allclose
+from places import ROOT
+from reference_examples import DEVICE, store, stored
+
+from budget.references.files import shipped_references
+from budget.resources import shipped
+
+WORSE = DEVICE.replace("value: 0.04 deg/h", "value: 0.0404 deg/h")
+EDITED = DEVICE.replace("notes: not a number", "notes: still none")
+KEY = "gyro.errors.bias_stability"
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """Provide a folder with a device and its reference, and work there."""
+    monkeypatch.chdir(tmp_path)
+    store(tmp_path)
+    return tmp_path
+
+
+def rewrite(folder, text):
+    """Change the device file."""
+    (folder / "imu.yaml").write_text(text, encoding="utf-8")
+
+
+def flat(text):
+    """Return a text without its line breaks."""
+    return " ".join(text.split())
+
+
+class TestShipped:
+    """References that ship."""
+
+    @pytest.mark.smoke
+    @pytest.mark.kernels
+    def test_they_hold(self):
+        """Without a name all are checked, all hold, each in one line."""
+        run = call("check")
+
+        names = [one.shown for one in shipped_references()]
+        assert run.code == 0, run.out
+        lines = [line for line in run.out.splitlines() if "holds" in line]
+        assert [line.split()[0] for line in lines] == names
+        assert f"{len(names)} references: {len(names)} hold, 0 moved" in run.out
+        assert max(map(len, lines)) <= 80
+
+    def test_they_are_what_was_promised(self):
+        """Both formulas by three references; three devices; comparison, allocation."""
+        found = {one.shown: stored(one.path) for one in shipped_references()}
+        jobs = [reference.job for reference in found.values()]
+        assert (jobs.count("compare"), jobs.count("allocate")) == (1, 1)
+        paper = [
+            (reference.settings.reference, reference.inputs[1].file)
+            for name, reference in found.items()
+            if name.startswith("zhao-2019-")
+        ]
+        assert len(set(paper)) == 6
+        assert {origin for origin, _ in paper} == {
+            *("nominal", "as_tested", "next_turn_on"),
+        }
+        assert "monte-carlo" in {r.settings.method for r in found.values()}
+        assert any(r.settings.samples for r in found.values())
+        assert all(one.path.stat().st_size < 300_000 for one in shipped_references())
+
+    def test_they_can_be_stored_again(self, tmp_path):
+        """`docs/make_references.py` stores these, with the same settings and inputs."""
+        text = (ROOT / "docs" / "make_references.py").read_text(encoding="utf-8")
+        for one in shipped_references():
+            stem = one.shown.removeprefix("zhao-2019-corrected-")
+            assert stem.removeprefix("zhao-2019-eq4-") in text
+        shutil.copytree(shipped("specs"), tmp_path / "specs")
+        path = tmp_path / "specs" / "references" / "zhao-2019-eq4-nominal.json"
+        before = stored(path)
+        specs = tmp_path / "specs"
+        run = call(
+            *("check", "--save", path, specs / "devices" / "zhao-2019.yaml"),
+            *("--procedure", specs / "procedures" / "zhao-2019-eq4.yaml"),
+            *("--reference", "nominal"),
+        )
+        assert run.code == 0, run.err
+        after = stored(path)
+        assert (after.inputs, after.settings) == (before.inputs, before.settings)
+
+    def test_by_bare_name(self):
+        """A shipped reference is found by its name, from any folder."""
+        run = call("check", "hg4930-c")
+        assert (run.code, run.out.split()[:2]) == (0, ["hg4930-c", "holds"])
+
+
+class TestMoved:
+    """A reference that moved."""
+
+    def test_text(self, folder):
+        """The key with both figures, the output, from, to, tolerances, the cause."""
+        rewrite(folder, WORSE)
+        run = call("check", "ref.json")
+
+        assert run.code == 1
+        assert "ref.json  MOVED" in run.out
+        assert f"1  device imu.yaml: {KEY}: 0.04 deg/h -> 0.0404 deg/h" in run.out
+        head, *rows = run.out[run.out.index("Gyro bias, u") :].splitlines()
+        assert head == "Gyro bias, u [deg/h]"
+        assert rows[0].split() == [
+            *("all", "0.05638", "0.05649", "+0.19", "%", "1.9e6", "tol", "1"),
+        ]
+        assert "1 reference: 0 hold, 1 moved" in run.out
+
+    @pytest.mark.parametrize("width", ["40", "80", "120"])
+    def test_fits(self, folder, width):
+        """No line is longer than the terminal is wide."""
+        rewrite(folder, WORSE.replace("37 ppm", "70 ppm"))
+        run = start("check", "ref.json", cwd=folder, COLUMNS=width)
+
+        assert run.code == 1
+        assert max(map(len, run.out.splitlines())) <= int(width)
+
+    def test_json(self, folder):
+        """The document has every move with its cause, and what the law says of it."""
+        rewrite(folder, WORSE)
+        run = call("check", "ref.json", "--json", "-")
+
+        assert run.code == 1
+        document = run.document
+        assert (document["schema"], document["command"]) == ("budget/1", "check")
+        assert document["holds"] is False
+        (one,) = document["references"]
+        assert (one["name"], one["kind"], one["holds"]) == (
+            "ref.json",
+            "analyze",
+            False,
+        )
+        (change,) = one["changes"]
+        assert change == {
+            "where": "device imu.yaml",
+            "key": KEY,
+            "before": "0.04 deg/h",
+            "after": "0.0404 deg/h",
+            "acts": True,
+            "is_text": False,
+        }
+        (u,) = (
+            row
+            for row in document["moved"]
+            if (row["subject"], row["quantity"])
+            == ("gyro.bias.x", "standard_uncertainty")
+        )
+        assert (u["reference"], u["unit"], u["sampled"]) == ("ref.json", "deg/h", False)
+        assert_allclose(u["after"] - u["before"], u["difference"], rtol=1e-12)
+        assert_allclose(u["difference"] / u["before"], u["relative"], rtol=1e-12)
+        assert u["because"] == f"{KEY} 100 %"
+        (cause,) = u["causes"]
+        assert_allclose(cause["amount"], u["difference"], rtol=1e-9)
+
+    def test_csv(self, folder):
+        """One row for each move, numbers with all their digits."""
+        rewrite(folder, WORSE)
+        moved = call("check", "ref.json", "--json", "-").document["moved"]
+        run = call("check", "ref.json", "--csv", "-")
+
+        rows = list(csv.DictReader(io.StringIO(run.out)))
+        assert run.code == 1
+        assert [float(row["after"]) for row in rows] == [row["after"] for row in moved]
+        assert {row["because"] for row in rows} == {f"{KEY} 100 %"}
+
+    def test_files_are_written_though_it_moved(self, folder):
+        """Both documents as files, the table on stdout, exit code 1."""
+        rewrite(folder, WORSE)
+        run = call("check", "ref.json", "--json", "a.json", "--csv", "a.csv")
+
+        assert (run.code, "MOVED" in run.out) == (1, True)
+        assert json.loads((folder / "a.json").read_text())["moved"]
+        assert (folder / "a.csv").read_text().startswith("reference,subject,quantity")
+
+    def test_two_changes_share_a_move(self, folder):
+        """Each change explains its part; they are numbered as the table names them."""
+        rewrite(folder, WORSE.replace("repeatability: 0.05", "repeatability: 0.0505"))
+        document = call("check", "ref.json", "--json", "-").document
+
+        (u,) = (
+            row
+            for row in document["moved"]
+            if (row["subject"], row["quantity"])
+            == ("gyro.bias.z", "standard_uncertainty")
+        )
+        amounts = [cause["amount"] for cause in u["causes"]]
+        assert len(amounts) == 2
+        # Small changes of variances add up to second order.
+        assert_allclose(sum(amounts), u["difference"], rtol=1e-2)
+        assert u["because"].startswith("gyro.errors.bias_repeatability")
+
+    def test_a_change_of_the_procedure(self, folder):
+        """The procedure is named as the cause where it changed."""
+        shutil.copy(shipped("specs") / "procedures" / "zhao-2019.yaml", "how.yaml")
+        save = call("check", "--save", "p.json", "imu.yaml", "--procedure", "how.yaml")
+        assert save.code == 0, save.err
+        text = (folder / "how.yaml").read_text()
+        (folder / "how.yaml").write_text(text.replace("turns: 1", "turns: 2"))
+        run = call("check", "p.json")
+
+        assert run.code == 1
+        assert "procedure how.yaml: gyro.turns: 1 -> 2" in run.out
+
+    def test_a_change_of_the_requirement(self, folder):
+        """A tighter limit moves the utilisation and the verdict."""
+        text = (
+            "name: mine\nreference: nominal\n"
+            "limits: {gyro: {bias: 0.2 deg/h}, accelerometer: {bias: 100 ug}}\n"
+        )
+        (folder / "want.yaml").write_text(text)
+        save = call(
+            "check", "--save", "q.json", "imu.yaml", "--requirement", "want.yaml"
+        )
+        assert save.code == 0, save.err
+        (folder / "want.yaml").write_text(text.replace("0.2 deg/h", "0.1 deg/h"))
+        run = call("check", "q.json")
+
+        assert run.code == 1
+        assert "requirement want.yaml: limits.gyro.bias: 0.2 deg/h -> 0.1" in run.out
+        assert "Gyro, verdict: " in run.out
+        assert "-> fails" in run.out
+
+    def test_a_line_taken_out(self, folder):
+        """What is gone is said to be, and the line too."""
+        rewrite(
+            folder, DEVICE.replace("    angle_random_walk: 0.005 deg/sqrt(h)\n", "")
+        )
+        run = call("check", "ref.json")
+
+        assert run.code == 1
+        said = "angle_random_walk: {value: 0.005 deg/sqrt(h)} -> (not there)"
+        assert said in flat(run.out)
+        assert "gyro.angle_random_walk" in run.out
+
+    def test_keys_of_one_figure_are_tried_together(self, folder):
+        """Two keys of a figure, of which one alone is refused, are one change."""
+        sigma = DEVICE.replace("correlation_time: 300 s", "meaning: 2 sigma")
+        store(folder, sigma)
+        # With 2 sigma an Allan minimum is refused.
+        rewrite(folder, sigma.replace("meaning: 2 sigma", "definition: allan_minimum"))
+        document = call("check", "ref.json", "--json", "-").document
+
+        (change,) = document["references"][0]["changes"]
+        assert change == {
+            "where": "device imu.yaml",
+            "key": KEY,
+            "before": "{value: 0.04 deg/h, meaning: 2 sigma}",
+            "after": "{value: 0.04 deg/h, definition: allan_minimum}",
+            "acts": True,
+            "is_text": False,
+        }
+        assert {row["because"] for row in document["moved"]} == {f"{KEY} 100 %"}
+
+    def test_a_key_that_cannot_be_tried_alone(self, folder):
+        """Two keys that only go together are named, and the one is marked."""
+        how = folder / "how.yaml"
+        how.write_text("name: how\nsample_rate: 100 Hz\ngyro: {dwell: 300 s}\n")
+        save = call("check", "--save", "p.json", "imu.yaml", "--procedure", "how.yaml")
+        assert save.code == 0, save.err
+        # A window of 5 ms holds no sample at 100 Hz.
+        how.write_text("name: how\nsample_rate: 1 kHz\ngyro: {dwell: 5 ms}\n")
+        run = call("check", "p.json")
+
+        assert run.code == 1
+        said = flat(run.out)
+        assert "gyro.dwell: 300 s -> 5 ms (cannot be tried alone)" in said
+        row = re.search(r"(?m)^  all .*", run.out[run.out.index("Gyro bias, u") :])[0]
+        assert "together: 100 %" in row
+
+    @pytest.mark.usefixtures("folder")
+    def test_another_version_of_the_tool(self, monkeypatch):
+        """Numbers that the tool itself moved are laid at its door, with the version."""
+        from budget.references import check as module
+        from budget.references import jobs
+
+        monkeypatch.setattr(
+            module, "present_versions", lambda: {"budget": "9.9", "numpy": "9.0"}
+        )
+        monkeypatch.setattr(jobs, "analyze", _with_other_trigger(jobs.analyze))
+        run = call("check", "ref.json")
+
+        assert run.code == 1
+        assert "tool: budget: 0.1.0 -> 9.9" in run.out
+        assert "tool: numpy: " in run.out
+        assert "imu.yaml: " not in run.out
+
+    @pytest.mark.usefixtures("folder")
+    def test_another_version_that_moves_nothing(self, monkeypatch):
+        """A reference that holds says once that other versions stored it."""
+        from budget.references import check as module
+
+        monkeypatch.setattr(module, "present_versions", lambda: {"budget": "9.9"})
+        run = call("check", "ref.json")
+
+        assert run.code == 0
+        assert "stored with other versions: budget 0.1.0 -> 9.9" in run.out
+
+
+def _with_other_trigger(analyze):
+    """Return the main job as a later version may have it: another coverage factor."""
+
+    def changed(*devices, coverage, **options):
+        return analyze(*devices, coverage=coverage + 1e-4, **options)
+
+    return changed
+
+
+class TestHolds:
+    """Changes that move nothing."""
+
+    def test_a_changed_text_is_reported(self, folder):
+        """Notes move no number: exit code 0, and the key is named."""
+        rewrite(folder, EDITED)
+        run = call("check", "ref.json")
+
+        assert run.code == 0
+        assert "ref.json  holds" in run.out
+        said = "notes: not a number -> still none (moves no number)"
+        assert said in flat(run.out)
+        (one,) = call("check", "ref.json", "--json", "-").document["references"]
+        assert [change["key"] for change in one["changes"]] == ["notes"]
+
+    def test_a_comment_is_no_change(self, folder):
+        """A comment, quotes or order of keys are no change of content."""
+        rewrite(
+            folder, "# a comment\n" + DEVICE.replace("Two sensors", "'Two sensors'")
+        )
+        run = call("check", "ref.json")
+
+        assert run.code == 0
+        assert "changed" not in run.out
+
+    def test_from_any_folder(self, folder, tmp_path_factory, monkeypatch):
+        """Paths count from the reference, not from where the check is called."""
+        monkeypatch.chdir(tmp_path_factory.mktemp("elsewhere"))
+        assert call("check", folder / "ref.json").code == 0
+        assert call("check", folder).code == 0
+
+    def test_moved_to_another_place(self, folder, tmp_path_factory):
+        """Reference and device may move together."""
+        there = tmp_path_factory.mktemp("there") / "inside"
+        shutil.copytree(folder, there)
+        assert call("check", there / "ref.json").code == 0
+
+    def test_by_any_number_of_workers(self, folder):
+        """Workers change no bit."""
+        args = ("--method", "monte-carlo", "--trials", "20000")
+        assert call("check", "--save", "a.json", "imu.yaml", *args).code == 0
+        assert (
+            call("check", "--save", "b.json", "imu.yaml", *args, "--workers", 2).code
+            == 0
+        )
+        one, other = ((folder / name).read_bytes() for name in ("a.json", "b.json"))
+        assert one == other

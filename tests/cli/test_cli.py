@@ -1,0 +1,467 @@
+"""The command line: what stands on which stream, exit codes, help, bad calls."""
+
+from __future__ import annotations
+
+import csv
+import errno
+import io
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from command_line import call, start
+from places import PACKAGE
+
+from budget.version import __version__
+
+NOTE = "No device given: using the built-in zhao-2019 (Zhao 2019).\n"
+COMMANDS = (
+    *("analyze", "report", "compare", "allocate", "devices", "paper"),
+    *("validate", "schema"),
+)
+SHARED = (
+    *("--procedure", "--method", "--trials", "--max-trials", "--digits", "--seed"),
+    *("--workers", "--coverage", "--interval", "--reference", "--no-validate"),
+    *("--sobol", "--samples"),
+)
+BAD_VALUES = [
+    ("--method", "linear", "'gum', 'monte-carlo', 'simulation'"),
+    ("--trials", "0", "2 or more"),
+    ("--trials", "1e5", "2 or more"),
+    ("--trials", "-5", "2 or more"),
+    ("--max-trials", "1", "2"),
+    ("--samples", "1", "2"),
+    ("--digits", "3", "2"),
+    ("--digits", "0", "1"),
+    ("--seed", "-1", "0"),
+    ("--seed", "now", "integer"),
+    ("--workers", "0", "1"),
+    ("--coverage", "95", "from 1e-6 to 1 - 1e-12"),
+    ("--coverage", "0", "from 1e-6 to 1 - 1e-12"),
+    ("--coverage", "100 %", "from 1e-6 to 1 - 1e-12"),
+    ("--coverage", "nan", "from 1e-6 to 1 - 1e-12"),
+    ("--coverage", "95 % or so", "from 1e-6 to 1 - 1e-12"),
+    ("--interval", "widest", "'symmetric', 'shortest'"),
+    ("--reference", "as tested", "'nominal', 'as_tested', 'next_turn_on'"),
+    ("--only", "gyro.drift", "no source"),
+    ("--procedure", "absent.yaml", "no such file"),
+]
+
+
+@pytest.mark.smoke
+def test_version_is_that_of_the_package(tmp_path):
+    """`--version` prints the name and version alone."""
+    run = start("--version", cwd=tmp_path)
+
+    assert (run.code, run.out, run.err) == (0, f"budget {__version__}\n", "")
+
+
+def test_help_names_every_command():
+    """`--help` lists each command with what it is for."""
+    run = call("--help")
+
+    assert (run.code, run.err) == (0, "")
+    listed = {
+        words[0]: words[1:] for line in run.out.splitlines() if (words := line.split())
+    }
+    for command in COMMANDS:
+        assert listed[command], command
+
+
+@pytest.mark.parametrize(
+    ("command", "options"),
+    [
+        ("analyze", (*SHARED, "--only", "--json", "--csv")),
+        ("report", (*SHARED, "--requirement", "--output")),
+        ("validate", ("FILE",)),
+        ("schema", ("KIND", "requirement")),
+    ],
+)
+def test_help_of_a_command_names_its_options(command, options):
+    """Every option of a command stands in its help, on stdout, exit 0."""
+    run = call(command, "--help")
+
+    assert (run.code, run.err) == (0, "")
+    for option in options:
+        assert option in run.out
+
+
+def test_no_command_shows_the_help():
+    """`budget` alone is a bad call that tells what could be called."""
+    run = call()
+
+    assert run.code == 2
+    assert "analyze" in run.out + run.err
+
+
+def test_unknown_command_is_refused():
+    """A command that there is not is named, exit 2."""
+    run = call("analyse")
+
+    assert (run.code, run.out) == (2, "")
+    assert "analyse" in run.err
+
+
+def test_built_in_device_is_said_on_stderr():
+    """Without a device the note stands on stderr, the table on stdout."""
+    run = call("analyze", "--no-validate")
+
+    assert (run.code, run.err) == (0, NOTE)
+    assert run.out.startswith("Zhao 2019 optical IMU\n")
+    assert "No device given" not in run.out
+
+
+def test_named_device_needs_no_note():
+    """With a device named there is nothing to say on stderr."""
+    run = call("analyze", "zhao-2019", "--no-validate")
+
+    assert (run.code, run.err) == (0, "")
+
+
+@pytest.mark.smoke
+def test_json_on_stdout_stands_alone(tmp_path):
+    """`--json -` puts one JSON document on stdout and nothing else."""
+    run = start("analyze", "--no-validate", "--json", "-", cwd=tmp_path)
+
+    assert (run.code, run.err) == (0, NOTE)
+    assert run.document["schema"] == "budget/1"
+    assert len(run.document["outputs"]) == 24
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_csv_on_stdout_stands_alone(tmp_path):
+    """`--csv -` puts the head line and rows of one width on stdout, nothing else."""
+    run = start("analyze", "--no-validate", "--csv", "-", cwd=tmp_path)
+
+    assert (run.code, run.err) == (0, NOTE)
+    rows = list(csv.reader(io.StringIO(run.out)))
+    assert rows[0][0] == "sensor"
+    assert {len(row) for row in rows} == {len(rows[0])}
+
+
+def test_two_documents_on_one_stdout_are_refused():
+    """`--json - --csv -` is exit 2 before anything is computed or printed."""
+    run = call("analyze", "--json", "-", "--csv", "-")
+
+    assert (run.code, run.out) == (2, "")
+    assert "--json -" in run.err
+    assert "--csv -" in run.err
+
+
+def test_one_document_to_stdout_and_one_to_a_file(tmp_path):
+    """`--json - --csv FILE` keeps stdout for JSON and writes the file."""
+    file = tmp_path / "rows.csv"
+    run = call("analyze", "--no-validate", "--json", "-", "--csv", file)
+
+    assert run.code == 0
+    assert run.document["command"] == "analyze"
+    assert file.read_text(encoding="utf-8").startswith("sensor,parameter,axis,unit,")
+
+
+def test_files_beside_the_table(tmp_path):
+    """With both documents in files the table still stands on stdout."""
+    names = {"json": tmp_path / "a.json", "csv": tmp_path / "a.csv"}
+    run = call(
+        *("analyze", "--no-validate", "--json", names["json"], "--csv", names["csv"])
+    )
+
+    assert run.code == 0
+    assert "Gyro bias [deg/h]" in run.out
+    assert json.loads(names["json"].read_text(encoding="utf-8"))["outputs"]
+    assert sorted(tmp_path.iterdir()) == sorted(names.values())
+
+
+@pytest.mark.smoke
+def test_same_call_gives_the_same_bytes(tmp_path):
+    """Seed alike, files are bit for bit alike, in whatever folder, on two workers."""
+    folders = [tmp_path / "one", tmp_path / "two"]
+    for folder, workers, name in zip(folders, ("1", "2"), ("a", "b"), strict=True):
+        folder.mkdir()
+        run = start(
+            *("analyze", "--method", "monte-carlo", "--trials", "20000"),
+            *("--seed", "7", "--workers", workers),
+            *("--json", f"{name}.json", "--csv", f"{name}.csv"),
+            cwd=folder,
+            SOURCE_DATE_EPOCH="0",
+        )
+        assert run.code == 0, run.err
+
+    for suffix in ("json", "csv"):
+        one, two = (
+            (folder / f"{name}.{suffix}").read_bytes()
+            for folder, name in zip(folders, "ab", strict=True)
+        )
+        assert one == two
+
+
+@pytest.mark.parametrize(("option", "value", "said"), BAD_VALUES)
+def test_bad_values_are_refused(tmp_path, option, value, said):
+    """A bad value is exit 2 with a message, no traceback, no output file."""
+    file = tmp_path / "out.json"
+    run = call("analyze", "--no-validate", option, value, "--json", file)
+
+    assert (run.code, run.out) == (2, "")
+    assert said in run.err
+    assert "Traceback" not in run.err
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.smoke
+def test_bad_input_shows_no_traceback(tmp_path):
+    """Seen from outside, a faulty file is exit 2 and one line with its position."""
+    (tmp_path / "bad.yaml").write_text("gyro: {errors: {bias_stability: 0.04}}\n")
+    run = start("analyze", "bad.yaml", "--json", "out.json", cwd=tmp_path)
+
+    assert (run.code, run.out) == (2, "")
+    assert run.err.startswith("bad.yaml:1:")
+    assert "gyro.errors.bias_stability" in run.err
+    assert "Traceback" not in run.err
+    assert [path.name for path in tmp_path.iterdir()] == ["bad.yaml"]
+
+
+def test_unknown_option_is_named():
+    """An option that there is not is named, exit 2."""
+    run = call("analyze", "--no-such-option")
+
+    assert (run.code, run.out) == (2, "")
+    assert "--no-such-option" in run.err
+
+
+@pytest.mark.parametrize("option", ["--json", "--csv"])
+def test_output_path_that_cannot_be_written(tmp_path, option):
+    """A missing folder is exit 2, said with its name, and nothing is printed."""
+    file = tmp_path / "absent" / "out"
+    run = call("analyze", "--no-validate", option, file)
+
+    assert (run.code, run.out) == (2, "")
+    assert str(file) in run.err
+    assert "does not exist" in run.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_one_path_that_cannot_be_written_stops_all(tmp_path):
+    """If one of two files cannot be written, the other one is not either."""
+    good, bad = tmp_path / "good.json", tmp_path / "absent" / "out.csv"
+    run = call("analyze", "--no-validate", "--json", good, "--csv", bad)
+
+    assert run.code == 2
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_failure_leaves_an_older_file_as_it_was(tmp_path):
+    """A call that fails does not touch the file of the call before."""
+    file = tmp_path / "out.json"
+    file.write_text("from before", encoding="utf-8")
+
+    assert call("analyze", "absent.yaml", "--json", file).code == 2
+    assert file.read_text(encoding="utf-8") == "from before"
+
+
+def test_interrupt_writes_nothing(tmp_path):
+    """Stopped by the user: exit 130, no traceback, nothing on stdout, no file."""
+    run = subprocess.Popen(
+        [
+            *(sys.executable, "-m", "budget", "analyze", "--method", "monte-carlo"),
+            *("--trials", "100000000", "--json", "out.json"),
+        ],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    note = run.stderr.readline()  # the command is at work now
+    run.send_signal(signal.SIGINT)
+    out, err = run.communicate(timeout=600)
+
+    assert note == NOTE
+    assert (run.returncode, out) == (130, "")
+    assert "Traceback" not in err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_name_gives_the_terminal_no_orders(tmp_path):
+    """Control characters and changes of direction in a name are shown as escapes."""
+    run = call("analyze", tmp_path / "a\x1b[2J\u202eb.yaml")
+
+    assert run.code == 2
+    assert "a\\x1b[2J\\u202eb.yaml" in run.err
+    assert "\x1b" not in run.err
+
+
+def device_file(folder, name="e.yaml"):
+    """Write a small device."""
+    path = folder / name
+    path.write_text("name: e\ngyro: {errors: {bias_repeatability: 1 deg/h}}\n")
+    return path
+
+
+def test_no_command_overwrites_what_it_reads(tmp_path, monkeypatch):
+    """Not a device, not one whose name has a hash sign, not what a reference reads."""
+    monkeypatch.chdir(tmp_path)
+    limits = tmp_path / "limits.yaml"
+    limits.write_text("name: l\nlimits: {gyro: {bias: 5 deg/h}}\n")
+    inputs = [device_file(tmp_path), device_file(tmp_path, "x#1.yaml"), limits]
+    assert call("check", "e.yaml", "--save", "ref.json").code == 0
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    allocate = ("allocate", "x#1.yaml", "--requirement", "limits.yaml")
+    for words in (
+        ("devices", "e.yaml", "--json", "e.yaml"),
+        (*allocate, "--no-validate", "--write", "x#1.yaml"),
+        (*allocate, "--no-validate", "--json", "limits.yaml"),
+        ("check", "ref.json", "--json", "e.yaml"),
+        ("check", "ref.json", "--json", "ref.json"),
+        ("diff", "ref.json", "e.yaml", "--csv", "e.yaml"),
+    ):
+        run = call(*words)
+        assert (run.code, run.out) == (2, ""), words
+        assert "would be overwritten" in run.err, words
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+    assert len(before) == len(inputs) + 1
+
+
+def test_an_interrupted_run_says_what_it_wrote(tmp_path, monkeypatch):
+    """Stopped between two renames both files stand, and both are named."""
+    whole = Path.replace
+
+    def replace(self, target):
+        whole(self, target)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    monkeypatch.setattr(Path, "replace", replace)
+    names = [tmp_path / "a.json", tmp_path / "a.csv"]
+    run = call("analyze", "--no-validate", "--json", names[0], "--csv", names[1])
+
+    assert run.code == 130
+    assert f"interrupted; written before: {names[0]}, {names[1]}\n" in run.err
+    assert sorted(tmp_path.iterdir()) == sorted(names)
+
+
+HOSTILE = "a\x1b[2J\u202e\u200eb\x9b"
+SHOWN = "a\\x1b[2J\\u202e\\u200eb\\x9b"
+
+
+def test_no_printed_name_gives_the_terminal_orders(tmp_path, monkeypatch):
+    """In tables, results and talk, of every command, names are shown as escapes."""
+    monkeypatch.chdir(tmp_path)
+    device = device_file(tmp_path, f"{HOSTILE}.yaml").name
+    limits = ("--requirement", f"{HOSTILE}l.yaml")
+    text = "name: l\nlimits: {gyro: {bias: 5 deg/h}}\n"
+    (tmp_path / limits[1]).write_text(text)
+    for words in (
+        ("validate", device),
+        ("devices", device),
+        ("check", device_file(tmp_path).name, "--save", f"{HOSTILE}.json"),
+        ("check", f"{HOSTILE}.json"),
+        ("diff", f"{HOSTILE}.json", "zhao-2019"),
+        ("compare", device, *limits, "--method", "gum", "-o", f"{HOSTILE}.html"),
+        ("allocate", device, *limits, "--no-validate", "--write", f"{HOSTILE}w.yml"),
+        ("report", device, "--no-validate", "-o", f"{HOSTILE}r.html"),
+    ):
+        run = call(*words)
+        said = run.out + run.err
+        # A file is not written whose name of a requirement no reader would take.
+        assert run.code in {0, 1} or "could not be read back" in said, said
+        assert SHOWN[:4] in said.replace("\n", ""), words
+        assert not set("\x1b\u202e\u200e\x9b") & set(said), words
+
+
+def test_a_name_does_not_end_its_line(tmp_path, monkeypatch):
+    """What looks like a second file in a name is no line of its own."""
+    monkeypatch.chdir(tmp_path)
+    run = call("validate", device_file(tmp_path, "a\nb: device, valid.yaml").name)
+
+    assert run.out.splitlines()[0] == "a\\nb: device, valid.yaml: device, valid"
+
+
+def test_names_are_printed_in_one_place_only():
+    """No command writes past the functions that escape; documents alone do."""
+    folder = PACKAGE / "cli"
+    past = re.compile(r"typer\.echo|\bConsole\(|stderr\.write|(?<![.\w])print\(")
+    found = {
+        path.name
+        for path in folder.glob("*.py")
+        if past.search(path.read_text(encoding="utf-8"))
+    }
+    # A schema is our own text, and the bar of progress names no file.
+    assert found == {"streams.py", "check_files.py", "computing.py"}
+
+
+@pytest.fixture
+def faulty(monkeypatch):
+    """Put a fault into the program: what `devices` loads."""
+
+    def load():
+        return {}["first\nsecond\x1b[2J"]
+
+    monkeypatch.setattr("budget.spec.load_catalogue", load)
+
+
+@pytest.mark.usefixtures("faulty")
+def test_a_fault_of_the_program_is_one_line_and_exit_70():
+    """Not exit 1, which means that a requirement is not met, and no traceback."""
+    run = call("devices")
+
+    assert (run.code, run.out) == (70, "")
+    (line,) = run.err.splitlines()
+    assert re.match(r"internal error: KeyError in \w+\.py:\d+: ", line)
+    assert "report this line" in line
+    assert "\x1b" not in line
+
+
+@pytest.mark.usefixtures("faulty")
+def test_a_variable_adds_where_a_fault_arose(monkeypatch):
+    """BUDGET_TRACEBACK=1 puts the traceback before the line."""
+    monkeypatch.setenv("BUDGET_TRACEBACK", "1")
+    run = call("devices")
+
+    assert run.code == 70
+    assert run.err.startswith("Traceback")
+    assert run.err.splitlines()[-1].startswith("internal error: ")
+
+
+def test_a_pipe_that_breaks_inside_is_told(monkeypatch):
+    """A broken pipe that is no reader of stdout is exit 2 and words, not exit 1."""
+
+    def load():
+        raise BrokenPipeError(errno.EPIPE, "Broken pipe")
+
+    monkeypatch.setattr("budget.spec.load_catalogue", load)
+    run = call("devices")
+
+    assert (run.code, run.out) == (2, "")
+    assert "a pipe to another process of this run broke" in run.err
+
+
+def test_too_many_open_files_are_not_blamed_on_a_stream(monkeypatch):
+    """The words name the limit, not standard output, which nobody touched."""
+
+    def load():
+        raise OSError(errno.EMFILE, "Too many open files")
+
+    monkeypatch.setattr("budget.spec.load_catalogue", load)
+    run = call("devices")
+
+    assert (run.code, run.out) == (2, "")
+    assert run.err.startswith("the system refused: Too many open files; ")
+    assert "standard output" not in run.err
+    assert "ulimit" in run.err
+
+
+def test_more_workers_than_processors_are_cut_with_a_word(monkeypatch):
+    """As many processes as processors, said on stderr; the numbers are the same."""
+    monkeypatch.setattr("budget.cli.options.processors", lambda: 1)
+    asked = ("analyze", "--method", "monte-carlo", "--trials", "5000", "--json", "-")
+    cut = call(*asked, "--workers", "5000")
+    assert cut.code == 0, cut.err
+    assert (
+        "--workers 5000: this run may use 1 processor, so that many are started"
+        in cut.err
+    )
+    one = call(*asked, "--workers", "1")
+    assert "--workers" not in one.err
+    assert cut.out == one.out

@@ -1,0 +1,268 @@
+"""`budget compare`: exit codes, streams, files and the documents of the contract."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import re
+
+import pytest
+from command_line import call
+from places import DOCS
+
+SENSOR = """\
+  errors:
+    bias_repeatability: {bias} deg/h
+    bias_stability: {{value: 0.04 deg/h, correlation_time: 300 s}}
+    angle_random_walk: 0.005 deg/sqrt(h)
+    scale_factor_repeatability: 50 ppm
+    mounting_repeatability: 2 arcsec
+"""
+REQUIREMENT = """\
+name: test grade
+reference: nominal
+limits: {gyro: {scale_factor: 200 ppm, mounting_angle: 10 arcsec, bias: 1 deg/h}}
+"""
+LAW = ("--method", "gum")
+FEW = ("--trials", "20000", "--max-trials", "20000")
+
+
+def device(name, bias, *, more=""):
+    """Return the text of a device file with one gyro."""
+    return f"name: {name}\n{more}gyro:\n" + SENSOR.format(bias=bias)
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """Provide a folder with devices and a requirement, and work there."""
+    files = {
+        "good.yaml": device("Good", 0.05, more="mass: 1 kg\n"),
+        "bad.yaml": device("Bad", 2.0, more="mass: 2 kg\n"),
+        "broken.yaml": device("Broken", 0.05).replace("50 ppm", "50 mV"),
+        "twice.yaml": device("Twice", 0.1)
+        + "variants:\n  B: {gyro: {errors: {bias_repeatability: 0.2 deg/h}}}\n",
+        "grade.yaml": REQUIREMENT,
+        "slow.yaml": "name: slow\ngyro: {rate: 2 deg/s}\n",
+    }
+    for name, text in files.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def compare(*args):
+    """Call the command with the folder's requirement."""
+    return call("compare", *args, "--requirement", "grade.yaml")
+
+
+def names(run):
+    """Return the names of the devices in a document, best first."""
+    return [row["name"] for row in run.document["devices"]]
+
+
+@pytest.mark.usefixtures("folder")
+class TestExitCodes:
+    """0 met, 1 not met, 2 bad input or bad call."""
+
+    def test_met_is_0(self):
+        """Where one device meets, the code is 0 though another fails."""
+        assert compare("good.yaml", "bad.yaml", *LAW).code == 0
+
+    def test_not_met_is_1(self):
+        """Where no device meets, the code is 1 and the result is printed."""
+        run = compare("bad.yaml", *LAW)
+
+        assert run.code == 1
+        assert "no device meets" in run.out
+
+    def test_broken_file_is_2_and_the_rest_is_compared(self):
+        """One broken file among three: its position on stderr, the rest on stdout."""
+        run = compare("good.yaml", "broken.yaml", "bad.yaml", *LAW, "--json", "-")
+
+        assert run.code == 2
+        assert "broken.yaml:7:33: " in run.err
+        assert "50 mV" in run.err
+        assert names(run) == ["Good", "Bad"]
+
+    def test_bad_input_wins_over_not_met(self):
+        """A broken file and nobody who meets: 2, not 1."""
+        assert compare("bad.yaml", "broken.yaml", *LAW).code == 2
+
+    def test_strict_computes_nothing(self, folder):
+        """With --strict a broken file stops all, and no file is written."""
+        run = compare("good.yaml", "broken.yaml", *LAW, "--strict", "--json", "x.json")
+
+        assert run.code == 2
+        assert run.out == ""
+        assert "broken.yaml:7:33: " in run.err
+        assert not (folder / "x.json").exists()
+
+    def test_all_broken_is_2(self):
+        """With no file left there is nothing to compare."""
+        assert compare("broken.yaml", *LAW).code == 2
+
+    @pytest.mark.parametrize(
+        ("args", "said"),
+        [
+            ((), "Missing argument"),
+            (("good.yaml", "--json", "-", "--csv", "-"), "both write to stdout"),
+            (("good.yaml", "-o", "x.txt"), "allowed: .html, .pdf"),
+            (("good.yaml", "--validate"), "--method gum"),
+            (("good.yaml", "--sort", "verdikt"), "did you mean 'verdict'"),
+            (("good.yaml", "--procedure", "absent.yaml"), "no such file"),
+            (
+                ("good.yaml", "--procedure", "slow.yaml", "--procedure", "slow.yaml"),
+                "of the same name: slow",
+            ),
+        ],
+    )
+    def test_bad_calls_are_2(self, args, said):
+        """A bad call is refused with what to do, and nothing on stdout."""
+        run = compare(*args)
+
+        assert run.code == 2
+        assert said in run.err
+        assert run.out == ""
+
+    def test_requirement_is_needed(self):
+        """Without a requirement there is nothing to hold devices against."""
+        assert call("compare", "good.yaml").code == 2
+
+
+@pytest.mark.usefixtures("folder")
+class TestDocuments:
+    """JSON and CSV of the contract."""
+
+    def test_keys_of_the_contract(self):
+        """Every key that FORMATS promises is there, with a device's own numbers."""
+        run = compare("good.yaml", "bad.yaml", *FEW, "--json", "-")
+        document = run.document
+        good = document["devices"][0]
+
+        assert (document["schema"], document["command"]) == ("budget/1", "compare")
+        assert set(good) >= {
+            *("name", "sensor", "verdict", "utilisation", "utilisation_interval"),
+            *("worst_output", "conformance", "conformance_interval"),
+            *("limiting_source", "not_given"),
+        }
+        assert good["verdict"] == "meets"
+        low, high = good["utilisation_interval"]
+        assert low < good["utilisation"] < high
+        assert good["utilisation"] == max(o["utilisation"] for o in good["outputs"])
+        assert good["worst_output"].startswith("gyro.")
+        assert {"role", "name", "sha256"} == set(document["inputs"][0])
+        roles = [file["role"] for file in document["inputs"]]
+        assert roles == ["device", "device", "procedure", "requirement"]
+        assert document["settings"]["trials"] == 20_000
+
+    def test_same_bytes_for_any_number_of_workers(self):
+        """Workers share out devices and change no byte."""
+        one, two = (
+            compare("good.yaml", "bad.yaml", *FEW, "--json", "-", "--workers", n).out
+            for n in (1, 2)
+        )
+
+        assert one == two
+
+    def test_seed_moves_the_numbers(self):
+        """Control: another seed gives other trials."""
+        one, two = (
+            compare("good.yaml", *FEW, "--json", "-", "--seed", seed).out
+            for seed in (0, 1)
+        )
+
+        assert one != two
+
+    def test_csv_has_a_row_for_each_device_and_output(self):
+        """Two gyros of twelve required outputs: 24 rows, in printed units."""
+        text = compare("good.yaml", "bad.yaml", *LAW, "--csv", "-").out
+        rows = list(csv.DictReader(io.StringIO(text)))
+
+        assert len(rows) == 24
+        biases = [r for r in rows if r["parameter"] == "bias" and r["device"] == "Bad"]
+        assert {row["unit"] for row in biases} == {"deg/h"}
+        assert {float(row["limit"]) for row in biases} == {1.0}
+        assert min(float(row["utilisation"]) for row in biases) > 1.0
+
+    def test_variants_are_devices_of_their_own(self):
+        """FILE is the base and every variant, FILE#VARIANT that one."""
+        both = names(compare("twice.yaml", *LAW, "--json", "-"))
+        one = names(compare("twice.yaml#B", *LAW, "--json", "-"))
+
+        assert both == ["Twice", "Twice (B)"]
+        assert one == ["Twice (B)"]
+
+    def test_files_are_written_beside_the_table(self, folder):
+        """With --json FILE and -o the table still stands on stdout."""
+        run = compare(
+            *("good.yaml", *LAW, "--json", "x.json"), *("-o", "x.html", "-o", "x.pdf")
+        )
+
+        assert run.code == 0
+        assert "Good" in run.out
+        assert json.loads((folder / "x.json").read_text(encoding="utf-8"))["met"]
+        page = (folder / "x.html").read_text(encoding="utf-8")
+        assert "MET: test grade" in page
+        assert "budget compare good.yaml --requirement grade.yaml" in page
+        assert (folder / "x.pdf").read_bytes().startswith(b"%PDF-")
+
+
+@pytest.mark.usefixtures("folder")
+class TestTable:
+    """What stands on the terminal."""
+
+    def test_best_first_with_verdicts(self):
+        """The table names who meets and who fails, the best first."""
+        out = compare("bad.yaml", "good.yaml", *LAW).out
+
+        rows = [line.split()[1:3] for line in out.splitlines()]
+        assert rows.index(["Good", "meets"]) < rows.index(["Bad", "fails"])
+        assert "1 meet, 1 fail" in out
+
+    def test_sort_by_another_column(self):
+        """--sort device puts the table, not the ranks, in another order."""
+        lines = compare("good.yaml", "bad.yaml", *LAW, "--sort", "device").out
+        rows = [
+            x.split()[:2] for x in lines.splitlines() if x.strip()[:1] in {"1", "2"}
+        ]
+
+        assert rows[:2] == [["2", "Bad"], ["1", "Good"]]
+
+    def test_procedures_stand_side_by_side(self):
+        """Two procedures: one table with a column for each."""
+        out = compare(
+            *("good.yaml", "bad.yaml", *LAW),
+            *("--procedure", "zhao-2019", "--procedure", "slow.yaml"),
+        ).out
+        (head,) = (x for x in out.splitlines() if x.split()[:1] == ["device"])
+
+        assert head.split() == ["device", "Zhao", "2019", "slow"]
+
+    def test_pairs_need_both_sensors(self):
+        """Pairs of a comparison of both sensors are printed, those of one are not."""
+        shipped = call(
+            *("compare", "zhao-2019", "--requirement", "catalogue-edge"),
+            *(*LAW, "--pairs"),
+        )
+
+        assert "Pairs, within all limits of both together" in shipped.out
+        assert "Pairs" not in compare("good.yaml", *LAW, "--pairs").out
+
+    def test_nothing_on_stderr_where_all_is_well(self):
+        """Talk goes to stderr, and there is none."""
+        assert compare("good.yaml", *LAW).err == ""
+
+
+def test_the_example_of_the_library_runs_as_printed(capsys):
+    """The example of docs/comparing.md ranks the catalogue, the best gyro first."""
+    docs = DOCS / "comparing.md"
+    (code,) = re.findall(
+        r"```python\n(.*?)```", docs.read_text(encoding="utf-8"), re.DOTALL
+    )
+    exec(compile(code, "comparing.md", "exec"), {})  # noqa: S102 - our own text
+
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 3
+    assert lines[0].startswith("gyro ")
+    assert "meets" in lines[0]

@@ -1,0 +1,173 @@
+"""The README: every command in it runs, and every number in it is the tool's."""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+import subprocess
+import sys
+from shutil import copy
+
+import pytest
+from command_line import analyze, call, last_digit, output
+from numpy.testing import assert_allclose
+from places import ROOT
+
+import budget
+from budget.report.tables import group_tables
+
+EXAMPLE = ROOT / "docs" / "example"
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def blocks(language):
+    """Return the fenced blocks of one language, in their order."""
+    return re.findall(rf"(?ms)^```{language}\n(.*?)^```$", README)
+
+
+def commands():
+    """Return the names of the commands that there are."""
+    listing = call("--help").out.partition("Commands:")[2]
+    return {line.split()[0] for line in listing.splitlines() if line[:3].strip()}
+
+
+CONSOLE = [
+    line.removeprefix("$ budget ")
+    for block in blocks("console")
+    for line in block.splitlines()
+]
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """Provide a folder with the README's device file in it, and work there."""
+    (device,) = blocks("yaml")
+    (tmp_path / "imu.yaml").write_text(device, encoding="utf-8")
+    example = tmp_path / "docs" / "example"
+    example.mkdir(parents=True)
+    copy(EXAMPLE / "requirement.yaml", example)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_the_two_commands_come_first():
+    """The first two sh blocks are one line each: the report, then the tests."""
+    report, tests = blocks("sh")[:2]
+
+    for command in (report, tests):
+        assert command.count("\n") == 1
+        assert command.startswith("python3 -m venv .venv && .venv/bin/pip install ")
+    assert report.endswith("&& .venv/bin/budget report -o report.html\n")
+    assert "'.[test]'" in tests
+    assert "&& .venv/bin/pytest" in tests
+
+
+@pytest.mark.kernels
+def test_the_first_table_is_the_tools():
+    """Names, units, digits and causes are the tool's, to the letter."""
+    result = budget.analyze(budget.load_device("zhao-2019"), validate=False)
+    table = re.findall(r"(?m)^\| ((?:gyro|accelerometer) .*) \|$", README)
+
+    assert [
+        f"{group.title} | {group.widest.u.text} {group.unit}"
+        f" | {group.widest.expanded.text} {group.unit} | {group.causes}"
+        for group in group_tables(result)
+    ] == table
+
+
+@pytest.mark.kernels
+def test_the_printed_block_is_the_terminals():
+    """The text block stands in what `budget analyze` prints, to the letter."""
+    (block,) = blocks("text")
+
+    assert block in call("analyze", "--no-validate").out
+
+
+def test_the_figure_is_the_tools(tmp_path):
+    """Title and labels of the committed figure are those that would be drawn now."""
+    script = ROOT / "docs" / "make_figures.py"
+    subprocess.run([sys.executable, script, tmp_path], check=True)
+
+    def texts(path):
+        return re.findall(r">([^<>\n]+)</t", path.read_text(encoding="utf-8"))
+
+    (drawn,) = tmp_path.iterdir()
+    kept = ROOT / "docs" / drawn.name
+    assert "79 %" in texts(drawn)
+    assert texts(kept) == texts(drawn)
+    assert f"](docs/{drawn.name})" in README
+
+
+@pytest.mark.kernels
+def test_the_example_report_is_the_tools(tmp_path):
+    """Verdict, headings and every number of the committed page are those of today."""
+    script = ROOT / "docs" / "make_example.py"
+    subprocess.run([sys.executable, script, tmp_path], check=True)
+    made, kept = (
+        (folder / "report.html").read_text(encoding="utf-8")
+        for folder in (tmp_path, EXAMPLE)
+    )
+
+    def headings(page):
+        return re.findall(r"<h[123][^>]*>(.*?)</h[123]>", page, flags=re.DOTALL)
+
+    def numbers(page):
+        pattern = r'id="report-json">(.*?)</script>'
+        (document,) = re.findall(pattern, page, flags=re.DOTALL)
+        budget_of_page = json.loads(document)
+        return [
+            [row["mean"], row["standard_uncertainty"], *row["interval"]]
+            for row in budget_of_page["outputs"]
+        ]
+
+    assert headings(made) == headings(kept)
+    assert_allclose(numbers(made), numbers(kept), rtol=1e-9, atol=1e-12)
+    assert (EXAMPLE / "report.pdf").read_bytes().startswith(b"%PDF-")
+    for name in ("report.html", "report.pdf", "page-one.png"):
+        assert f"docs/example/{name}" in README
+
+
+@pytest.mark.parametrize("line", CONSOLE)
+def test_examples_run(folder, line):
+    """Each example of the README is exit 0 in a folder with its device file."""
+    run = call(*shlex.split(line))
+
+    assert run.code == 0, run.err
+    assert run.out or list(folder.glob("*.html"))
+
+
+def test_the_example_device_gives_every_expected_line(folder):
+    """A user who fills in the README's file can get a verdict: nothing is missing."""
+    device = budget.load_device(folder / "imu.yaml")
+
+    assert [sensor.expected_missing for sensor in device.sensors] == [(), ()]
+
+
+@pytest.mark.parametrize("reference", ["nominal", "as_tested", "next_turn_on"])
+def test_numbers_of_the_references(reference):
+    """The number beside each reference is the tool's, to its last digit."""
+    (printed,) = re.findall(rf"(?m)^- `{reference}`.*?\*\*([0-9.]+)\*\*", README)
+
+    u = output(analyze("--reference", reference), "gyro.bias.x")
+    assert_allclose(
+        u["standard_uncertainty"], float(printed), rtol=0, atol=last_digit(printed) / 2
+    )
+
+
+def test_commands_are_those_that_there_are():
+    """The table of commands names all there are, and no others."""
+    assert set(re.findall(r"(?m)^\| `budget (\w+)", README)) == commands()
+
+
+def test_links_lead_somewhere():
+    """Every file that the README links to is in the checkout."""
+    for target in re.findall(r"\]\(([^)#:]+)\)", README):
+        assert (ROOT / target).is_file(), target
+
+
+def test_changelog_names_this_version():
+    """The changelog has a heading for the version of the package."""
+    text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+
+    assert re.search(rf"(?m)^## {re.escape(budget.__version__)}\b", text)

@@ -1,0 +1,236 @@
+"""The house: who may import whom, what the command line may not wake up."""
+
+from __future__ import annotations
+
+import ast
+import os
+import subprocess
+import sys
+from graphlib import CycleError, TopologicalSorter
+
+import pytest
+from places import PACKAGE
+
+# From the ground up. A module imports from lower floors, or within its own room;
+# rooms on one floor do not know each other.
+FLOORS = (
+    ("version", "arrays", "errors", "names", "earth", "resources", "ties", "journal"),
+    ("units",),
+    ("distributions",),
+    ("copula",),
+    ("problem", "model"),
+    ("spec",),
+    ("results",),
+    ("calibration", "methods"),
+    ("studies",),
+    ("references",),
+    ("report",),
+    ("cli",),
+    ("__main__",),
+)
+FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
+# The package's face hands on public names and loads them when they are asked for.
+FACE = "__init__"
+
+
+def room_of(path):
+    """Return the first part of a module's place below the package."""
+    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+def imports(path):
+    """Return every module of this package that a file imports, anywhere in it."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            parts = node.module.split(".")
+            if parts == ["budget"]:
+                yield from (alias.name for alias in node.names)
+            elif parts[0] == "budget":
+                yield parts[1]
+        elif isinstance(node, ast.Import):
+            for alias in node.names:
+                if alias.name.startswith("budget."):
+                    yield alias.name.split(".")[1]
+
+
+MODULES = [p for p in sorted(PACKAGE.rglob("*.py")) if room_of(p) != FACE]
+
+
+def upward_imports(paths):
+    """Return what imports its own floor's neighbour or from above, as texts."""
+    return [
+        f"{path.name} imports {other}"
+        for path in paths
+        for here in [room_of(path)]
+        for other in imports(path)
+        if other != here and FLOOR[other] >= FLOOR[here]
+    ]
+
+
+def silent_modules(paths):
+    """Return the names of modules that do not begin with a docstring."""
+    return [
+        path.name
+        for path in paths
+        if not path.read_text(encoding="utf-8").startswith('"""')
+    ]
+
+
+def test_imports_run_downwards():
+    """No module imports from its own floor's neighbour or from above."""
+    assert MODULES
+    assert upward_imports(MODULES) == []
+
+
+def test_modules_say_what_they_are_for():
+    """Every file states its purpose first."""
+    assert silent_modules(MODULES) == []
+
+
+def test_the_house_checks_can_fail(tmp_path, monkeypatch):
+    """Control: an import that runs upwards and a silent module are seen."""
+    monkeypatch.setattr(f"{__name__}.PACKAGE", tmp_path)
+    bad = tmp_path / "methods" / "bad.py"
+    bad.parent.mkdir()
+    bad.write_text(
+        "import budget.calibration\ndef f():\n    from budget.cli import main\n",
+        encoding="utf-8",
+    )
+    # A neighbour on the same floor and the floor above.
+    assert sorted(upward_imports([bad])) == [
+        "bad.py imports calibration",
+        "bad.py imports cli",
+    ]
+    assert silent_modules([bad]) == ["bad.py"]
+
+
+def rooms_within(floor):
+    """Return which rooms of a folder each of its rooms imports, anywhere in it."""
+    folder = PACKAGE / floor
+    found = {}
+    for path in folder.rglob("*.py"):
+        here = path.relative_to(folder).parts[0].removesuffix(".py")
+        if here == FACE:
+            continue
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if not isinstance(node, ast.ImportFrom) or node.module is None:
+                continue
+            parts = node.module.split(".")[1:]
+            if parts[:1] != [floor]:
+                continue
+            rooms = parts[1:2] or [alias.name for alias in node.names]
+            found.setdefault(here, set()).update(set(rooms) - {here})
+    return found
+
+
+FOLDERS = sorted(path.name for path in PACKAGE.iterdir() if path.is_dir())
+# Folders that stand side by side: what two of them need is a room of its own.
+APART = {
+    "report": {"allocation", "analysis", "comparison", "paper", "reference"},
+    "studies": {"allocation", "comparison", "paper"},
+}
+
+
+@pytest.mark.parametrize("floor", [name for name in FOLDERS if name != "__pycache__"])
+def test_rooms_of_a_floor_stand_in_no_circle(floor):
+    """Within a folder imports run one way, and studies do not know each other."""
+    found = rooms_within(floor)
+    assert list(TopologicalSorter(found).static_order()) or not found
+    apart = APART.get(floor, set())
+    assert {one: found.get(one, set()) & apart for one in apart} == {
+        one: set() for one in apart
+    }
+
+
+def test_a_circle_of_rooms_is_seen(tmp_path, monkeypatch):
+    """Control: two rooms that import each other."""
+    monkeypatch.setattr(f"{__name__}.PACKAGE", tmp_path)
+    (tmp_path / "report").mkdir()
+    for one, other in (("a", "b"), ("b", "a")):
+        text = f"def f():\n    from budget.report.{other} import f\n"
+        (tmp_path / "report" / f"{one}.py").write_text(text, encoding="utf-8")
+    assert rooms_within("report") == {"a": {"b"}, "b": {"a"}}
+    with pytest.raises(CycleError):
+        list(TopologicalSorter(rooms_within("report")).static_order())
+
+
+# Dots that are no names': of numbers, of files, of Python's modules, of keys in a file.
+OTHER_DOTS = {
+    "text.partition('.')",
+    "document.base_name.partition('.')",
+    "type(error).__module__.partition('.')",
+    "f'{path}.{_shown(word)}'",
+    "source.name.split('.')",
+}
+SPLITTERS = {"partition", "rpartition", "split", "rsplit"}
+CUTTERS = {"startswith", "endswith", "removeprefix", "removesuffix"}
+
+
+def is_dotted(node):
+    """Whether it is a text with a blank in it that begins or ends with a dot."""
+    parts = getattr(node, "values", [])
+    ends = [getattr(parts[place], "value", None) for place in (0, -1) if parts]
+    return isinstance(node, ast.JoinedStr) and len(parts) > 1 and "." in ends
+
+
+def handled_names(path):
+    """Return where a module takes dotted names apart or puts them together."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        found = False
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
+            first = node.args[0] if node.args else None
+            dot = isinstance(first, ast.Constant) and first.value == "."
+            found = (node.func.attr in SPLITTERS and dot) or (
+                node.func.attr in CUTTERS and is_dotted(first)
+            )
+        elif isinstance(node, ast.JoinedStr):
+            found = len(node.values) == 3 and (
+                getattr(node.values[1], "value", None) == "."
+            )
+        if found and ast.unparse(node) not in OTHER_DOTS:
+            yield f"{path.name}: {ast.unparse(node)}"
+
+
+def test_nobody_splits_names():
+    """Names of outputs and sources are read by their attributes, nowhere as texts."""
+    found = [
+        text
+        for path in MODULES
+        if path.name != "names.py"
+        for text in handled_names(path)
+    ]
+    assert found == []
+
+
+def test_the_check_of_names_can_fail(tmp_path):
+    """Control: a name split, one cut by its owner and one joined are seen."""
+    bad = tmp_path / "bad.py"
+    bad.write_text(
+        "name.partition('.')\nname.rsplit('.', 1)\nname.startswith(f'{sensor}.')\n"
+        "f'{owner}.{name}'\nname.removeprefix('x')\ntext.partition(': ')\n",
+        encoding="utf-8",
+    )
+    assert len(list(handled_names(bad))) == 4
+
+
+def test_help_wakes_nothing_heavy():
+    """`budget --help` imports no numpy, scipy, pandas, matplotlib or pydantic."""
+    code = (
+        "import sys, budget.cli\n"
+        "try:\n    budget.cli.app(['--help'])\n"
+        "except SystemExit:\n    pass\n"
+        "print(sorted({m.split('.')[0] for m in sys.modules}))"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, "PYTHONPATH": str(PACKAGE.parent)},
+    )
+    loaded = run.stdout.splitlines()[-1]
+    for heavy in (
+        *("numpy", "scipy", "pandas", "matplotlib", "SALib"),
+        *("pydantic", "ruamel", "jinja2"),
+    ):
+        assert f"'{heavy}'" not in loaded

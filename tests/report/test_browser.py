@@ -1,0 +1,233 @@
+"""The page in a real Chromium: it works there, loads nothing, and its numbers agree."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+
+import pytest
+from browsing import CONTRAST, chromium, opened, written
+from report.test_page import HOSTILE, example, fill
+
+from budget.report.blocks import Cell, Column, RowGroup, Section, Table
+
+ENOUGH = 4.5  # WCAG 2, 1.4.3: contrast of text with what is behind it
+A4_WIDTH = 673  # what the margins leave of a sheet [px]
+SIZES = (320, 400, 800, 1280, 1600)
+
+SORTED = Table(
+    name="sorted",
+    caption="Rows to sort",
+    columns=(
+        Column(head="row"),
+        Column(head="u", kind="number"),
+        Column(head="said"),
+    ),
+    groups=(
+        RowGroup(
+            title="first group",
+            rows=(
+                (Cell(text="a"), Cell(text="9", exact=9.0), Cell(text="ten 10")),
+                (Cell(text="b"), Cell(text="1e-12", exact=1e-12), Cell(text="ten 9")),
+                (Cell(text="c"), Cell(text="10", exact=10.0), Cell(text="same")),
+                (Cell(text="d"), Cell(text="none"), Cell(text="same")),
+            ),
+        ),
+        RowGroup(
+            title="second group",
+            rows=(
+                (Cell(text="e"), Cell(text="2", exact=2.0), Cell(text="x")),
+                (Cell(text="f"), Cell(text="-3", exact=-3.0), Cell(text="<b>y</b>")),
+            ),
+        ),
+    ),
+    searchable=True,
+)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """Provide the machine's Chromium."""
+    with chromium() as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    """Provide the page of the example, with a table to sort."""
+    section = Section(name="z", title="Z", blocks=(SORTED,))
+    document = example(sections=(*example().sections, section))
+    return written(tmp_path_factory.mktemp("page"), document)
+
+
+def test_page_loads_in_silence(browser, path):
+    """Nothing is asked for but the file itself, and the console stays empty."""
+    with opened(browser, path) as (_, record):
+        assert record.requests == [path.as_uri()]
+        assert record.complaints == []
+
+
+def test_policy_keeps_everything_out(browser, path, tmp_path):
+    """Control: a picture and a script that are put in are refused and complained of."""
+    intruder = (
+        '<img src="https://example.org/x.png"><script>document.title="x"</script>'
+    )
+    bad = tmp_path / "bad.html"
+    bad.write_text(
+        path.read_text(encoding="utf-8").replace("<main>", f"<main>{intruder}"),
+        encoding="utf-8",
+    )
+    with opened(browser, bad) as (page, record):
+        assert page.title() != "x"
+        assert len(record.complaints) == 2
+        assert all("Content Security Policy" in c for c in record.complaints)
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_foreign_text_is_never_obeyed(browser, tmp_path, text):
+    """With mark-up in every text nothing runs, and no element comes in."""
+    page_of = {}
+    for name, said in (("harmless", "plain"), ("hostile", text)):
+        folder = tmp_path / name
+        folder.mkdir()
+        document = fill(example(), said)
+        with opened(browser, written(folder, document)) as (page, record):
+            assert record.complaints == []
+            page_of[name] = page.evaluate(
+                "[...document.querySelectorAll('*')].map((e) => e.tagName)"
+            )
+    assert page_of["hostile"] == page_of["harmless"]
+
+
+@pytest.mark.parametrize(
+    ("media", "width"), [*(("screen", size) for size in SIZES), ("print", A4_WIDTH)]
+)
+def test_page_does_not_scroll_sideways(browser, path, media, width):
+    """What is wide scrolls by itself; the page does not, at any size or on paper."""
+    with opened(browser, path, viewport={"width": width, "height": 900}) as (page, _):
+        page.emulate_media(media=media)
+        assert page.evaluate("document.scrollingElement.scrollWidth") <= width
+
+
+@pytest.mark.parametrize("width", [400, 1600])
+def test_words_without_end_break(browser, tmp_path, width):
+    """A name of hundreds of letters widens no page, wherever it stands."""
+    document = fill(example(), "Wortungetüm" * 30)
+    view = {"width": width, "height": 900}
+    with opened(browser, written(tmp_path, document), viewport=view) as (page, _):
+        assert page.evaluate("document.scrollingElement.scrollWidth") <= width
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_every_text_can_be_read(browser, path, scheme):
+    """Text has enough contrast with what is behind it, in figures, too."""
+    with opened(browser, path, color_scheme=scheme) as (page, _):
+        found = page.evaluate(CONTRAST, ENOUGH)
+
+    assert found["texts"] > 300
+    assert found["poor"] == []
+
+
+def test_the_check_of_contrast_can_fail(browser, path):
+    """Control: grey words on a page, and pale ones on a bar, are found."""
+    with opened(browser, path) as (page, _):
+        page.evaluate(
+            "document.querySelector('h1').style.color = '#999';"
+            "for (const e of document.querySelectorAll('svg text'))"
+            "  e.style.fill = '#ddd';"
+        )
+        poor = page.evaluate(CONTRAST, ENOUGH)["poor"]
+
+    assert any("Zhao" in text for text in poor)
+    assert any("77 %" in text for text in poor)
+
+
+def column(page, place):
+    """Return one column of the table to sort, group by group."""
+    return page.evaluate(
+        "(place) => [...document.getElementById('sorted').tBodies].map((body) =>"
+        " [...body.rows].slice(1).map((r) => r.cells[place].textContent).join(' '))",
+        place,
+    )
+
+
+def test_numbers_are_sorted_by_their_exact_values(browser, path):
+    """Up, down and as it was, within each group; what is no number comes last."""
+    with opened(browser, path) as (page, _):
+        head = page.locator("#sorted thead th").nth(1)
+        orders = []
+        for _ in range(3):
+            head.get_by_role("button").click()
+            orders.append((head.get_attribute("aria-sort"), column(page, 0)))
+
+    assert orders == [
+        ("ascending", ["b a c d", "f e"]),
+        ("descending", ["d c a b", "e f"]),
+        (None, ["a b c d", "e f"]),
+    ]
+
+
+def test_texts_are_sorted_as_people_do(browser, path):
+    """Numbers in texts count as numbers, equal texts keep their order."""
+    with opened(browser, path) as (page, _):
+        button = page.locator("#sorted thead th").nth(2).get_by_role("button")
+        button.focus()
+        page.keyboard.press("Enter")
+
+        assert column(page, 2)[0] == "same same ten 9 ten 10"
+        assert column(page, 0)[0] == "c d b a"
+
+
+def test_search_shows_the_rows_with_all_words(browser, path):
+    """`/` leads to the search of every open table; Escape shows all rows again."""
+    with opened(browser, path) as (page, _):
+        page.keyboard.press("/")
+        page.keyboard.type("first TEN")
+        shown = page.locator("#sorted tbody tr:not(.group):visible th")
+        count = page.locator(".search output")
+
+        assert shown.all_inner_texts() == ["a", "b"]
+        assert page.locator("#sorted tbody").nth(1).is_hidden()
+        assert count.inner_text() == "2 of 106 rows"
+        page.keyboard.press("Escape")
+        assert shown.count() == 6
+        assert count.inner_text() == ""
+
+
+def test_page_says_the_same_without_its_script(browser, path):
+    """Without JavaScript the tables stand, and nothing that would not work."""
+    with opened(browser, path, java_script_enabled=False) as (page, _):
+        assert page.locator("#what-if-table").is_visible()
+        assert page.locator("#sorted").is_visible()
+        assert page.locator(".what-if").is_hidden()
+        assert page.locator(".search").is_hidden()
+        assert page.locator("thead button").count() == 0
+
+
+@pytest.mark.parametrize("size", ["A4", "Letter"])
+def test_page_prints(browser, path, tmp_path, size):
+    """On paper heads repeat on every page, pages are numbered, sliders stay away."""
+    with opened(browser, path) as (page, _):
+        data = page.pdf(format=size, prefer_css_page_size=True, print_background=True)
+
+    pages = len(re.findall(rb"/Type\s*/Page\b", data))
+    assert pages >= 4
+    if shutil.which("pdftotext") is None:
+        return  # what follows reads the text back
+    (tmp_path / "page.pdf").write_bytes(data)
+    text = subprocess.run(
+        ["pdftotext", "-layout", "page.pdf", "-"],
+        cwd=tmp_path,
+        capture_output=True,
+        check=True,
+    ).stdout.decode()
+    sheets = text.split("\f")[:-1]
+    assert len(sheets) == pages
+    assert "Reset all" not in text
+    for number, sheet in enumerate(sheets, start=1):
+        assert "Zhao 2019 optical IMU: FAILS tactical grade" in sheet
+        assert f"{number} of {pages}" in sheet
+        if re.search(r"^ *source \d+ ", sheet, re.MULTILINE):
+            assert re.search(r"where it comes from", sheet)
+    assert len(re.findall(r"^ *source \d+ ", text, re.MULTILINE)) == 89

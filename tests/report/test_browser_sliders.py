@@ -1,0 +1,249 @@
+"""The sliders in a real Chromium: what they say is what `analyze` says."""
+
+from __future__ import annotations
+
+from functools import cache
+from math import floor, log10
+
+import pytest
+from browsing import chromium, opened, written
+from document_examples import make_table
+from numpy.testing import assert_allclose
+from report.test_page import example
+from studies.test_what_if import scaled
+
+from budget import analyze, load_device, load_requirement
+from budget.report.blocks import Section, Sliders
+from budget.report.tables import print_utilisation
+from budget.studies.request import Analysis
+from budget.studies.what_if import what_if
+
+AGREES = 1e-9  # two programmes add up the same numbers in another order
+TENFOLD = 40  # places of a slider from as it is to ten times
+SOURCES = ("gyro.bias_repeatability", "accelerometer.mounting_repeatability")
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """Provide the machine's Chromium."""
+    with chromium() as found:
+        yield found
+
+
+@cache
+def device():
+    """Return the paper's device."""
+    return load_device("zhao-2019")
+
+
+@cache
+def requirement():
+    """Return limits that some outputs pass when a source grows."""
+    return load_requirement("tactical-grade")
+
+
+@cache
+def law():
+    """Return what the page must agree with."""
+    return what_if(Analysis.of(device(), requirement=requirement()))
+
+
+def page_with(folder, model):
+    """Write a page with nothing but sliders."""
+    sliders = Sliders(model=model, table=make_table("changes"))
+    section = Section(name="w", title="W", blocks=(sliders,))
+    return written(folder, example(sections=(section,)))
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    """Provide the page of the paper's device."""
+    return page_with(tmp_path_factory.mktemp("sliders"), law().to_dict())
+
+
+def move(page, source, keys):
+    """Move the slider of one source with the keyboard."""
+    words = source.replace(".", " ").replace("_", " ")
+    page.get_by_label(f"{words}, times its present size").focus()
+    for key in keys:
+        page.keyboard.press(key)
+
+
+def read(page, cell):
+    """Return text and exact value of one column of the what-if table, by output."""
+    found = page.evaluate(
+        "(cell) => [...document.querySelectorAll('.what-if tr[data-output]')].map("
+        "(row) => { const c = row.querySelector(`[data-cell=${cell}]`);"
+        " return [row.dataset.output, c.textContent, c.dataset.exact]; })",
+        cell,
+    )
+    return {name: (text, float(exact)) for name, text, exact in found}
+
+
+def as_number(text):
+    """Read what the page writes."""
+    text = text.replace("\N{MINUS SIGN}", "-").replace(" × 10", "e")  # noqa: RUF001
+    return float(text.translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")))
+
+
+@pytest.mark.parametrize(
+    ("keys", "factor"),
+    [
+        (["ArrowRight"] * 12, 10.0 ** (12 / TENFOLD)),
+        (["End"], 10.0),
+        (["Home"], 0.0),
+        (["ArrowLeft"] * 30, 10.0 ** (-30 / TENFOLD)),
+    ],
+)
+@pytest.mark.parametrize("source", SOURCES)
+def test_slider_agrees_with_the_analysis_of_a_changed_device(
+    browser, path, source, keys, factor
+):
+    """U, mean and utilisation in the page are those of `analyze`, to four digits."""
+    truth = analyze(
+        scaled(device(), {source: factor}),
+        validate=False,
+        coverage=requirement().coverage,
+        reference=requirement().reference,
+    )
+    limits = {limit.output: limit.limit for limit in requirement().limits}
+    with opened(browser, path) as (page, record):
+        move(page, source, keys)
+        expanded, mean = read(page, "expanded"), read(page, "mean")
+        used = read(page, "used")
+
+    assert record.complaints == []
+    assert len(expanded) == len(truth.outputs) == 24
+    for row in truth.outputs:
+        name, scale = row.output.name, row.output.si_per_unit
+        half = (row.interval[1] - row.interval[0]) / 2.0 / scale
+        assert_allclose(expanded[name][1], half, rtol=AGREES)
+        # The last of two digits of u; half a unit more where u rounds up to 10.
+        last = 10.0 ** (floor(log10(row.standard_uncertainty / scale)) - 1)
+        last *= 10.0 if row.standard_uncertainty / scale / last >= 99.5 else 1.0
+        assert_allclose(as_number(expanded[name][0]), half, rtol=0, atol=0.51 * last)
+        assert_allclose(
+            mean[name][1],
+            row.mean / scale,
+            rtol=AGREES,
+            atol=row.output.resolution / scale,
+        )
+        utilisation = row.largest_error / limits[name]
+        assert_allclose(used[name][1], utilisation, rtol=AGREES)
+
+
+def test_field_takes_the_standard_uncertainty(browser, path):
+    """A number typed into the field counts as it stands, with comma or point."""
+    model = law()
+    wanted = model.evaluate({"gyro.bias_repeatability": 0.123 / 0.05})
+    names = [output.name for output in model.outputs]
+    k = names.index("gyro.bias.x")
+    with opened(browser, path) as (page, _):
+        field = page.get_by_label("gyro bias repeatability, standard uncertainty")
+        field.fill("0,123")
+        field.press("Enter")
+        field.blur()
+        u = read(page, "expanded")["gyro.bias.x"][1]
+
+    expected = model.coverage_factor[k] * wanted.u[k] / model.outputs[k].si_per_unit
+    assert_allclose(u, expected, rtol=AGREES)
+
+
+def test_field_refuses_what_is_no_size(browser, path):
+    """A word or a negative number changes nothing and says what is expected."""
+    with opened(browser, path) as (page, _):
+        before = read(page, "expanded")
+        field = page.get_by_label("gyro bias repeatability, standard uncertainty")
+        for text in ("much", "-1", ""):
+            field.fill(text)
+            field.blur()
+            assert field.get_attribute("aria-invalid") == "true"
+            assert page.get_by_text("expected a number from 0 on").is_visible()
+            assert read(page, "expanded") == before
+
+
+def test_verdict_follows_the_sliders(browser, path):
+    """The verdict is that of the law in Python, is spoken, and can be taken back."""
+    model = law()
+    outlook = model.evaluate({"gyro.scale_factor_repeatability": 10.0})
+    worst = {s.sensor: s for s in outlook.sensors}["gyro"]
+    with opened(browser, path) as (page, _):
+        said = page.locator(".outlook")
+        first = said.inner_text()
+        move(page, "gyro.scale_factor_repeatability", ["End"])
+        then = said.inner_text()
+        beyond = page.locator(".what-if tr.beyond").all_inner_texts()
+        page.get_by_role("button", name="Reset all").click()
+        last = said.inner_text()
+
+    assert "Gyro: MEETS" in first
+    assert worst.verdict == "fails"
+    part = f"{100 * worst.utilisation:.0f} %"
+    assert f"Gyro: FAILS. gyro scale factor x, y, z at {part}" in then
+    assert "as it is: MEETS" in then
+    assert len(beyond) == 3
+    assert all("beyond" in row for row in beyond)
+    assert last == first
+
+
+def test_missing_line_makes_a_pass_undecidable(browser, tmp_path):
+    """A sensor that would pass waits for the line that its data sheet lacks."""
+    model = next(s for s in example().sections if s.name == "what-if").blocks[0].model
+    model = {
+        **model,
+        "sensors": [
+            {"name": "gyro", "missing": ["angle random walk"], "doubt": [1, 1]}
+        ],
+    }
+    with opened(browser, page_with(tmp_path, model)) as (page, _):
+        said = page.locator(".outlook")
+        first = said.inner_text()
+        move(page, "gyro.bias_repeatability", ["End"])
+
+        assert "Gyro: UNDECIDABLE, as angle random walk is not given" in first
+        assert "Gyro: FAILS" in said.inner_text()
+
+
+def test_of_outputs_alike_the_first_is_the_worst(browser, path):
+    """A difference of rounding does not make the page name another output."""
+    model = {
+        "sensors": [{"name": "gyro", "missing": [], "doubt": [1, 1]}],
+        "outputs": [{"name": f"gyro.bias.{axis}", "sensor": "gyro"} for axis in "xyz"],
+    }
+    used = (0.5, 0.5 * (1.0 + 1e-15), 0.4)
+    rows = [{"utilisation": part} for part in used]
+    with opened(browser, path) as (page, _):
+        (found,) = page.evaluate("([m, rows]) => judge(m, rows)", [model, rows])
+
+    assert used[1] > used[0]
+    assert found["worst"] == 0
+
+
+@pytest.mark.parametrize(
+    ("part", "text"),
+    [
+        (0.9996, "<100 %"),
+        (1.0 - 1e-13, "100 %"),
+        (1.0003, ">100 %"),
+        (1.006, "100.6 %"),
+        (1.06, "106 %"),
+        (0.9994, "99.9 %"),
+        (0.0004, "0.0400 %"),
+    ],
+)
+def test_a_hundred_per_cent_is_the_whole(browser, path, part, text):
+    """A part of a limit reads as on the rest of the page; 100 % is met exactly."""
+    assert print_utilisation(part) == text
+    with opened(browser, path) as (page, _):
+        assert page.evaluate("(part) => perCent(part)", part) == text
+
+
+def test_sliders_without_a_requirement_show_uncertainties(browser, tmp_path):
+    """Without limits there are no columns of utilisation and no verdict."""
+    model = what_if(Analysis.of(device())).to_dict()
+    with opened(browser, page_with(tmp_path, model)) as (page, record):
+        heads = page.locator(".what-if thead th").all_inner_texts()
+
+        assert "No requirement" in page.locator(".outlook").inner_text()
+        assert not [head for head in heads if "limit" in head]
+        assert record.complaints == []

@@ -1,0 +1,97 @@
+"""A matplotlibrc, in the current folder or the user's, changes no byte of a page."""
+
+from __future__ import annotations
+
+import ast
+
+import pytest
+from command_line import start
+from matplotlib import rc_params_from_file, rcParamsDefault
+from places import PACKAGE
+
+# `text.usetex` starts a program; the others change what is drawn, and where.
+HOSTILE = """\
+text.usetex: True
+svg.hashsalt: other
+font.family: serif
+font.size: 31
+mathtext.fontset: stix
+text.color: red
+text.parse_math: False
+lines.linewidth: 7
+lines.marker: o
+patch.edgecolor: red
+patch.force_edgecolor: True
+hatch.linewidth: 5
+hatch.color: red
+path.sketch: 3, 100, 2
+axes.grid: True
+axes.facecolor: black
+axes.edgecolor: red
+axes.xmargin: 0.4
+axes.labelcolor: red
+axes.unicode_minus: False
+axes.formatter.limits: 0, 1
+axes.prop_cycle: cycler('color', ['red', 'lime'])
+xtick.color: red
+xtick.direction: in
+xtick.minor.visible: True
+ytick.labelright: True
+figure.dpi: 33
+figure.facecolor: black
+figure.autolayout: True
+figure.constrained_layout.use: True
+savefig.dpi: 33
+savefig.bbox: tight
+savefig.pad_inches: 3
+"""
+DEVICE = "name: One\ngyro: {errors: {bias_repeatability: 0.1 deg/h}}\n"
+REPORT = (
+    *("report", "one.yaml", "--no-validate", "--requirement", "tactical-grade"),
+    *("--allocate", "--compare", "adxrs453", "-o", "out.html"),
+)
+PAPER = ("paper", "-o", "out.html")
+
+
+@pytest.mark.parametrize(("command", "place"), [(REPORT, "here"), (PAPER, "home")])
+def test_a_matplotlibrc_changes_no_byte(command, place, tmp_path):
+    """The page is that of a folder without one; a control in the second test."""
+    pages = []
+    for name in ("clean", place):
+        folder = tmp_path / name
+        folder.mkdir()
+        (folder / "one.yaml").write_text(DEVICE, encoding="utf-8")
+        config = tmp_path / f"config-{name}"
+        config.mkdir()
+        if name != "clean":
+            file = (folder if name == "here" else config) / "matplotlibrc"
+            file.write_text(HOSTILE, encoding="utf-8")
+        environment = {"SOURCE_DATE_EPOCH": "0", "MATPLOTLIBRC": str(config)}
+        run = start(*command, cwd=folder, **environment)
+        assert run.code in {0, 1}, run
+        pages.append((folder / "out.html").read_bytes())
+    assert pages[0] == pages[1]
+
+
+def test_every_line_of_the_hostile_file_is_one_that_the_library_obeys(tmp_path):
+    """The control: each is read, and is not what the library would do without."""
+    file = tmp_path / "matplotlibrc"
+    file.write_text(HOSTILE, encoding="utf-8")
+    read = rc_params_from_file(file, use_default_template=False)
+    assert len(read) == len(HOSTILE.splitlines())
+    for name, value in read.items():
+        assert value != rcParamsDefault[name], name
+
+
+def test_every_function_that_draws_does_so_in_the_house_style():
+    """A figure that is added cannot forget it."""
+    bare = {"blank"}  # makes a sheet; who calls it draws
+    for file in (PACKAGE / "report").rglob("*.py"):
+        if "matplotlib" not in (text := file.read_text(encoding="utf-8")):
+            continue
+        for node in ast.walk(ast.parse(text)):
+            if isinstance(node, ast.FunctionDef) and node.name not in bare:
+                made = node.returns
+                if isinstance(made, ast.Name) and made.id == "Figure":
+                    looks = [ast.unparse(one) for one in node.decorator_list]
+                    assert "house_style()" in looks, (file.name, node.name)

@@ -1,0 +1,333 @@
+"""The shipped devices, figure by figure, against a sourced list of what is printed."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections import Counter
+
+import pytest
+from numpy.testing import assert_allclose
+from places import DOCS, ROOT, TESTS
+from ruamel.yaml import YAML
+
+import budget
+from budget.model.sources import SENSORS, lines_of
+from budget.spec import load_device, load_requirement, variants
+from budget.units import UnitError, parse_quantity
+
+DEVICES = ROOT / "specs" / "devices"
+CATALOGUE = DOCS / "catalogue.md"
+ELSEWHERE = {"zhao-2019"}  # the paper's device: its numbers are held by other tests
+
+FILES = sorted(p for p in DEVICES.glob("*.yaml") if p.stem not in ELSEWHERE)
+REFS = [
+    f"{path.stem}#{name}" if name else path.stem
+    for path in FILES
+    for name in variants(path)
+]
+# A spelling that the reader does not know, and the one that stands for it.
+READ_AS = {"deg/Hr": "deg/hr"}
+WHERE = {"gyro.range": "gyro", "accel.range": "accelerometer"}  # first word of a range
+LIKE = {f"{s}.{line.name}": line.like(s) for s in SENSORS for line in lines_of(s)}
+LIKE["gravity_unit"] = "m/s^2"
+CONSTANTS = ("repeatability", "nonlinearity", "asymmetry")
+SIGMA = "\N{GREEK SMALL LETTER SIGMA}"
+
+
+def read(path):
+    """Return the values of a YAML file, numbers as they are written."""
+    return YAML(typ="base", pure=True).load(path.read_text(encoding="utf-8"))
+
+
+SOURCED = read(TESTS / "data" / "datasheets.yaml")
+COLUMNS = ("parameter", "value", "unit", "words", "source", "place")
+
+
+def rows_of(ref):
+    """Return the sourced rows of one device; a row is a mapping."""
+    return [
+        dict(zip(COLUMNS, row, strict=True))
+        for entry in SOURCED["devices"]
+        if ref in entry["files"]
+        for row in entry["figures"]
+    ]
+
+
+def laid_over(base, over):
+    """Return a mapping with another laid over it; a list replaces a list."""
+    if not isinstance(base, dict) or not isinstance(over, dict):
+        return over
+    return {
+        key: laid_over(base[key], over[key])
+        if key in base and key in over
+        else over.get(key, base.get(key))
+        for key in {**base, **over}
+    }
+
+
+def raw(ref):
+    """Return what the file says of one device, variant over base, nothing read."""
+    stem, _, variant = ref.partition("#")
+    base = read(DEVICES / f"{stem}.yaml")
+    found = base.pop("variants", {})
+    return laid_over(base, found[variant]) if variant else base
+
+
+def measured(place, text):
+    """Return a figure of a model line in SI, with the size of its unit."""
+    number, _, unit = text.partition(" ")
+    quantity = parse_quantity(f"{number} {READ_AS.get(unit, unit)}", LIKE[place])
+    return quantity.value, quantity.si_per_unit
+
+
+def lines_in(device):
+    """Yield the model lines that a file gives, each with its place."""
+    for sensor in SENSORS:
+        for name, figure in device.get(sensor, {}).get("errors", {}).items():
+            yield f"{sensor}.{name}", figure
+
+
+def said_by_file(device):
+    """Return every figure of a file: place, figure, words and source."""
+    for place, figure in lines_in(device):
+        # A maker prints one figure for all axes; the other keys say how to take it.
+        assert "axes" not in figure
+        si = measured(place, figure["value"])
+        yield place, si, figure.get("condition", ""), figure["source"]
+    for figure in device.get("figures", ()):
+        named = f"{figure['name']} {figure['value']}"
+        yield "figures", named, figure.get("condition", ""), figure["source"]
+    for key in ("range", "mass", "power", "price"):
+        for text in device[key].split("; ") if key in device else ():
+            yield key, text
+    if "gravity_unit" in device:
+        yield "gravity_unit", measured("gravity_unit", device["gravity_unit"])
+
+
+def said_by_makers(rows):
+    """Return every sourced figure in the form of `said_by_file`."""
+    for row in rows:
+        figure = f"{row['value']} {row['unit']}"
+        title = SOURCED["sources"][row["source"]]["title"]
+        for place in row["place"].split(" + "):
+            if place == "figures":
+                named = f"{row['parameter']} {figure}"
+                yield place, named, row["words"], title
+            elif place == "gravity_unit":
+                yield place, measured(place, figure)
+            elif place in LIKE:
+                yield place, measured(place, figure), row["words"], title
+            else:
+                text = f"{WHERE.get(row['parameter'], '')} {figure}".strip()
+                words = f" ({row['words']})" if row["words"] else ""
+                # The words may hold a '; ' of their own, as the text in the file may.
+                yield from ((place, part) for part in f"{text}{words}".split("; "))
+
+
+def differences(device, rows):
+    """Return what only the file says and what only the makers say."""
+    file, makers = Counter(said_by_file(device)), Counter(said_by_makers(rows))
+    return {"file": file - makers, "makers": makers - file}
+
+
+@pytest.mark.parametrize("ref", REFS)
+def test_a_file_says_what_its_makers_print_and_no_more(ref):
+    """Each figure is in the sourced list with its words; each sourced one is here."""
+    rows = rows_of(ref)
+    assert rows
+    found = differences(raw(ref), rows)
+    assert not found["file"], "in the file, not in the sourced list"
+    assert not found["makers"], "in the sourced list, not in the file"
+
+
+@pytest.mark.parametrize(
+    ("ref", "place", "printed", "changed"),
+    [
+        ("hg4930#C", "gyro.bias_repeatability", "7 °/hr", "8 °/hr"),
+        ("hg4930#C", "gyro.bias_repeatability", "7 °/hr", "7 °/s"),
+        ("stim300#30g", "accelerometer.bias_repeatability", "4 mg", "1.9 mg"),
+        ("ltm210#S10", "gyro.bias_stability", "0.3 °/h", "0.05 °/h"),
+        ("jdsj25tk01#01", "accelerometer.bias_repeatability", "10 µg", "10.001 µg"),
+    ],
+)
+def test_a_changed_line_is_caught(ref, place, printed, changed):
+    """Control: one digit or unit of a line changed is one figure too many, one less."""
+    device = copy.deepcopy(raw(ref))
+    sensor, line = place.split(".")
+    assert device[sensor]["errors"][line]["value"] == printed
+    device[sensor]["errors"][line]["value"] = changed
+    found = differences(device, rows_of(ref))
+    assert [entry[0] for entry in found["file"]] == [place]
+    assert [entry[0] for entry in found["makers"]] == [place]
+
+
+def test_a_changed_added_or_lost_figure_is_caught():
+    """Control: a printed text changed, a figure invented and one left out all show."""
+    rows = rows_of("bjgm25n01")
+    device = copy.deepcopy(raw("bjgm25n01"))
+    device["figures"][0]["value"] = "5 mg"
+    assert len(differences(device, rows)["file"]) == 1
+    device = copy.deepcopy(raw("bjgm25n01"))
+    del device["figures"][0]
+    assert len(differences(device, rows)["makers"]) == 1
+    device = copy.deepcopy(raw("bjgm25n01"))
+    line = {"value": "10 µg", "source": "GNC-Tech catalogue befaf88"}
+    device["accelerometer"]["errors"]["bias_stability"] = line
+    assert len(differences(device, rows)["file"]) == 1
+
+
+def test_a_spelling_is_no_change_and_another_unit_is():
+    """Control: urad for μrad is the same figure, 0.75 mrad is not as printed."""
+    place = "gyro.mounting_repeatability"
+    printed = measured(place, "750 μrad")
+    assert measured(place, "750 urad") == printed
+    assert measured(place, "0.75 mrad") != printed
+    with pytest.raises(UnitError):
+        measured(place, "750 ppm")
+
+
+def test_the_sourced_list_names_the_files_and_no_others():
+    """Every device of the list is a file or variant that is there, and the reverse."""
+    listed = {ref for entry in SOURCED["devices"] for ref in entry["files"]}
+    assert listed == set(REFS)
+
+
+def test_every_source_is_known_and_used():
+    """Each row names a document of the list, and no document is there for nothing."""
+    named = {row[4] for entry in SOURCED["devices"] for row in entry["figures"]}
+    assert named == set(SOURCED["sources"])
+    for source in SOURCED["sources"].values():
+        assert source["kind"] in {"primary", "vendor-copy"}
+        assert source["document"]
+
+
+def test_the_catalogue_is_large_enough():
+    """There are 14 gyros and IMUs at least, and 12 accelerometers."""
+    kinds = {}
+    for entry in SOURCED["devices"]:
+        kinds.update(dict.fromkeys(entry["files"], entry["kind"]))
+    count = Counter(kinds.values())
+    assert set(count) == {"gyro", "imu", "accelerometer"}
+    assert count["gyro"] + count["imu"] >= 14
+    assert count["accelerometer"] >= 12
+
+
+def meaning_of(place, words):
+    """Return the meaning that docs/catalogue.md gives to the words of a maker."""
+    if f"3{SIGMA}" in words:
+        return "3 sigma"
+    if f"1{SIGMA}" in words or "1-sigma" in words or "runs" in words:
+        return "1 sigma"
+    if "nominal" in words or "typical" in words:
+        return "typical"
+    bound = place.endswith(CONSTANTS) or words.startswith(("≤", "<", "±"))
+    return "max" if bound else "1 sigma"
+
+
+@pytest.mark.parametrize("ref", REFS)
+def test_meaning_and_definition_follow_the_rules(ref):
+    """A line says how to take its figure exactly as the rules on its words say."""
+    for place, figure in lines_in(raw(ref)):
+        words = figure.get("condition", "")
+        assert figure["meaning"] == meaning_of(place, words), place
+        lowest = "Allan" in words and "DIVIDED" not in words
+        if place.endswith("bias_stability"):
+            expected = "allan_minimum" if lowest else "sigma"
+            assert figure.get("definition", "sigma") == expected
+
+
+def test_both_figures_of_a_maker_decide_the_sides_of_a_density():
+    """MS1010 prints the rms in 1 Hz too, D sqrt(1 Hz): one-sided, so N is D/sqrt(2)."""
+    device = raw("ms1000#MS1010")
+    (band,) = [f for f in device["figures"] if f["name"] == "accel.resolution"]
+    assert (band["value"], band["condition"]) == ("34 μg rms", "in 1 Hz, typical")
+    line = load_device("ms1000#MS1010").accelerometer.line("velocity_random_walk")
+    assert line.density == device["accelerometer"]["errors"][line.name]["density"]
+    assert line.density == "one-sided"
+    assert_allclose(line.u, 34e-6 * 9.80665 / math.sqrt(2.0), rtol=1e-14)
+
+
+@pytest.mark.parametrize("ref", REFS)
+def test_nothing_is_invented(ref):
+    """No correlation time, no shape and no nominal value: no maker here prints one."""
+    device = raw(ref)
+    assert not any("nominal" in device.get(sensor, {}) for sensor in SENSORS)
+    for place, figure in lines_in(device):
+        assert figure.keys() <= {
+            *("value", "meaning", "definition", "density", "includes", "horizon"),
+            *("condition", "source"),
+        }, place
+
+
+@pytest.mark.parametrize("ref", REFS)
+def test_what_a_figure_includes_is_no_line_beside_it(ref):
+    """A scale-factor repeatability that holds the nonlinearity stands without it."""
+    given = dict(lines_in(raw(ref)))
+    for place, figure in given.items():
+        if "nonlinearity" in figure.get("includes", ""):
+            sensor = place.split(".", maxsplit=1)[0]
+            assert f"{sensor}.scale_factor_nonlinearity" not in given
+
+
+def test_the_known_contradictions_stand_in_the_files():
+    """LTM210S10 prints two bias instabilities; ADXL357 two noise densities."""
+    names = {f["name"]: f["value"] for f in raw("ltm210#S10")["figures"]}
+    assert names["gyro.bias_instability_comparison_table"] == "0.05 °/h"
+    assert "0.3 °/h" in raw("ltm210#S10")["notes"]
+    names = {f["name"]: f["value"] for f in raw("adxl357")["figures"]}
+    assert names["accel.noise_density"] == "80 µg/√Hz"
+
+
+@pytest.mark.parametrize("ref", REFS)
+def test_every_device_loads_and_has_a_budget(ref):
+    """Each file and variant is read, and every output of it has a finite spread."""
+    device = load_device(ref)
+    assert device.sensors
+    assert all(sensor.lines for sensor in device.sensors)
+    assert device.source
+    assert device.vendor
+    result = budget.analyze(device, validate=False)
+    assert all(math.isfinite(o.standard_uncertainty) for o in result.outputs)
+
+
+def utilisation(ref, requirement, sensor):
+    """Return the largest error over its limit among one sensor's outputs [1]."""
+    limits = {limit.output: limit.limit for limit in requirement.limits}
+    result = budget.analyze(
+        load_device(ref),
+        validate=False,
+        reference=requirement.reference,
+        coverage=requirement.coverage,
+    )
+    return max(
+        output.largest_error / limits[output.output.name]
+        for output in result.outputs
+        if output.sensor == sensor
+    )
+
+
+@pytest.mark.parametrize(
+    ("ref", "sensor", "printed"),
+    [
+        ("hg4930#C", "gyro", "0.95"),
+        ("hg4930#B", "gyro", "0.99"),
+        ("hg4930#A", "gyro", "1.98"),
+        ("hg4930#C", "accelerometer", "0.95"),
+        ("stim300#10g", "accelerometer", "0.96"),
+        ("hg4930#B", "accelerometer", "1.01"),
+        ("dg068#30", "accelerometer", "1.03"),
+        ("hg4930#A", "accelerometer", "1.51"),
+    ],
+)
+def test_the_edge_requirement_lies_at_the_edge(ref, sensor, printed):
+    """The utilisations that the file's comment prints are those of the linear law."""
+    edge = load_requirement("catalogue-edge")
+    assert abs(utilisation(ref, edge, sensor) - float(printed)) <= 0.01
+
+
+def test_the_catalogue_page_has_a_row_for_every_device_file():
+    """docs/catalogue.md names each file in its table."""
+    text = CATALOGUE.read_text(encoding="utf-8")
+    for path in FILES:
+        assert f"| `{path.stem}` |" in text

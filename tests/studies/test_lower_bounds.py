@@ -1,0 +1,274 @@
+"""What is unknown does not look good: numbers that lack a line are lower bounds."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import pytest
+from places import DOCS
+
+from budget import load_device, load_procedure, load_requirement
+from budget.names import Name
+from budget.report.allocation.page import allocation_section
+from budget.report.allocation.terminal import allocation_text
+from budget.report.analysis.causes import rank_causes
+from budget.report.analysis.what_if import what_if_section
+from budget.report.comparison.fronts import pareto_title
+from budget.report.comparison.tables import tables as comparison_tables
+from budget.report.document import to_csv, to_json
+from budget.report.figures import density_picture, density_title
+from budget.report.tables import AT_LEAST, group_tables
+from budget.spec.load import load_catalogue
+from budget.studies.allocation.allocate import allocate
+from budget.studies.analysis import analyze
+from budget.studies.comparison.compare import compare
+from budget.studies.coupling import coupling
+from budget.studies.densities import critical_densities
+from budget.studies.grades import grade
+from budget.studies.lower_bounds import lacking
+from budget.studies.request import analysis_of
+from budget.studies.what_if import one_at_a_time, what_if
+
+ZHAO = load_device("zhao-2019")
+REQUIREMENT = load_requirement(DOCS / "example" / "requirement.yaml")
+REFERENCES = ("nominal", "as_tested", "next_turn_on")
+
+
+def without(*names, device=ZHAO, kind="gyro"):
+    """Return a device as if its data sheet did not give some lines of one sensor."""
+    sensor = getattr(device, kind)
+    lines = tuple(line for line in sensor.lines if line.name not in names)
+    noise = {"angle_random_walk", "velocity_random_walk", "sample_noise"}
+    missing = tuple(Name("noise" if n in noise else n, owner=kind) for n in names)
+    absent = tuple(Name(name, owner=kind) for name in names)
+    bare = replace(sensor, lines=lines, expected_missing=missing, not_given=absent)
+    return replace(device, **{kind: bare})
+
+
+@pytest.mark.parametrize("kind", ["gyro", "accelerometer"])
+@pytest.mark.parametrize("reference", REFERENCES)
+@pytest.mark.parametrize("formulas", ["corrected", "paper"])
+def test_a_missing_line_reaches_what_it_reaches_when_given(kind, reference, formulas):
+    """For each line in turn: the outputs that lack it are those of the coupling."""
+    procedure = replace(load_procedure(), formulas=formulas)
+    sensor = getattr(ZHAO, kind)
+    table = coupling((sensor,), procedure, reference=reference)
+    for line in sensor.lines:
+        bare = getattr(without(line.name, kind=kind), kind)
+        found = lacking((bare,), procedure, reference=reference)
+        reached = {name.group for name, lines in found.items() if lines}
+        given = {
+            cell.group
+            for cell in table.cells
+            if cell.source == f"{kind}.{line.name}" and cell.reaches
+        }
+        assert reached == given, line.name
+
+
+def test_a_bias_that_lacks_its_line_is_this_or_more():
+    """Without bias repeatability only the biases are lower bounds, in every form."""
+    budget = analyze(without("bias_repeatability"), validate=False)
+    document = json.loads(to_json(budget))
+    marked = {
+        f"{row['sensor']}.{row['parameter']}"
+        for row in document["outputs"]
+        if row["lower_bound"]
+    }
+    full = analyze(ZHAO, validate=False)
+    tables = {table.title: table for table in group_tables(budget)}
+
+    assert marked == {"gyro.bias"}
+    assert not any(row.lower_bound for row in full.outputs)
+    assert [row.u.text[0] for row in tables["gyro bias"].rows] == ["≥"] * 3
+    assert "bias repeatability not given" in tables["gyro bias"].gaps
+    assert tables["gyro scale factor"].gaps == ""
+    for row in budget.outputs:
+        flags = {part.source: part.lower_bound for part in row.contributions}
+        assert flags.pop("interaction") is row.lower_bound
+        assert not any(flags.values())
+    totals = [line for line in to_csv(budget).splitlines() if ",total," in line]
+    assert sum(line.endswith(",true") for line in totals) == 3
+
+
+def test_what_no_line_reaches_is_not_known():
+    """An angle that no given line reaches prints '?', never 0."""
+    kept = "scale_factor_repeatability"
+    names = [line.name for line in ZHAO.gyro.lines if line.name != kept]
+    bare = replace(without(*names), accelerometer=None)
+    tables = group_tables(analyze(bare, validate=False))
+    texts = {table.parameter: {row.u.text for row in table.rows} for table in tables}
+
+    assert texts["mounting_angle"] == texts["bias"] == {"?"}
+    assert all(text.startswith("≥") for text in texts["scale_factor"])
+
+
+def test_what_is_left_out_on_purpose_is_not_missing():
+    """With --only a line that was not asked for lacks nowhere."""
+    bare = without("bias_repeatability")
+    alone = analyze(bare, only=("gyro.bias_stability",), validate=False)
+
+    assert not any(row.lower_bound for row in alone.outputs)
+
+
+def compared(*devices, **options):
+    """Compare devices by the law, with the shipped catalogue behind them."""
+    return compare(
+        devices, REQUIREMENT, catalogue=load_catalogue(), method="gum", **options
+    )
+
+
+def gyro_ranks(comparison):
+    """Return the names of the gyros, best first."""
+    return [one.name for one in comparison.devices if one.sensor == "gyro"]
+
+
+@pytest.mark.parametrize("times", [0.1, 1.0, 30.0])
+def test_publishing_less_never_ranks_higher(times):
+    """A device that does not give a line is behind itself with that line."""
+    device = scaled(ZHAO, times)
+    for line in ZHAO.gyro.lines:
+        bare = replace(without(line.name, device=device), name="bare")
+        ranks = gyro_ranks(compared(bare, replace(device, name="full")))
+        assert ranks == ["full", "bare"], line.name
+
+
+def test_the_undecidable_come_after_those_that_fail():
+    """Nearly no error and a line missing: behind a device that fails, on no front."""
+    bare = replace(without("bias_stability", device=scaled(ZHAO, 0.01)), mass="1 g")
+    bad = replace(scaled(ZHAO, 50.0), name="bad", mass="9 kg")
+    comparison = compared(replace(bare, name="bare"), bad)
+    found = {one.name: one for one in comparison.devices if one.sensor == "gyro"}
+    (table, *_) = comparison_tables(comparison)
+
+    assert gyro_ranks(comparison) == ["bad", "bare"]
+    assert found["bare"].verdict == "undecidable"
+    assert found["bare"].lower_bound
+    assert not found["bad"].lower_bound
+    assert found["bare"].on_front == ()
+    assert "mass" in found["bad"].on_front
+    assert "bare" not in pareto_title(table, "mass")
+    assert table.rows[1].utilisation.startswith("≥ ")
+    assert table.rows[1].conformance == "≤ 100"
+
+
+def test_at_worst_is_of_the_same_technology_and_grade():
+    """A navigation grade gyro gets no automotive figure; without peers '?' stands."""
+    missing = without("scale_factor_repeatability")
+    chip = replace(scaled(ZHAO, 1e4), name="chip", technology="MEMS")
+    peer = replace(scaled(ZHAO, 0.2), name="peer", technology="FOG")
+    bare = replace(missing, name="bare", technology="FOG, 3 axes")
+
+    def worst(*catalogue):
+        found = compare((bare,), REQUIREMENT, catalogue=catalogue, method="gum")
+        (one,) = [row for row in found.devices if row.sensor == "gyro"]
+        return one.missing
+
+    assert grade(chip.gyro) != grade(bare.gyro)
+    assert worst(chip).utilisation is None
+    assert worst(replace(chip, technology="FOG")).utilisation is None
+    alike = replace(peer, gyro=replace(scaled(ZHAO, 0.3).gyro, device="peer"))
+    assert grade(alike.gyro) == grade(bare.gyro)
+    assert tuple(map(str, worst(chip, alike).assumed)) == (
+        f"gyro.scale_factor_repeatability {alike.gyro.lines[3].printed} (of peer)",
+    )
+
+
+def scaled(device, times):
+    """Return a device with all its lines that much larger."""
+
+    def grown(sensor):
+        lines = tuple(replace(line, u=line.u * times) for line in sensor.lines)
+        return replace(sensor, lines=lines)
+
+    return replace(
+        device, gyro=grown(device.gyro), accelerometer=grown(device.accelerometer)
+    )
+
+
+def test_what_the_page_computes_with_is_marked():
+    """Density, sliders and one-at-a-time table say that a line is missing."""
+    bare = without("bias_stability")
+    budget = analyze(bare, requirement=REQUIREMENT, validate=False)
+    model = what_if(analysis_of(budget), budget=budget)
+    lacking_of = {row.output.name: row.lower_bound for row in budget.outputs}
+
+    assert dict(zip(bound_names(model), model.lower_bound, strict=True)) == lacking_of
+    assert any(lacking_of.values())
+    assert not all(lacking_of.values())
+    document = model.to_dict()["outputs"]
+    assert {row["name"]: row["lower_bound"] for row in document} == lacking_of
+    steps = one_at_a_time(model)
+    assert {row.lower_bound for row in steps} == {
+        lacking_of[row.output.name] for row in steps
+    }
+    assert all(
+        row.used_lower_bound == (row.source.name.owner == "gyro") for row in steps
+    )
+    table = what_if_section(budget, model, steps).blocks[1].table
+    texts = [cell.text for group in table.groups for row in group.rows for cell in row]
+    assert any(text.startswith(AT_LEAST) for text in texts)
+    densities = critical_densities(
+        analysis_of(budget), budget, budget.assessment, trials=200
+    )
+    for density in densities:
+        marked = lacking_of[density.output.name]
+        data = density_picture(density, coverage=0.95).data
+        cells = [row[1].text for row in data.groups[0].rows]
+        assert bool(density.lacks) == marked
+        assert any(text.startswith(AT_LEAST) for text in cells) == marked
+        assert ("lines are missing" in density_title(density, coverage=0.95)) == marked
+
+
+def bound_names(model):
+    """Return the names of the outputs of a model."""
+    return [output.name for output in model.outputs]
+
+
+def test_an_allocation_says_what_its_parts_of_limits_lack():
+    """JSON, terminal and page mark the outputs that a missing line would reach."""
+    bare = without("bias_stability")
+    found = allocate(bare, requirement=REQUIREMENT, catalogue=(), validate=False)
+    whole = allocate(ZHAO, requirement=REQUIREMENT, catalogue=(), validate=False)
+    reached = lacking(bare.sensors, load_procedure(), reference=REQUIREMENT.reference)
+    marked = {row["output"]: row["lower_bound"] for row in found.to_dict()["outputs"]}
+
+    assert marked == {name: bool(reached[name]) for name in marked}
+    assert AT_LEAST in allocation_text(found, width=100)
+    assert AT_LEAST in repr(allocation_section(found))
+    assert not any(row["lower_bound"] for row in whole.to_dict()["outputs"])
+    assert AT_LEAST not in allocation_text(whole, width=100)
+
+
+def test_documents_say_where_nothing_is_known():
+    """Without any line that reaches it an output keeps its 0, marked as not known."""
+    bare = without("scale_factor_repeatability", "bias_stability", "angle_random_walk")
+    document = json.loads(to_json(analyze(bare, validate=False)))
+    unknown = {
+        f"{row['sensor']}.{row['parameter']}"
+        for row in document["outputs"]
+        if row["nothing_known"]
+    }
+
+    assert unknown == {"gyro.scale_factor"}
+    assert all(
+        row["lower_bound"] for row in document["outputs"] if row["nothing_known"]
+    )
+
+
+def test_equal_causes_keep_their_order():
+    """Causes whose weights differ by rounding only are in the order of the sources."""
+    budget = analyze(ZHAO, validate=False)
+    groups = group_tables(budget)
+    titles = [c.title for c in rank_causes(groups, (ZHAO,), load_procedure(), None)]
+    nudged = []
+    for group in groups:
+        times = 1.0 + 1e-12 if group.sensor == "accelerometer" else 1.0
+        sources = tuple(
+            replace(row, share=replace(row.share, exact=row.share.exact * times))
+            for row in group.sources
+        )
+        nudged.append(replace(group, sources=sources))
+
+    again = rank_causes(nudged, (ZHAO,), load_procedure(), None)
+    assert [cause.title for cause in again] == titles
