@@ -7,7 +7,7 @@ are no source, as in the coupling table.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,14 +17,14 @@ from budget.distributions import NORMAL
 from budget.methods.gum import propagate
 from budget.model.sources import lines_of, source_of
 from budget.names import Name, parameters_of
-from budget.spec.records import ErrorLine
+from budget.spec.records import ErrorLine, Sensor
 from budget.units import parse_quantity
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from budget.model.source import Source
-    from budget.spec.records import Procedure, Sensor
+    from budget.spec.records import Procedure
 
 PROBE_TIME = 300.0  # correlation time of a probe [s]
 
@@ -95,19 +95,45 @@ def _reached(
     sensor: Sensor, probes: Mapping[Name, Source], procedure: Procedure, reference: str
 ) -> dict[Name, tuple[Name, ...]]:
     """Return for each probe the outputs that it alone reaches."""
-    bare = replace(
-        sensor, lines=tuple(_probe(line, sensor.kind) for line in probes.values())
+    reached = _reached_by(
+        sensor.kind,
+        (*sensor.nominal_bias, *sensor.nominal_mounting_angle),
+        tuple(line.name for line in probes.values()),
+        procedure,
+        reference,
+    )
+    return dict(zip(probes, reached, strict=True))
+
+
+# Devices of one design share it, and so do the runs of a study.
+@lru_cache(maxsize=256)
+def _reached_by(
+    kind: str,
+    nominal: tuple[float, ...],
+    probes: tuple[str, ...],
+    procedure: Procedure,
+    reference: str,
+) -> tuple[tuple[Name, ...], ...]:
+    """Return the outputs that each probe alone reaches in a triad of nominal values."""
+    bare = Sensor(
+        kind=kind,
+        device="",
+        nominal_bias=np.array(nominal[:3]),
+        nominal_mounting_angle=np.array(nominal[3:]),
+        lines=tuple(_probe(source_of(kind, name), kind) for name in probes),
+        not_given=(),
+        expected_missing=(),
     )
     problem = calibration_problem((bare,), procedure, reference=reference)
     u = np.sqrt(propagate(problem).source_variance)
-    return {
-        name: tuple(
+    return tuple(
+        tuple(
             output.name
             for k, output in enumerate(problem.outputs)
             if u[g, k] > output.resolution
         )
-        for g, name in enumerate(probes)
-    }
+        for g in range(len(probes))
+    )
 
 
 def _stand_in(name: Name, only: frozenset[Name] | None) -> Source | None:
