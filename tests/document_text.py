@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import io
 from dataclasses import fields, is_dataclass
 
-from budget.report.blocks import Table
+from rich.console import Console
+
+from budget.report.blocks import Later, Table
+from budget.report.terminal import Page, print_sections
 
 
 def walk(part):
     """Yield every record of a document, from the outside in."""
-    if is_dataclass(part):
+    if isinstance(part, Later):
+        yield from walk(part.pictures)
+    elif is_dataclass(part):
         yield part
         for field in fields(part):
             if field.name not in {"svg", "model", "json", "tips"}:
@@ -32,6 +38,13 @@ def say(words):
         part if isinstance(part, str) else getattr(part, "text", None) or part.alt
         for part in words
     )
+
+
+def on_terminal(sections, width=100):
+    """Return what a terminal of that width shows of sections."""
+    text = io.StringIO()
+    print_sections(sections, Page(Console(file=text, width=width)))
+    return text.getvalue()
 
 
 def section(document, name):

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from budget.cli import options
-from budget.cli.streams import console, say, say_written, tell
+from budget.cli.streams import console, say
 
 if TYPE_CHECKING:
     from budget.names import Name
     from budget.spec.records import Sensor
-    from budget.studies.allocation.records import Allocation
 
 EXIT_NOT_MET = 1
 
@@ -90,13 +88,14 @@ def allocate(
     requirement cannot be met.
     """
     from budget.cli.computing import computing
-    from budget.cli.output import check_destinations, printing
+    from budget.cli.output import check_destinations, hand_out
     from budget.report.allocation.document import (
         allocated_device,
         allocation_csv,
         allocation_json,
     )
-    from budget.report.files import write_all
+    from budget.report.allocation.page import allocation_answer
+    from budget.report.terminal import Page, print_sections
     from budget.spec import load_costs, load_procedure, load_requirement
     from budget.studies.allocation.allocate import allocate as run
     from budget.studies.allocation.cases import Bounds
@@ -131,37 +130,26 @@ def allocate(
             seed=seed,
             progress=engine.progress,
         )
-    documents = {json: allocation_json, csv: allocation_csv}
-    files = {
-        path: render(allocation)
-        for path, render in documents.items()
-        if path is not None and path != options.STDOUT
-    }
+
+    def show() -> None:
+        page = Page(console())
+        page.line(allocation.title, style="bold")
+        print_sections(allocation_answer(allocation), page)
+
+    written: dict[Path, str | bytes] = {}
+    if write is not None and allocation.feasible:
+        written[write] = _read_back(allocated_device(allocation), write)
+    documents = (
+        (json, lambda: allocation_json(allocation)),
+        (csv, lambda: allocation_csv(allocation)),
+    )
     if allocation.feasible:
-        if write is not None:
-            files[write] = _read_back(allocated_device(allocation), write)
-        write_all(files)
-        if write is not None:
-            say_written([write])
-    render = documents.get(options.STDOUT)
-    with printing():
-        if render is not None:
-            sys.stdout.write(render(allocation))
-        else:
-            _show(allocation)
-    if not allocation.feasible:
-        if files or write is not None:
-            say("the requirement cannot be met: no file was written")
-        raise typer.Exit(EXIT_NOT_MET)
-
-
-def _show(allocation: Allocation) -> None:
-    """Print the text for people, in characters that the terminal has."""
-    from budget.report.allocation.terminal import allocation_text
-
-    text = allocation_text(allocation, width=console().width)
-    encoding = sys.stdout.encoding or "utf-8"
-    tell(text.encode(encoding, errors="replace").decode(encoding))
+        hand_out(documents, show, pages=written)
+        return
+    hand_out([one for one in documents if one[0] == options.STDOUT], show)
+    if any(path not in {None, options.STDOUT} for path in (json, csv, write)):
+        say("the requirement cannot be met: no file was written")
+    raise typer.Exit(EXIT_NOT_MET)
 
 
 def _values(

@@ -1,17 +1,19 @@
-"""A document before it is HTML or PDF: sections of blocks, the same for both.
+"""A document before it is a page or printed: sections of blocks, the same for all.
 
 Builders (`budget.report.analysis`, and those of comparison and allocation) make these
-records of results; renderers (`budget.report.page`, `budget.report.typeset`) turn them
-into pages. Numbers are text already: `budget.report.tables` rounds them, once.
+records of results; renderers turn them into pages (`budget.report.page` and
+`budget.report.typeset`) and into lines of a terminal (`budget.report.terminal`).
+Numbers are text already: `budget.report.tables` rounds them, once.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Iterable, Iterator, Mapping
 
     from budget.report.formulas import Math
 
@@ -183,6 +185,18 @@ class Picture:
     is_wide: bool = False
 
 
+@dataclass(frozen=True)
+class Later:
+    """Figures that are drawn where a page shows them; a terminal never draws."""
+
+    draw: Callable[[], Iterable[Picture]]
+
+    @cached_property
+    def pictures(self) -> tuple[Picture, ...]:
+        """The figures, drawn once."""
+        return tuple(self.draw())
+
+
 @dataclass(frozen=True, kw_only=True)
 class Equation:
     """A formula on a line of its own, with the number it has in its source."""
@@ -229,7 +243,7 @@ class Abreast:
     `columns` is the most that stand side by side on a wide page.
     """
 
-    blocks: tuple[Panel | Picture, ...]
+    blocks: tuple[Panel | Picture | Later, ...]
     columns: int = 2
 
 
@@ -239,6 +253,7 @@ Block = (
     | Pairs
     | Table
     | Picture
+    | Later
     | Equations
     | Sliders
     | Panel
@@ -258,12 +273,15 @@ class Section:
     blocks : tuple of Block
     on_first_page : bool
         Whether it belongs to the answer on page one; those sections come first.
+    in_brief : str or None
+        What a terminal prints in its place, '' for nothing; None for its blocks.
     """
 
     name: str
     title: str
     blocks: tuple[Block, ...]
     on_first_page: bool = False
+    in_brief: str | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -317,3 +335,24 @@ class Document:
     def running_head(self) -> str:
         """The verdict on every printed page."""
         return f"{self.title}: {self.headline}"
+
+
+def drawn(document: Document) -> Document:
+    """Return a document whose figures are drawn, and rows of none of them left out."""
+    sections = tuple(
+        replace(section, blocks=tuple(_drawn(section.blocks)))
+        for section in document.sections
+    )
+    return replace(document, sections=sections)
+
+
+def _drawn(blocks: Iterable[Block]) -> Iterator[Any]:
+    """Yield blocks with the figures that were to be drawn later among them."""
+    for block in blocks:
+        if isinstance(block, Later):
+            yield from block.pictures
+        elif isinstance(block, Panel | Abreast):
+            if inner := tuple(_drawn(block.blocks)):
+                yield replace(block, blocks=inner)
+        else:
+            yield block

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from budget.errors import OutputError
 from budget.report import figures
-from budget.report.blocks import Abreast, Run, Table
+from budget.report.blocks import Abreast, Run, Table, drawn
 from budget.report.formulas import Math, to_mathml
 from budget.resources import shipped
 
@@ -50,7 +50,7 @@ def render_page(document: Document) -> str:
     from jinja2 import TemplateNotFound
 
     try:
-        return _render(document)
+        return _render(drawn(document))
     except TemplateNotFound as error:
         raise OutputError(
             f"{shipped('templates') / str(error.name)}: this template is missing; it "

@@ -1,11 +1,26 @@
-"""The budget on a terminal: of any width from 40 columns, without colour, in ASCII."""
+"""Sections on a terminal: of any width from 40 columns, without colour, in ASCII.
+
+A page and a terminal show the same blocks. A terminal draws no figure, sets no formula,
+and puts the columns of a table that do not fit into further tables below it.
+"""
 
 from __future__ import annotations
 
 import re
 import textwrap
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from budget.report.blocks import (
+    Abreast,
+    Listing,
+    Pairs,
+    Panel,
+    Paragraph,
+    Run,
+    Sliders,
+    Table,
+)
 from budget.report.indices import index_tables
 from budget.report.tables import (
     AT_LEAST,
@@ -22,6 +37,7 @@ if TYPE_CHECKING:
 
     from rich.console import Console
 
+    from budget.report.blocks import Block, Section, Words
     from budget.report.indices import IndexTable
     from budget.report.tables import GroupTable, Number, OutputRow, SourceRow
     from budget.results import Budget
@@ -29,12 +45,19 @@ if TYPE_CHECKING:
 EIGHTHS = " ▏▎▍▌▋▊▉█"
 TEXT_WIDTH = 78  # running text is no wider, however wide the terminal
 BAR_WIDTHS = (4, 40)  # [columns]
+WIDEST_CELL = (32, 24)  # columns of a text beside others, where room is scarce
 GAP = 2  # columns between columns
 SETTING = len("reference") + GAP  # room for the names of the settings
 NARROWEST_NAME = len("repeatability")  # a longer word is not in any source
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
-ASCII = {"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u", "°": "deg", "±": "+-"}
+ASCII = {
+    "\N{MICRO SIGN}": "u",
+    "\N{GREEK SMALL LETTER MU}": "u",
+    "°": "deg",
+    "±": "+-",
+    "\N{EN DASH}": "-",
+}
 SIGNS = str.maketrans({AT_LEAST: ">=", AT_MOST: "<="})
 
 
@@ -94,9 +117,14 @@ class Page:
             text = text.encode(encoding, errors="replace").decode(encoding)
         self._console.print(Text(text.rstrip(), style=style), soft_wrap=True)
 
+    def heading(self, text: str, *, style: str) -> None:
+        """Print a title over as many lines as it needs."""
+        for line in textwrap.wrap(text, self.width, break_long_words=False):
+            self.line(line, style=style)
+
     def paragraph(self, text: str, *, first: str = "") -> None:
         """Print running text, indented below `first`; a number keeps its unit."""
-        bound = re.sub(r"(?<=\d) (?=\S)", NO_BREAK, text)
+        bound = re.sub(r"(?<=\d) (?=\S)", NO_BREAK, text.translate(SIGNS))
         for line in textwrap.wrap(
             bound,
             min(self.width, TEXT_WIDTH),
@@ -113,6 +141,195 @@ class Page:
         if not self.has_blocks:
             return "#" * round(eighths / 8)
         return EIGHTHS[8] * (eighths // 8) + EIGHTHS[eighths % 8].rstrip()
+
+
+def print_sections(sections: Iterable[Section], page: Page) -> None:
+    """Print sections below one another, or the line that stands for one in brief."""
+    for section in sections:
+        if section.in_brief == "":
+            continue
+        page.line()
+        if section.in_brief is not None:
+            page.line(section.in_brief, style="bold")
+            continue
+        page.heading(section.title, style="bold")
+        print_blocks(section.blocks, page)
+
+
+def print_blocks(blocks: Iterable[Block], page: Page) -> None:
+    """Print what a terminal can show of blocks: no figure, no formula."""
+    for place, block in enumerate(blocks):
+        if place and isinstance(block, Table | Sliders):
+            page.line()
+        match block:
+            case Paragraph(words=words):
+                page.paragraph(_plain(words))
+            case Listing():
+                _print_listing(block, page)
+            case Pairs(rows=rows):
+                width = max(len(term) for term, _ in rows) + GAP
+                for term, words in rows:
+                    page.paragraph(_plain(words), first=f"{term:<{width}}")
+            case Table() | Sliders():
+                table = block.table if isinstance(block, Sliders) else block
+                print_table(table, page)
+            case Panel(title=title, blocks=inner):
+                page.line()
+                page.heading(title, style="bold underline")
+                print_blocks(inner, page)
+            case Abreast(blocks=inner):
+                print_blocks(inner, page)
+
+
+def _print_listing(listing: Listing, page: Page) -> None:
+    """Print points, or what it means that there are none."""
+    for place, item in enumerate(listing.items, start=1):
+        page.paragraph(_plain(item), first=f"{place}. " if listing.numbered else "- ")
+    if not listing.items:
+        page.paragraph(listing.empty)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SetColumn:
+    """A column of a table as lines of text: its head, and each of its cells."""
+
+    head: list[str]
+    cells: list[list[str]]
+    flush_right: bool
+    is_unit: bool
+
+    @property
+    def width(self) -> int:
+        """Characters of the longest line."""
+        return max(len(line) for cell in (self.head, *self.cells) for line in cell)
+
+    def line(self, cell: Sequence[str], place: int) -> str:
+        """Return one line of a cell, as wide as the column."""
+        text = cell[place] if 0 <= place < len(cell) else ""
+        return text.rjust(self.width) if self.flush_right else text.ljust(self.width)
+
+
+def print_table(table: Table, page: Page) -> None:
+    """Print a table; columns for which there is no room, in tables below it.
+
+    Texts are broken over lines where that makes room. The first column stands in each
+    of the tables. Where even one more has no room beside it, every row is a list of its
+    fields. Numbers are never cut or broken.
+    """
+    for widest in (page.width, *WIDEST_CELL):
+        columns = [_set(table, place, widest) for place in range(len(table.columns))]
+        parts = _parts(columns, page.width)
+        if parts is not None and len(parts) == 1:
+            break
+    if parts is None:
+        _print_fields(table, page)
+    for number, part in enumerate(parts or ()):
+        if number:
+            page.line()
+        _print_part(table, part, page, with_notes=number == 0)
+
+
+def _parts(columns: Sequence[SetColumn], width: int) -> list[list[SetColumn]] | None:
+    """Share columns out over tables that are no wider; None where one has no room."""
+    first, *others = columns
+    parts: list[list[SetColumn]] = []
+    room = width - first.width
+    left = 0
+    for place, column in enumerate(others):
+        if not any(map(any, (column.head, *column.cells))):
+            continue
+        needed = GAP + column.width
+        together = needed  # a number and its unit
+        if place + 1 < len(others) and others[place + 1].is_unit:
+            together += GAP + others[place + 1].width
+        if together > room:
+            return None
+        if together > left:
+            parts.append([first])
+            left = room
+        parts[-1].append(column)
+        left -= needed
+    return parts
+
+
+def _set(table: Table, place: int, widest: int) -> SetColumn:
+    """Break head and texts of a column into lines; points in line within a group."""
+    column = table.columns[place]
+    cells: list[list[str]] = []
+    for group in table.groups:
+        own = [row[place].text.translate(SIGNS) for row in group.rows]
+        if column.kind == "number":
+            cells += [[text] for text in align_decimals(own)]
+        else:
+            cells += [_break(text, widest) for text in own]
+    longest = max(len(line) for cell in cells for line in cell)
+    return SetColumn(
+        head=_break(column.head, longest if widest in WIDEST_CELL else widest),
+        cells=cells,
+        flush_right=column.kind == "number",
+        is_unit=column.kind == "unit",
+    )
+
+
+def _break(text: str, width: int) -> list[str]:
+    """Break a text between words; one line at least."""
+    lines = textwrap.wrap(
+        text, max(width, 1), break_long_words=False, break_on_hyphens=False
+    )
+    return lines or [""]
+
+
+def _print_part(
+    table: Table, columns: Sequence[SetColumn], page: Page, *, with_notes: bool
+) -> None:
+    """Print some columns of a table side by side, heads above their last line."""
+
+    def line(cells: Sequence[Sequence[str]], place: int, style: str) -> None:
+        pairs = zip(columns, cells, strict=True)
+        texts = (column.line(cell, place) for column, cell in pairs)
+        page.line((" " * GAP).join(texts), style=style)
+
+    high = max(len(column.head) for column in columns)
+    heads = [[""] * (high - len(column.head)) + column.head for column in columns]
+    for place in range(high):
+        line(heads, place, "bold")
+    rows = iter(zip(*(column.cells for column in columns), strict=True))
+    for group in table.groups:
+        if group.title:
+            page.line(group.title, style="underline")
+        for row in group.rows:
+            cells = next(rows)
+            for place in range(max(map(len, cells))):
+                line(cells, place, "bold" if row[0].strong else "")
+            if row[0].note and with_notes:
+                page.paragraph(row[0].note, first=" " * GAP)
+
+
+def _print_fields(table: Table, page: Page) -> None:
+    """Print every row as a list of its fields, below its head."""
+    for group in table.groups:
+        if group.title:
+            page.paragraph(group.title)
+        for row in group.rows:
+            page.paragraph(row[0].text)
+            for column, cell in zip(table.columns[1:], row[1:], strict=True):
+                if cell.text:
+                    said = f"{column.head}: {cell.text}" if column.head else cell.text
+                    page.paragraph(said, first=" " * GAP)
+            if row[0].note:
+                page.paragraph(row[0].note, first=" " * GAP)
+
+
+def _plain(words: Words) -> str:
+    """Return words as text, formulas as they are said."""
+    return "".join(
+        word
+        if isinstance(word, str)
+        else word.text
+        if isinstance(word, Run)
+        else word.alt
+        for word in words
+    )
 
 
 def _print_group(group: GroupTable, page: Page) -> None:

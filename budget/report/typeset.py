@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from budget.report.blocks import (
     Abreast,
     Equations,
+    Later,
     Listing,
     Pairs,
     Panel,
@@ -23,6 +24,7 @@ from budget.report.blocks import (
     Run,
     Sliders,
     Table,
+    drawn,
 )
 from budget.report.fonts import choose_fonts, name_character, text_width
 from budget.report.pdf import render_pdf
@@ -105,6 +107,7 @@ def typeset(document: Document, *, folders: Sequence[Path] | None = None) -> Typ
     OutputError
         The template is not there, or typst refuses it or a figure.
     """
+    document = drawn(document)
     pictures = tuple(_pictures(b for part in document.sections for b in part.blocks))
     data = plain_document(document, pictures)
     texts = [*_strings(data), *(picture.svg for picture in pictures)]
@@ -167,7 +170,7 @@ def plain_document(document: Document, pictures: Sequence[Picture]) -> dict[str,
     }
 
 
-def _plain(block: Block, places: dict[int, int]) -> dict[str, Any]:  # noqa: PLR0911 - a kind each
+def _plain(block: Block, places: dict[int, int]) -> dict[str, Any]:  # noqa: C901, PLR0911 - a kind each
     """Turn a block into what JSON holds; `is` says of which kind it was."""
     match block:
         case Paragraph(words=words, small=small):
@@ -203,6 +206,8 @@ def _plain(block: Block, places: dict[int, int]) -> dict[str, Any]:  # noqa: PLR
                 "blocks": [_plain(one, places) for one in blocks],
                 "columns": columns,
             }
+        case Later():
+            raise ValueError("a figure is not drawn: pass the document through drawn()")
 
 
 def _plain_picture(picture: Picture, place: int) -> dict[str, Any]:

@@ -211,7 +211,7 @@ def test_infeasible_exits_1_and_writes_nothing(tmp_path):
     assert not any(path.exists() for path in files)
     text = " ".join(run.out.split())
     assert "cannot be met" in text
-    assert "gyro bias z: 482 % of the limit 0.01 deg/h is used up" in text
+    assert "Gyro bias z: 482 % of the limit 0.01 deg/h is used up" in text
     assert "bias stability 2319 %" in text
     assert "relax it to more than 0.0482 deg/h" in text
     assert "dwell of 9200 s in place of 300 s would meet the limits" in text

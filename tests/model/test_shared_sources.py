@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from document_text import on_terminal
 from numpy.testing import assert_allclose
 from places import DOCS
 
@@ -18,8 +19,7 @@ from budget.model.scheme import BIAS
 from budget.model.source import TEST, Disturbance, Source
 from budget.model.sources import SOURCES, STATION
 from budget.names import Name
-from budget.report.allocation.page import allocation_section
-from budget.report.allocation.terminal import allocation_text
+from budget.report.allocation.page import allocation_answer, allocation_section
 from budget.report.analysis.causes import rank_causes
 from budget.report.analysis.inputs import inputs_section
 from budget.report.figures import coupling_alt, share_alt, share_tips
@@ -171,6 +171,6 @@ def test_allocation_holds_it_and_tells_its_headroom(procedure, requirement):
     assert row.allowed in {U, None}
     assert len(alone) == 2
     assert_allclose(row.headroom.value, min(alone), rtol=1e-9)
-    assert "Station lines" in allocation_text(found, width=100)
+    assert "Station" in on_terminal(allocation_answer(found)).splitlines()
     assert found.to_dict()["sources"][-1]["sensor"] == "station"
     assert "station" in repr(allocation_section(found))

@@ -6,12 +6,12 @@ import json
 from dataclasses import replace
 
 import pytest
+from document_text import on_terminal
 from places import DOCS
 
 from budget import load_device, load_procedure, load_requirement
 from budget.names import Name
-from budget.report.allocation.page import allocation_section
-from budget.report.allocation.terminal import allocation_text
+from budget.report.allocation.page import allocation_answer, allocation_section
 from budget.report.analysis.causes import rank_causes
 from budget.report.analysis.what_if import what_if_section
 from budget.report.comparison.fronts import pareto_title
@@ -234,10 +234,10 @@ def test_an_allocation_says_what_its_parts_of_limits_lack():
     marked = {row["output"]: row["lower_bound"] for row in found.to_dict()["outputs"]}
 
     assert marked == {name: bool(reached[name]) for name in marked}
-    assert AT_LEAST in allocation_text(found, width=100)
+    assert ">= " in on_terminal(allocation_answer(found))
     assert AT_LEAST in repr(allocation_section(found))
     assert not any(row["lower_bound"] for row in whole.to_dict()["outputs"])
-    assert AT_LEAST not in allocation_text(whole, width=100)
+    assert ">= " not in on_terminal(allocation_answer(whole))
 
 
 def test_documents_say_where_nothing_is_known():

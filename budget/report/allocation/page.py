@@ -1,4 +1,4 @@
-"""An allocation as a section of a document."""
+"""An allocation as a section, for a report and for a terminal."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from budget.report.allocation.words import (
     print_part,
     print_stop,
     print_used,
+    print_value,
     relaxations,
     remarks,
     tightest,
@@ -29,6 +30,7 @@ from budget.report.blocks import (
     Abreast,
     Cell,
     Column,
+    Later,
     Listing,
     Panel,
     Paragraph,
@@ -48,6 +50,7 @@ from budget.report.tables import (
     source_title,
     words,
 )
+from budget.ties import settle
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -68,6 +71,7 @@ STRATEGIES = {
 }
 CLOSEST = 5  # catalogue entries a sensor that are listed where none meets
 PER_CENT = 100.0
+SHARP = 1e-12  # below it a residual is the rounding of the processor [1]
 
 
 def allocation_section(allocation: Allocation) -> Section:
@@ -95,10 +99,7 @@ def allocation_section(allocation: Allocation) -> Section:
         Paragraph(words=(settings,), small=True),
         *_points("What would make it feasible", relaxations(allocation.impossible)),
     ]
-    pictures: list[Picture] = [waterfall_picture(row) for row in figured(allocation)]
-    sensors = dict.fromkeys(row.source.owner for row in allocation.sources)
-    for sensor in sensors:
-        rows = [row for row in allocation.sources if row.source.owner == sensor]
+    for sensor, rows in _by_sensor(allocation):
         limits = _limits(allocation, sensor)
         tables: list[Block] = [_lines_table(sensor, rows)]
         if idle := explain_idle(rows):
@@ -106,11 +107,9 @@ def allocation_section(allocation: Allocation) -> Section:
         if limits:
             tables.append(_parts_table(sensor, limits))
         blocks.append(Panel(title=capital(sensor), blocks=tuple(tables)))
-        headroom = headroom_picture(rows)
-        if headroom is not None:
-            pictures.append(headroom)
-    if pictures:
-        blocks.append(Abreast(blocks=tuple(pictures)))
+    blocks.append(Abreast(blocks=(Later(lambda: _pictures(allocation)),)))
+    corrected = (row for row in allocation.sources if row.uncorrected is not None)
+    blocks += _points("Corrected by Monte Carlo", map(_correction, corrected))
     blocks += _points("What limits cost", map(_cost_text, allocation.costs))
     if allocation.checks:
         title = "Checked by Monte Carlo at the allocated values"
@@ -129,6 +128,45 @@ def figured(allocation: Allocation) -> tuple[LimitedOutput, ...]:
     Those whose limits cannot be met, and those at their limits.
     """
     return tightest((*allocation.impossible, *allocation.binding))
+
+
+def allocation_answer(allocation: Allocation) -> tuple[Section, ...]:
+    """Return what stands alone on a terminal: the allocation and what was assumed."""
+    assumed = tuple((text,) for text in allocation.assumptions)
+    return (
+        allocation_section(allocation),
+        Section(
+            name="assumptions",
+            title="Assumptions",
+            blocks=(Listing(items=assumed, empty="None."),),
+            in_brief=None if assumed else "",
+        ),
+    )
+
+
+def _by_sensor(
+    allocation: Allocation,
+) -> Iterator[tuple[str, list[SourceAllotment]]]:
+    """Yield each owner of lines with its lines."""
+    for sensor in dict.fromkeys(row.source.owner for row in allocation.sources):
+        yield sensor, [r for r in allocation.sources if r.source.owner == sensor]
+
+
+def _pictures(allocation: Allocation) -> Iterator[Picture]:
+    """Draw what takes how much of the limits, and how far each line could go."""
+    yield from (waterfall_picture(row) for row in figured(allocation))
+    for _, rows in _by_sensor(allocation):
+        if (headroom := headroom_picture(rows)) is not None:
+            yield headroom
+
+
+def _correction(row: SourceAllotment) -> str:
+    """Say what Monte Carlo changed."""
+    value = (row.uncorrected or 0.0) / row.si_per_unit
+    return (
+        f"{source_title(row.source)}: the law alone allows "
+        f"{print_value(value, row.unit)}, corrected by Monte Carlo"
+    )
 
 
 def _points(title: str, lines: Iterable[str]) -> Iterator[Panel]:
@@ -263,7 +301,8 @@ def _cost_text(cost: CostReport) -> str:
     )
     return (
         f"{cost.sensor}: {given} for the lines that are free, {now} now; at most a "
-        f"part of {cost.gap:.0e} above the least.{savings}"
+        f"part of {cost.gap:.0e} above the least (residual below "
+        f"{max(settle(cost.residual), SHARP):.0e}).{savings}"
     )
 
 
