@@ -7,17 +7,16 @@ factors here; text with a unit is read by `parse_quantity`.
 from __future__ import annotations
 
 import re
-from collections import defaultdict
 from dataclasses import dataclass
 from decimal import Decimal
 from functools import cache, lru_cache
-from math import pi, prod, sqrt
+from math import pi, sqrt
 from typing import TYPE_CHECKING
 
 from budget.errors import UnitError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    import pint
 
 HOUR = 3600.0  # [s]
 DEGREE = pi / 180.0  # [rad]
@@ -37,9 +36,6 @@ _FACTOR = rf"(?:sqrt\({_NAME}\)|{_NAME}(?:(?:\^|\*\*)?2)?)"
 _PRODUCT = rf"{_FACTOR}(?:[/*]{_FACTOR})*"
 _TERM = rf"(?:{_FACTOR}|\({_PRODUCT}\))"
 _UNIT = re.compile(rf"{_TERM}(?:[/*]{_TERM})*")
-_GROUP = re.compile(rf"([/*]?)(?<![A-Za-z])\(({_PRODUCT})\)")
-_INVERSE = str.maketrans("*/", "/*")  # of what stands behind a stroke, in parentheses
-_FACTORS = re.compile(rf"([/*]?)(?:sqrt\(({_NAME})\)|({_NAME})(\^?2)?)")
 _QUANTITY = re.compile(rf"((?>{NUMBER}))\s*([^\s\d.,:_+-]\S*(?: \S+)*)")
 # Sizes a quantity may have, beside 0 [SI]. The law of propagation takes fourth powers
 # of figures and products of them, which must neither overflow nor vanish.
@@ -103,32 +99,31 @@ KINDS = (
     Kind("a frequency", ("Hz", "kHz")),
 )
 
-# Each unit as a number of others, or of none where it is a base unit. An angle is a
-# dimension here, so that a rate is never taken for a frequency; g is the gravity that
-# the reader of a text names.
-_BASES: dict[str, tuple[float, str]] = {
-    "rad": (1.0, ""),
-    "deg": (DEGREE, "rad"),
-    "arcmin": (DEGREE / 60.0, "rad"),
-    "arcsec": (ARCSEC, "rad"),
-    "s": (1.0, ""),
-    "min": (60.0, "s"),
-    "h": (HOUR, "s"),
-    "Hz": (1.0, "1/s"),
-    "m": (1.0, ""),
-    "degC": (1.0, ""),
-    "K": (1.0, "degC"),
-    "ft": (0.3048, "m"),
-    "dps": (1.0, "deg/s"),
-    "dph": (1.0, "deg/h"),
-    "fps": (1.0, "ft/s"),
-    "Gal": (1e-2, "m/s^2"),
-    "g": (1.0, "m/s^2"),
-    "percent": (1e-2, "1"),
-    "ppm": (PPM, "1"),
+# Our own registry: pint's default one reads ug and mg as masses and turns deg/s into
+# Hz. An angle is a dimension here, so that a rate is never taken for a frequency.
+_BASES = {
+    "rad": "[angle]",
+    "deg": f"{DEGREE!r} * rad",
+    "arcmin": f"{DEGREE / 60.0!r} * rad",
+    "arcsec": f"{ARCSEC!r} * rad",
+    "s": "[time]",
+    "min": "60 * s",
+    "h": "3600 * s",
+    "Hz": "1 / s",
+    "m": "[length]",
+    "degC": "[temperature]",
+    "K": "degC",
+    "ft": "0.3048 * m",
+    "dps": "deg / s",
+    "dph": "deg / h",
+    "fps": "ft / s",
+    "Gal": "1e-2 * m / s ** 2",
+    "g": "GRAVITY * m / s ** 2",
+    "percent": "1e-2",
+    "ppm": "1e-6",
 }
 # Metric prefixes, and the units that take them. Never k before g, which is a mass.
-_PREFIXES = {"n": 1e-9, "u": 1e-6, "m": 1e-3, "c": 1e-2, "k": 1e3}
+_PREFIXES = {"n": "1e-9", "u": "1e-6", "m": "1e-3", "c": "1e-2", "k": "1e3"}
 _PREFIXED = {
     **dict.fromkeys(("rad", "deg", "dps", "s", "Gal", "g"), "mun"),
     "m": "cmun",
@@ -136,7 +131,7 @@ _PREFIXED = {
     "Hz": "k",
 }
 DEFINITIONS = _BASES | {
-    prefix + base: (_PREFIXES[prefix], base)
+    prefix + base: f"{_PREFIXES[prefix]} * {base}"
     for base, prefixes in _PREFIXED.items()
     for prefix in prefixes
 }
@@ -278,7 +273,18 @@ class _Size:
     """What a unit stands for."""
 
     si_per_unit: float  # [SI]
-    dimension: frozenset[tuple[str, float]]  # base unit and its power
+    dimension: frozenset[tuple[str, object]]  # base dimension and its power
+
+
+@lru_cache(maxsize=8)
+def _registry(gravity: float) -> pint.UnitRegistry[float]:
+    """Return the registry in which `g` is that gravity [m/s^2]."""
+    import pint  # a quarter of a second, so not before a unit is read
+
+    registry: pint.UnitRegistry[float] = pint.UnitRegistry(None)
+    for name, definition in DEFINITIONS.items():
+        registry.define(f"{name} = {definition.replace('GRAVITY', repr(gravity))}")
+    return registry
 
 
 @lru_cache(maxsize=1024)
@@ -288,46 +294,10 @@ def _size(unit: str, gravity: float) -> _Size | None:
     names = re.findall(_NAME, plain.replace("sqrt(", "("))
     if not _UNIT.fullmatch(plain) or not DEFINITIONS.keys() >= set(names):
         return None
-    # Powers add up before a number is raised to them: h/h is 1, to the last bit.
-    scales: defaultdict[float, float] = defaultdict(float)
-    bases: defaultdict[str, float] = defaultdict(float)
-    _resolve(plain, 1.0, gravity, scales, bases)
-    si_per_unit = prod(
-        (scale**n for scale, n in sorted(scales.items(), key=lambda item: item[1] < 0)),
-        start=1.0,
-    )
-    return _Size(si_per_unit, frozenset((b, n) for b, n in bases.items() if n))
-
-
-def _resolve(
-    unit: str,
-    power: float,
-    gravity: float,
-    scales: dict[float, float],
-    bases: dict[str, float],
-) -> None:
-    """Add up the powers of the numbers and base units that a unit is made of."""
-    for name, n in _powers(unit).items():
-        scale, parts = DEFINITIONS[name]
-        if not parts:
-            bases[name] += power * n
-            continue
-        scales[gravity if name == "g" else scale] += power * n
-        _resolve(parts, power * n, gravity, scales, bases)
-
-
-@cache
-def _powers(unit: str) -> Mapping[str, float]:
-    """Return the power of each name in a unit as `_plain` spells it."""
-    flat = _GROUP.sub(
-        lambda g: g[1] + (g[2].translate(_INVERSE) if g[1] == "/" else g[2]),
-        unit.replace("**", "^"),
-    )
-    powers: defaultdict[str, float] = defaultdict(float)
-    for sign, root, name, square in _FACTORS.findall(flat):
-        power = 0.5 if root else 2.0 if square else 1.0
-        powers[root or name] += -power if sign == "/" else power
-    return powers
+    powers = re.sub(r"sqrt(\([^)]*\))", r"\1**0.5", plain)
+    powers = re.sub(r"([A-Za-z])(?:\^|\*\*)?2", r"\1**2", powers)
+    parsed = _registry(gravity).Quantity(1.0, powers).to_root_units()
+    return _Size(parsed.magnitude, frozenset(parsed.dimensionality.items()))
 
 
 @cache
