@@ -10,7 +10,7 @@ from budget.cli import options
 from budget.cli.streams import console
 
 if TYPE_CHECKING:
-    from budget.references.attribution import Side
+    from budget.references.check import Side
     from budget.references.records import Asked, ReferenceBudget
 
 SUFFIX = ".json"

@@ -1,4 +1,4 @@
-"""Two files key by key: what differs, and one of them with a single key exchanged.
+"""Input files key by key: what differs, and one side with a single key exchanged.
 
 The keys of one figure of a data sheet (its value, meaning, distribution, axes, ...) say
 one thing together, so they are exchanged together.
@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from budget.references.records import Change
 from budget.spec.tree import Document, Node, merge, plain
 
 if TYPE_CHECKING:
@@ -33,6 +34,14 @@ TEXTS = {
 FIGURE_TEXTS = {"includes", "horizon", "condition", "source"}
 
 Steps = tuple[str | int, ...]
+
+
+@dataclass(frozen=True)
+class Exchanged:
+    """A change of the inputs, and the inputs before with it alone."""
+
+    change: Change
+    inputs: tuple[Document, ...] | None = None  # None where it cannot be tried
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,6 +95,44 @@ def effective(document: Document, variant: str) -> Document:
     )
 
 
+def input_changes(
+    before: Sequence[Document], after: Sequence[Document]
+) -> tuple[Exchanged, ...]:
+    """Return what differs between files, with the inputs before that have it alone.
+
+    Files that the other side has not come first, and cannot be tried.
+    """
+    pairs = _pairs(before, after)
+    old, new = ({pair[side] for pair in pairs} for side in (0, 1))
+    found = [
+        *(
+            Exchanged(Change(where=p.kind, key=p.base_name, before="there", after=""))
+            for k, p in enumerate(before)
+            if k not in old
+        ),
+        *(
+            Exchanged(Change(where=p.kind, key=p.base_name, before="", after="there"))
+            for k, p in enumerate(after)
+            if k not in new
+        ),
+    ]
+    for place, other in pairs:
+        own = before[place]
+        same = own.base_name == after[other].base_name
+        for key in differences(own, after[other]):
+            was, now = show_change(key)
+            change = Change(
+                where=f"{own.kind} {own.base_name}" if same else own.kind,
+                key=key.path,
+                before=was,
+                after=now,
+                is_text=is_text(own.kind, key.steps),
+            )
+            alone = (*before[:place], exchange(own, key), *before[place + 1 :])
+            found.append(Exchanged(change, alone))
+    return tuple(found)
+
+
 def differences(before: Document, after: Document) -> tuple[KeyChange, ...]:
     """Return every key that differs, in the order of the files.
 
@@ -131,6 +178,38 @@ def show_change(change: KeyChange) -> tuple[str, str]:
         for node in (change.before, change.after)
     )
     return before, after
+
+
+def _pairs(
+    before: Sequence[Document], after: Sequence[Document]
+) -> list[tuple[int, int]]:
+    """Return which file is which: by role and name, a lone one of a role by role."""
+    pairs: list[tuple[int, int]] = []
+    free = list(range(len(after)))
+    for same_name in (True, False):
+        for old, own in enumerate(before):
+            if any(old == one for one, _ in pairs):
+                continue
+            fits = [
+                new
+                for new in free
+                if after[new].kind == own.kind
+                and (after[new].base_name == own.base_name or not same_name)
+            ]
+            # Of several devices without a name in common none is the other's successor.
+            if fits and (same_name or _is_lone(own, before, after)):
+                pairs.append((old, fits[0]))
+                free.remove(fits[0])
+    return sorted(pairs)
+
+
+def _is_lone(
+    own: Document, before: Sequence[Document], after: Sequence[Document]
+) -> bool:
+    """Whether a role has one file on each side."""
+    return all(
+        sum(one.kind == own.kind for one in side) == 1 for side in (before, after)
+    )
 
 
 def _long_figures(root: Node) -> Node:

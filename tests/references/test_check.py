@@ -8,10 +8,9 @@ from dataclasses import dataclass, replace
 
 import pytest
 
-from budget.references.attribution import input_changes
 from budget.references.check import check, make_reference
 from budget.references.difference import find_moves
-from budget.references.exchange import KeyChange, effective, exchange
+from budget.references.exchange import KeyChange, effective, exchange, input_changes
 from budget.references.files import (
     shipped_references,
     stored_documents,
