@@ -30,7 +30,7 @@ PART = 1e-9
 LEAST_COST, LEAST_COST_LINE = 1e-5, 2e-3
 
 # What the standard errors of trials are of: fields of StandardErrors.
-MEAN, U, LOW, HIGH, END = "mean", "u", "low", "high", "end"
+MEAN, U, LOW, HIGH, END, CORRELATION = "mean", "u", "low", "high", "end", "correlation"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -53,26 +53,22 @@ class Certainty:
         """Return that of so many trials of a calibration; None: of the law."""
         if trials is None:
             return cls()
-        problem = analysis.problem
+        problem, coverage = analysis.problem, analysis.coverage
         return cls(
             places={output.name: k for k, output in enumerate(problem.outputs)},
             errors=standard_errors(
-                problem,
-                trials=trials,
-                coverage=analysis.coverage,
-                interval=interval,
+                problem, trials=trials, coverage=coverage, interval=interval
             ),
         )
 
     def number(
         self,
-        output: Output,
+        row: OutputBudget | OutputAssessment,
         quantity: str,
         value: float,
         spread: str = "",
         *,
         limit: float = 0.0,
-        lower_bound: bool = False,
     ) -> Number:
         """Return a number of an output, in its unit or as a part of its limit.
 
@@ -82,9 +78,8 @@ class Certainty:
             [SI]
         spread : str
             What its standard error is that of; '' where no trial touches it.
-        lower_bound : bool
-            See Number.
         """
+        output = row.output
         per = limit or output.si_per_unit
         number = Number(
             subject=output.name,
@@ -92,35 +87,21 @@ class Certainty:
             unit="1" if limit else output.unit,
             value=value / per,
             floor=output.resolution / per,
-            lower_bound=lower_bound,
+            lower_bound=row.lower_bound,
         )
-        errors = self.errors
-        if errors is None or not spread:
+        return self.sampled(number, spread, output, per=per) if spread else number
+
+    def sampled(
+        self, number: Number, spread: str, *outputs: Output, per: float = 1.0
+    ) -> Number:
+        """Return the number with its standard error over `per`, if trials made it."""
+        if self.errors is None:
             return number
-        place = self.places[output.name]
-        freedom = {
-            MEAN: errors.degrees_of_freedom,
-            U: float(errors.u_degrees_of_freedom[place]),
-        }
+        place = tuple(self.places[output.name] for output in outputs)
         return replace(
             number,
-            standard_error=float(getattr(errors, spread)[place]) / per,
-            degrees_of_freedom=freedom.get(spread, errors.end_degrees_of_freedom),
-        )
-
-    def correlation(self, one: Output, other: Output, value: float) -> Number:
-        """Return the correlation of two outputs."""
-        errors = self.errors
-        if errors is None:
-            return _part(one.name, "correlation", value, other.name)
-        spread = errors.correlation[self.places[one.name], self.places[other.name]]
-        return _part(
-            one.name,
-            "correlation",
-            value,
-            other.name,
-            standard_error=float(spread),
-            degrees_of_freedom=errors.degrees_of_freedom,
+            standard_error=float(getattr(self.errors, spread)[place]) / per,
+            degrees_of_freedom=self.errors.freedom(spread, place[0]),
         )
 
 
@@ -136,21 +117,21 @@ def budget_numbers(budget: Budget) -> Snapshot:
     )
     numbers: list[Number] = []
     for row in budget.outputs:
-        numbers.append(sure.number(row.output, "mean", row.mean, MEAN))
+        mean = sure.number(row, "mean", row.mean, MEAN)
         numbers += (
-            sure.number(
-                row.output, quantity, value, spread, lower_bound=row.lower_bound
-            )
-            for quantity, value, spread in (
-                ("standard_uncertainty", row.standard_uncertainty, U),
-                ("interval_low", row.interval[0], LOW),
-                ("interval_high", row.interval[1], HIGH),
-            )
+            replace(mean, lower_bound=False),
+            sure.number(row, "standard_uncertainty", row.standard_uncertainty, U),
+            sure.number(row, "interval_low", row.interval[0], LOW),
+            sure.number(row, "interval_high", row.interval[1], HIGH),
+            *_contributions(row, sure, settings.sobol_scrambles),
         )
-        numbers += _contributions(row, sure, settings.sobol_scrambles)
     r = budget.correlation
     numbers += (
-        sure.correlation(one.output, other.output, float(r[a, b]))
+        sure.sampled(
+            _part(one.output.name, "correlation", float(r[a, b]), other.output.name),
+            CORRELATION,
+            *(one.output, other.output),
+        )
         for (a, one), (b, other) in combinations(enumerate(budget.outputs), 2)
         if one.is_resolved and other.is_resolved and one.sensor == other.sensor
     )
@@ -283,16 +264,7 @@ def _not_given(subject: str, names: Iterable[Name]) -> Word:
     return _word(subject, "not_given", ", ".join(names))
 
 
-def _part(
-    subject: str,
-    quantity: str,
-    value: float,
-    partner: str = "",
-    *,
-    standard_error: float | None = None,
-    degrees_of_freedom: float | None = None,
-    trials: int | None = None,
-) -> Number:
+def _part(subject: str, quantity: str, value: float, partner: str = "") -> Number:
     """Return a part of 1: an index, a correlation, a probability."""
     return Number(
         subject=subject,
@@ -301,9 +273,6 @@ def _part(
         unit="1",
         value=value,
         floor=PART,
-        standard_error=standard_error,
-        degrees_of_freedom=degrees_of_freedom,
-        trials=trials,
     )
 
 
@@ -312,22 +281,16 @@ def _contributions(
 ) -> Iterator[Number]:
     """Yield contributions, by the law under every method, and Sobol' indices."""
     for part in row.contributions:
-        u = part.standard_uncertainty
-        number = sure.number(
-            row.output, "contribution", u, lower_bound=part.lower_bound
-        )
-        yield replace(number, partner=part.source)
+        number = sure.number(row, "contribution", part.standard_uncertainty)
+        yield replace(number, partner=part.source, lower_bound=part.lower_bound)
         if part.sobol is None or scrambles is None:
             continue
         for quantity, value, ends in (
             ("sobol_first", part.sobol.first, part.sobol.first_interval),
             ("sobol_total", part.sobol.total, part.sobol.total_interval),
         ):
-            yield _part(
-                row.output.name,
-                quantity,
-                value,
-                part.source,
+            yield replace(
+                _part(row.output.name, quantity, value, part.source),
                 standard_error=_of_interval(ends, scrambles),
                 degrees_of_freedom=scrambles - 1.0,
             )
@@ -347,37 +310,29 @@ def _device_numbers(
     row: DeviceVerdict, device: str, sure: Certainty
 ) -> Iterator[Number]:
     """Yield the numbers of one sensor of one device."""
-    used: list[Number] = []
     for one in row.outputs:
-        name = f"{device} {one.output.name}"
-        for quantity, value, spread in (
-            ("standard_uncertainty", one.standard_uncertainty, U),
-            ("largest_error", one.largest_error, END),
+        for number in (
+            sure.number(one, "standard_uncertainty", one.standard_uncertainty, U),
+            sure.number(one, "largest_error", one.largest_error, END),
+            replace(
+                _part(one.output.name, "conformance", one.conformance),
+                trials=row.trials,
+                lower_bound=one.lower_bound,
+            ),
         ):
-            number = sure.number(
-                one.output, quantity, value, spread, lower_bound=one.lower_bound
-            )
-            yield replace(number, subject=name)
-        p = _part(name, "conformance", one.conformance, trials=row.trials)
-        yield replace(p, lower_bound=one.lower_bound)
-        used.append(_utilisation(one, sure))
+            yield replace(number, subject=f"{device} {one.output.name}")
     subject = f"{device} {row.sensor}"
-    yield _largest(subject, used)
-    trials = row.trials or NORMAL_TRIALS  # by the law counted in draws of it
-    p = _part(subject, "conformance", row.conformance.value, trials=trials)
-    yield replace(p, lower_bound=row.lower_bound)
+    yield _largest(subject, [_utilisation(one, sure) for one in row.outputs])
+    yield replace(
+        _part(subject, "conformance", row.conformance.value),
+        trials=row.trials or NORMAL_TRIALS,  # by the law counted in draws of it
+        lower_bound=row.lower_bound,
+    )
 
 
 def _utilisation(row: OutputAssessment, sure: Certainty) -> Number:
     """Return the part of its limit that a required output uses."""
-    return sure.number(
-        row.output,
-        "utilisation",
-        row.largest_error,
-        END,
-        limit=row.limit,
-        lower_bound=row.lower_bound,
-    )
+    return sure.number(row, "utilisation", row.largest_error, END, limit=row.limit)
 
 
 def _largest(subject: str, numbers: Sequence[Number]) -> Number:

@@ -64,6 +64,13 @@ class StandardErrors:
         """
         return np.maximum(self.low, self.high)
 
+    def freedom(self, spread: str, place: int) -> float:
+        """Return the degrees of freedom of one of the fields, at one output."""
+        if spread == "u":
+            return float(self.u_degrees_of_freedom[place])
+        is_end = spread in {"low", "high", "end"}
+        return self.end_degrees_of_freedom if is_end else self.degrees_of_freedom
+
 
 def standard_errors(
     problem: Problem, *, trials: int, coverage: float, interval: str = "symmetric"
