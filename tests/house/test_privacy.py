@@ -274,10 +274,11 @@ def code_from_data(path):
             yield "allow_pickle"
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=lambda p: str(p.relative_to(PACKAGE)))
-def test_nothing_turns_data_into_code(path):
+def test_nothing_turns_data_into_code():
     """No pickle, eval, exec or other program anywhere in the package."""
-    assert list(code_from_data(path)) == []
+    assert SOURCES
+    found = {path: list(code_from_data(path)) for path in SOURCES}
+    assert {path: faults for path, faults in found.items() if faults} == {}
 
 
 def test_the_search_for_code_can_fail(tmp_path):

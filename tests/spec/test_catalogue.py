@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import math
 from collections import Counter
+from functools import cache
 
 import pytest
 from numpy.testing import assert_allclose
@@ -66,6 +67,7 @@ def laid_over(base, over):
     }
 
 
+@cache
 def raw(ref):
     """Return what the file says of one device, variant over base, nothing read."""
     stem, _, variant = ref.partition("#")
@@ -131,14 +133,11 @@ def differences(device, rows):
     return {"file": file - makers, "makers": makers - file}
 
 
-@pytest.mark.parametrize("ref", REFS)
-def test_a_file_says_what_its_makers_print_and_no_more(ref):
+def test_a_file_says_what_its_makers_print_and_no_more():
     """Each figure is in the sourced list with its words; each sourced one is here."""
-    rows = rows_of(ref)
-    assert rows
-    found = differences(raw(ref), rows)
-    assert not found["file"], "in the file, not in the sourced list"
-    assert not found["makers"], "in the sourced list, not in the file"
+    assert [ref for ref in REFS if not rows_of(ref)] == []
+    found = {ref: differences(raw(ref), rows_of(ref)) for ref in REFS}
+    assert {ref: both for ref, both in found.items() if any(both.values())} == {}
 
 
 @pytest.mark.parametrize(
@@ -225,16 +224,19 @@ def meaning_of(place, words):
     return "max" if bound else "1 sigma"
 
 
-@pytest.mark.parametrize("ref", REFS)
-def test_meaning_and_definition_follow_the_rules(ref):
+LINES = [(ref, place, line) for ref in REFS for place, line in lines_in(raw(ref))]
+
+
+def test_meaning_and_definition_follow_the_rules():
     """A line says how to take its figure exactly as the rules on its words say."""
-    for place, figure in lines_in(raw(ref)):
+    assert LINES
+    for ref, place, figure in LINES:
         words = figure.get("condition", "")
-        assert figure["meaning"] == meaning_of(place, words), place
+        assert figure["meaning"] == meaning_of(place, words), (ref, place)
         lowest = "Allan" in words and "DIVIDED" not in words
         if place.endswith("bias_stability"):
             expected = "allan_minimum" if lowest else "sigma"
-            assert figure.get("definition", "sigma") == expected
+            assert figure.get("definition", "sigma") == expected, (ref, place)
 
 
 def test_both_figures_of_a_maker_decide_the_sides_of_a_density():
@@ -248,26 +250,27 @@ def test_both_figures_of_a_maker_decide_the_sides_of_a_density():
     assert_allclose(line.u, 34e-6 * 9.80665 / math.sqrt(2.0), rtol=1e-14)
 
 
-@pytest.mark.parametrize("ref", REFS)
-def test_nothing_is_invented(ref):
+def test_nothing_is_invented():
     """No correlation time, no shape and no nominal value: no maker here prints one."""
-    device = raw(ref)
-    assert not any("nominal" in device.get(sensor, {}) for sensor in SENSORS)
-    for place, figure in lines_in(device):
-        assert figure.keys() <= {
-            *("value", "meaning", "definition", "density", "includes", "horizon"),
-            *("condition", "source"),
-        }, place
+    printed = {
+        *("value", "meaning", "definition", "density", "includes", "horizon"),
+        *("condition", "source"),
+    }
+    sensors = [(ref, raw(ref).get(sensor, {})) for ref in REFS for sensor in SENSORS]
+    assert [ref for ref, sensor in sensors if "nominal" in sensor] == []
+    assert [where for *where, line in LINES if not line.keys() <= printed] == []
 
 
-@pytest.mark.parametrize("ref", REFS)
-def test_what_a_figure_includes_is_no_line_beside_it(ref):
+def test_what_a_figure_includes_is_no_line_beside_it():
     """A scale-factor repeatability that holds the nonlinearity stands without it."""
-    given = dict(lines_in(raw(ref)))
-    for place, figure in given.items():
-        if "nonlinearity" in figure.get("includes", ""):
-            sensor = place.split(".", maxsplit=1)[0]
-            assert f"{sensor}.scale_factor_nonlinearity" not in given
+    given = {(ref, place) for ref, place, _ in LINES}
+    holding = [
+        (ref, f"{place.split('.', maxsplit=1)[0]}.scale_factor_nonlinearity")
+        for ref, place, line in LINES
+        if "nonlinearity" in line.get("includes", "")
+    ]
+    assert holding
+    assert [one for one in holding if one in given] == []
 
 
 def test_the_known_contradictions_stand_in_the_files():
@@ -279,16 +282,16 @@ def test_the_known_contradictions_stand_in_the_files():
     assert names["accel.noise_density"] == "80 µg/√Hz"
 
 
-@pytest.mark.parametrize("ref", REFS)
-def test_every_device_loads_and_has_a_budget(ref):
+def test_every_device_loads_and_has_a_budget():
     """Each file and variant is read, and every output of it has a finite spread."""
-    device = load_device(ref)
-    assert device.sensors
-    assert all(sensor.lines for sensor in device.sensors)
-    assert device.source
-    assert device.vendor
-    result = budget.analyze(device, validate=False)
-    assert all(math.isfinite(o.standard_uncertainty) for o in result.outputs)
+    for ref in REFS:
+        device = load_device(ref)
+        assert device.sensors, ref
+        assert all(sensor.lines for sensor in device.sensors), ref
+        assert device.source, ref
+        assert device.vendor, ref
+        result = budget.analyze(device, validate=False)
+        assert all(math.isfinite(o.standard_uncertainty) for o in result.outputs), ref
 
 
 def utilisation(ref, requirement, sensor):
