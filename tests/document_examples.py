@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from functools import cache
 
 from report_examples import make_assessment, make_budget
 
@@ -80,6 +81,7 @@ def row(source, u, share, given, unit):
     )
 
 
+@cache  # pictures are drawn once; what is made here nobody can change
 def make_picture(place=2, name="shares-gyro-bias", **changes):
     """Return the share bars of one group, as the report draws them."""
     group = group_tables(make_budget())[place]
@@ -92,6 +94,7 @@ def make_picture(place=2, name="shares-gyro-bias", **changes):
     return Picture(name=name, **(fields | changes))
 
 
+@cache
 def make_overview(name="limits"):
     """Return the dots of all outputs against their limits."""
     assessment = make_assessment(make_budget())

@@ -34,6 +34,8 @@ from budget.studies.request import Analysis
 
 TACTICAL = shipped("specs") / "requirements" / "tactical-grade.yaml"
 
+pytestmark = pytest.mark.usefixtures("drawn_once")
+
 NO_GAPS: dict = {"not_given": (), "could_widen": {}}
 
 

@@ -1,0 +1,60 @@
+"""What a test module may switch on for all its tests."""
+
+from __future__ import annotations
+
+import pickle
+import sys
+from functools import wraps
+from hashlib import sha256
+from importlib import import_module
+from types import FunctionType
+
+import pytest
+
+# Who draws the figures of every kind of report.
+PAGES = ("analysis.build", "comparison.page", "allocation.page", "paper.page")
+DRAWN: dict = {}
+
+
+@pytest.fixture(scope="module")
+def drawn_once():
+    """Draw a figure once, however many reports have it: two thirds of their time.
+
+    For modules that ask what reports say. That the same figure is drawn the same is
+    asked elsewhere.
+    """
+    for page in PAGES:
+        import_module(f"budget.report.{page}")
+    modules = [
+        module
+        for name, module in sys.modules.items()
+        if name.startswith("budget.report")
+    ]
+    found = [
+        (module, name, value)
+        for module in modules
+        for name, value in vars(module).items()
+        if name.endswith("_picture")
+        and name != "as_picture"
+        and isinstance(value, FunctionType)
+        and not name.startswith("_")
+    ]
+    assert found
+    with pytest.MonkeyPatch.context() as patch:
+        for module, name, value in found:
+            patch.setattr(module, name, _once(value))
+        yield
+
+
+def _once(draw):
+    """Return a function that keeps what it drew, by the contents of its arguments."""
+
+    @wraps(draw)
+    def drawn(*args, **kwargs):
+        content = pickle.dumps((args, kwargs))
+        key = draw.__module__, draw.__name__, sha256(content).digest()
+        if key not in DRAWN:
+            DRAWN[key] = draw(*args, **kwargs)
+        return DRAWN[key]
+
+    return drawn
