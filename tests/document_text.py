@@ -7,14 +7,14 @@ from dataclasses import fields, is_dataclass
 
 from rich.console import Console
 
-from budget.report.blocks import Later, Table
+from budget.report.blocks import ForPages, Table
 from budget.report.terminal import Page, print_sections
 
 
 def walk(part):
     """Yield every record of a document, from the outside in."""
-    if isinstance(part, Later):
-        yield from walk(part.pictures)
+    if isinstance(part, ForPages):
+        yield from walk(part.blocks)
     elif is_dataclass(part):
         yield part
         for field in fields(part):

@@ -12,7 +12,7 @@ from budget.cli.streams import console, say
 
 if TYPE_CHECKING:
     from budget.errors import Issue
-    from budget.report.comparison.tables import Column
+    from budget.report.comparison.table_blocks import RankingField
     from budget.spec.records import Device
     from budget.studies.comparison.records import Comparison
 
@@ -110,7 +110,7 @@ def compare(
     from budget.cli.computing import computing
     from budget.cli.output import check_destinations, check_suffixes, command_line
     from budget.errors import CallError
-    from budget.report.comparison.tables import find_column
+    from budget.report.comparison.table_blocks import find_column
     from budget.spec import load_catalogue, load_procedure, load_requirement
     from budget.studies.comparison.compare import compare as run
     from budget.studies.judgement import TRIALS
@@ -191,7 +191,7 @@ def _deliver(
     json: Path | None,
     csv: Path | None,
     pages: list[Path],
-    sort: Column | None,
+    sort: RankingField | None,
     command: str,
 ) -> None:
     """Print the comparison, or the document asked for; write the files."""
@@ -199,9 +199,11 @@ def _deliver(
     from budget.report.comparison.document import json_pieces, to_csv
 
     def show() -> None:
-        from budget.report.comparison.terminal import render_comparison
+        from budget.report.comparison.page import comparison_answer
+        from budget.report.terminal import Page, print_sections
 
-        render_comparison(comparison, console(), sort=sort)
+        order = None if sort is None else sort.order
+        print_sections(comparison_answer(comparison, order=order), Page(console()))
 
     rendered: dict[Path, str | bytes] = {}
     if pages:

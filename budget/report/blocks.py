@@ -10,10 +10,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from itertools import groupby
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping
+    from collections.abc import (
+        Callable,
+        Hashable,
+        Iterable,
+        Iterator,
+        Mapping,
+        Sequence,
+    )
 
     from budget.report.formulas import Math
 
@@ -151,6 +159,88 @@ class Table:
                     )
 
 
+R = TypeVar("R")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Field(Column, Generic[R]):
+    """A column that knows what stands in it: declared once, for every form of a table.
+
+    Attributes
+    ----------
+    cell : callable
+        What stands in it of a record; plain text may come as it is.
+    optional : bool
+        Whether the column goes where nothing stands in it.
+    key : str
+        Its name for a program, where it has one.
+    """
+
+    cell: Callable[[R], Cell | str]
+    optional: bool = False
+    key: str = ""
+
+
+def table_of(
+    records: Iterable[R],
+    fields: Sequence[Field[R]],
+    *,
+    name: str,
+    caption: str,
+    by: Callable[[R], Hashable] | None = None,
+    titled: bool = False,
+    is_wide: bool = False,
+    searchable: bool = False,
+) -> Table:
+    """Set records under the columns that are declared for them.
+
+    Parameters
+    ----------
+    records : iterable
+        A row each, in this order.
+    fields : sequence of Field
+    name, caption, is_wide, searchable
+        As of the table.
+    by : callable, optional
+        What rows of one group have in common; None makes all one group.
+    titled : bool
+        Whether that stands above each group.
+
+    Returns
+    -------
+    Table
+    """
+    groups = [
+        (key, [[_cell(field.cell(one)) for field in fields] for one in own])
+        for key, own in groupby(records, by or (lambda _: ""))
+    ]
+    kept = [
+        (place, field)
+        for place, field in enumerate(fields)
+        if not field.optional
+        or any(row[place].text for _, rows in groups for row in rows)
+    ]
+    return Table(
+        name=name,
+        caption=caption,
+        columns=tuple(field for _, field in kept),
+        groups=tuple(
+            RowGroup(
+                title=str(key) if titled else "",
+                rows=tuple(tuple(row[place] for place, _ in kept) for row in rows),
+            )
+            for key, rows in groups
+        ),
+        is_wide=is_wide,
+        searchable=searchable,
+    )
+
+
+def _cell(found: Cell | str) -> Cell:
+    """Return a cell; of plain text one that holds it."""
+    return found if isinstance(found, Cell) else Cell(text=found)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Picture:
     """A figure: title with the finding, the same in words with numbers, its data.
@@ -186,15 +276,15 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Later:
-    """Figures that are drawn where a page shows them; a terminal never draws."""
+class ForPages:
+    """Blocks that only a page shows, figures mostly; made where one does, and once."""
 
-    draw: Callable[[], Iterable[Picture]]
+    make: Callable[[], Iterable[Block]]
 
     @cached_property
-    def pictures(self) -> tuple[Picture, ...]:
-        """The figures, drawn once."""
-        return tuple(self.draw())
+    def blocks(self) -> tuple[Block, ...]:
+        """What was made."""
+        return tuple(self.make())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -243,7 +333,7 @@ class Abreast:
     `columns` is the most that stand side by side on a wide page.
     """
 
-    blocks: tuple[Panel | Picture | Later, ...]
+    blocks: tuple[Panel | Picture | ForPages, ...]
     columns: int = 2
 
 
@@ -253,7 +343,7 @@ Block = (
     | Pairs
     | Table
     | Picture
-    | Later
+    | ForPages
     | Equations
     | Sliders
     | Panel
@@ -338,7 +428,7 @@ class Document:
 
 
 def drawn(document: Document) -> Document:
-    """Return a document whose figures are drawn, and rows of none of them left out."""
+    """Return a document with the blocks in it that only a page shows."""
     sections = tuple(
         replace(section, blocks=tuple(_drawn(section.blocks)))
         for section in document.sections
@@ -347,10 +437,10 @@ def drawn(document: Document) -> Document:
 
 
 def _drawn(blocks: Iterable[Block]) -> Iterator[Any]:
-    """Yield blocks with the figures that were to be drawn later among them."""
+    """Yield blocks; one of others is left out where nothing was made for it."""
     for block in blocks:
-        if isinstance(block, Later):
-            yield from block.pictures
+        if isinstance(block, ForPages):
+            yield from block.blocks
         elif isinstance(block, Panel | Abreast):
             if inner := tuple(_drawn(block.blocks)):
                 yield replace(block, blocks=inner)

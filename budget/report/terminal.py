@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
     from rich.console import Console
 
-    from budget.report.blocks import Block, Section, Words
+    from budget.report.blocks import Block, Cell, Section, Words
     from budget.report.indices import IndexTable
     from budget.report.tables import GroupTable, Number, OutputRow, SourceRow
     from budget.results import Budget
@@ -158,9 +158,11 @@ def print_sections(sections: Iterable[Section], page: Page) -> None:
 
 def print_blocks(blocks: Iterable[Block], page: Page) -> None:
     """Print what a terminal can show of blocks: no figure, no formula."""
-    for place, block in enumerate(blocks):
-        if place and isinstance(block, Table | Sliders):
+    before: Block | None = None
+    for block in blocks:
+        if isinstance(before, Table) or (before and isinstance(block, Table | Sliders)):
             page.line()
+        before = block
         match block:
             case Paragraph(words=words):
                 page.paragraph(_plain(words))
@@ -284,11 +286,14 @@ def _print_part(
 ) -> None:
     """Print some columns of a table side by side, heads above their last line."""
 
-    def line(cells: Sequence[Sequence[str]], place: int, style: str) -> None:
+    def line(
+        cells: Sequence[Sequence[str]], place: int, style: str, end: str = ""
+    ) -> None:
         pairs = zip(columns, cells, strict=True)
-        texts = (column.line(cell, place) for column, cell in pairs)
-        page.line((" " * GAP).join(texts), style=style)
+        texts = [column.line(cell, place) for column, cell in pairs]
+        page.line((" " * GAP).join([*texts, end]), style=style)
 
+    room = page.width - sum(GAP + column.width for column in columns) - len("()")
     high = max(len(column.head) for column in columns)
     heads = [[""] * (high - len(column.head)) + column.head for column in columns]
     for place in range(high):
@@ -299,10 +304,14 @@ def _print_part(
             page.line(group.title, style="underline")
         for row in group.rows:
             cells = next(rows)
-            for place in range(max(map(len, cells))):
-                line(cells, place, "bold" if row[0].strong else "")
-            if row[0].note and with_notes:
-                page.paragraph(row[0].note, first=" " * GAP)
+            notes = _notes(row) if with_notes else ""
+            size = max(map(len, cells))
+            fits = notes and size == 1 and len(notes) < room
+            beside = f"({notes})" if fits else ""
+            for place in range(size):
+                line(cells, place, "bold" if row[0].strong else "", beside)
+            if notes and not beside:
+                page.paragraph(notes, first=" " * GAP)
 
 
 def _print_fields(table: Table, page: Page) -> None:
@@ -316,8 +325,13 @@ def _print_fields(table: Table, page: Page) -> None:
                 if cell.text:
                     said = f"{column.head}: {cell.text}" if column.head else cell.text
                     page.paragraph(said, first=" " * GAP)
-            if row[0].note:
-                page.paragraph(row[0].note, first=" " * GAP)
+            if notes := _notes(row):
+                page.paragraph(notes, first=" " * GAP)
+
+
+def _notes(row: Sequence[Cell]) -> str:
+    """Return what is remarked on the cells of a row, below which it stands."""
+    return "; ".join(cell.note for cell in row if cell.note.strip())
 
 
 def _plain(words: Words) -> str:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from budget.report.blocks import (
     Abreast,
     Equations,
-    Later,
+    ForPages,
     Listing,
     Pairs,
     Panel,
@@ -206,8 +206,8 @@ def _plain(block: Block, places: dict[int, int]) -> dict[str, Any]:  # noqa: C90
                 "blocks": [_plain(one, places) for one in blocks],
                 "columns": columns,
             }
-        case Later():
-            raise ValueError("a figure is not drawn: pass the document through drawn()")
+        case ForPages():
+            raise ValueError("pass the document through drawn() first")
 
 
 def _plain_picture(picture: Picture, place: int) -> dict[str, Any]:

@@ -30,7 +30,7 @@ from budget.report.blocks import (
     Abreast,
     Cell,
     Column,
-    Later,
+    ForPages,
     Listing,
     Panel,
     Paragraph,
@@ -107,7 +107,7 @@ def allocation_section(allocation: Allocation) -> Section:
         if limits:
             tables.append(_parts_table(sensor, limits))
         blocks.append(Panel(title=capital(sensor), blocks=tuple(tables)))
-    blocks.append(Abreast(blocks=(Later(lambda: _pictures(allocation)),)))
+    blocks.append(Abreast(blocks=(ForPages(lambda: _pictures(allocation)),)))
     corrected = (row for row in allocation.sources if row.uncorrected is not None)
     blocks += _points("Corrected by Monte Carlo", map(_correction, corrected))
     blocks += _points("What limits cost", map(_cost_text, allocation.costs))

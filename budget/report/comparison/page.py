@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from budget.report.blocks import (
     Abreast,
     Card,
     Document,
+    ForPages,
     Listing,
     Pairs,
     Panel,
@@ -52,10 +53,10 @@ from budget.studies.figures_of_merit import MERITS
 from budget.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from budget.report.blocks import Block, Picture, Words
-    from budget.report.comparison.tables import Table
+    from budget.report.comparison.tables import Row, Table
     from budget.studies.comparison.records import Comparison
 
 COMMAND = "budget compare"
@@ -100,8 +101,8 @@ def comparison_document(
         _remarks(comparison, on_first_page=True),
         *_procedures(comparison, found),
         *(
-            _devices(table, place, with_margins=False, several=several)
-            for place, table in enumerate(found)
+            _devices(found, place, with_margins=False, several=several)
+            for place in range(len(found))
         ),
         *_pairs(comparison),
         *_missing(comparison),
@@ -144,39 +145,55 @@ def comparison_sections(comparison: Comparison) -> tuple[Section, ...]:
         The answer and how it was computed, the devices sensor by sensor, pairs, what
         the files leave to be assumed, and what to beware of.
     """
-    found = tables(comparison)
+    # No headline here: 'MET' would be read as a verdict on the report's device.
+    apart = Paragraph(words=(computed_apart(comparison),), small=True)
+    return tuple(_answer(comparison, tables(comparison), apart))
+
+
+def comparison_answer(
+    comparison: Comparison, *, order: Callable[[Row], Any] | None = None
+) -> tuple[Section, ...]:
+    """Return what stands alone on a terminal: the same, and the settings.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        The result.
+    order : callable, optional
+        What the rows of a ranking are sorted by, in place of the rank.
+    """
+    return (
+        *_answer(comparison, tables(comparison, order=order)),
+        _method(comparison),
+    )
+
+
+def _answer(
+    comparison: Comparison, found: Sequence[Table], *apart: Block
+) -> Iterator[Section]:
+    """Yield the sections that report and terminal have in common."""
     several = len(comparison.procedures) > 1
-    first = Section(
+    lines = (*verdict_lines(found), *not_compared_lines(comparison))
+    yield Section(
         name="comparison",
         title=f"Comparison against {comparison.requirement}",
         blocks=(
-            # No headline here: 'MET' would be read as a verdict on the report's device.
             Paragraph(words=(Run(text=answer(comparison), strong=True),)),
-            Paragraph(
-                words=(f"{basis(comparison)} {computed_apart(comparison)}",),
-                small=True,
-            ),
+            Paragraph(words=(basis(comparison),), small=True),
+            *apart,
             Listing(
-                items=tuple(
-                    (capital(line),)
-                    for line in (*verdict_lines(found), *not_compared_lines(comparison))
-                ),
+                items=tuple((capital(line),) for line in lines),
                 empty="No device has a required sensor.",
             ),
         ),
     )
-    return (
-        first,
-        *_procedures(comparison, found),
-        *(
-            _devices(table, place, with_margins=True, several=several)
-            for place, table in enumerate(found)
-        ),
-        *_pairs(comparison),
-        *_missing(comparison),
-        _assumptions(comparison, in_report=True),
-        _remarks(comparison, on_first_page=False),
-    )
+    yield from _procedures(comparison, found)
+    for place in range(len(found)):
+        yield _devices(found, place, with_margins=True, several=several)
+    yield from _pairs(comparison)
+    yield from _missing(comparison)
+    yield _assumptions(comparison, in_report=True)
+    yield _remarks(comparison, on_first_page=False)
 
 
 def _card(table: Table, *, several: bool) -> Card:
@@ -211,16 +228,19 @@ def _devices_heading(table: Table, *, several: bool) -> str:
 
 def _overview(found: Sequence[Table]) -> Section:
     """Return how far every device is from its limit."""
-    pictures = tuple(
-        margin_picture(table, f"margins-{table.sensor}-{place}")
-        for place, table in enumerate(found)
-        if table.rows
+    drawing = ForPages(
+        lambda: (
+            margin_picture(table, f"margins-{table.sensor}-{place}")
+            for place, table in enumerate(found)
+            if table.rows
+        )
     )
     nothing = Paragraph(words=("No device gives a line to draw.",))
+    has_rows = any(table.rows for table in found)
     return Section(
         name="overview",
         title="Against the limits",
-        blocks=(Abreast(blocks=pictures),) if pictures else (nothing,),
+        blocks=(Abreast(blocks=(drawing,)),) if has_rows else (nothing,),
         on_first_page=True,
     )
 
@@ -295,8 +315,16 @@ def _procedures(comparison: Comparison, found: Sequence[Table]) -> tuple[Section
     )
 
 
-def _devices(table: Table, place: int, *, with_margins: bool, several: bool) -> Section:
-    """Return ranking and figures of one sensor under one procedure."""
+def _devices(
+    found: Sequence[Table], place: int, *, with_margins: bool, several: bool
+) -> Section:
+    """Return ranking and figures of one sensor under one procedure.
+
+    What the columns mean stands once, with the first ranking.
+    """
+    table = found[place]
+    is_first = not any(before.rows for before in found[:place])
+    explained = (ranking_note(found),) if is_first else ()
     unknown = nothing_known_line(table)
     said = (Paragraph(words=(f"{capital(unknown)}.",)),) if unknown else ()
     end = f"{table.sensor}-{place}"
@@ -304,20 +332,25 @@ def _devices(table: Table, place: int, *, with_margins: bool, several: bool) -> 
     title = f"{_devices_heading(table, several=several)}: {table.counts}"
     if not table.rows:
         return Section(name=name, title=title, blocks=said)
-    fronts = _fronts(table, end)
-    pictures = list(fronts)
-    if with_margins:
-        pictures.insert(0, margin_picture(table, f"margins-{end}"))
+
+    def drawn_map() -> Iterator[Picture]:
+        yield map_picture(table, f"map-{end}", outputs_table(table, f"outputs-{end}"))
+
+    def drawn_costs() -> Iterator[Picture]:
+        if with_margins:
+            yield margin_picture(table, f"margins-{end}")
+        yield from _fronts(table, end)
+
     blocks: list[Block] = [
         *said,
         ranking_table(table, f"ranking-{end}"),
-        Paragraph(words=(ranking_note(table),), small=True),
-        map_picture(table, f"map-{end}", outputs_table(table, f"outputs-{end}")),
+        *(Paragraph(words=(text,), small=True) for text in explained),
+        ForPages(drawn_map),
+        Abreast(blocks=(ForPages(drawn_costs),)),
     ]
-    if pictures:
-        blocks.append(Abreast(blocks=tuple(pictures)))
     if why_not := no_fronts(table):
-        blocks.append(Paragraph(words=(why_not,), small=True))
+        remark = Paragraph(words=(why_not,), small=True)
+        blocks.append(ForPages(lambda: (remark,)))
     return Section(
         name=name,
         title=title,
@@ -325,18 +358,12 @@ def _devices(table: Table, place: int, *, with_margins: bool, several: bool) -> 
     )
 
 
-def _fronts(table: Table, end: str) -> list[Picture]:
-    """Return a front for each cost of which there are two different amounts."""
-    return [
-        front_picture(
-            table,
-            merit,
-            f"front-{merit}-{end}",
-            front_table(table, merit, f"{merit}-{end}"),
-        )
-        for merit in MERITS
-        if not no_front(table, merit)
-    ]
+def _fronts(table: Table, end: str) -> Iterator[Picture]:
+    """Yield a front for each cost of which there are two different amounts."""
+    for merit in MERITS:
+        if not no_front(table, merit):
+            data = front_table(table, merit, f"{merit}-{end}")
+            yield front_picture(table, merit, f"front-{merit}-{end}", data)
 
 
 def _pairs(comparison: Comparison) -> tuple[Section, ...]:
@@ -366,7 +393,9 @@ def _assumptions(comparison: Comparison, *, in_report: bool) -> Section:
         else (Paragraph(words=("None: the files say all that is needed.",)),)
     )
     title = "Assumptions of the compared devices" if in_report else "Assumptions"
-    return Section(name=name, title=title, blocks=blocks)
+    number = len(comparison.assumptions)
+    brief = f"Assumptions: {number}, all in --json" if number else "Assumptions: none"
+    return Section(name=name, title=title, blocks=blocks, in_brief=brief)
 
 
 def _method(comparison: Comparison) -> Section:

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from difflib import get_close_matches
+from functools import partial
+from math import inf
+from typing import TYPE_CHECKING, Any
 
-from budget.report.blocks import Cell, Column, RowGroup, Table
+from budget.errors import CallError
+from budget.report.blocks import Cell, Field, table_of
 from budget.report.comparison.fronts import merit_points
 from budget.report.comparison.tables import (
     PAIRS_SHOWN,
+    Row,
+    SideRow,
     print_at_most,
     print_output,
     side_by_side,
@@ -20,16 +27,17 @@ from budget.report.tables import (
     print_given,
     print_probability,
     print_utilisation,
+    words,
 )
+from budget.studies.comparison.records import VERDICTS, rank_number
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from budget.names import Name
-    from budget.report.comparison.tables import Row
+    from budget.report.blocks import Table
     from budget.report.comparison.tables import Table as Devices
     from budget.report.comparison.wording import MissingEffect
-    from budget.results import OutputAssessment
     from budget.studies.comparison.records import Comparison, Pair
 
 LONG = 8  # rows from which a table is worth searching
@@ -37,46 +45,148 @@ FEW = 2  # devices that are named, even where they are all
 DASH = "\N{EN DASH}"  # a factor that is not there
 
 
-def ranking_table(devices: Devices, name: str) -> Table:
-    """Return the devices with one sensor under one procedure, best first."""
-    rows = devices.rows
-    has_intervals = any(row.interval for row in rows)
-    has_missing = any(row.missing for row in rows)
-    columns = [
-        Column(head="device", weight=2.0),
-        Column(head="rank", kind="number"),
-        Column(head="verdict"),
-        Column(head="% of limit", kind="number"),
-        *([Column(head="sampling interval", weight=1.3)] if has_intervals else ()),
-        Column(head="conformance [%]", kind="number"),
-        Column(head="worst output", weight=1.3),
-        Column(head="limited by", weight=1.5),
-        Column(head="factor", kind="number"),
-    ]
-    if has_missing:
-        columns += [
-            Column(head="missing", kind="number"),
-            Column(head="at worst [% of limit]"),
-        ]
-    return Table(
-        name=name,
-        caption=f"Ranking of the {devices.sensor} devices",
-        columns=tuple(columns),
-        groups=(
-            RowGroup(
-                rows=tuple(
-                    _ranked(row, intervals=has_intervals, missing=has_missing)
-                    for row in rows
-                )
-            ),
+@dataclass(frozen=True, kw_only=True)
+class RankingField(Field[Row]):
+    """A column of the ranking, and what `--sort` puts it in order by."""
+
+    order: Callable[[Row], Any]
+
+
+def _undecided_last(row: Row, number: float) -> tuple[bool, float]:
+    """Order by a number, what cannot be decided last."""
+    return row.of.verdict == "undecidable", number
+
+
+def _utilisation(row: Row) -> Cell:
+    """Return the part of the limit that a device uses."""
+    return Cell(text=row.utilisation, exact=PER_CENT * row.of.utilisation)
+
+
+RANKING = (
+    RankingField(
+        key="device",
+        head="device",
+        weight=2.0,
+        cell=lambda row: Cell(
+            text=row.device,
+            strong=row.verdict == "meets",
+            note="lines missing" if row.missing else "",
         ),
-        is_wide=True,
-        searchable=len(rows) >= LONG,
+        order=lambda row: row.device.casefold(),
+    ),
+    RankingField(
+        key="rank",
+        head="rank",
+        kind="number",
+        cell=lambda row: Cell(text=row.rank, exact=float(rank_number(row.rank))),
+        order=lambda row: rank_number(row.rank),
+    ),
+    RankingField(
+        key="verdict",
+        head="verdict",
+        cell=lambda row: Cell(text=row.verdict, strong=row.verdict == "meets"),
+        order=lambda row: VERDICTS.index(row.of.verdict),
+    ),
+    RankingField(
+        key="utilisation",
+        head="% of limit",
+        kind="number",
+        cell=_utilisation,
+        order=lambda row: _undecided_last(row, row.of.utilisation),
+    ),
+    RankingField(
+        key="interval",
+        head="sampling interval",
+        weight=1.3,
+        cell=lambda row: row.interval,
+        optional=True,
+        order=lambda row: row.of.utilisation_interval,
+    ),
+    RankingField(
+        key="conformance",
+        head="conformance [%]",
+        kind="number",
+        cell=lambda row: Cell(
+            text=row.conformance, exact=PER_CENT * row.of.conformance.value
+        ),
+        order=lambda row: _undecided_last(row, -row.of.conformance.value),
+    ),
+    RankingField(
+        key="worst_output",
+        head="worst output",
+        weight=1.3,
+        cell=lambda row: row.worst_output,
+        order=lambda row: row.worst_output,
+    ),
+    RankingField(
+        key="limiting_source",
+        head="limited by",
+        weight=1.5,
+        cell=lambda row: row.limiting_source,
+        order=lambda row: row.limiting_source,
+    ),
+    RankingField(
+        key="factor",
+        head="factor",
+        kind="number",
+        cell=lambda row: Cell(text=row.factor or DASH, exact=row.of.remedy.factor),
+        order=lambda row: -(row.of.remedy.factor or 0.0),
+    ),
+    RankingField(
+        key="missing",
+        head="missing",
+        kind="number",
+        cell=lambda row: Cell(
+            text=row.missing, exact=float(row.missing) if row.missing else None
+        ),
+        optional=True,
+        order=lambda row: len(row.of.missing.lines) if row.of.missing else 0,
+    ),
+    RankingField(
+        key="at_worst",
+        head="at worst [% of limit]",
+        cell=lambda row: row.at_worst,
+        optional=True,
+        order=lambda row: inf if row.of.at_worst is None else row.of.at_worst,
+    ),
+)
+
+
+def find_column(name: str) -> RankingField:
+    """Return the column of that key or head.
+
+    Raises
+    ------
+    CallError
+        There is none.
+    """
+    known = {
+        text: column for column in RANKING for text in (column.key, column.head)
+    } | {words(column.key): column for column in RANKING}
+    if name in known:
+        return known[name]
+    near = get_close_matches(name, known)
+    hint = f"; did you mean {near[0]!r}?" if near else ""
+    raise CallError(
+        f"--sort: {name!r} is no column, allowed: "
+        f"{', '.join(column.key for column in RANKING)}{hint}"
     )
 
 
-def ranking_note(devices: Devices) -> str:
-    """Say what the columns of the ranking mean."""
+def ranking_table(devices: Devices, name: str) -> Table:
+    """Return the devices with one sensor under one procedure, best first."""
+    return table_of(
+        devices.rows,
+        RANKING,
+        name=name,
+        caption=f"Ranking of the {devices.sensor} devices",
+        is_wide=True,
+        searchable=len(devices.rows) >= LONG,
+    )
+
+
+def ranking_note(found: Sequence[Devices]) -> str:
+    """Say what the columns of the rankings mean."""
     text = (
         "Best first; = marks neighbours that cannot be told apart at 95 %. "
         "Conformance: probability that all required outputs are within their limits "
@@ -84,7 +194,7 @@ def ranking_note(devices: Devices) -> str:
         "source alone would bring the worst output to its limit, by the law; "
         f"{DASH}: it alone cannot."
     )
-    if any(row.missing for row in devices.rows):
+    if any(row.missing for devices in found for row in devices.rows):
         text += (
             " Missing: expected lines that the data sheet does not give; they count as "
             f"0, so that the error is this or more ({AT_LEAST}), and one stops a "
@@ -96,22 +206,21 @@ def ranking_note(devices: Devices) -> str:
 
 def outputs_table(devices: Devices, name: str) -> Table:
     """Return the part of each limit that each device uses: the data of the map."""
-    heads = (output.output.name for output in devices.rows[0].of.outputs)
-    return Table(
-        name=name,
-        caption="Largest error in % of the limit, devices by outputs",
-        columns=(
-            Column(head="device"),
-            *(Column(head=_output_head(head), kind="number") for head in heads),
-        ),
-        groups=(
-            RowGroup(
-                rows=tuple(
-                    (Cell(text=row.device), *map(_part_of_limit, row.of.outputs))
-                    for row in devices.rows
+    return table_of(
+        devices.rows,
+        (
+            Field[Row](head="device", cell=lambda row: row.device),
+            *(
+                Field[Row](
+                    head=_output_head(output.output.name),
+                    kind="number",
+                    cell=partial(_part_of_limit, place),
                 )
+                for place, output in enumerate(devices.rows[0].of.outputs)
             ),
         ),
+        name=name,
+        caption="Largest error in % of the limit, devices by outputs",
         is_wide=True,
         searchable=len(devices.rows) >= LONG,
     )
@@ -120,52 +229,77 @@ def outputs_table(devices: Devices, name: str) -> Table:
 def front_table(devices: Devices, merit: str, name: str) -> Table:
     """Return cost and part of the limit of each device: the data of a front."""
     points = merit_points(devices, merit)
-    return Table(
-        name=name,
-        caption=f"{merit} and part of the limit, cheapest first",
-        columns=(
-            Column(head="device", weight=1.6),
-            Column(head=f"{merit} [{points[0][1].unit}]", kind="number"),
-            Column(head="% of limit", kind="number"),
-            Column(head="verdict"),
-            Column(head="on the front"),
-        ),
-        groups=(
-            RowGroup(
-                rows=tuple(
-                    (
-                        Cell(text=row.device),
-                        Cell(text=print_given(amount.value), exact=amount.value),
-                        _utilisation(row),
-                        Cell(text=row.verdict),
-                        Cell(text="yes" if merit in row.of.on_front else "no"),
-                    )
-                    for row, amount in points
-                )
+    return table_of(
+        points,
+        (
+            Field(head="device", weight=1.6, cell=lambda point: point[0].device),
+            Field(
+                head=f"{merit} [{points[0][1].unit}]",
+                kind="number",
+                cell=lambda point: Cell(
+                    text=print_given(point[1].value), exact=point[1].value
+                ),
+            ),
+            Field(
+                head="% of limit",
+                kind="number",
+                cell=lambda point: _utilisation(point[0]),
+            ),
+            Field(head="verdict", cell=lambda point: point[0].verdict),
+            Field(
+                head="on the front",
+                cell=lambda point: "yes" if merit in point[0].of.on_front else "no",
             ),
         ),
+        name=name,
+        caption=f"{merit} and part of the limit, cheapest first",
     )
+
+
+def _pair_utilisation(pair: Pair) -> Cell:
+    """Return the part of its limits that a pair uses."""
+    part = print_utilisation(pair.utilisation).removesuffix(" %")
+    return Cell(
+        text=f"{AT_LEAST} {part}" if pair.lower_bound else part,
+        exact=PER_CENT * pair.utilisation,
+    )
+
+
+PAIRS = (
+    Field["Pair"](
+        head="gyro",
+        weight=1.6,
+        cell=lambda pair: Cell(text=pair.gyro, strong=pair.verdict == "meets"),
+    ),
+    Field["Pair"](
+        head="accelerometer",
+        weight=1.6,
+        cell=lambda pair: Cell(text=pair.accelerometer, strong=pair.verdict == "meets"),
+    ),
+    Field["Pair"](head="procedure", cell=lambda pair: pair.procedure),
+    Field["Pair"](head="verdict", cell=lambda pair: pair.verdict),
+    Field["Pair"](head="% of limit", kind="number", cell=_pair_utilisation),
+    Field["Pair"](
+        head="conformance [%]",
+        kind="number",
+        cell=lambda pair: Cell(
+            text=print_at_most(pair.conformance)
+            if pair.lower_bound
+            else print_probability(pair.conformance),
+            exact=PER_CENT * pair.conformance.value,
+        ),
+    ),
+)
 
 
 def pairs_table(pairs: Sequence[Pair]) -> Table:
     """Return the best pairs of a gyro and an accelerometer."""
     several = len({pair.procedure for pair in pairs}) > 1
-    return Table(
+    return table_of(
+        pairs[:PAIRS_SHOWN],
+        [field for field in PAIRS if several or field.head != "procedure"],
         name="pairs-table",
         caption="Pairs of gyro and accelerometer, best first",
-        columns=(
-            Column(head="gyro", weight=1.6),
-            Column(head="accelerometer", weight=1.6),
-            *([Column(head="procedure")] if several else ()),
-            Column(head="verdict"),
-            Column(head="% of limit", kind="number"),
-            Column(head="conformance [%]", kind="number"),
-        ),
-        groups=(
-            RowGroup(
-                rows=tuple(_pair(pair, several=several) for pair in pairs[:PAIRS_SHOWN])
-            ),
-        ),
         is_wide=True,
         searchable=len(pairs) >= LONG,
     )
@@ -176,21 +310,17 @@ def procedures_table(
 ) -> Table:
     """Return one sensor of every device under every procedure."""
     rows = side_by_side(found, sensor)
-    return Table(
-        name=f"procedures-{sensor}",
-        caption=f"{sensor} devices by procedure: % of the limit and verdict",
-        columns=(
-            Column(head="device", weight=1.6),
-            *(Column(head=name) for name in comparison.procedures),
-        ),
-        groups=(
-            RowGroup(
-                rows=tuple(
-                    (Cell(text=row.device), *(Cell(text=text) for text in row.cells))
-                    for row in rows
-                )
+    return table_of(
+        rows,
+        (
+            Field[SideRow](head="device", weight=1.6, cell=lambda row: row.device),
+            *(
+                Field[SideRow](head=name, cell=partial(_under, place))
+                for place, name in enumerate(comparison.procedures)
             ),
         ),
+        name=f"procedures-{sensor}",
+        caption=f"{sensor} devices by procedure: % of the limit and verdict",
         is_wide=True,
         searchable=len(rows) >= LONG,
     )
@@ -212,26 +342,23 @@ def assumptions_table(comparison: Comparison, name: str) -> Table:
     alike: dict[tuple[str, tuple[str, ...]], list[str]] = {}
     for (figure, assumed), devices in gathered.items():
         alike.setdefault((assumed, tuple(devices)), []).append(figure)
-    return Table(
-        name=name,
-        caption="Assumptions in the files",
-        columns=(
-            Column(head="figure", weight=1.2),
-            Column(head="assumed", weight=2.0),
-            Column(head="of", weight=2.0),
-        ),
-        groups=(
-            RowGroup(
-                rows=tuple(
-                    (
-                        Cell(text=", ".join(map(_figure, figures))),
-                        Cell(text=assumed),
-                        Cell(text=_owners(devices, len(names))),
-                    )
-                    for (assumed, devices), figures in alike.items()
-                )
+    return table_of(
+        alike.items(),
+        (
+            Field(
+                head="figure",
+                weight=1.2,
+                cell=lambda item: ", ".join(map(key_title, item[1])),
+            ),
+            Field(head="assumed", weight=2.0, cell=lambda item: item[0][0]),
+            Field(
+                head="of",
+                weight=2.0,
+                cell=lambda item: _owners(item[0][1], len(names)),
             ),
         ),
+        name=name,
+        caption="Assumptions in the files",
         is_wide=True,
         searchable=len(alike) >= LONG,
     )
@@ -239,34 +366,22 @@ def assumptions_table(comparison: Comparison, name: str) -> Table:
 
 def missing_table(effects: Sequence[MissingEffect]) -> Table:
     """Return what is put in the place of lines that are not given."""
-    return Table(
-        name="missing-table",
-        caption="What 'at worst' puts in the place of expected lines not given",
-        columns=(
-            Column(head="sensor", weight=0.7),
-            Column(head="devices", weight=1.5),
-            Column(head="in the place of what is missing", weight=2.5),
-        ),
-        groups=(
-            RowGroup(
-                rows=tuple(
-                    (
-                        Cell(text=row.sensor),
-                        Cell(text=", ".join(row.devices)),
-                        Cell(text=row.effect),
-                    )
-                    for row in effects
-                )
+    return table_of(
+        effects,
+        (
+            Field(head="sensor", weight=0.7, cell=lambda row: row.sensor),
+            Field(head="devices", weight=1.5, cell=lambda row: ", ".join(row.devices)),
+            Field(
+                head="in the place of what is missing",
+                weight=2.5,
+                cell=lambda row: row.effect,
             ),
         ),
+        name="missing-table",
+        caption="What 'at worst' puts in the place of expected lines not given",
         is_wide=True,
         searchable=len(effects) >= LONG,
     )
-
-
-def _figure(name: str) -> str:
-    """Name a figure of a file: 'gyro bias stability'."""
-    return key_title(name)
 
 
 def _owners(devices: Sequence[str], number: int) -> str:
@@ -282,59 +397,17 @@ def _output_head(name: Name) -> str:
     return output_title(name.without_owner).removeprefix("mounting ")
 
 
-def _ranked(row: Row, *, intervals: bool, missing: bool) -> tuple[Cell, ...]:
-    """Return one row of the ranking."""
-    of, meets = row.of, row.verdict == "meets"
-    cells = [
-        Cell(
-            text=row.device,
-            strong=meets,
-            note="lines missing" if row.missing else "",
-        ),
-        Cell(text=row.rank, exact=float(row.rank.rstrip("="))),
-        Cell(text=row.verdict, strong=meets),
-        _utilisation(row),
-        *([Cell(text=row.interval)] if intervals else ()),
-        Cell(text=row.conformance, exact=PER_CENT * of.conformance.value),
-        Cell(text=row.worst_output),
-        Cell(text=row.limiting_source),
-        Cell(text=row.factor or DASH, exact=of.remedy.factor),
-    ]
-    if missing:
-        number = float(row.missing) if row.missing else None
-        cells += [Cell(text=row.missing, exact=number), Cell(text=row.at_worst)]
-    return tuple(cells)
+def _under(place: int, row: SideRow) -> str:
+    """Return what a device uses, and its verdict, under one of the procedures."""
+    return row.cells[place]
 
 
-def _utilisation(row: Row) -> Cell:
-    """Return the part of the limit that a device uses."""
-    return Cell(text=row.utilisation, exact=PER_CENT * row.of.utilisation)
-
-
-def _part_of_limit(output: OutputAssessment) -> Cell:
+def _part_of_limit(place: int, row: Row) -> Cell:
     """Return the part of one limit that one device uses; beyond it in bold."""
+    output = row.of.outputs[place]
     part = output.utilisation
     return Cell(
         text=print_output(output),
         exact=PER_CENT * part,
         strong=not output.is_within,
-    )
-
-
-def _pair(pair: Pair, *, several: bool) -> tuple[Cell, ...]:
-    """Return one pair."""
-    part = print_utilisation(pair.utilisation).removesuffix(" %")
-    said = print_probability(pair.conformance)
-    if pair.lower_bound:
-        part, said = f"{AT_LEAST} {part}", print_at_most(pair.conformance)
-    return (
-        Cell(text=pair.gyro, strong=pair.verdict == "meets"),
-        Cell(text=pair.accelerometer, strong=pair.verdict == "meets"),
-        *([Cell(text=pair.procedure)] if several else ()),
-        Cell(text=pair.verdict),
-        Cell(text=part, exact=PER_CENT * pair.utilisation),
-        Cell(
-            text=said,
-            exact=PER_CENT * pair.conformance.value,
-        ),
     )

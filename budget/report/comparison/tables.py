@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from difflib import get_close_matches
-from math import inf
 from typing import TYPE_CHECKING, Any
 
-from budget.errors import CallError
 from budget.report.tables import (
     AT_LEAST,
     AT_MOST,
@@ -20,9 +17,8 @@ from budget.report.tables import (
     print_utilisation,
     round_value,
     source_title,
-    words,
 )
-from budget.studies.comparison.records import VERDICTS, rank_number, ranks
+from budget.studies.comparison.records import VERDICTS, ranks
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -59,63 +55,6 @@ class Row:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Column:
-    """A printed column: its key for --sort, its head, and what it is sorted by."""
-
-    key: str
-    head: str
-    order: Callable[[Row], Any]
-
-
-COLUMNS = (
-    Column(key="rank", head="rank", order=lambda row: rank_number(row.rank)),
-    Column(key="device", head="device", order=lambda row: row.device.casefold()),
-    Column(
-        key="verdict",
-        head="verdict",
-        order=lambda row: VERDICTS.index(row.of.verdict),
-    ),
-    Column(
-        key="utilisation",
-        head="% of limit",
-        order=lambda row: (row.of.verdict == "undecidable", row.of.utilisation),
-    ),
-    Column(
-        key="interval", head="interval", order=lambda row: row.of.utilisation_interval
-    ),
-    Column(
-        key="conformance",
-        head="conform %",
-        order=lambda row: (
-            row.of.verdict == "undecidable",
-            -row.of.conformance.value,
-        ),
-    ),
-    Column(key="worst_output", head="worst output", order=lambda row: row.worst_output),
-    Column(
-        key="limiting_source",
-        head="limiting source",
-        order=lambda row: row.limiting_source,
-    ),
-    Column(
-        key="factor",
-        head="factor",
-        order=lambda row: -(row.of.remedy.factor or 0.0),
-    ),
-    Column(
-        key="missing",
-        head="missing",
-        order=lambda row: len(row.of.missing.lines) if row.of.missing else 0,
-    ),
-    Column(
-        key="at_worst",
-        head="at worst",
-        order=lambda row: inf if row.of.at_worst is None else row.of.at_worst,
-    ),
-)
-
-
-@dataclass(frozen=True, kw_only=True)
 class Table:
     """All devices with one sensor under one procedure."""
 
@@ -145,36 +84,17 @@ class SideRow:
     cells: tuple[str, ...]
 
 
-def find_column(name: str) -> Column:
-    """Return the column of that key or head.
-
-    Raises
-    ------
-    CallError
-        There is none.
-    """
-    known = {
-        text: column for column in COLUMNS for text in (column.key, column.head)
-    } | {words(column.key): column for column in COLUMNS}
-    if name in known:
-        return known[name]
-    near = get_close_matches(name, known)
-    hint = f"; did you mean {near[0]!r}?" if near else ""
-    raise CallError(
-        f"--sort: {name!r} is no column, allowed: "
-        f"{', '.join(column.key for column in COLUMNS)}{hint}"
-    )
-
-
-def tables(comparison: Comparison, *, sort: Column | None = None) -> tuple[Table, ...]:
+def tables(
+    comparison: Comparison, *, order: Callable[[Row], Any] | None = None
+) -> tuple[Table, ...]:
     """Return a table for each sensor and procedure, best first or by a column."""
     found = []
     for (sensor, procedure), devices in comparison.lists.items():
         rows = [
             _row(one, rank) for one, rank in zip(devices, ranks(devices), strict=True)
         ]
-        if sort is not None:
-            rows.sort(key=sort.order)
+        if order is not None:
+            rows.sort(key=order)
         unknown = tuple(
             one.name
             for one in comparison.nothing_known

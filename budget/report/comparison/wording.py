@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from budget.report.comparison.tables import COLUMNS
 from budget.report.tables import print_count, print_coverage, source_title
 from budget.report.wording import REFERENCES
+from budget.studies.comparison.records import rank_number
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -101,7 +101,7 @@ def nothing_known_line(table: Table) -> str:
 def best_of(table: Table) -> Row | None:
     """Return the best device that meets, None where none does."""
     meets = [row for row in table.rows if row.of.verdict == "meets"]
-    return min(meets, key=COLUMNS[0].order, default=None)
+    return min(meets, key=lambda row: rank_number(row.rank), default=None)
 
 
 def not_compared_lines(comparison: Comparison) -> tuple[str, ...]:

@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-import io
 import json
 import re
 from dataclasses import replace
 
 import pytest
 from comparison_examples import compared, paper_device, requirement
-from document_text import find, lines, rows, section
-from rich.console import Console
+from document_text import find, lines, on_terminal, rows, section
 
 from budget.report.blocks import Listing, Picture, Table
 from budget.report.comparison.document import to_json
 from budget.report.comparison.margins import margin_title
-from budget.report.comparison.page import comparison_document, comparison_sections
+from budget.report.comparison.page import (
+    comparison_answer,
+    comparison_document,
+    comparison_sections,
+)
 from budget.report.comparison.tables import tables
-from budget.report.comparison.terminal import render_comparison
 from budget.report.comparison.wording import computed_apart, unknown_cap_lines
 
 BOTH = ("gyro", "accelerometer")
@@ -27,9 +28,7 @@ CAPS = (("price", "100 EUR"), ("mass", "2 kg"), ("power", "9 W"))
 
 def rendered(found, width=100):
     """Return what a terminal of a width shows."""
-    console = Console(width=width, record=True, file=io.StringIO())
-    render_comparison(found, console)
-    return console.export_text()
+    return on_terminal(comparison_answer(found), width)
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +60,7 @@ def test_unknown_amounts_stand_in_terminal_page_and_document(capped):
     remarks = " ".join(lines(section(page, "remarks")))
     of = {one["name"]: one for one in capped.to_dict()["devices"]}
 
-    assert "Not known whether over a cap" in rendered(capped)
+    assert "Cap on mass, at most 2 kg: not known" in rendered(capped)
     assert "not known for silent, poet" in rendered(capped)
     assert "Over a cap: heavy: mass 3 kg, at most 2 kg" in remarks
     assert "Cap on mass, at most 2 kg: not known for silent, poet" in remarks
@@ -95,7 +94,7 @@ def test_limits_of_a_sensor_that_no_device_has_are_not_met():
     document = comparison_document(found, date=DATE)
     first, *_ = comparison_sections(found)
 
-    assert "accelerometer: limits not judged, no device here" in rendered(found)
+    assert "Accelerometer: limits not judged, no device here" in rendered(found)
     assert document.headline == "MET for the gyro: test requirement"
     for text in (document.summary[0], " ".join(lines(first))):
         assert "has a device that meets; the limits for the accelerometer" in text
