@@ -33,8 +33,8 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.report.blocks import Picture
+    from budget.studies.paper.orders import Sweep
     from budget.studies.paper.study import PaperStudy
-    from budget.studies.paper.sweeps import Sweep
 
 HEIGHT = 190.0  # of a curve [pt]
 DASHES = ("-", "--", ":", "-.")

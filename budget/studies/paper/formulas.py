@@ -17,7 +17,7 @@ from budget.calibration.schemes import scheme_of
 from budget.earth import ROTATION_RATE
 from budget.model.response import estimate
 from budget.names import ANGLES, AXES
-from budget.studies.paper.findings import WORD, Finding, Verdict
+from budget.studies.paper.findings import Finding, Verdict
 from budget.units import ARCSEC, DEG_PER_HOUR, STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -136,7 +136,27 @@ def compute_formulas(conditions: Conditions) -> tuple[Formula, ...]:
 
 def formula_findings(conditions: Conditions) -> tuple[Finding, ...]:
     """Return one row for each formula, judged by what it returns."""
-    return tuple(_finding(formula) for formula in compute_formulas(conditions))
+    findings = []
+    for formula in compute_formulas(conditions):
+        given, note = formula.given, ""
+        verdict = Verdict.AGREES if formula.is_right else Verdict.UNEXPLAINED
+        if formula.is_right and formula.is_misprint:
+            verdict = Verdict.MISPRINT if given.is_slip else Verdict.EXPLAINED
+            note = f"; {given.note}"
+        findings.append(
+            conditions.paper.tell(
+                "formula",
+                printed=given.printed,
+                ours=given.ours or given.printed,
+                # A sign counts here.
+                ratio=formula.returns_ours / formula.returns_printed,
+                verdict=verdict,
+                formula=formula,
+                unit="" if given.unit == "1" else f" {given.unit}",
+                note=note,
+            )
+        )
+    return tuple(findings)
 
 
 def evaluate(text: str, values: Mapping[str, float]) -> float:
@@ -153,31 +173,6 @@ def evaluate(text: str, values: Mapping[str, float]) -> float:
         for factor in re.findall(FACTOR, found["below"])
     )
     return (-above if found["sign"] else above) / below
-
-
-def _finding(formula: Formula) -> Finding:
-    """Judge one formula by what it returns."""
-    given = formula.given
-    unit = "" if given.unit == "1" else f" {given.unit}"
-    printed, ours, truth = (
-        f"{value:.8g}{unit}"
-        for value in (formula.returns_printed, formula.returns_ours, formula.truth)
-    )
-    why = f"error-free pulses at {truth}: printed gives {printed}, ours {ours}"
-    verdict = Verdict.AGREES if formula.is_right else Verdict.UNEXPLAINED
-    if formula.is_right and formula.is_misprint:
-        verdict = Verdict.MISPRINT if given.is_slip else Verdict.EXPLAINED
-        why += f"; {given.note}"
-    return Finding(
-        section="formulas",
-        where=f"{given.equation}, {formula.name}",
-        printed=given.printed,
-        ours=given.ours or given.printed,
-        quantity=WORD,
-        ratio=formula.returns_ours / formula.returns_printed,  # a sign counts here
-        verdict=verdict,
-        why=why,
-    )
 
 
 def _mounting() -> Array:

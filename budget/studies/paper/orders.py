@@ -1,4 +1,4 @@
-"""Orders of magnitude that the text gives: gyro (3.1) and accelerometer (3.2).
+"""Orders of magnitude: of the text, gyro (3.1), accelerometer (3.2), and of figures.
 
 The text takes for the order of some entries the power of ten of the largest: beside
 Table 1 it says 0.001 for -0.00296, -0.0063, -0.00577, and 1e-9 for 7.3213e-9.
@@ -6,14 +6,17 @@ Table 1 it says 0.001 for -0.00296, -0.0063, -0.00577, and 1e-9 for 7.3213e-9.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from math import cos, floor, log10, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.model.sources import ACCELEROMETER
-from budget.names import Name
+from budget.earth import ROTATION_RATE
+from budget.model.sources import ACCELEROMETER, GYRO
+from budget.names import PARAMETERS, Name
 from budget.studies.paper.conditions import (
+    HALF_ULP,
     PLACES,
     Expectation,
     expect,
@@ -26,26 +29,28 @@ from budget.studies.paper.findings import (
     RUNS,
     U_SINGLE,
     VALUE,
-    WORD,
     Finding,
     Verdict,
     agrees_if,
-    ratio_of,
     say,
-    words,
 )
 from budget.studies.paper.printed import UNITS
-from budget.studies.paper.readings import STABILITY, best_reading
-from budget.studies.paper.statistics import LEVEL, order_probability
-from budget.studies.paper.sweeps import power_of_ten
+from budget.studies.paper.readings import (
+    LEVEL,
+    STABILITY,
+    best_reading,
+    order_probability,
+)
 from budget.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
+    from budget.arrays import Array
     from budget.studies.paper.conditions import Conditions
-    from budget.studies.paper.printed import Parameter, PrintedOrders
+    from budget.studies.paper.printed import Parameter, PrintedFigure, PrintedOrders
     from budget.studies.paper.readings import Reading
 
 NOISE = Name("sample_noise", owner=ACCELEROMETER)
+PROPORTIONAL = 1e-4  # departure from a straight line over the largest value [1]
 
 
 def order_findings(
@@ -77,7 +82,7 @@ def order_findings(
                     runs=other.runs,
                 )
                 cause = f"{say(p)} if read so: {other.full_name}"
-            found.append(_judge(printed, parameter, expected, cause=cause))
+            found.append(_judge(conditions, printed, parameter, expected, cause=cause))
             if (printed.name, parameter) == (STABILITY, "scale_factor"):
                 found.append(_bound(conditions))
     return (*found, *of_noise)
@@ -111,68 +116,65 @@ def noise_readings(printed: PrintedOrders, conditions: Conditions) -> list[Findi
         p = {name: _probabilities(printed, name, found) for name in printed.errors}
         fits = any(all(both[k] >= LEVEL for both in p.values()) for k in range(2))
         for parameter, order in printed.errors.items():
-            ours = float(found.u[PLACES[parameter]].max())
             findings.append(
-                Finding(
-                    section="readings",
-                    where=f"{printed.section}, sample noise, {words(parameter)}: "
-                    f"{reading.name}",
+                conditions.paper.tell(
+                    "reading of the noise",
                     printed=order,
-                    ours=ours,
+                    ours=float(found.u[PLACES[parameter]].max()),
                     quantity=U_SINGLE,
-                    ratio=ratio_of(ours, float(order)),
                     verdict=Verdict.READING_FITS if fits else Verdict.READING_FAILS,
-                    why="all three orders must come out, as single runs or as means",
-                    p_single=p[parameter][0],
-                    p_mean=p[parameter][1],
-                    is_summary=True,
+                    p=p[parameter],
+                    orders=printed,
+                    parameter=parameter,
+                    reading=reading,
                 )
             )
     return findings
 
 
 def _judge(
-    printed: PrintedOrders, parameter: Parameter, found: Expectation, *, cause: str
+    conditions: Conditions,
+    printed: PrintedOrders,
+    parameter: Parameter,
+    found: Expectation,
+    *,
+    cause: str,
 ) -> Finding:
     """Hold one order against what it should be; `cause` explains one that is not."""
     place, text = PLACES[parameter], printed.errors[parameter]
     order, unit = float(text), "" if printed.unit == "1" else f" {printed.unit}"
-    single = mean = None
-    quantity = VALUE
+    ours = float(np.abs(found.mean[place]).max())
+    zero = float(found.resolution[place].max())
+    quantity, p = VALUE, None
     if found.u[place].any():
-        single, mean = _probabilities(printed, parameter, found)
+        p = _probabilities(printed, parameter, found)
         ours, quantity = float(found.u[place].max()), U_SINGLE
-        verdict, why = (
-            Verdict.AGREES_IN_ORDER,
-            "p: of the largest entry having this order",
-        )
-        if max(single, mean) < LEVEL:
-            verdict = Verdict.READING if cause else Verdict.UNEXPLAINED
-            why += f"; {cause}" if cause else ""
-    else:
-        ours = float(np.abs(found.mean[place]).max())
-        zero = float(found.resolution[place].max())
-        if ours <= zero:
-            ours, why = 0.0, "no effect"
-            verdict = agrees_if(order <= zero)
-            why += f"; {say(zero, 1)} is rounding here" if order else ""
+        case, verdict = "random", Verdict.AGREES_IN_ORDER
+        if max(p) >= LEVEL:
+            cause = ""
         else:
-            same = power_of_ten(ours) == power_of_ten(order)
-            verdict = Verdict.AGREES_IN_ORDER if same else Verdict.EXPLAINED
-            why = "not rounding, as the text has it: eq. (4)'s own error"
-    return Finding(
-        section="text",
-        where=f"{printed.section}, {printed.sensor}, {printed.condition}, "
-        f"{words(parameter)}",
+            verdict = Verdict.READING if cause else Verdict.UNEXPLAINED
+    elif ours <= zero:
+        ours, case = 0.0, "rounding" if order else "zero"
+        verdict = agrees_if(order <= zero)
+    else:
+        case = "fixed"
+        same = power_of_ten(ours) == power_of_ten(order)
+        verdict = Verdict.AGREES_IN_ORDER if same else Verdict.EXPLAINED
+    return conditions.paper.tell(
+        "order of the text",
+        case,
         printed=f"{text}{unit}",
         ours=ours,
+        against=order,
         quantity=quantity,
-        ratio=ratio_of(ours, order),
         verdict=verdict,
-        why=f"{printed.note}; {why}" if printed.note else why,
-        p_single=single,
-        p_mean=mean,
-        is_summary=True,
+        p=p or (None, None),
+        orders=printed,
+        parameter=parameter,
+        zero=zero,
+        note=f"{printed.note}; " if printed.note else "",
+        cause=f"; {cause}" if cause else "",
     )
 
 
@@ -183,17 +185,13 @@ def _bound(conditions: Conditions) -> Finding:
     largest = max(entries, key=lambda text: abs(float(text)))
     beyond = abs(float(largest)) / float(paper.bound)
     as_order = power_of_ten(float(largest)) == power_of_ten(float(paper.bound))
-    return Finding(
-        section="text",
-        where="3.1, gyro, bias stability, scale factor as a bound",
-        printed=f"within {paper.bound}",
+    return paper.tell(
+        "bound of the text",
         ours=f"{largest} in Table 1",
-        quantity=WORD,
         ratio=beyond,
         verdict=Verdict.EXPLAINED if as_order else Verdict.UNEXPLAINED,
-        why=f"the table beside the text has an entry {say(beyond)} times that bound; "
-        "as a power of ten, which is how the text reads all others, the two agree",
-        is_summary=True,
+        bound=paper.bound,
+        beyond=beyond,
     )
 
 
@@ -206,3 +204,167 @@ def _probabilities(
         for n in (1, RUNS)
     )
     return single, mean
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sweep:
+    """One of the four figures, computed: relative errors against the step.
+
+    Attributes
+    ----------
+    figure, source : str
+        'figure 3', 'gyro.scale_factor_asymmetry'.
+    given : PrintedFigure
+        What is stepped, and what the paper reads off its figure.
+    size : ndarray, shape (25,)
+        Nonlinearity or asymmetry at i = 1 to 25 [1].
+    errors : ndarray, shape (n, 25)
+        Relative errors of the axes or angles [1].
+    slopes : ndarray, shape (n,)
+        Closed form of d error / d size [1].
+    """
+
+    figure: str
+    source: Name
+    given: PrintedFigure
+    size: Array
+    errors: Array
+    slopes: Array
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Axes or angles, length n."""
+        return PARAMETERS[self.given.parameter]
+
+    @property
+    def largest(self) -> float:
+        """Largest absolute error [1]."""
+        return float(np.abs(self.errors).max())
+
+    @property
+    def fitted_slopes(self) -> Array:
+        """Rise from i = 1 to i = 25 over the step, shape (n,) [1]."""
+        rise = self.errors[:, -1] - self.errors[:, 0]
+        return np.asarray(rise / (self.size[-1] - self.size[0]))
+
+    @property
+    def departure(self) -> float:
+        """Largest departure from the straight line through both ends, relative [1]."""
+        line = self.errors[:, [0]] + self.fitted_slopes[:, None] * (
+            self.size - self.size[0]
+        )
+        return float(np.abs(self.errors - line).max() / self.largest)
+
+
+def compute_sweeps(conditions: Conditions) -> tuple[Sweep, ...]:
+    """Calibrate error-free but for the step, 25 times: formulas of the paper."""
+    nominal = nominal_size(conditions.gyro)
+    rising = _asymmetry_slopes(conditions)
+    sweeps = []
+    for figure, given in conditions.paper.figures.items():
+        place, source = PLACES[given.parameter], Name(given.source, owner=GYRO)
+        problem = only_sources(conditions.gyro, conditions.printed, source)
+        size = given.step * np.arange(1.0, RUNS + 1.0)
+        errors = problem.evaluate(np.tile(size, (3, 1))) / nominal[:, None]
+        rises = source.quantity == "scale_factor_asymmetry"
+        sweeps.append(
+            Sweep(
+                figure=figure,
+                source=source,
+                given=given,
+                size=size,
+                errors=errors[place],
+                slopes=rising[place] * rises,
+            )
+        )
+    return tuple(sweeps)
+
+
+def power_of_ten(value: float) -> int:
+    """Return k with 10^k <= |value| < 10^(k+1)."""
+    return floor(log10(abs(value)))
+
+
+def _asymmetry_slopes(conditions: Conditions) -> Array:
+    """Return d(relative error)/dKa of the twelve parameters, shape (12,) [1].
+
+    With G = T/(4 pi n) each row of the response takes up G Ka b off its diagonal and
+    G Ka (b + e) on it, e = (0, w cos L, w sin L). Hence for an angle s G b / d0, s its
+    sign in dT, and by eq. (4) for the biases -(b + w_i) G (b + e_i) + sum over k != i
+    of G b (b + w_k), over b; w = (0, 0, w sin L). Terms in dT are left out, 1e-5.
+    """
+    gyro, procedure = conditions.gyro, conditions.printed
+    b = float(gyro.nominal_bias[0])
+    d0 = float(gyro.nominal_mounting_angle[0])
+    gain = 1.0 / (2.0 * procedure.gyro.rate)  # T / (4 pi n)
+    vertical = ROTATION_RATE * sin(procedure.latitude)
+    e = np.array([0.0, ROTATION_RATE * cos(procedure.latitude), vertical])
+    v = b + np.array([0.0, 0.0, vertical])
+    sign = np.array([-1.0, 1.0, 1.0, -1.0, -1.0, 1.0])
+    bias = gain * (b * (v.sum() - v) - v * (b + e)) / b
+    return np.concatenate([gain * (b + e), sign * gain * b / d0, bias])
+
+
+def sweep_findings(
+    sweeps: tuple[Sweep, ...], conditions: Conditions
+) -> tuple[Finding, ...]:
+    """Return the order of each figure, and the slopes of those that rise."""
+    tell = conditions.paper.tell
+    findings: list[Finding] = []
+    for sweep in sweeps:
+        order, ours = float(sweep.given.order), sweep.largest
+        verdict, case = Verdict.AGREES_IN_ORDER, "same order"
+        if not ours:
+            verdict, case = Verdict.AGREES, "zero"
+        elif power_of_ten(ours) != power_of_ten(order):
+            verdict, case = Verdict.UNEXPLAINED, "other order"
+        elif not sweep.slopes.any():
+            case = "level"
+        findings.append(
+            tell(
+                "order of a figure",
+                case,
+                printed=sweep.given.order,
+                ours=ours,
+                verdict=verdict,
+                sweep=sweep,
+                steps=order / HALF_ULP,
+                times=order / ours if ours else 0.0,
+            )
+        )
+        if sweep.slopes.any():
+            findings += (
+                tell(
+                    "slope of a figure",
+                    ours=float(found),
+                    verdict=agrees_if(sweep.departure <= PROPORTIONAL),
+                    sweep=sweep,
+                    name=name,
+                    closed=closed,
+                )
+                for name, found, closed in zip(
+                    sweep.names, sweep.fitted_slopes, sweep.slopes, strict=True
+                )
+            )
+    # Readings of figure 3: by what each would multiply our errors.
+    third, bias = sweeps[2], float(np.abs(conditions.gyro.nominal_bias[0]))
+    factors = (
+        100.0,  # per cent
+        1200.0 / 18.0,  # time of the dwells over that of a turn
+        1.0 + ROTATION_RATE / bias,
+    )
+    readings = (
+        tell(
+            "reading of a figure",
+            printed=third.given.order,
+            ours=factor * third.largest,
+            verdict=Verdict.READING_FAILS,
+            sweep=third,
+            name=name,
+            why=why,
+        )
+        for factor, (name, why) in zip(
+            factors, conditions.paper.figure_3.items(), strict=True
+        )
+    )
+    return (*findings, *readings)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from typing import Annotated, Literal, Self
+from string import Formatter
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
@@ -14,7 +15,16 @@ from budget.spec.checking import check
 from budget.spec.fields import Strict, fault, faults
 from budget.spec.reader import read
 from budget.spec.tree import describe
-from budget.studies.paper.findings import RUNS, Verdict
+from budget.studies.paper.findings import (
+    RUNS,
+    VALUE,
+    WORD,
+    Finding,
+    Verdict,
+    ratio_of,
+    say,
+    words,
+)
 from budget.units import NUMBER, PPM
 
 FOLDER, FILE = "zhao_2019", "printed.yaml"
@@ -129,6 +139,31 @@ class NoiseReading(Strict):
     once_a_window: bool = False
 
 
+class GivenFinding(Strict):
+    """How a kind of finding is told; what stands in braces is filled in."""
+
+    section: str
+    where: str
+    printed: str = ""  # where that is no single number
+    why: str | dict[str, str]  # by what is the case
+    is_summary: bool = True
+
+
+class _Sentence(Formatter):
+    """Templates of sentences: a number to so many digits {u:3}, else two; {key:words}.
+
+    Other formats are those of Python.
+    """
+
+    def format_field(self, value: Any, format_spec: str) -> str:  # noqa: ANN401 - any
+        """Write one value."""
+        if format_spec == "words":
+            return words(value)
+        if isinstance(value, float) and (format_spec.isdigit() or not format_spec):
+            return say(value, int(format_spec or 2))
+        return str(format(value, format_spec))
+
+
 class Paper(Strict):
     """Everything that is printed, the readings, and the words of the study."""
 
@@ -149,20 +184,26 @@ class Paper(Strict):
     noise_readings: tuple[NoiseReading, ...]
     formulas: tuple[PrintedFormula, ...]
     conclusions: tuple[Conclusion, ...]
+    findings: dict[str, GivenFinding]
 
     @model_validator(mode="after")
     def _check_words(self) -> Self:
         """Hold meanings, cards and angles to what there is, each once."""
         if sorted(self.angle_order) != sorted(ANGLES):
-            found = ", ".join(self.angle_order)
-            message = f"has {found}, expected every angle once: {', '.join(ANGLES)}"
+            angles = ", ".join(self.angle_order)
+            message = f"has {angles}, expected every angle once: {', '.join(ANGLES)}"
             raise faults({("angle_order",): message})
         known = [str(verdict) for verdict in Verdict]
-        counted = [word for words in self.cards.values() for word in words]
-        for key, words in (("verdicts", list(self.verdicts)), ("cards", counted)):
-            if sorted(words) != sorted(known):
-                message = f"has {describe(', '.join(words))}, expected each once: "
+        counted = [word for card in self.cards.values() for word in card]
+        for key, found in (("verdicts", list(self.verdicts)), ("cards", counted)):
+            if sorted(found) != sorted(known):
+                message = f"has {describe(', '.join(found))}, expected each once: "
                 raise faults({(key,): message + ", ".join(known)})
+        for kind, finding in self.findings.items():
+            if finding.section not in self.sections:
+                message = f"{finding.section!r} is no section, expected one of: "
+                message += ", ".join(self.sections)
+                raise faults({("findings", kind, "section"): message})
         return self
 
     @property
@@ -177,6 +218,58 @@ class Paper(Strict):
             zip(self.angle_order, row.mounting_angle, strict=True)
         )
         return (*row.scale_factor, *(angles[name] for name in ANGLES), *row.bias)
+
+    def tell(
+        self,
+        kind: str,
+        case: str = "",
+        *,
+        ours: float | str,
+        verdict: Verdict,
+        printed: str = "",
+        against: float | None = None,
+        ratio: float | None = None,
+        quantity: str = VALUE,
+        p: tuple[float | None, float | None] = (None, None),
+        **said: object,
+    ) -> Finding:
+        """Put a finding into the words of the paper's file.
+
+        Parameters
+        ----------
+        kind, case : str
+            Which of `findings`, and which of its reasons.
+        ours : float or str
+            See Finding, as all that is not named here.
+        printed : str
+            As printed; without it what the file says.
+        against : float
+            What ours is over, for the ratio; without it the printed number.
+        p : (float or None, float or None)
+            Of a single run and of a mean.
+        said : object
+            What is filled in, beside `ours` and `against`.
+        """
+        given, fill = self.findings[kind], _Sentence().vformat
+        why = given.why if isinstance(given.why, str) else given.why[case]
+        if against is None and re.fullmatch(NUMBER, printed):
+            against = float(printed)
+        said |= {"ours": ours, "against": against}
+        if isinstance(ours, float) and against is not None:
+            ratio = ratio_of(ours, against)
+        return Finding(
+            section=given.section,
+            where=fill(given.where, (), said),
+            printed=printed or fill(given.printed, (), said),
+            ours=ours,
+            quantity=WORD if isinstance(ours, str) else quantity,
+            ratio=ratio,
+            verdict=verdict,
+            why=fill(why, (), said),
+            p_single=p[0],
+            p_mean=p[1],
+            is_summary=given.is_summary,
+        )
 
 
 def load_paper() -> Paper:

@@ -1,12 +1,12 @@
-"""Readings of Table 1: what the inputs of a row may mean, held against its entries."""
+"""Readings of Table 1: what the inputs of a row may mean, and how well that fits."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.special import chdtr, chdtrc, erfc, ndtr
 
 from budget.model.sources import GYRO
 from budget.names import Name
@@ -21,17 +21,7 @@ from budget.studies.paper.conditions import (
     with_lines,
     without_nominal_angles,
 )
-from budget.studies.paper.findings import (
-    RUNS,
-    U_MEAN,
-    U_SINGLE,
-    Finding,
-    Verdict,
-    ratio_of,
-    say,
-    words,
-)
-from budget.studies.paper.statistics import LEVEL, Fit, fit
+from budget.studies.paper.findings import RUNS, U_MEAN, U_SINGLE
 from budget.units import DEG_PER_HOUR
 
 if TYPE_CHECKING:
@@ -43,10 +33,116 @@ if TYPE_CHECKING:
     from budget.studies.paper.conditions import Conditions
     from budget.studies.paper.printed import GivenReading
 
+LEVEL = 0.01  # a reading is said to fit from this p on [1]
 SIX_DIGITS = 5e-6  # doubles leave about 1e-6 of eq. (4)'s residual [1]
 STABILITY = Name("bias_stability", owner=GYRO)
 WALK = Name("angle_random_walk", owner=GYRO)
 MOUNTING = Name("mounting_repeatability", owner=GYRO)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Fit:
+    """Printed entries against an expectation.
+
+    Attributes
+    ----------
+    chi_square : float
+        Deviations squared in the metric of their joint covariance [1].
+    entries : int
+        Its degrees of freedom.
+    p : float
+        Two-sided: twice the smaller tail; too good a fit counts as well. Where the
+        scatter about a common shift was tested too, twice the smaller of both p [1].
+    p_entries : ndarray
+        Two-sided normal p of each entry by itself [1].
+    u_rms : float
+        Root mean square of the standard uncertainties [1].
+    """
+
+    chi_square: float
+    entries: int
+    p: float
+    p_entries: Array
+    u_rms: float
+
+    @property
+    def fits(self) -> bool:
+        """Whether the entries may well be such."""
+        return self.p >= LEVEL
+
+
+def fit(
+    printed: Array,
+    expectation: Expectation,
+    places: slice | NDArray[np.bool_],
+    *,
+    runs: int,
+    scatter: bool = True,
+) -> Fit:
+    """Hold printed entries against the mean over `runs` runs (1: a single run).
+
+    Parameters
+    ----------
+    printed : ndarray, shape (12,)
+        Relative errors [1].
+    expectation : Expectation
+        Of one run; all entries at `places` must vary.
+    places : slice or ndarray of bool
+        Which of the twelve.
+    runs : int
+        Number of runs averaged.
+    scatter : bool
+        Whether the scatter about a common shift is tested too: six entries near -1
+        have the sum of squares of six draws with u = 1, but not their scatter.
+
+    Returns
+    -------
+    Fit
+    """
+    deviation = (printed - expectation.mean)[places]
+    C = expectation.covariance[places][:, places] / runs
+    u = np.sqrt(np.diag(C))
+    # Scaled first: scale factors and angles differ by a factor of 1e5.
+    z = deviation / u
+    one = np.ones_like(z)
+    weighted = np.linalg.solve(C / np.outer(u, u), np.stack([z, one], axis=1))
+    chi_square = float(z @ weighted[:, 0])
+    p = two_sided(chi_square, z.size)
+    if scatter:
+        about = chi_square - float(one @ weighted[:, 0]) ** 2 / float(
+            one @ weighted[:, 1]
+        )
+        p = min(1.0, 2.0 * min(p, two_sided(about, z.size - 1)))
+    return Fit(
+        chi_square=chi_square,
+        entries=z.size,
+        p=p,
+        p_entries=erfc(np.abs(z) / np.sqrt(2.0)),
+        u_rms=float(np.sqrt(np.mean(u**2))),
+    )
+
+
+def two_sided(chi_square: float, entries: int) -> float:
+    """Return twice the smaller tail of chi-square: too good counts as well [1]."""
+    tails = chdtr(entries, chi_square), chdtrc(entries, chi_square)
+    return float(min(1.0, 2.0 * min(tails)))
+
+
+def order_probability(
+    order: str, expectation: Expectation, places: slice, *, runs: int
+) -> float:
+    """Return the probability that the largest entry has that power of ten [1].
+
+    10^k <= max |entry| < 10^(k+1): so the paper's text reads its own Table 1. Entries
+    are taken as independent; their correlations are 0.2 at the most.
+    """
+    mean, u = expectation.mean[places], expectation.u[places] / np.sqrt(runs)
+
+    def below(bound: float) -> float:
+        inside = ndtr((bound - mean) / u) - ndtr((-bound - mean) / u)
+        return float(np.prod(inside))
+
+    return below(10.0 * float(order)) - below(float(order))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -61,8 +157,10 @@ class Reading:
         What is read so; '' for the inputs as stated.
     sources : tuple of Name
         What varies under it.
+    texts : tuple of str
+        The twelve entries of the row as printed.
     printed : ndarray, shape (12,)
-        Entries of the row [1].
+        Their values [1].
     expectation : Expectation
         Of one run.
     runs : int
@@ -72,6 +170,7 @@ class Reading:
     source: Name
     name: str = ""
     sources: tuple[Name, ...]
+    texts: tuple[str, ...]
     printed: Array
     expectation: Expectation
     runs: int = 1
@@ -113,7 +212,7 @@ class Reading:
             return fit(self.printed, self.expectation, place, runs=self.runs)
         places = self.varies
         if self.source == MOUNTING:
-            places[PLACES["bias"]] = False  # they follow from the angles, mounting.py
+            places[PLACES["bias"]] = False  # they follow from the angles, table1.py
         return fit(
             self.printed, self.expectation, places, runs=self.runs, scatter=False
         )
@@ -138,12 +237,13 @@ def as_stated(
     """Read a row as the paper states its inputs, or with other sources on."""
     source = Name(row, owner=GYRO)
     sources = sources or (source,)
-    gyro = conditions.gyro
+    gyro, texts = conditions.gyro, conditions.paper.entries(row)
     problem = only_sources(gyro, conditions.printed, *sources)
     return Reading(
         source=source,
         sources=sources,
-        printed=np.array([float(text) for text in conditions.paper.entries(row)]),
+        texts=texts,
+        printed=np.array([float(text) for text in texts]),
         expectation=expect(problem, nominal_size(gyro)),
     )
 
@@ -154,7 +254,7 @@ def readings(conditions: Conditions) -> tuple[Reading, ...]:
         replace(
             as_stated(conditions, given.row),
             name=given.name,
-            sources=_names(given),
+            sources=tuple(Name(source, owner=GYRO) for source in given.sources),
             expectation=_expect(given, conditions),
         )
         for given in conditions.paper.readings
@@ -168,74 +268,6 @@ def best_reading(all_readings: tuple[Reading, ...], source: Name) -> Reading | N
     return max(fitting, key=lambda reading: reading.fit().p, default=None)
 
 
-def switched_on(conditions: Conditions) -> dict[tuple[Name, ...], Expectation]:
-    """Expect one run with every choice of the five stated sources: 31 of them."""
-    rows = list(conditions.paper.table_1)
-    sources = [Name(row, owner=GYRO) for row in rows]
-    return {
-        chosen: as_stated(conditions, rows[0], chosen).expectation
-        for n in range(1, len(sources) + 1)
-        for chosen in combinations(sources, n)
-    }
-
-
-def fitting_choices(
-    choices: dict[tuple[Name, ...], Expectation], stated: Reading
-) -> tuple[Reading, ...]:
-    """Return the choices of sources that fit a row, as one run or a mean over 25."""
-    return tuple(
-        reading
-        for chosen, expectation in choices.items()
-        for runs in (1, RUNS)
-        if (
-            reading := replace(
-                stated, sources=chosen, expectation=expectation, runs=runs
-            )
-        ).fits_row
-    )
-
-
-def reading_findings(all_readings: tuple[Reading, ...]) -> tuple[Finding, ...]:
-    """Return a row for each reading and parameter that varies under it."""
-    findings = []
-    for reading in all_readings:
-        together, is_single = reading.fit(), reading.runs == 1
-        verdict = Verdict.READING_FITS if reading.fits_row else Verdict.READING_FAILS
-        for parameter in filter(reading.is_random, PLACES):
-            place, found = PLACES[parameter], reading.fit(parameter)
-            # Where the reading has a mean, deviations from it are what is random.
-            rms = root_mean_square((reading.printed - reading.expectation.mean)[place])
-            shifted = root_mean_square(reading.expectation.mean[place]) > found.u_rms
-            findings.append(
-                Finding(
-                    section="readings",
-                    where=f"Table 1, {words(reading.source.quantity)}, "
-                    f"{words(parameter)}: {reading.full_name}",
-                    printed=f"rms {say(rms, 3)}" + (" about -1" if shifted else ""),
-                    ours=found.u_rms,
-                    quantity=reading.quantity,
-                    ratio=ratio_of(found.u_rms, rms),
-                    verdict=verdict,
-                    why=f"p {say(found.p)}; the whole row p {say(together.p)}, least "
-                    f"allowed {LEVEL:g}",
-                    p_single=found.p if is_single else None,
-                    p_mean=None if is_single else found.p,
-                    is_summary=True,
-                )
-            )
-    return tuple(findings)
-
-
-def root_mean_square(values: Array) -> float:
-    """Return the root mean square [1]."""
-    return float(np.sqrt(np.mean(values**2)))
-
-
-def _names(given: GivenReading) -> tuple[Name, ...]:
-    """Return what varies under a reading."""
-    return tuple(Name(source, owner=GYRO) for source in given.sources)
-
-
 def _expect(given: GivenReading, conditions: Conditions) -> Expectation:
     """Expect one run with what a reading changes."""
     gyro, procedure = conditions.gyro, conditions.printed
@@ -247,7 +279,8 @@ def _expect(given: GivenReading, conditions: Conditions) -> Expectation:
     gyro = with_lines(gyro, angle_random_walk=walk)
     if given.about_zero:
         gyro = without_nominal_angles(gyro)
-    problem = only_sources(gyro, procedure, *_names(given))
+    sources = (Name(source, owner=GYRO) for source in given.sources)
+    problem = only_sources(gyro, procedure, *sources)
     if given.once_a_window:
         problem = _noise_once_a_window(problem, procedure)
     found = expect(problem, nominal_size(conditions.gyro))

@@ -1,27 +1,38 @@
-"""The whole reproduction: conditions in, findings and the curves of the figures out."""
+"""The whole reproduction: conditions in, findings and the curves of the figures out.
+
+With the conclusions of sections 2 and 4: who couples to whom, by law and simulation.
+"""
 
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from budget.studies.paper.conclusions import compute_couplings, conclusion_findings
-from budget.studies.paper.conditions import load_conditions
-from budget.studies.paper.findings import Verdict
+import numpy as np
+
+from budget.methods.gum import propagate
+from budget.names import AXES, Name
+from budget.studies.coupling import CouplingTable, coupling
+from budget.studies.paper.conditions import PLACES, load_conditions, only_sources
+from budget.studies.paper.findings import Finding, Verdict, say
 from budget.studies.paper.formulas import formula_findings
-from budget.studies.paper.mounting import mounting_findings
-from budget.studies.paper.orders import order_findings
-from budget.studies.paper.readings import reading_findings, readings
-from budget.studies.paper.sweeps import compute_sweeps, sweep_findings
-from budget.studies.paper.table1 import table1_findings
+from budget.studies.paper.orders import compute_sweeps, order_findings, sweep_findings
+from budget.studies.paper.readings import MOUNTING, readings
+from budget.studies.paper.table1 import reading_findings, table1_findings
+from budget.units import ARCSEC, DEG_PER_HOUR
 
 if TYPE_CHECKING:
+    from budget.arrays import Array
     from budget.results import InputFile
-    from budget.studies.coupling import CouplingTable
-    from budget.studies.paper.findings import Finding
-    from budget.studies.paper.printed import Paper
-    from budget.studies.paper.sweeps import Sweep
+    from budget.spec.records import Procedure
+    from budget.studies.paper.conditions import Conditions
+    from budget.studies.paper.orders import Sweep
+    from budget.studies.paper.printed import Conclusion, Paper
+
+YES, NO = "affects", "no effect"
+# A simulation that takes no time: none from some is told by any sampling.
+SAMPLE_RATE, DWELL = 10.0, 20.0  # [Hz], [s]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -67,9 +78,8 @@ def reproduce() -> PaperStudy:
     couplings = compute_couplings(conditions)
     findings = (
         *table1_findings(conditions, all_readings),
-        *mounting_findings(conditions),
         *sweep_findings(sweeps, conditions),
-        *reading_findings(all_readings),
+        *reading_findings(conditions, all_readings),
         *order_findings(conditions, all_readings),
         *formula_findings(conditions),
         *conclusion_findings(couplings, conditions),
@@ -81,4 +91,111 @@ def reproduce() -> PaperStudy:
         sweeps=sweeps,
         table=couplings.by_law[0],
         inputs=conditions.inputs,
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Couplings:
+    """Who couples to whom, by both methods and formulas, and what explains it.
+
+    Attributes
+    ----------
+    by_law, by_simulation : tuple of CouplingTable
+        With eq. (4) as printed, and corrected.
+    as_tested : CouplingTable
+        By the law, corrected, counted from the values during the test.
+    sensitivity : tuple of ndarray, shape (3, 6)
+        d bias / d angle of the gyro, printed and corrected [(deg/h)/arcsec].
+    """
+
+    by_law: tuple[CouplingTable, ...]
+    by_simulation: tuple[CouplingTable, ...]
+    as_tested: CouplingTable
+    sensitivity: tuple[Array, ...]
+
+    def answers(self, source: Name, group: Name) -> dict[str, str]:
+        """Return whether the source affects the group by each method and formula."""
+        return {
+            f"{method}, {formula}": YES if table.cell(source, group).reaches else NO
+            for method, tables in (
+                ("law", self.by_law),
+                ("simulation", self.by_simulation),
+            )
+            for formula, table in zip(
+                ("eq. (4) as printed", "corrected"), tables, strict=True
+            )
+        }
+
+
+def compute_couplings(conditions: Conditions) -> Couplings:
+    """Compute who couples to whom, and the sensitivity that decides it."""
+    sensors = conditions.sensors
+    procedures = (conditions.printed, conditions.corrected)
+
+    def short(procedure: Procedure) -> Procedure:
+        return replace(
+            procedure,
+            sample_rate=SAMPLE_RATE,
+            gyro=replace(procedure.gyro, dwell=DWELL),
+            accelerometer=replace(procedure.accelerometer, dwell=DWELL),
+        )
+
+    def sensitivity(procedure: Procedure) -> Array:
+        C = propagate(only_sources(conditions.gyro, procedure, MOUNTING)).C
+        return np.asarray(C[PLACES["bias"]] * ARCSEC / DEG_PER_HOUR)
+
+    return Couplings(
+        by_law=tuple(coupling(sensors, procedure) for procedure in procedures),
+        by_simulation=tuple(
+            coupling(sensors, short(procedure), method="simulation")
+            for procedure in procedures
+        ),
+        as_tested=coupling(sensors, conditions.corrected, reference="as_tested"),
+        sensitivity=tuple(sensitivity(procedure) for procedure in procedures),
+    )
+
+
+def conclusion_findings(
+    couplings: Couplings, conditions: Conditions
+) -> tuple[Finding, ...]:
+    """Return one row for each thing the paper says of a source and a parameter."""
+    return tuple(
+        _finding(couplings, conditions.paper, conclusion, parameter, claim)
+        for conclusion in conditions.paper.conclusions
+        for parameter, claim in conclusion.claims.items()
+    )
+
+
+def _finding(
+    couplings: Couplings, paper: Paper, said: Conclusion, parameter: str, claim: str
+) -> Finding:
+    """Hold one claim against four answers."""
+    source, group = said.name, Name(parameter, owner=said.sensor)
+    answers = couplings.answers(source, group)
+    given = set(answers.values())
+    by_printed = {name: claim if "printed" in name else NO for name in answers}
+    verdict, case = Verdict.UNEXPLAINED, "unexplained"
+    ours = "; ".join(f"{name}: {answer}" for name, answer in answers.items())
+    if given == {claim}:
+        verdict, ours = Verdict.AGREES, claim
+        case = "affects" if claim == YES else "agrees"
+    elif (source, parameter) == (MOUNTING, "bias") and answers == by_printed:
+        verdict, ours = Verdict.EXPLAINED, "only by eq. (4) as printed"
+        case = "only eq. (4)"
+    elif given == {YES} and not couplings.as_tested.cell(source, group).reaches:
+        verdict, ours = Verdict.EXPLAINED, f"{YES} (from nominal)"
+        case = "as tested"
+    printed, corrected = couplings.sensitivity
+    largest = zip(AXES, np.abs(printed).max(axis=1), strict=True)
+    return paper.tell(
+        "conclusion",
+        case,
+        printed=claim,
+        ours=ours,
+        verdict=verdict,
+        said=said,
+        parameter=parameter,
+        size=couplings.by_law[0].cell(source, group).size,
+        rows=", ".join(f"{axis} {say(size)}" for axis, size in largest),
+        rest=np.abs(corrected).max(),
     )

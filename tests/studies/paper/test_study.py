@@ -21,13 +21,18 @@ from budget.studies.paper.conditions import (
 )
 from budget.studies.paper.findings import RUNS, Verdict
 from budget.studies.paper.formulas import compute_formulas, evaluate
-from budget.studies.paper.mounting import biases_from_angles
 from budget.studies.paper.orders import expectation_of
 from budget.studies.paper.printed import FILE, FOLDER, load_paper
-from budget.studies.paper.readings import fitting_choices, readings, switched_on
-from budget.studies.paper.statistics import repeats
+from budget.studies.paper.readings import readings
 from budget.studies.paper.study import reproduce
-from budget.studies.paper.table1 import compute_rows
+from budget.studies.paper.table1 import (
+    biases_from_angles,
+    drawn_means,
+    fitting_choices,
+    repeats,
+    stated_rows,
+    switched_on,
+)
 
 pytestmark = pytest.mark.kernels
 
@@ -46,7 +51,7 @@ def study():
 
 @pytest.fixture(scope="module")
 def rows(conditions):
-    return compute_rows(conditions)
+    return stated_rows(conditions)
 
 
 def reading_of(conditions, source, name, runs=1):
@@ -110,12 +115,12 @@ def test_printed_angle_rounding_is_whole_steps_of_doubles_below_one(conditions):
         assert value < 0.0 or round(steps) % 2 == 0
 
 
-def test_a_spread_of_drawn_means_is_a_fifth_of_a_runs(rows):
+def test_a_spread_of_drawn_means_is_a_fifth_of_a_runs(conditions, rows):
     """Means over 25 drawn runs spread by u/5, which the law says."""
     bound = SIGMAS / np.sqrt(2.0 * (repeats(RUNS) - 1))
     for row in rows.values():
-        varies, u = row.single.varies, row.single.expectation.u
-        found = row.drawn[varies] / u[varies] * np.sqrt(RUNS)
+        varies, u = row.varies, row.expectation.u
+        found = drawn_means(conditions, row)[varies] / u[varies] * np.sqrt(RUNS)
         assert np.abs(found - 1.0).max() < bound
         # Control: a mean over 16 runs is told from one over 25.
         assert np.abs(found * 5.0 / 4.0 - 1.0).min() > bound
@@ -139,7 +144,7 @@ def test_simulation_has_the_spread_of_the_law(conditions, rows, source, paramete
         simulate((conditions.gyro,), plan, run=run, only=frozenset({source})) / size
         for run in range(runs)
     ]
-    u = rows[source.partition(".")[2]].single.expectation.u[PLACES[parameter]]
+    u = rows[source.partition(".")[2]].expectation.u[PLACES[parameter]]
     found = np.std(errors, axis=0, ddof=1)[PLACES[parameter]]
     bound = SIGMAS / np.sqrt(2.0 * (runs - 1))
     assert np.abs(found / u - 1.0).max() < bound
@@ -187,7 +192,7 @@ def test_random_walk_row_is_far_below_its_inputs(
     rows, parameter, ours, last_digit, times
 ):
     """Ours from 0.005 deg/sqrt(h), and how many times less is printed (rms)."""
-    row = rows["angle_random_walk"].single
+    row = rows["angle_random_walk"]
     u = row.expectation.u[PLACES[parameter]]
     assert_allclose(u, ours, rtol=0, atol=last_digit)
     printed = rms(row.printed[PLACES[parameter]])
@@ -259,7 +264,7 @@ def test_what_a_reading_is_worth_is_said_beside_it(conditions, rows, study):
     """62 choices of stated sources: 4 fit the stability row, none a wrong row."""
     choices = switched_on(conditions)
     assert len(choices) == 31
-    fits = {name: fitting_choices(choices, row.single) for name, row in rows.items()}
+    fits = {name: fitting_choices(choices, row) for name, row in rows.items()}
     stability = fits.pop("bias_stability")
     assert len(stability) == 4
     assert all("gyro.angle_random_walk" in reading.sources for reading in stability)
@@ -487,6 +492,7 @@ def test_every_row_has_a_known_verdict_and_section(study):
         ("  unexplained: ", "  unclear: ", "expected each once"),
         ("    is_slip: false", "    is_slop: false", "unknown key 'is_slop'"),
         ("source: sample_noise", "source: sample_nose", "has no source 'sample_nose'"),
+        ("    section: figures", "    section: figure", "is no section"),
     ],
 )
 def test_a_slip_in_the_printed_numbers_is_refused(

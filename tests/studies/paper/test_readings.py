@@ -9,8 +9,8 @@ from scipy.stats import chi2, norm
 
 from budget.studies.paper.conditions import PLACES, load_conditions
 from budget.studies.paper.orders import expectation_of
-from budget.studies.paper.statistics import LEVEL, fit, order_probability
-from budget.studies.paper.table1 import compute_rows
+from budget.studies.paper.readings import LEVEL, fit, order_probability
+from budget.studies.paper.table1 import stated_rows
 
 SIGMAS = 5.0  # of the sampling error that a share may miss by
 
@@ -22,12 +22,12 @@ def conditions():
 
 @pytest.fixture(scope="module")
 def rows(conditions):
-    return compute_rows(conditions)
+    return stated_rows(conditions)
 
 
 def test_fit_is_the_chi_square_of_independent_entries(rows):
     """With one axis an entry, p is that of the sum of squares and of the scatter."""
-    row = rows["bias_repeatability"].mean
+    row = rows["bias_repeatability"].of_mean
     z = row.printed[PLACES["bias"]] / (0.02 / 5.0)
     found = row.fit("bias")
     tails = [
@@ -42,7 +42,7 @@ def test_fit_is_the_chi_square_of_independent_entries(rows):
 
 def test_fit_is_uniform_under_its_own_reading(rows):
     """Entries drawn as they should be are refused no more often than the level."""
-    row = rows["bias_stability"].single
+    row = rows["bias_stability"]
     rng = np.random.default_rng(0)
     factor = np.linalg.cholesky(row.expectation.covariance)
     trials = 2000
