@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from budget.cli import options
-from budget.cli.streams import console, tell
+from budget.cli.streams import console
 
 
 def paper(
@@ -39,19 +39,25 @@ def paper(
         render_pages,
     )
     from budget.report.paper.document import to_csv, to_json
-    from budget.report.paper.page import paper_document
-    from budget.report.paper.terminal import paper_text
+    from budget.report.paper.page import paper_document, paper_sections
+    from budget.report.terminal import Page, print_sections
     from budget.studies.paper.study import reproduce
 
     check_destinations(json, csv, *(output or ()))
     pages = output or []
     check_suffixes(pages)
     study = reproduce()
+
+    def show() -> None:
+        page = Page(console())
+        page.heading(study.paper.title, style="bold")
+        print_sections(paper_sections(study), page)
+
     rendered: dict[Path, str | bytes] = {}
     if pages:
         rendered = render_pages(paper_document(study, date=document_date()), pages)
     hand_out(
         [(json, lambda: to_json(study)), (csv, lambda: to_csv(study))],
-        None if pages else lambda: tell(paper_text(study, width=console().width)),
+        None if pages else show,
         pages=rendered,
     )

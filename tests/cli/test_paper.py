@@ -9,9 +9,10 @@ import re
 
 import pytest
 from command_line import call, start
+from document_text import on_terminal
 
 from budget.report.paper.document import COLUMNS
-from budget.report.paper.terminal import paper_text
+from budget.report.paper.page import paper_sections
 from budget.report.paper.texts import print_probability, print_ratio
 from budget.studies.paper.findings import Verdict
 from budget.studies.paper.study import reproduce
@@ -39,8 +40,8 @@ def test_text_has_every_section_and_is_ascii(study):
     assert run.out.isascii()
     for title in (
         *study.paper.sections.values(),
-        "Nothing explains",
-        "Verdicts",
+        "What nothing explains",
+        "The verdicts",
         "Assumed",
     ):
         assert f"{title}\n" in run.out
@@ -49,7 +50,7 @@ def test_text_has_every_section_and_is_ascii(study):
 @pytest.mark.parametrize("width", [60, 100, 160])
 def test_text_keeps_to_the_terminal(study, width):
     """No line is wider than the terminal, but for single words."""
-    lines = paper_text(study, width=width).splitlines()
+    lines = on_terminal(paper_sections(study), width).splitlines()
     assert max(len(line) for line in lines if " " in line.strip()) <= width
 
 

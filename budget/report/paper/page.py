@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from budget.report.blocks import (
     Abreast,
     Card,
     Cell,
-    Column,
     Document,
+    Field,
+    ForPages,
     Listing,
     Paragraph,
-    RowGroup,
     Run,
     Section,
-    Table,
+    table_of,
 )
 from budget.report.figures.picture import capital
 from budget.report.formulas import with_math
@@ -35,7 +36,7 @@ from budget.studies.paper.findings import U_MEAN, U_SINGLE, WORD, Verdict
 from budget.version import __version__
 
 if TYPE_CHECKING:
-    from budget.report.blocks import Block, Words
+    from budget.report.blocks import Block, Table, Words
     from budget.studies.paper.findings import Finding
     from budget.studies.paper.study import PaperStudy
 
@@ -67,22 +68,6 @@ def paper_document(study: PaperStudy, *, date: str) -> Document:
         The same for the same arguments.
     """
     paper = study.paper
-    open_points = Listing(
-        items=tuple(_said(row) for row in unexplained(study)),
-        empty="Nothing is left open.",
-    )
-    assumed = Listing(
-        items=tuple((capital(text),) for text in paper.assumptions),
-        empty="Nothing: the paper says all that is needed.",
-    )
-    answer = (
-        ("unexplained", "What nothing explains", open_points),
-        ("assumed", "Assumed", assumed),
-        ("ratios", "Random entries of Table 1", ratio_picture(study)),
-    )
-    verdicts = Section(
-        name="verdicts", title="The verdicts", blocks=(verdict_table(study),)
-    )
     return Document(
         kind="paper",
         title=paper.title,
@@ -97,12 +82,7 @@ def paper_document(study: PaperStudy, *, date: str) -> Document:
         ),
         cards=tuple(_card(study, title) for title in paper.cards),
         sections=(
-            *(
-                Section(name=name, title=title, blocks=(block,), on_first_page=True)
-                for name, title, block in answer
-            ),
-            verdicts,
-            *(_section(study, name) for name in paper.sections),
+            *paper_sections(study),
             provenance_section(
                 study.inputs, None, version=__version__, command_line=COMMAND
             ),
@@ -113,25 +93,52 @@ def paper_document(study: PaperStudy, *, date: str) -> Document:
     )
 
 
+def paper_sections(study: PaperStudy) -> tuple[Section, ...]:
+    """Return the sections that page and terminal have in common, the answer first."""
+    paper = study.paper
+    open_points = Listing(
+        items=tuple(_said(row) for row in unexplained(study)),
+        empty="Nothing is left open.",
+    )
+    assumed = Listing(
+        items=tuple((capital(text),) for text in paper.assumptions),
+        empty="Nothing: the paper says all that is needed.",
+    )
+    ratios = ForPages(lambda: (ratio_picture(study),))
+    return (
+        _first("unexplained", "What nothing explains", open_points),
+        _first("assumed", "Assumed", assumed),
+        replace(_first("ratios", "Random entries of Table 1", ratios), in_brief=""),
+        Section(name="verdicts", title="The verdicts", blocks=(verdict_table(study),)),
+        *(_section(study, name) for name in paper.sections),
+    )
+
+
+def _first(name: str, title: str, block: Block) -> Section:
+    """Return a section of page one."""
+    return Section(name=name, title=title, blocks=(block,), on_first_page=True)
+
+
 def verdict_table(study: PaperStudy) -> Table:
     """Return how many rows have each verdict, and what it means."""
-    rows = tuple(
+    return table_of(
+        study.counts.items(),
         (
-            Cell(text=word.value, strong=word == Verdict.UNEXPLAINED),
-            Cell(text=str(number), exact=number),
-            Cell(text=study.paper.verdicts[word]),
-        )
-        for word, number in study.counts.items()
-    )
-    return Table(
+            Field(
+                head="verdict",
+                cell=lambda count: Cell(
+                    text=count[0].value, strong=count[0] == Verdict.UNEXPLAINED
+                ),
+            ),
+            Field(
+                head="rows",
+                kind="number",
+                cell=lambda count: Cell(text=str(count[1]), exact=count[1]),
+            ),
+            Field(head="meaning", cell=lambda count: study.paper.verdicts[count[0]]),
+        ),
         name="verdict-counts",
         caption="Rows of each verdict and what it means",
-        columns=(
-            Column(head="verdict"),
-            Column(head="rows", kind="number"),
-            Column(head="meaning"),
-        ),
-        groups=(RowGroup(rows=rows),),
         is_wide=True,
     )
 
@@ -153,36 +160,50 @@ def findings_table(study: PaperStudy, section: str) -> Table:
     rows = study.of_section(section)
     kind = "text" if all(row.quantity == WORD for row in rows) else "number"
     # Formulas are hard to read in pieces; beside numbers all is as wide as it asks.
-    weights = (0.5, 1.4, 1.2) if section == "formulas" else (1.0, 1.0, 1.0)
-    where, formula, why = weights
-    columns = (
-        Column(head="where", weight=where),
-        Column(head="printed", kind=kind, weight=formula),
-        Column(head="ours", kind=kind, weight=formula),
-        Column(head="ours / printed", kind="number"),
-        Column(head="p, single", kind="number"),
-        Column(head="p, mean", kind="number"),
-        Column(head="verdict, and why", weight=why),
+    where, formula, why = (0.5, 1.4, 1.2) if section == "formulas" else (1.0,) * 3
+    fields: tuple[Field[Finding], ...] = (
+        Field(head="where", weight=where, cell=_place),
+        Field(
+            head="printed",
+            kind=kind,
+            weight=formula,
+            cell=lambda row: printed_cell(row.printed),
+        ),
+        Field(
+            head="ours",
+            kind=kind,
+            weight=formula,
+            cell=lambda row: _ours(row, kind=kind),
+        ),
+        Field(
+            head="ours / printed",
+            kind="number",
+            cell=lambda row: Cell(text=print_ratio(row.ratio), exact=row.ratio),
+        ),
+        Field(
+            head="p, single",
+            kind="number",
+            cell=lambda row: _probability(row.p_single),
+        ),
+        Field(head="p, mean", kind="number", cell=lambda row: _probability(row.p_mean)),
+        Field(
+            head="verdict, and why",
+            weight=why,
+            cell=lambda row: Cell(
+                text=row.verdict.value,
+                strong=row.verdict == Verdict.UNEXPLAINED,
+                note=reason(row),
+            ),
+        ),
     )
-    groups: dict[str, list[tuple[Cell, ...]]] = {}
-    for row in rows:
-        groups.setdefault(place_of(row).group, []).append(_cells(row, kind=kind))
-    filled = [
-        k
-        for k in range(len(columns))
-        if any(cells[k].text for group in groups.values() for cells in group)
-    ]
-    return Table(
+    groups = dict.fromkeys(place_of(row).group for row in rows)
+    return table_of(
+        [row for group in groups for row in rows if place_of(row).group == group],
+        [replace(field, optional=True) for field in fields],
         name=f"findings-{section.replace(' ', '-')}",
         caption=study.paper.sections[section],
-        columns=tuple(columns[k] for k in filled),
-        groups=tuple(
-            RowGroup(
-                title=title,
-                rows=tuple(tuple(cells[k] for k in filled) for cells in group),
-            )
-            for title, group in groups.items()
-        ),
+        by=lambda row: place_of(row).group,
+        titled=True,
         is_wide=True,
         searchable=True,
     )
@@ -199,26 +220,24 @@ def printed_cell(printed: str) -> Cell:
     return Cell(text=found["number"], exact=float(found["number"]), note=note)
 
 
-def _cells(row: Finding, *, kind: str) -> tuple[Cell, ...]:
-    """Return one finding; what speaks of several entries is bold in Table 1."""
+def _place(row: Finding) -> Cell:
+    """Return where a finding stands; what speaks of several entries is bold."""
     place = place_of(row)
-    bold = row.is_summary and row.section == "table 1"
+    strong = row.is_summary and row.section == "table 1"
+    return Cell(text=place.name, note=place.note, strong=strong)
+
+
+def _ours(row: Finding, *, kind: str) -> Cell:
+    """Return what came out; words beside numbers are small: the column stays narrow."""
     if not isinstance(row.ours, str):
         note = QUANTITIES.get(row.quantity, "")
-        ours = Cell(text=print_ours(row), exact=row.ours, note=note)
-    elif kind == "number":  # words beside numbers are small: the column stays narrow
-        ours = Cell(text="", note=row.ours)
-    else:
-        ours = Cell(text=row.ours)
-    is_open = row.verdict == Verdict.UNEXPLAINED
-    return (
-        Cell(text=place.name, note=place.note, strong=bold),
-        printed_cell(row.printed),
-        ours,
-        Cell(text=print_ratio(row.ratio), exact=row.ratio),
-        *(Cell(text=print_probability(p), exact=p) for p in (row.p_single, row.p_mean)),
-        Cell(text=row.verdict.value, strong=is_open, note=reason(row)),
-    )
+        return Cell(text=print_ours(row), exact=row.ours, note=note)
+    return Cell(text="", note=row.ours) if kind == "number" else Cell(text=row.ours)
+
+
+def _probability(p: float | None) -> Cell:
+    """Return how probable what is printed is."""
+    return Cell(text=print_probability(p), exact=p)
 
 
 def _card(study: PaperStudy, title: str) -> Card:
@@ -255,7 +274,8 @@ def _section(study: PaperStudy, name: str) -> Section:
     elif name in study.paper.notes:
         blocks.append(Paragraph(words=(study.paper.notes[name],)))
     if name == "figures":
-        blocks.append(Abreast(blocks=tuple(map(sweep_picture, study.sweeps))))
+        drawing = ForPages(lambda: map(sweep_picture, study.sweeps))
+        blocks.append(Abreast(blocks=(drawing,)))
     return Section(
         name=name.replace(" ", "-"),
         title=study.paper.sections[name],
