@@ -301,7 +301,7 @@ def _print_part(
     rows = iter(zip(*(column.cells for column in columns), strict=True))
     for group in table.groups:
         if group.title:
-            page.line(group.title, style="underline")
+            page.heading(group.title, style="underline")
         for row in group.rows:
             cells = next(rows)
             notes = _notes(row) if with_notes else ""

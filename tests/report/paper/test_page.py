@@ -9,7 +9,7 @@ import pytest
 from command_line import call, start
 from pdf_reading import needs_poppler, squeeze, text_of
 
-from budget.report.blocks import Abreast, Picture, Table
+from budget.report.blocks import Abreast, Picture, Table, drawn
 from budget.report.page import render_page
 from budget.report.paper.document import to_json
 from budget.report.paper.page import paper_document, printed_cell
@@ -29,7 +29,7 @@ def study():
 
 @pytest.fixture(scope="module")
 def document(study):
-    return paper_document(study, date=DATE)
+    return drawn(paper_document(study, date=DATE))
 
 
 @pytest.fixture(scope="module")
