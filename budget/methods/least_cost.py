@@ -271,16 +271,14 @@ def _solve(
 
 
 def _different(task: Task, s: Array, *, alike: float) -> NDArray[np.intp]:
-    """Return places of outputs, one of those whose conditions are the same at s."""
-    k = task.coverage_factor
-    rows = np.column_stack(
-        [
-            np.log(np.maximum(task.utilisation(s), SMALLEST)),
-            task.law.log_end_gradient(s, k),
-        ]
-    )
+    """Return places of outputs, of those with the same conditions at s the largest.
+
+    Within its limit, it keeps those like it within theirs.
+    """
+    used = np.log(np.maximum(task.utilisation(s), SMALLEST))
+    rows = np.column_stack([used, task.law.log_end_gradient(s, task.coverage_factor)])
     kept: list[int] = []
-    for place, row in enumerate(rows):
-        if not any(np.abs(row - rows[other]).max() < alike for other in kept):
-            kept.append(place)
-    return np.array(kept, dtype=np.intp)
+    for place in np.argsort(-used, kind="stable"):
+        if not any(np.abs(rows[place] - rows[one]).max() < alike for one in kept):
+            kept.append(int(place))
+    return np.array(sorted(kept), dtype=np.intp)
