@@ -6,7 +6,7 @@
 FOLDER keeps the inputs that reach new code; other options are those of libFuzzer. The
 shipped files and everything in `found/` are the seeds. An input that breaks the
 reader ends the run and is written to the current folder as `crash-...`: put it into
-`found/`, where `tests/fuzz/test_found.py` replays it for ever, and mend the reader.
+`found/`, where `tests/fuzz/test_files.py` replays it for ever, and mend the reader.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from fuzz.effort import examples
 from fuzz.grammar import Raw, leaves, mappings, replaced, trees, write
-from fuzz.oracle import LOADERS, judge_file, judge_name
+from fuzz.oracle import LOADERS, judge_file, judge_input, judge_name
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -223,3 +223,19 @@ def _told(path, data):
         return repr(validate(path))
     except SpecError as error:
         return str(error)
+
+
+# ---- inputs that broke the reader once -----------------------------------------------
+
+FOUND = sorted((Path(__file__).parent / "found").iterdir())
+
+
+@pytest.mark.parametrize("case", FOUND, ids=lambda path: path.name)
+def test_what_broke_the_reader_breaks_it_no_more(case, tmp_path):
+    """A case of the corpus gives a sound record, or issues at places in the file."""
+    judge_input(tmp_path / "file.yaml", case.read_bytes())
+
+
+def test_the_corpus_is_there():
+    """The folder with the cases is in the checkout, so that the test above has some."""
+    assert FOUND

@@ -9,7 +9,7 @@ import sys
 from graphlib import CycleError, TopologicalSorter
 
 import pytest
-from places import PACKAGE
+from places import PACKAGE, TESTS
 
 # From the ground up. A module imports from lower floors, or within its own room;
 # rooms on one floor do not know each other.
@@ -152,6 +152,44 @@ def test_a_circle_of_rooms_is_seen(tmp_path, monkeypatch):
     assert rooms_within("report") == {"a": {"b"}, "b": {"a"}}
     with pytest.raises(CycleError):
         list(TopologicalSorter(rooms_within("report")).static_order())
+
+
+# What is of no one module: the house itself, its documents, faults and hostile files.
+WHOLE = {"house", "docs", "faults", "fuzz"}
+
+
+def misplaced_tests(tests):
+    """Return the tests that stand in no folder of the package, or not with theirs.
+
+    A test with the name of a module stands in the folder of that module; where several
+    folders have a module of that name, in one of them.
+    """
+    homes = {}
+    for path in MODULES:
+        folder = path.relative_to(PACKAGE).parent
+        name = folder.name if path.stem == FACE else path.stem
+        homes.setdefault(name, set()).add(folder)
+    folders = set().union(*homes.values())
+    for path in sorted(tests.rglob("test_*.py")):
+        place = path.relative_to(tests)
+        if place.parts[0] in WHOLE:
+            continue
+        name = path.stem.removeprefix("test_")
+        if place.parent not in homes.get(name, folders):
+            yield str(place)
+
+
+def test_tests_stand_where_their_modules_do():
+    """The folders of tests/ are those of budget/, and a few for the whole house."""
+    assert list(misplaced_tests(TESTS)) == []
+
+
+def test_a_misplaced_test_is_seen(tmp_path):
+    """Control: a folder that the package has not, and a test not with its module."""
+    for place in ("cabin/test_a.py", "spec/test_sobol.py", "methods/test_sobol.py"):
+        (tmp_path / place).parent.mkdir(exist_ok=True)
+        (tmp_path / place).touch()
+    assert list(misplaced_tests(tmp_path)) == ["cabin/test_a.py", "spec/test_sobol.py"]
 
 
 # Dots that are no names': of numbers, of files, of Python's modules, of keys in a file.

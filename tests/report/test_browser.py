@@ -5,12 +5,17 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
+from functools import cache
 
 import pytest
 from browsing import CONTRAST, chromium, opened, written
+from command_line import call
+from numpy.testing import assert_allclose
 from report.test_page import HOSTILE, example, fill
 
+from budget import analyze, load_device, load_requirement
 from budget.report.blocks import Cell, Column, RowGroup, Section, Table
+from budget.resources import shipped
 
 ENOUGH = 4.5  # WCAG 2, 1.4.3: contrast of text with what is behind it
 A4_WIDTH = 673  # what the margins leave of a sheet [px]
@@ -231,3 +236,100 @@ def test_page_prints(browser, path, tmp_path, size):
         if re.search(r"^ *source \d+ ", sheet, re.MULTILINE):
             assert re.search(r"where it comes from", sheet)
     assert len(re.findall(r"^ *source \d+ ", text, re.MULTILINE)) == 89
+
+
+# ---- real reports: quiet, readable, of fitting size ----------------------------------
+
+DEVICES = shipped("specs") / "devices"
+NAVIGATION = shipped("specs") / "requirements" / "navigation-grade.yaml"
+LARGEST = 3e6  # bytes
+AGREES = 1e-9  # two programmes add up the same numbers in another order
+REPORTS = {
+    "paper": ("paper",),
+    "failing": ("report", "--requirement", NAVIGATION, "--allocate"),
+    "without": ("report", "--no-validate", "--sobol", "--samples", "64"),
+    "gaps": ("report", DEVICES / "stim300.yaml#10g", "--requirement", NAVIGATION),
+    "compared": (
+        *("compare", DEVICES / "stim300.yaml", DEVICES / "zhao-2019.yaml"),
+        *("--requirement", NAVIGATION, "--trials", "2000"),
+    ),
+}
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory):
+    """Provide a function that writes one of the reports once and gives its path."""
+    folder = tmp_path_factory.mktemp("reports")
+
+    @cache
+    def write(name):
+        path = folder / f"{name}.html"
+        run = call(*REPORTS[name], "-o", path)
+        assert path.is_file(), run.err
+        return path
+
+    return write
+
+
+@pytest.mark.parametrize("name", REPORTS)
+def test_report_is_quiet_and_fits(browser, report, name):
+    """No complaint, no request, no sideways scrolling, from telephone to desk."""
+    path = report(name)
+    for width in (400, 1600):
+        with opened(browser, path, viewport={"width": width, "height": 900}) as (
+            page,
+            record,
+        ):
+            assert record.requests == [path.as_uri()]
+            assert record.complaints == []
+            assert page.evaluate("document.scrollingElement.scrollWidth") <= width
+    assert path.stat().st_size < LARGEST
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("name", REPORTS)
+def test_every_text_of_a_report_can_be_read(browser, report, name, scheme):
+    """Every word has enough contrast, those in figures included."""
+    with opened(browser, report(name), color_scheme=scheme) as (page, _):
+        found = page.evaluate(CONTRAST, ENOUGH)
+
+    assert found["texts"] > 300
+    assert found["poor"] == []
+
+
+@pytest.mark.parametrize("name", REPORTS)
+def test_answer_is_above_the_fold(browser, report, name):
+    """On a desk the sections of page one begin where no one has to scroll."""
+    view = {"width": 1600, "height": 1000}
+    with opened(browser, report(name), viewport=view) as (page, _):
+        tops = page.evaluate(
+            "[...document.querySelectorAll('.verdict, .first > section')]"
+            ".map((e) => e.getBoundingClientRect().top)"
+        )
+
+    assert len(tops) >= 2
+    assert max(tops) < view["height"]
+
+
+def test_sliders_of_a_report_stand_at_its_budget(browser, report):
+    """Untouched, the table beside the sliders has the numbers of `analyze`."""
+    requirement = load_requirement("navigation-grade")
+    truth = analyze(
+        load_device("zhao-2019"),
+        validate=False,
+        coverage=requirement.coverage,
+        reference=requirement.reference,
+    )
+    with opened(browser, report("failing")) as (page, _):
+        shown = page.evaluate(
+            "Object.fromEntries([...document.querySelectorAll('tr[data-output]')].map("
+            "(r) => [r.dataset.output,"
+            " Number(r.querySelector('[data-cell=expanded]').dataset.exact)]))"
+        )
+        said = page.locator(".outlook").inner_text()
+
+    assert list(shown) == [row.output.name for row in truth.outputs]
+    for row in truth.outputs:
+        half = (row.interval[1] - row.interval[0]) / 2.0 / row.output.si_per_unit
+        assert_allclose(shown[row.output.name], half, rtol=AGREES)
+    assert re.match(r"Gyro: FAILS\. gyro bias z at 1480 % of its limit\.", said)

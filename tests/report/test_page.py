@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import xml.etree.ElementTree as ET
 from base64 import b64encode
 from dataclasses import fields, is_dataclass, replace
 from functools import cache
@@ -16,9 +17,21 @@ import pytest
 from document_examples import make_document, make_picture, make_table
 
 from budget.errors import OutputError
+from budget.report import figures
 from budget.report.blocks import Card, Cell, Column, Picture, RowGroup, Section, Table
 from budget.report.formulas import Math
-from budget.report.page import SCRIPTS, css_string, render_page
+from budget.report.page import (
+    SCRIPTS,
+    bind,
+    css_string,
+    longest_tail,
+    natural_width,
+    number_markup,
+    render_page,
+    script_safe,
+    signs_markup,
+    svg_element,
+)
 from budget.resources import shipped
 
 VOID = {"meta", "br", "img", "link", "input", "hr", "col"}
@@ -394,3 +407,149 @@ def test_cards_stand_in_their_order():
         "part 1",
         "part 2",
     ]
+
+
+# ---- text for a page -----------------------------------------------------------------
+
+FIGURE, POINT = "\N{FIGURE SPACE}", "\N{PUNCTUATION SPACE}"
+
+
+@pytest.mark.parametrize(
+    ("text", "markup"),
+    [
+        ("-0.11", "\N{MINUS SIGN}0.11"),
+        ("2.4e-9", "2.4&#8239;&times;&#8239;10<sup>\N{MINUS SIGN}9</sup>"),
+        ("1e+05", "1&#8239;&times;&#8239;10<sup>5</sup>"),
+        ("<0.1", "&lt;0.1"),
+        ("none", "none"),
+        ("none <b>", "none &lt;b&gt;"),
+    ],
+)
+def test_numbers_are_set_for_reading(text, markup):
+    """Minus signs are true ones, exponents are raised, the rest is escaped."""
+    assert number_markup(text) == markup
+
+
+@pytest.mark.parametrize(
+    ("text", "markup"),
+    [
+        ("-0.1 to -0.2", "\N{MINUS SIGN}0.1 to \N{MINUS SIGN}0.2"),
+        ("HG-4930", "HG-4930"),
+        ("2019-11-21", "2019-11-21"),
+        ("0.41 deg/h", "0.41 deg/h"),
+    ],
+)
+def test_a_hyphen_is_no_minus(text, markup):
+    """Only what stands before a number becomes its sign."""
+    assert signs_markup(text) == markup
+
+
+@pytest.mark.parametrize(
+    ("text", "tail", "markup"),
+    [
+        ("50", 3, f"50{POINT}{FIGURE}{FIGURE}"),
+        ("0.69", 4, f"0.69{FIGURE}"),
+        ("0.077", 4, "0.077"),
+        ("97 %", 2, f"97{POINT}{FIGURE} %"),
+        ("none", 4, "none"),
+        ("10-20", 4, "10-20"),
+    ],
+)
+def test_points_of_a_column_are_in_line(text, tail, markup):
+    """Shorter tails are filled up with spaces as wide as digits and point."""
+    assert number_markup(text, tail=tail) == markup
+
+
+def test_longest_tail_is_that_of_plain_numbers():
+    """Powers of ten, words and intervals do not widen a column."""
+    assert longest_tail(["1.25", "3", "2.4567e-9", "e.g. 1.2345", "97.5 %"]) == 3
+    assert longest_tail([]) == 0
+
+
+def test_css_string_cannot_be_left():
+    """Quotes, brackets and line ends become code points."""
+    assert css_string('a"}\n') == r'"a\000022\00007d\00000a"'
+
+
+def test_number_stays_with_its_unit():
+    """The space between a number and its unit does not break."""
+    assert bind("after 300 s at 5 deg/h or so") == (
+        "after 300\N{NO-BREAK SPACE}s at 5\N{NO-BREAK SPACE}deg/h or so"
+    )
+
+
+def test_script_safe_json_is_the_same_json():
+    """What could end a script element is written in another way, and read the same."""
+    document = {"title": "</script><!-- & \u2028"}
+    safe = script_safe(json.dumps(document))
+
+    assert not set("<>&") & set(safe)
+    assert json.loads(safe) == document
+
+
+# ---- figures inside a page -----------------------------------------------------------
+
+SVG = (
+    '<?xml version="1.0"?>\n<svg xmlns="http://www.w3.org/2000/svg" width="330pt" '
+    'height="9pt" viewBox="0 0 330 9" version="1.1"><title>t</title>'
+    "<metadata>m</metadata><defs><style>*{stroke-linejoin: round}</style></defs>"
+    f'<g id="f-bar"><path style="fill: {figures.INK}; stroke: #0072b2"/></g>'
+    f'<use id="f-dot" x="1"/><text style="fill: {figures.MUTED}">{figures.INK}</text>'
+    "</svg>"
+)
+
+
+def element(**options):
+    """Return the figure as an element, and parsed."""
+    text = svg_element(SVG, name="f", **({"alt": "words"} | options))
+    return text, ET.fromstring(text)  # noqa: S314 - our own
+
+
+def test_figure_takes_the_inks_of_the_page():
+    """Ink and muted ink turn with light and dark; colours and texts stay."""
+    text, svg = element()
+
+    assert svg.find("g/path").get("style") == "fill: currentColor; stroke: #0072b2"
+    assert svg.find("text").get("style") == "fill: var(--muted)"
+    assert svg.find("text").text == figures.INK
+    assert not text.startswith("<?xml")
+
+
+def test_figure_brings_no_styles_or_titles_of_its_own():
+    """What would hold for all the page, or show as a tooltip of it all, is left out."""
+    text, svg = element()
+
+    assert not svg.findall(".//style")
+    assert not svg.findall(".//title")
+    assert not svg.findall(".//metadata")
+    assert "http:" not in text
+
+
+def test_figure_is_spoken():
+    """Those who cannot see it get the words, whatever stands in them."""
+    _, svg = element(alt='"quoted" <b> & more')
+
+    assert svg.get("role") == "img"
+    assert svg.get("aria-label") == '"quoted" <b> & more'
+
+
+def test_tips_belong_to_their_elements():
+    """A tooltip is the first thing inside its element, empty ones included."""
+    _, svg = element(tips={"bar": "a < b", "dot": "c"})
+
+    assert svg.find("g")[0].tag == "title"
+    assert svg.find("g")[0].text == "a < b"
+    assert svg.find("use/title").text == "c"
+
+
+def test_tip_without_an_element_is_refused():
+    """A tooltip that would get lost is an error of the figure."""
+    with pytest.raises(ValueError, match="'f-line' belongs to no element"):
+        element(tips={"line": "lost"})
+
+
+def test_natural_width_is_that_of_the_drawing():
+    """The page scales a figure by the width that it was drawn for."""
+    assert natural_width(SVG) == 330.0
+    with pytest.raises(ValueError, match="no viewBox"):
+        natural_width("<svg></svg>")
