@@ -38,8 +38,12 @@ def paper(
         hand_out,
         render_pages,
     )
-    from budget.report.paper.document import to_csv, to_json
-    from budget.report.paper.page import paper_document, paper_sections
+    from budget.report.paper.page import (
+        paper_document,
+        paper_sections,
+        to_csv,
+        to_json,
+    )
     from budget.report.terminal import Page, print_sections
     from budget.studies.paper.study import reproduce
 

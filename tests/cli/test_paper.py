@@ -11,11 +11,10 @@ import pytest
 from command_line import call, start
 from document_text import on_terminal
 
-from budget.report.paper.document import COLUMNS
 from budget.report.paper.page import paper_sections
-from budget.report.paper.texts import print_probability, print_ratio
+from budget.report.paper.texts import print_probability, print_ratio, reason
 from budget.studies.paper.findings import Verdict
-from budget.studies.paper.study import reproduce
+from budget.studies.paper.study import COLUMNS, reproduce
 
 DATED = {"SOURCE_DATE_EPOCH": "86400"}  # else two runs about midnight differ
 CONTRACT = {"where", "printed", "ours", "ratio", "verdict", "why"}
@@ -52,6 +51,17 @@ def test_text_keeps_to_the_terminal(study, width):
     """No line is wider than the terminal, but for single words."""
     lines = on_terminal(paper_sections(study), width).splitlines()
     assert max(len(line) for line in lines if " " in line.strip()) <= width
+
+
+def test_text_says_every_row(study):
+    """No verdict, ratio, probability or reason of the page goes on the terminal."""
+    said = " ".join(on_terminal(paper_sections(study), 80).split())
+    for row in study.findings:
+        assert row.verdict in said
+        assert " ".join(reason(row).split()) in said
+        assert print_ratio(row.ratio) in said
+        for p in (row.p_single, row.p_mean):
+            assert print_probability(p) in said
 
 
 def test_json_keeps_the_contract(document):

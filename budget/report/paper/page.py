@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -19,9 +20,9 @@ from budget.report.blocks import (
     Section,
     table_of,
 )
+from budget.report.document import csv_text
 from budget.report.figures.picture import capital
 from budget.report.formulas import with_math
-from budget.report.paper.document import to_json
 from budget.report.paper.figures import ratio_picture, sweep_picture
 from budget.report.paper.texts import (
     place_of,
@@ -33,6 +34,7 @@ from budget.report.paper.texts import (
 )
 from budget.report.provenance import provenance_section
 from budget.studies.paper.findings import U_MEAN, U_SINGLE, WORD, Verdict
+from budget.studies.paper.study import COLUMNS
 from budget.version import __version__
 
 if TYPE_CHECKING:
@@ -117,6 +119,17 @@ def paper_sections(study: PaperStudy) -> tuple[Section, ...]:
 def _first(name: str, title: str, block: Block) -> Section:
     """Return a section of page one."""
     return Section(name=name, title=title, blocks=(block,), on_first_page=True)
+
+
+def to_json(study: PaperStudy) -> str:
+    """Write the JSON document."""
+    document = study.to_dict()
+    return json.dumps(document, allow_nan=False, ensure_ascii=False, indent=1) + "\n"
+
+
+def to_csv(study: PaperStudy) -> str:
+    """Write one line for each row, numbers with all their digits."""
+    return csv_text(COLUMNS, map(vars, study.findings))
 
 
 def verdict_table(study: PaperStudy) -> Table:
@@ -268,14 +281,14 @@ def _said(row: Finding) -> Words:
 
 def _section(study: PaperStudy, name: str) -> Section:
     """Return one part of the paper: how to read it, its figures, its findings."""
-    blocks: list[Block] = []
-    if name == "formulas":
-        blocks.append(Paragraph(words=OF_FORMULAS))
-    elif name in study.paper.notes:
-        blocks.append(Paragraph(words=(study.paper.notes[name],)))
+    note = OF_FORMULAS if name == "formulas" else (study.paper.notes.get(name, ""),)
+    blocks: tuple[Block, ...] = (Paragraph(words=note),) if any(note) else ()
     if name == "figures":
-        drawing = ForPages(lambda: map(sweep_picture, study.sweeps))
-        blocks.append(Abreast(blocks=(drawing,)))
+        text = blocks  # on how to read the curves
+        drawing = ForPages(
+            lambda: (*text, Abreast(blocks=tuple(map(sweep_picture, study.sweeps))))
+        )
+        blocks = (drawing,)
     return Section(
         name=name.replace(" ", "-"),
         title=study.paper.sections[name],

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import cos, floor, log10, sin
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -254,6 +254,16 @@ class Sweep:
             self.size - self.size[0]
         )
         return float(np.abs(self.errors - line).max() / self.largest)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it."""
+        return {
+            "figure": self.figure,
+            "source": self.source,
+            "parameter": self.given.parameter,
+            "size": self.size.tolist(),
+            "errors": dict(zip(self.names, self.errors.tolist(), strict=True)),
+        }
 
 
 def compute_sweeps(conditions: Conditions) -> tuple[Sweep, ...]:

@@ -7,12 +7,13 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from budget.methods.gum import propagate
 from budget.names import AXES, Name
+from budget.results import SCHEMA
 from budget.studies.coupling import CouplingTable, coupling
 from budget.studies.paper.conditions import PLACES, load_conditions, only_sources
 from budget.studies.paper.findings import Finding, Verdict, say
@@ -31,6 +32,10 @@ if TYPE_CHECKING:
     from budget.studies.paper.printed import Conclusion, Paper
 
 YES, NO = "affects", "no effect"
+COLUMNS = (  # of a finding, in documents
+    *("section", "where", "printed", "ours", "quantity", "ratio", "verdict"),
+    *("p_single", "p_mean", "why"),
+)
 # A simulation that takes no time: none from some is told by any sampling.
 SAMPLE_RATE, DWELL = 10.0, 20.0  # [Hz], [s]
 
@@ -68,6 +73,34 @@ class PaperStudy:
         """How many rows have each verdict that occurs, in the order of Verdict."""
         found = Counter(row.verdict for row in self.findings)
         return {verdict: found[verdict] for verdict in Verdict if found[verdict]}
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON document of schema `budget/1`, full precision."""
+        return {
+            "schema": SCHEMA,
+            "command": "paper",
+            "title": self.paper.title,
+            "inputs": {
+                file.role: {"name": file.name, "sha256": file.sha256}
+                for file in self.inputs
+            },
+            "rows": [
+                {name: getattr(row, name) for name in COLUMNS} for row in self.findings
+            ],
+            "verdicts": self.paper.verdicts,
+            "sweeps": [sweep.to_dict() for sweep in self.sweeps],
+            "coupling": [
+                {
+                    "source": cell.source,
+                    "group": cell.group,
+                    "reaches": cell.reaches,
+                    "size": cell.size,
+                }
+                for cell in self.table.cells
+            ],
+            "assumptions": list(self.paper.assumptions),
+            "warnings": [],
+        }
 
 
 def reproduce() -> PaperStudy:

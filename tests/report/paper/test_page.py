@@ -11,8 +11,7 @@ from pdf_reading import needs_poppler, squeeze, text_of
 
 from budget.report.blocks import Abreast, Picture, Table, drawn
 from budget.report.page import render_page
-from budget.report.paper.document import to_json
-from budget.report.paper.page import paper_document, printed_cell
+from budget.report.paper.page import paper_document, printed_cell, to_json
 from budget.report.paper.texts import place_of, print_ours, print_ratio, reason, shorten
 from budget.report.typeset import typeset
 from budget.studies.paper.findings import Verdict
