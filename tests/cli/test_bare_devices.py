@@ -9,6 +9,8 @@ import json
 import pytest
 from command_line import call
 
+pytestmark = pytest.mark.usefixtures("drawn_once")
+
 DEVICES = {
     "empty.yaml": "name: Empty\ngyro: {}\n",
     "both.yaml": "name: Both\ngyro: {}\naccelerometer: {}\n",

@@ -11,6 +11,8 @@ from command_line import call, start
 
 from budget.resources import shipped
 
+pytestmark = pytest.mark.usefixtures("drawn_once")
+
 SPECS = shipped("specs")
 REQUIREMENT = SPECS / "requirements" / "navigation-grade.yaml"
 TACTICAL = SPECS / "requirements" / "tactical-grade.yaml"

@@ -17,6 +17,8 @@ from places import ROOT
 import budget
 from budget.report.tables import group_tables
 
+pytestmark = pytest.mark.usefixtures("drawn_once")
+
 EXAMPLE = ROOT / "docs" / "example"
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 

@@ -21,7 +21,10 @@ from failing import (
     said,
 )
 
-pytestmark = pytest.mark.skipif(os.name != "posix", reason="faults of POSIX systems")
+pytestmark = [
+    pytest.mark.skipif(os.name != "posix", reason="faults of POSIX systems"),
+    pytest.mark.usefixtures("drawn_once"),
+]
 
 NOBODY = 65_534  # user and group without rights
 ADDRESS_SPACE = 500 << 20  # [bytes] libraries take 350 MB, 2e6 trials 384

@@ -21,6 +21,8 @@ from places import PACKAGE
 from budget.cli import app
 from budget.resources import shipped
 
+pytestmark = pytest.mark.usefixtures("drawn_once")
+
 GRADE = ("--requirement", "navigation-grade")
 
 # Calls that between them reach everything a command can reach, cluster apart.

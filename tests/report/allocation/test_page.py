@@ -23,6 +23,8 @@ from budget.report.typeset import typeset
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.cases import Bounds
 
+pytestmark = pytest.mark.usefixtures("drawn_once")
+
 PAPER = "zhao-2019"
 
 
@@ -157,9 +159,10 @@ def test_tips_belong_to_elements_of_their_figures(which, request):
 
 
 @pytest.mark.parametrize("which", ["allocation", "impossible"])
-def test_the_section_can_be_printed_as_page_and_as_pdf(which, request):
+def test_the_section_can_be_printed_as_page_and_as_pdf(which, request, forget_drawings):
     """HTML and PDF are made of it, the same bytes twice."""
     section = allocation_section(request.getfixturevalue(which))
+    forget_drawings()
     again = allocation_section(request.getfixturevalue(which))
 
     assert find(section, Picture) == find(again, Picture)

@@ -21,6 +21,8 @@ from budget.report.comparison.page import (
 from budget.report.comparison.tables import tables
 from budget.report.comparison.wording import computed_apart, unknown_cap_lines
 
+pytestmark = pytest.mark.usefixtures("drawn_once")
+
 BOTH = ("gyro", "accelerometer")
 DATE = "2026-01-01"
 CAPS = (("price", "100 EUR"), ("mass", "2 kg"), ("power", "9 W"))
