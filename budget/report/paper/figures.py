@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.report.blocks import Cell, Column, RowGroup, Table
-from budget.report.figures.picture import as_picture
+from budget.report.figures.picture import as_picture, capital
 from budget.report.figures.rows import write_beside
 from budget.report.figures.style import (
     GRID,
@@ -19,7 +19,7 @@ from budget.report.figures.style import (
     canvas,
     house_style,
 )
-from budget.report.paper.texts import place_of, print_ratio
+from budget.report.paper.texts import print_ratio
 from budget.report.tables import print_given
 from budget.studies.paper.findings import Verdict
 from budget.ties import first_largest
@@ -188,8 +188,8 @@ def ratio_picture(study: PaperStudy) -> Picture:
     """Return the ratios of all random rows as a block; the table has them too."""
     dots = [
         Dot(
-            group=place_of(row).group,
-            parameter=place_of(row).name.partition(JOINED)[0],
+            group=capital(row.place[0]),
+            parameter=row.place[1].partition(JOINED)[0],
             ratio=row.ratio,
             verdict=row.verdict,
         )

@@ -25,7 +25,6 @@ from budget.report.figures.picture import capital
 from budget.report.formulas import with_math
 from budget.report.paper.figures import ratio_picture, sweep_picture
 from budget.report.paper.texts import (
-    place_of,
     print_ours,
     print_probability,
     print_ratio,
@@ -173,7 +172,7 @@ def findings_table(study: PaperStudy, section: str) -> Table:
     rows = study.of_section(section)
     kind = "text" if all(row.quantity == WORD for row in rows) else "number"
     # Formulas are hard to read in pieces; beside numbers all is as wide as it asks.
-    where, formula, why = (0.5, 1.4, 1.2) if section == "formulas" else (1.0,) * 3
+    where, formula, why = (0.95, 1.3, 1.2) if section == "formulas" else (1.0,) * 3
     fields: tuple[Field[Finding], ...] = (
         Field(head="where", weight=where, cell=_place),
         Field(
@@ -209,13 +208,13 @@ def findings_table(study: PaperStudy, section: str) -> Table:
             ),
         ),
     )
-    groups = dict.fromkeys(place_of(row).group for row in rows)
+    groups = list(dict.fromkeys(row.place[0] for row in rows))
     return table_of(
-        [row for group in groups for row in rows if place_of(row).group == group],
+        sorted(rows, key=lambda row: groups.index(row.place[0])),
         [replace(field, optional=True) for field in fields],
         name=f"findings-{section.replace(' ', '-')}",
         caption=study.paper.sections[section],
-        by=lambda row: place_of(row).group,
+        by=lambda row: capital(row.place[0]),
         titled=True,
         is_wide=True,
         searchable=True,
@@ -235,9 +234,9 @@ def printed_cell(printed: str) -> Cell:
 
 def _place(row: Finding) -> Cell:
     """Return where a finding stands; what speaks of several entries is bold."""
-    place = place_of(row)
+    _, head, *special = row.place
     strong = row.is_summary and row.section == "table 1"
-    return Cell(text=place.name, note=place.note, strong=strong)
+    return Cell(text=head, note="".join(special), strong=strong)
 
 
 def _ours(row: Finding, *, kind: str) -> Cell:

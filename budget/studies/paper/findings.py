@@ -40,6 +40,9 @@ class Finding:
         Part of the study: a key of Paper.sections.
     where : str
         Where the number stands in the paper.
+    place : tuple of str
+        The same in a table: group of rows ('bias stability'), head of the row ('bias
+        x'), and what is special about it ('from its angles'), if anything.
     printed : str
         As printed, or the root mean square of printed entries where `where` says so.
     ours : float or str
@@ -64,6 +67,7 @@ class Finding:
 
     section: str
     where: str
+    place: tuple[str, ...]
     printed: str
     ours: float | str
     quantity: str = VALUE

@@ -144,6 +144,7 @@ class GivenFinding(Strict):
 
     section: str
     where: str
+    place: Annotated[tuple[str, ...], Field(min_length=2, max_length=3)]
     printed: str = ""  # where that is no single number
     why: str | dict[str, str]  # by what is the case
     is_summary: bool = True
@@ -260,6 +261,7 @@ class Paper(Strict):
         return Finding(
             section=given.section,
             where=fill(given.where, (), said),
+            place=tuple(fill(part, (), said) for part in given.place),
             printed=printed or fill(given.printed, (), said),
             ours=ours,
             quantity=WORD if isinstance(ours, str) else quantity,

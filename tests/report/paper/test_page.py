@@ -10,9 +10,10 @@ from command_line import call, start
 from pdf_reading import needs_poppler, squeeze, text_of
 
 from budget.report.blocks import Abreast, Picture, Table, drawn
+from budget.report.figures.picture import capital
 from budget.report.page import render_page
 from budget.report.paper.page import paper_document, printed_cell, to_json
-from budget.report.paper.texts import place_of, print_ours, print_ratio, reason, shorten
+from budget.report.paper.texts import print_ours, print_ratio, reason
 from budget.report.typeset import typeset
 from budget.studies.paper.findings import Verdict
 from budget.studies.paper.study import reproduce
@@ -62,8 +63,8 @@ def pictures_of(document):
 
 def said(row):
     """Return the texts in which a finding must be found."""
-    place = place_of(row)
-    return (place.group, place.name, place.note, row.verdict, reason(row))
+    group, *own = row.place
+    return (capital(group), *own, row.verdict, reason(row))
 
 
 @pytest.mark.parametrize(
@@ -80,8 +81,8 @@ def test_every_finding_is_one_row_with_its_numbers(study, document, name):
     findings = study.of_section(name)
     assert sum(len(group.rows) for group in table.groups) == len(findings)
     for finding in findings:
-        place = place_of(finding)
-        row = rows[place.group, place.name, place.note]
+        group, head, *special = finding.place
+        row = rows[capital(group), head, "".join(special)]
         texts = " ".join(f"{cell.text} {cell.note}" for cell in row)
         assert printed_cell(finding.printed).text in texts
         assert print_ours(finding) in texts
@@ -94,17 +95,17 @@ def test_every_finding_is_one_row_with_its_numbers(study, document, name):
     assert table.searchable
 
 
-def test_a_place_loses_no_word_when_it_is_split(study):
-    """Group and name together have every word of the place, each as often."""
+def test_a_table_says_where_a_row_stands_as_a_sentence_does(study):
+    """Group and row together have every word of the place, each as often."""
 
     def words(text):
-        return sorted(re.findall(r"[^\s,:]+", text.casefold()))
+        text = text.casefold().removeprefix("section ").removeprefix("table 1, ")
+        return sorted(re.findall(r"[^\s,:]+", text))
 
     for row in study.findings:
-        place = place_of(row)
-        own = f"{place.name} {place.note}"
-        group = place.group if words(own) != words(shorten(row)) else ""
-        assert words(f"{group} {own}") == words(shorten(row))
+        group, *own = row.place
+        told = own if group == "Table 1 as a whole" else row.place
+        assert words(" ".join(told)) == words(row.where)
 
 
 @pytest.mark.parametrize(
