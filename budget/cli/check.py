@@ -264,7 +264,8 @@ def _check(
     from budget.references.files import find_references
     from budget.references.store import read_reference
     from budget.report.reference.document import checks_csv, checks_json
-    from budget.report.reference.terminal import render_checks
+    from budget.report.reference.sections import check_sections
+    from budget.report.terminal import Page, print_sections
 
     checks: list[Difference] = []
     errors: list[str] = []
@@ -293,7 +294,7 @@ def _check(
             (json, lambda: checks_json(checks, errors)),
             (csv, lambda: checks_csv(checks)),
         ],
-        lambda: render_checks(checks, len(errors), console()),
+        lambda: print_sections(check_sections(checks, len(errors)), Page(console())),
     )
     if errors:
         raise typer.Exit(EXIT_BAD_INPUT)

@@ -58,7 +58,8 @@ def diff(
     from budget.references.check import compare_sides
     from budget.references.records import Asked
     from budget.report.reference.document import difference_csv, difference_json
-    from budget.report.reference.terminal import render_difference
+    from budget.report.reference.sections import difference_sections
+    from budget.report.terminal import Page, print_sections
 
     check_destinations(json, csv, inputs=[first, second, procedure])
     stored = [_reference(name) for name in (first, second)]
@@ -80,7 +81,7 @@ def diff(
             (json, lambda: difference_json(difference)),
             (csv, lambda: difference_csv(difference)),
         ],
-        lambda: render_difference(difference, console()),
+        lambda: print_sections(difference_sections(difference), Page(console())),
     )
 
 

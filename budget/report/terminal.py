@@ -103,13 +103,20 @@ class Page:
 
     def __init__(self, console: Console) -> None:
         self._console = console
+        self._is_blank = True  # nothing before it, or a blank line
         self.width = console.width
         self.has_blocks = _encodes(EIGHTHS, console.encoding)
 
     def line(self, text: str = "", *, style: str = "") -> None:
-        """Print one line; rich neither wraps nor reads markup in it."""
+        """Print one line; a blank one parts, so that none follows another.
+
+        rich neither wraps a line nor reads markup in it.
+        """
         from rich.text import Text
 
+        if self._is_blank and not text:
+            return
+        self._is_blank = not text
         encoding = self._console.encoding
         if not _encodes(text, encoding):
             for character, plain in ASCII.items():
@@ -124,10 +131,11 @@ class Page:
 
     def paragraph(self, text: str, *, first: str = "") -> None:
         """Print running text, indented below `first`; a number keeps its unit."""
+        width = min(self.width, TEXT_WIDTH)
         bound = re.sub(r"(?<=\d) (?=\S)", NO_BREAK, text.translate(SIGNS))
         for line in textwrap.wrap(
-            bound,
-            min(self.width, TEXT_WIDTH),
+            _part_long(bound, width - len(first)),
+            width,
             initial_indent=first,
             subsequent_indent=" " * len(first),
             break_long_words=False,
@@ -296,7 +304,7 @@ def _print_part(
     room = page.width - sum(GAP + column.width for column in columns) - len("()")
     high = max(len(column.head) for column in columns)
     heads = [[""] * (high - len(column.head)) + column.head for column in columns]
-    for place in range(high):
+    for place in range(high if any(map(any, heads)) else 0):
         line(heads, place, "bold")
     rows = iter(zip(*(column.cells for column in columns), strict=True))
     for group in table.groups:
@@ -344,6 +352,18 @@ def _plain(words: Words) -> str:
         else word.alt
         for word in words
     )
+
+
+def _part_long(text: str, room: int) -> str:
+    """Part words that are too long for a line after a dot: the way to a key."""
+    words = []
+    for word in text.split(" "):
+        rest = word
+        while len(rest) > room and (place := rest.rfind(".", 1, room) + 1):
+            words.append(rest[:place])
+            rest = rest[place:]
+        words.append(rest)
+    return " ".join(words)
 
 
 def _print_group(group: GroupTable, page: Page) -> None:

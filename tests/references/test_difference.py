@@ -25,7 +25,7 @@ from budget.references.records import (
     Snapshot,
     Word,
 )
-from budget.report.reference.tables import move_table
+from budget.report.reference.sections import move_table
 
 PAIRS = 30
 TRIALS = 2000

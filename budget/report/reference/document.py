@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from budget.report.document import csv_text
-from budget.report.reference.tables import TOGETHER, cause_texts, together_text
+from budget.report.reference.sections import TOGETHER, cause_texts, together_text
 from budget.results import SCHEMA
 
 if TYPE_CHECKING:

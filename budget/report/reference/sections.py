@@ -1,4 +1,4 @@
-"""Moves as rows of tables: grouped, the largest first, with the digits that differ."""
+"""Reference budgets as sections: what holds, what moved, the largest first."""
 
 from __future__ import annotations
 
@@ -7,6 +7,15 @@ from math import floor, inf, log10
 from typing import TYPE_CHECKING
 
 from budget.references.records import TOOL
+from budget.report.blocks import (
+    Cell,
+    Field,
+    Listing,
+    Panel,
+    Paragraph,
+    Section,
+    table_of,
+)
 from budget.report.tables import (
     AT_LEAST,
     AT_MOST,
@@ -19,9 +28,10 @@ from budget.report.tables import (
 from budget.studies.request import read_name
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
-    from budget.references.records import Change, Move
+    from budget.references.records import Change, Difference, Move
+    from budget.report.blocks import Block, Table
 
 # What a reader looks at first; the other numbers follow from what moves these.
 PRINCIPAL = (
@@ -98,6 +108,192 @@ class MoveTable:
     has_tolerances: bool
     has_together: bool
     has_bounds: bool
+
+
+HEADS = {"check": ("stored", "now"), "diff": ("A", "B")}
+
+
+def check_sections(checks: Sequence[Difference], bad: int) -> tuple[Section, ...]:
+    """Return one line for each reference, and all about those that moved.
+
+    Parameters
+    ----------
+    checks : sequence of Difference
+        References that could be computed.
+    bad : int
+        How many could not.
+
+    Returns
+    -------
+    tuple of Section
+    """
+    moved = [one for one in checks if not one.holds]
+    tables = [move_table(one.moves) for one in moved]
+    blocks: list[Block] = []
+    if checks:
+        blocks.append(
+            table_of(
+                checks,
+                (
+                    Field(
+                        head="",
+                        cell=lambda one: Cell(text=one.first, strong=not one.holds),
+                    ),
+                    Field(head="", cell=_verdict),
+                    Field(head="", cell=_extent),
+                ),
+                name="references",
+                caption="References and whether they hold",
+            )
+        )
+    held = [
+        f"{one.first}: {text}"
+        for one in checks
+        if one.holds
+        for text in change_lines(
+            [change for change in one.changes if change.where != TOOL], moved=False
+        )
+    ]
+    if held:
+        blocks.append(_panel("Changed, and nothing moved", held))
+    tool = [
+        f"{change.key} {change.before} -> {change.after}"
+        for one in checks
+        if one.holds
+        for change in one.changes
+        if change.where == TOOL
+    ]
+    if tool:
+        said = f"stored with other versions: {', '.join(dict.fromkeys(tool))}"
+        blocks.append(Paragraph(words=(said,), small=True))
+    counts = [f"{len(checks) - len(moved)} hold", f"{len(moved)} moved"]
+    if bad:
+        counts.append(f"{bad} cannot be checked")
+    number = len(checks) + bad
+    noun = "reference" if number == 1 else "references"
+    return (
+        Section(name="references", title="", blocks=tuple(blocks)),
+        *(
+            Section(
+                name=f"moved-{place}",
+                title=f"{one.first}: what moved, the largest first",
+                blocks=tuple(_moves("check", one.changes, table)),
+            )
+            for place, (one, table) in enumerate(zip(moved, tables, strict=True))
+        ),
+        *_legend("check", tables),
+        _total(f"{number} {noun}: {', '.join(counts)}"),
+    )
+
+
+def difference_sections(difference: Difference) -> tuple[Section, ...]:
+    """Return two budgets side by side, the largest change first."""
+    table = move_table(difference.moves)
+    counted = f"{len(difference.moves)} of {difference.compared} numbers and words"
+    first = Paragraph(words=(f"A is {difference.first}, B {difference.second}.",))
+    return (
+        Section(
+            name="difference",
+            title=f"{counted} differ",
+            blocks=(first, *_moves("diff", difference.changes, table)),
+        ),
+        *_legend("diff", [table]),
+    )
+
+
+def _total(text: str) -> Section:
+    """Return a line that ends what is printed."""
+    return Section(name="total", title=text, blocks=())
+
+
+def _panel(title: str, lines: Sequence[str], *, numbered: bool = False) -> Panel:
+    """Return lines of text under a heading."""
+    items = tuple((text,) for text in lines)
+    return Panel(
+        title=title, blocks=(Listing(items=items, empty="", numbered=numbered),)
+    )
+
+
+def _verdict(one: Difference) -> Cell:
+    """Say how one reference fared."""
+    return Cell(text="holds" if one.holds else "MOVED", strong=not one.holds)
+
+
+def _extent(one: Difference) -> str:
+    """Say how many numbers and words were compared."""
+    sampled = f", {one.sampled} sampled" if one.sampled else ""
+    if one.holds:
+        return f"{one.compared} numbers and words{sampled}"
+    return f"{len(one.moves)} of {one.compared} numbers and words"
+
+
+def _moves(
+    command: str, changes: Sequence[Change], table: MoveTable
+) -> Iterator[Block]:
+    """Yield what changed, numbered, and the moves that name these numbers."""
+    moved = bool(table.groups or table.words)
+    if changes:
+        lines = change_lines(changes, moved=moved)
+        numbered = [text for text in lines if not text.startswith("and ")]
+        yield _panel("What changed", numbered, numbered=True)
+        for text in lines[len(numbered) :]:
+            yield Paragraph(words=(f"{text}.",), small=True)
+    if table.words or table.groups:
+        blocks: list[Block] = []
+        if table.words:
+            items = tuple((text,) for text in table.words)
+            blocks.append(Listing(items=items, empty=""))
+        if table.groups:
+            blocks.append(_groups(command, table.groups))
+        if table.rest:
+            more = f"And {table.rest} more numbers, all in --json."
+            blocks.append(Paragraph(words=(more,), small=True))
+        yield Panel(title="What moved", blocks=tuple(blocks))
+
+
+def _groups(command: str, groups: Sequence[Group]) -> Table:
+    """Return all moves under one head."""
+    before, after = HEADS[command]
+    fields: list[Field[tuple[Group, Row]]] = [
+        Field(head="", cell=lambda pair: pair[1].label),
+        Field(head=before, kind="number", cell=lambda pair: pair[1].before),
+        Field(head=after, kind="number", cell=lambda pair: pair[1].after),
+        Field(head="change", kind="number", cell=lambda pair: pair[1].change),
+        Field(head="by", kind="number", cell=lambda pair: pair[1].times),
+        Field(head="because", cell=lambda pair: pair[1].because),
+    ]
+    return table_of(
+        [(group, row) for group in groups for row in group.rows],
+        [field for field in fields if command == "check" or field.head != "by"],
+        name="moves",
+        caption="Numbers that moved, the largest first",
+        by=lambda pair: pair[0].title,
+        titled=True,
+    )
+
+
+def _legend(command: str, tables: Sequence[MoveTable]) -> Iterator[Section]:
+    """Explain the columns that are there, once for all."""
+    if not any(table.groups for table in tables):
+        return
+    text = (
+        "change: of the standard uncertainty of the output, or of the number itself "
+        "where it belongs to none. because: numbers of the changes above, with the "
+        "part of the difference that each explains alone, by the law."
+    )
+    if any(table.has_together for table in tables):
+        text += " together: what all changes do at once beyond the sum of these parts."
+    if command == "check" and any(table.has_tolerances for table in tables):
+        text += " tol: times the tolerance, 1e-9 relative or rounding."
+    if command == "check" and any(table.has_standard_errors for table in tables):
+        text += " s.e.: standard errors of a difference between two seeds."
+    if any(table.has_bounds for table in tables):
+        text += " >=, <=: this or worse, as a line is not given that would add to it."
+    yield Section(
+        name="legend",
+        title="What the columns mean",
+        blocks=(Paragraph(words=(text,), small=True),),
+    )
 
 
 def move_table(moves: Sequence[Move]) -> MoveTable:

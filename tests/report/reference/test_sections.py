@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from budget.references.records import Cause, Change, Key, Move
-from budget.report.reference.tables import (
+from budget.report.reference.sections import (
     MOST_IDLE,
     MOST_ROWS,
     cause_texts,
