@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import pickle
 import sys
-from functools import wraps
-from hashlib import sha256
 from importlib import import_module
 from types import FunctionType
 
 import pytest
+from keeping import once
 
 # Who draws the figures of every kind of report.
 PAGES = ("analysis.build", "comparison.page", "allocation.page", "paper.page")
@@ -42,7 +40,7 @@ def drawn_once():
     assert found
     with pytest.MonkeyPatch.context() as patch:
         for module, name, value in found:
-            patch.setattr(module, name, _once(value))
+            patch.setattr(module, name, once(value, DRAWN))
         yield
 
 
@@ -50,20 +48,3 @@ def drawn_once():
 def forget_drawings():
     """Return what makes the next report draw all its figures anew."""
     return DRAWN.clear
-
-
-def _once(draw):
-    """Return a function that keeps what it drew, by the contents of its arguments."""
-
-    @wraps(draw)
-    def drawn(*args, **kwargs):
-        try:
-            content = pickle.dumps((args, kwargs))
-        except (AttributeError, TypeError, pickle.PicklingError):
-            return draw(*args, **kwargs)  # a function in it: nobody can compare it
-        key = draw.__module__, draw.__name__, sha256(content).digest()
-        if key not in DRAWN:
-            DRAWN[key] = draw(*args, **kwargs)
-        return DRAWN[key]
-
-    return drawn

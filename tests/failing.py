@@ -37,7 +37,7 @@ PRINTING = {
     "paper": ("paper",),
     "validate": ("validate", DEVICE),
     "schema": ("schema", "device"),
-    "diff": ("diff", "zhao-2019", "hg4930#A"),
+    "diff": ("diff", "hg4930#A", "hg4930#C"),
     "check": ("check", "zhao-2019-eq4-nominal"),
     "help": ("--help",),
     "version": ("--version",),
@@ -50,7 +50,7 @@ WRITING = {
     "devices": ("devices", "--json", "a.json"),
     "paper": ("paper", "--csv", "a.csv", "-o", "a.html", "-o", "a.pdf"),
     "report": ("report", "--no-validate", "-o", "a.html"),
-    "diff": ("diff", "zhao-2019", "hg4930#A", "--json", "a.json"),
+    "diff": ("diff", "hg4930#A", "hg4930#C", "--json", "a.json"),
 }
 
 NOT_MET = {"compare", "compare csv"}  # the paper's device does not meet that grade

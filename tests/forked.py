@@ -56,7 +56,7 @@ def run_forked(words, *, folder, streams, environment, patience):
 def _server(environment):
     """Start a process that forks, in an environment of pairs; it ends with this one."""
     process = subprocess.Popen(
-        [sys.executable, __file__],
+        [sys.executable, __file__, *_modules()],
         env=dict(environment),
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
@@ -86,8 +86,9 @@ def _serve():
     sys.exit()
 
 
-def _import_everything():
-    """Import what any command does, and read the files that ship."""
+@cache
+def _modules():
+    """Return the modules that any command imports, those of seldom used ones apart."""
     import budget
 
     names = set()
@@ -97,10 +98,14 @@ def _import_everything():
                 names |= {alias.name for alias in node.names}
             elif isinstance(node, ast.ImportFrom):
                 names.add(node.module)
-    for name in sorted(names):
-        if not name.startswith(("distributed", "_typeshed")):
-            import_module(name)
-    budget.load_catalogue()
+    return sorted(n for n in names if not n.startswith(("distributed", "SALib", "_")))
+
+
+def _import_everything():
+    """Import what the command line names, and read the files that ship."""
+    for name in sys.argv[1:]:
+        import_module(name)
+    import_module("budget").load_catalogue()
     gc.collect()
     gc.freeze()  # else a child takes a second to look through all that at its end
 

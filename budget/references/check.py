@@ -225,7 +225,8 @@ def explain(
         changes.append(replace(change, acts=acts))
     together = _together(causes, law, after.law())
     versions = list(_version_changes(before.budget.versions, after.budget.versions))
-    again = before.again()
+    by_law_already = before.budget.settings == by_law(before.budget.settings)
+    again = law if by_law_already else before.again()
     if again is not None:
         acts = _note(causes, len(changes), find_moves(before.budget, again))
         if acts and not versions:

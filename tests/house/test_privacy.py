@@ -43,7 +43,7 @@ CALLS = {
     "validate": ("validate", "zhao-2019"),
     "schema": ("schema", "device"),
     "check": ("check", "zhao-2019-eq4-nominal"),
-    "diff": ("diff", "zhao-2019", "hg4930#A"),
+    "diff": ("diff", "hg4930#A", "hg4930#C"),
     "help": ("--help",),
 }
 NOT_MET = {"compare"}
