@@ -92,9 +92,9 @@ def allocate(
     from budget.report.allocation.document import (
         allocated_device,
         allocation_csv,
-        allocation_json,
     )
     from budget.report.allocation.page import allocation_answer
+    from budget.report.document import json_text
     from budget.report.terminal import Page, print_sections
     from budget.spec import load_costs, load_procedure, load_requirement
     from budget.studies.allocation.allocate import allocate as run
@@ -140,7 +140,7 @@ def allocate(
     if write is not None and allocation.feasible:
         written[write] = _read_back(allocated_device(allocation), write)
     documents = (
-        (json, lambda: allocation_json(allocation)),
+        (json, lambda: json_text(allocation.to_dict())),
         (csv, lambda: allocation_csv(allocation)),
     )
     if allocation.feasible:

@@ -38,12 +38,8 @@ def paper(
         hand_out,
         render_pages,
     )
-    from budget.report.paper.page import (
-        paper_document,
-        paper_sections,
-        to_csv,
-        to_json,
-    )
+    from budget.report.document import json_text
+    from budget.report.paper.page import paper_document, paper_sections, to_csv
     from budget.report.terminal import Page, print_sections
     from budget.studies.paper.study import reproduce
 
@@ -61,7 +57,7 @@ def paper(
     if pages:
         rendered = render_pages(paper_document(study, date=document_date()), pages)
     hand_out(
-        [(json, lambda: to_json(study)), (csv, lambda: to_csv(study))],
+        [(json, lambda: json_text(study.to_dict())), (csv, lambda: to_csv(study))],
         None if pages else show,
         pages=rendered,
     )

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING, Any
 
+from budget.report.document import json_text
 from budget.report.tables import print_given, words
 from budget.report.terminal import GAP, Page
 from budget.results import SCHEMA
@@ -248,5 +248,4 @@ def _sensor(sensor: Sensor) -> dict[str, Any]:
 
 def _dump(content: dict[str, Any]) -> str:
     """Write a document of schema `budget/1`."""
-    document = {"schema": SCHEMA, "command": "devices", **content}
-    return json.dumps(document, allow_nan=False, ensure_ascii=False, indent=1) + "\n"
+    return json_text({"schema": SCHEMA, "command": "devices", **content})

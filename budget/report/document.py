@@ -50,7 +50,11 @@ def to_json(
     ValueError
         A number is not finite: JSON has none, and a budget must have none.
     """
-    document = {**budget.to_dict(), **(extras or {})}
+    return json_text({**budget.to_dict(), **(extras or {})})
+
+
+def json_text(document: Mapping[str, Any]) -> str:
+    """Write a document at full precision. Raises ValueError as to_json."""
     return json.dumps(document, allow_nan=False, ensure_ascii=False, indent=1) + "\n"
 
 

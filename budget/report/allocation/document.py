@@ -1,8 +1,7 @@
-"""An allocation for programs: JSON, CSV and the allocated device as a file."""
+"""An allocation for programs: CSV, and the allocated device as a file."""
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING, Any
 
 from budget.report.device_file import device_yaml
@@ -17,18 +16,6 @@ COLUMNS = (
     *("binding_output", "at_ceiling", "at_least", "ceiling", "least"),
     *("headroom", "stopped_by", "best_offered", "counts"),
 )
-
-
-def allocation_json(allocation: Allocation) -> str:
-    """Write the JSON document.
-
-    Raises
-    ------
-    ValueError
-        A number is not finite.
-    """
-    document = allocation.to_dict()
-    return json.dumps(document, allow_nan=False, ensure_ascii=False, indent=1) + "\n"
 
 
 def allocation_csv(allocation: Allocation) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -20,7 +19,7 @@ from budget.report.blocks import (
     Section,
     table_of,
 )
-from budget.report.document import csv_text
+from budget.report.document import csv_text, json_text
 from budget.report.figures.picture import capital
 from budget.report.formulas import with_math
 from budget.report.paper.figures import ratio_picture, sweep_picture
@@ -88,7 +87,7 @@ def paper_document(study: PaperStudy, *, date: str) -> Document:
                 study.inputs, None, version=__version__, command_line=COMMAND
             ),
         ),
-        json=to_json(study),
+        json=json_text(study.to_dict()),
         date=date,
         version=__version__,
     )
@@ -118,12 +117,6 @@ def paper_sections(study: PaperStudy) -> tuple[Section, ...]:
 def _first(name: str, title: str, block: Block) -> Section:
     """Return a section of page one."""
     return Section(name=name, title=title, blocks=(block,), on_first_page=True)
-
-
-def to_json(study: PaperStudy) -> str:
-    """Write the JSON document."""
-    document = study.to_dict()
-    return json.dumps(document, allow_nan=False, ensure_ascii=False, indent=1) + "\n"
 
 
 def to_csv(study: PaperStudy) -> str:

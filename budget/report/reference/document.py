@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from budget.report.document import csv_text
+from budget.report.document import csv_text, json_text
 from budget.report.reference.sections import TOGETHER, cause_texts, together_text
 from budget.results import SCHEMA
 
@@ -23,7 +22,7 @@ COLUMNS = (
 
 def checks_json(checks: Sequence[Difference], errors: Sequence[str]) -> str:
     """Write the JSON document of `check`; `errors` are those of bad references."""
-    return _json(
+    return json_text(
         {
             "schema": SCHEMA,
             "command": "check",
@@ -63,7 +62,7 @@ def checks_csv(checks: Sequence[Difference]) -> str:
 
 def difference_json(difference: Difference) -> str:
     """Write the JSON document of `diff`, the largest change first."""
-    return _json(
+    return json_text(
         {
             "schema": SCHEMA,
             "command": "diff",
@@ -109,8 +108,3 @@ def _move(move: Move, changes: Sequence[Change]) -> dict[str, Any]:
         "together": move.together,
         "because": "; ".join(because),
     }
-
-
-def _json(document: dict[str, Any]) -> str:
-    """Write a document at full precision; JSON has no infinite number."""
-    return json.dumps(document, allow_nan=False, ensure_ascii=False, indent=1) + "\n"

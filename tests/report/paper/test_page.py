@@ -10,9 +10,10 @@ from command_line import call, start
 from pdf_reading import needs_poppler, squeeze, text_of
 
 from budget.report.blocks import Abreast, Picture, Table, drawn
+from budget.report.document import json_text
 from budget.report.figures.picture import capital
 from budget.report.page import render_page
-from budget.report.paper.page import paper_document, printed_cell, to_json
+from budget.report.paper.page import paper_document, printed_cell
 from budget.report.paper.texts import print_ours, print_ratio, reason
 from budget.report.typeset import typeset
 from budget.studies.paper.findings import Verdict
@@ -180,7 +181,7 @@ def test_figures_have_words_tips_and_their_steps(study, document):
 def test_document_takes_its_date_and_holds_the_numbers(study, document):
     """The date is the given one, the JSON that of --json, and no seed is claimed."""
     assert (document.kind, document.date) == ("paper", DATE)
-    assert document.json == to_json(study)
+    assert document.json == json_text(study.to_dict())
     (pairs, files, _) = section_of(document, "Provenance").blocks
     assert [term for term, _ in pairs.rows] == ["made by", "command"]
     hashes = [row[2].text for group in files.groups for row in group.rows]
