@@ -117,9 +117,12 @@ def deliver(budget: Budget, *, json: Path | None, csv: Path | None) -> None:
     from budget.report.document import to_csv, to_json
 
     def show() -> None:
-        from budget.report.terminal import render_budget
+        from budget.report.analysis.groups import budget_answer
+        from budget.report.terminal import Page, print_sections
 
-        render_budget(budget, console())
+        page = Page(console())
+        page.line(budget.title, style="bold")
+        print_sections(budget_answer(budget), page)
 
     if csv == STDOUT:  # the only output that has no room for them
         for text in budget.warnings:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 import textwrap
 from dataclasses import dataclass
+from itertools import repeat
 from typing import TYPE_CHECKING
 
 from budget.report.blocks import (
@@ -21,30 +22,22 @@ from budget.report.blocks import (
     Sliders,
     Table,
 )
-from budget.report.indices import index_tables
 from budget.report.tables import (
     AT_LEAST,
     AT_MOST,
     align_decimals,
-    group_tables,
-    print_coverage,
-    settings_lines,
 )
-from budget.report.wording import not_given_lines
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from rich.console import Console
 
     from budget.report.blocks import Block, Cell, Section, Words
-    from budget.report.indices import IndexTable
-    from budget.report.tables import GroupTable, Number, OutputRow, SourceRow
-    from budget.results import Budget
 
 EIGHTHS = " ▏▎▍▌▋▊▉█"
 TEXT_WIDTH = 78  # running text is no wider, however wide the terminal
-BAR_WIDTHS = (4, 40)  # [columns]
+NARROWEST_BAR, WIDEST_BAR = 4, 40  # [columns]
 WIDEST_CELL = (32, 24)  # columns of a text beside others, where room is scarce
 GAP = 2  # columns between columns
 SETTING = len("reference") + GAP  # room for the names of the settings
@@ -59,43 +52,6 @@ ASCII = {
     "\N{EN DASH}": "-",
 }
 SIGNS = str.maketrans({AT_LEAST: ">=", AT_MOST: "<="})
-
-
-def render_budget(budget: Budget, console: Console) -> None:
-    """Print the tables of all parameter groups, then what they rest on.
-
-    Parameters
-    ----------
-    budget : Budget
-        The result.
-    console : rich.console.Console
-        Its width and encoding decide the layout; numbers are never cut or wrapped.
-    """
-    page = Page(console)
-    page.line(budget.title, style="bold")
-    groups = group_tables(budget)
-    checks = {group.validation for group in groups}
-    for group in groups:
-        page.line()
-        _print_group(group, page)
-        if len(checks) > 1 and group.validation:
-            page.paragraph(group.validation, first="Checked ")
-    _print_indices(budget, page)
-    for label, lines in (
-        ("Not given", not_given_lines(budget.could_widen)),
-        ("Assumptions", budget.assumptions),
-        ("Warnings", budget.warnings),
-    ):
-        page.line()
-        page.line(label if lines else f"{label}: none", style="bold")
-        for text in lines:
-            page.paragraph(text, first="- ")
-    page.line()
-    page.line("Settings", style="bold")
-    for label, text in settings_lines(budget.settings):
-        page.paragraph(text, first=f"{label:<{SETTING}}")
-    if len(checks) == 1 and any(checks):
-        page.paragraph(*checks, first=f"{'checked':<{SETTING}}")
 
 
 class Page:
@@ -205,6 +161,7 @@ class SetColumn:
 
     head: list[str]
     cells: list[list[str]]
+    shares: list[float | None]
     flush_right: bool
     is_unit: bool
 
@@ -276,6 +233,7 @@ def _set(table: Table, place: int, widest: int) -> SetColumn:
     return SetColumn(
         head=_break(column.head, longest if widest in WIDEST_CELL else widest),
         cells=cells,
+        shares=[row[place].share for group in table.groups for row in group.rows],
         flush_right=column.kind == "number",
         is_unit=column.kind == "unit",
     )
@@ -301,7 +259,8 @@ def _print_part(
         texts = [column.line(cell, place) for column, cell in pairs]
         page.line((" " * GAP).join([*texts, end]), style=style)
 
-    room = page.width - sum(GAP + column.width for column in columns) - len("()")
+    room = page.width - sum(GAP + column.width for column in columns)
+    bars = _bars(columns, min(room, WIDEST_BAR), page)
     high = max(len(column.head) for column in columns)
     heads = [[""] * (high - len(column.head)) + column.head for column in columns]
     for place in range(high if any(map(any, heads)) else 0):
@@ -314,12 +273,22 @@ def _print_part(
             cells = next(rows)
             notes = _notes(row) if with_notes else ""
             size = max(map(len, cells))
-            fits = notes and size == 1 and len(notes) < room
-            beside = f"({notes})" if fits else ""
+            beside = next(bars)
+            if not beside and notes and size == 1 and len(notes) + len("()") <= room:
+                beside = f"({notes})"
             for place in range(size):
                 line(cells, place, "bold" if row[0].strong else "", beside)
-            if notes and not beside:
+            if notes and beside != f"({notes})":
                 page.paragraph(notes, first=" " * GAP)
+
+
+def _bars(columns: Sequence[SetColumn], width: int, page: Page) -> Iterator[str]:
+    """Yield a bar for each row: of the share in it, where one column alone has any."""
+    (shares, *others) = [c.shares for c in columns if any(c.shares)] or [[]]
+    if others or width < NARROWEST_BAR:
+        shares = []
+    yield from (page.bar(share or 0.0, width) for share in shares)
+    yield from repeat("")
 
 
 def _print_fields(table: Table, page: Page) -> None:
@@ -364,158 +333,6 @@ def _part_long(text: str, room: int) -> str:
             rest = rest[place:]
         words.append(rest)
     return " ".join(words)
-
-
-def _print_group(group: GroupTable, page: Page) -> None:
-    """Print the outputs of one group, then its sources with their bars."""
-    title = group.title.capitalize()
-    page.line(f"{title} [{group.unit}]", style="bold underline")
-    head, lines = _output_lines(group)
-    width = max(len(line) for line in (head, *lines))
-    if width <= page.width:
-        page.line(head, style="bold")
-        for line in lines:
-            page.line(line)
-    else:
-        for row in group.rows:
-            for label, text in _output_cells(group, row):
-                page.line(f"{row.axis:<3}{label}  {text}")
-    if group.gaps:
-        page.paragraph(group.gaps.translate(SIGNS))
-    page.line()
-    _print_sources(group, page)
-
-
-def _print_indices(budget: Budget, page: Page) -> None:
-    """Print Sobol' indices with their intervals, for the widest output of a group."""
-    for table in index_tables(budget):
-        if not table.is_widest:
-            continue
-        page.line()
-        page.line(f"Sobol indices of {table.title}", style="bold underline")
-        head, lines = _index_lines(table)
-        mark = any(row.note for row in table.rows)
-        name = max(len(row.title) for row in table.rows)
-        if name + GAP + len(head) <= page.width:
-            page.line(" " * (name + GAP) + head, style="bold")
-            for row, line in zip(table.rows, lines, strict=True):
-                star = "*" if row.note else ""
-                page.line(f"{row.title:<{name}}{' ' * GAP}{line}{star}")
-        else:
-            for row in table.rows:
-                page.line(f"{row.rank} {row.title} {row.note}")
-                page.line(f"  first {row.first} {row.first_interval}")
-                page.line(f"  total {row.total} {row.total_interval}")
-            mark = False
-        if mark:
-            page.line("* interacts with other sources, beyond chance")
-        if table.small:
-            page.paragraph(table.small, first="below 0.001: ")
-
-
-def _index_lines(table: IndexTable) -> tuple[str, tuple[str, ...]]:
-    """Set the indices of one output as columns."""
-    names = ("rank", "first", "first_interval", "total", "total_interval")
-    heads = ["rank", "first", "interval", "total", "interval"]
-    columns = [tuple(getattr(row, name) for row in table.rows) for name in names]
-    return set_columns(heads, columns, flush_left=False)
-
-
-def _output_cells(group: GroupTable, row: OutputRow) -> tuple[tuple[str, str], ...]:
-    """Return (column head, text) of the numbers of one output."""
-    coverage = print_coverage(group.coverage)
-    cells = [("mean", row.mean), ("u", row.u)]
-    if all(other.is_centred for other in group.rows):
-        cells += [(f"U{coverage}", row.expanded)]
-    else:  # Not mean +- U: the two ends must be seen.
-        cells += [(f"{coverage} % from", row.low), ("to", row.high)]
-    return tuple((head, number.text.translate(SIGNS)) for head, number in cells)
-
-
-def _output_lines(group: GroupTable) -> tuple[str, tuple[str, ...]]:
-    """Set the outputs as columns: the head line and one line for each axis."""
-    cells = [_output_cells(group, row) for row in group.rows]
-    heads = ["axis", *(label for label, _ in cells[0])]
-    columns = [tuple(row.axis for row in group.rows)]
-    columns += [
-        align_decimals([row[place][1] for row in cells])
-        for place in range(len(cells[0]))
-    ]
-    return set_columns(heads, columns)
-
-
-def _print_sources(group: GroupTable, page: Page) -> None:
-    """Print one line for each source, the largest first, with a bar of its share."""
-    acting = [row for row in group.sources if not row.is_idle]
-    idle = [row.title for row in group.sources if row.is_idle]
-    known = " that is known" if group.gaps else ""
-    page.line(f"Causes, by share of the variance{known}")
-    if acting:
-        _print_bars(acting, page)
-    if idle:
-        page.paragraph(", ".join(idle), first="no effect: ")
-
-
-def _print_bars(sources: Sequence[SourceRow], page: Page) -> None:
-    """Print the sources that have an effect: share and u as columns, then the bar."""
-    largest = [max((cell.u for cell in row.cells), key=_exact) for row in sources]
-    ranges = _axis_ranges(sources)
-    heads = ["share", "u, worst axis" if ranges else "u alone"]
-    columns = [
-        tuple(row.share.text for row in sources),
-        align_decimals([u.text for u in largest]),
-    ]
-    head, lines = set_columns(heads, columns, flush_left=False)
-    if ranges:
-        wide_head, wide = set_columns(
-            [*heads, "share by axis"], [*columns, ranges], flush_left=False
-        )
-        if len(wide_head) + NARROWEST_NAME + 2 * GAP + BAR_WIDTHS[0] <= page.width:
-            head, lines = wide_head, wide
-    room = page.width - len(head) - 2 * GAP
-    longest = max(len(row.title) for row in sources)
-    name = min(longest, max(NARROWEST_NAME, room - BAR_WIDTHS[0]))
-    bar = min(BAR_WIDTHS[1], room - name)
-    page.line(" " * (name + GAP) + head, style="bold")
-    for row, numbers in zip(sources, lines, strict=True):
-        first, *more = textwrap.wrap(row.title, name, break_long_words=False)
-        drawn = page.bar(row.share.exact, bar) if bar > 0 else ""
-        page.line(f"{first:<{name}}{' ' * GAP}{numbers}{' ' * GAP}{drawn}")
-        for line in more:
-            page.line(f"  {line}")
-
-
-def _exact(number: Number) -> float:
-    """Return what a number is sorted by."""
-    return number.exact
-
-
-def _axis_ranges(sources: Sequence[SourceRow]) -> tuple[str, ...]:
-    """Return 'least to most' of the shares by axis; empty where the axes agree."""
-    ranges = []
-    differ = False
-    for row in sources:
-        shares = sorted((cell.share for cell in row.cells), key=_exact)
-        least, most = shares[0].text, shares[-1].text
-        differ = differ or least != most
-        ranges.append(most if least == most else f"{least} to {most}")
-    return tuple(ranges) if differ else ()
-
-
-def set_columns(
-    heads: Sequence[str], columns: Sequence[Iterable[str]], *, flush_left: bool = True
-) -> tuple[str, tuple[str, ...]]:
-    """Set texts flush right under their heads; the first column may be flush left."""
-    texts = [[head, *column] for head, column in zip(heads, columns, strict=True)]
-    widths = [max(len(text) for text in column) for column in texts]
-    lines = []
-    for row in zip(*texts, strict=True):
-        cells = [
-            text.ljust(width) if flush_left and place == 0 else text.rjust(width)
-            for place, (text, width) in enumerate(zip(row, widths, strict=True))
-        ]
-        lines.append((" " * GAP).join(cells))
-    return lines[0], tuple(lines[1:])
 
 
 def _encodes(text: str, encoding: str) -> bool:

@@ -99,7 +99,7 @@ def test_a_sensor_without_lines_alone_meets_nothing():
     how = ("--requirement", "tactical-grade", "--method", "gum")
     run = call("compare", "empty.yaml", *how)
     assert run.code == 1
-    assert "nothing is known of Empty" in run.out
+    assert "Nothing is known of Empty" in run.out
     assert "no device meets (1 undecidable)" in run.out
     assert "0.00" not in run.out
     (row,) = csv.DictReader(

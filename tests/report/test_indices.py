@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import io
 import re
 
 import pytest
 from builders import NOWHERE, procedure, sensor
-from rich.console import Console
+from document_text import on_terminal
 
+from budget.report.analysis.groups import budget_answer
 from budget.report.indices import index_tables, print_index
-from budget.report.terminal import render_budget
 from budget.spec.records import Device
 from budget.studies.analysis import analyze
 from budget.units import DEG_PER_HOUR
@@ -77,11 +76,10 @@ def test_sources_that_cannot_be_told_apart_share_a_rank(budget):
 @pytest.mark.parametrize("width", [40, 80])
 def test_terminal_prints_no_index_without_its_interval(budget, width):
     """Every printed index is followed by its interval, and nothing is cut."""
-    text = io.StringIO()
-    render_budget(budget, Console(file=text, width=width, color_system=None))
-    shown = text.getvalue().partition("Sobol indices of")[2].partition("Not given")[0]
+    text = on_terminal(budget_answer(budget), width)
+    shown = text.partition("Sobol indices of")[2].partition("Not given")[0]
     pairs = re.findall(r"\d\.\d+ +\[-?\d\.\d+, -?\d\.\d+\]", shown)
     rest = re.sub(r"\d\.\d+ +\[-?\d\.\d+, -?\d\.\d+\]", "", shown)
     assert len(pairs) >= 2 * 3  # first and total, at least one source a group
     assert re.findall(r"(?<!below )\d\.\d+", rest) == []
-    assert max(len(row) for row in text.getvalue().splitlines()) <= width
+    assert max(len(row) for row in text.splitlines()) <= width

@@ -9,8 +9,9 @@ import pytest
 from report_examples import GYRO, make_budget, make_output, make_outputs
 from rich.console import Console
 
+from budget.report.analysis.groups import budget_answer
 from budget.report.tables import group_tables
-from budget.report.terminal import render_budget
+from budget.report.terminal import Page, print_sections
 
 NUMBER = re.compile(r"-?\d[\d.]*(?:e-?\d+)?")
 
@@ -19,7 +20,9 @@ def render(budget, *, width=80, encoding="utf-8", **options):
     """Render into bytes and decode them again."""
     raw = io.BytesIO()
     file = io.TextIOWrapper(raw, encoding=encoding, newline="")
-    render_budget(budget, Console(file=file, width=width, **options))
+    page = Page(Console(file=file, width=width, **options))
+    page.line(budget.title)
+    print_sections(budget_answer(budget), page)
     file.flush()
     return raw.getvalue().decode(encoding)
 

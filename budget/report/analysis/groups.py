@@ -8,29 +8,195 @@ from budget.report.blocks import (
     Abreast,
     Cell,
     Column,
+    Field,
+    Listing,
+    Pairs,
     Panel,
     Paragraph,
     RowGroup,
     Section,
     Table,
+    table_of,
 )
 from budget.report.figures import share_picture
-from budget.report.tables import print_coverage
-from budget.report.wording import cell, first_up
+from budget.report.indices import IndexRow, index_tables
+from budget.report.tables import (
+    OutputRow,
+    SourceRow,
+    group_tables,
+    print_coverage,
+    settings_lines,
+)
+from budget.report.wording import cell, first_up, not_given_lines, points
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from budget.report.blocks import Block
+    from budget.report.indices import IndexTable
     from budget.report.tables import (
         CheckCell,
         GroupTable,
         Number,
-        OutputRow,
         SourceCell,
     )
+    from budget.results import Budget
 
 TINY_BAR = 0.005  # a share below this is no bar [1]
+
+
+def budget_answer(budget: Budget) -> tuple[Section, ...]:
+    """Return what stands on a terminal: all groups, then what they rest on."""
+    groups = group_tables(budget)
+    checks = list({group.validation for group in groups})
+    settings = [*settings_lines(budget.settings)]
+    if len(checks) == 1 and checks[0]:
+        settings.append(("checked", checks[0]))
+    return (
+        *(_group_section(group, checked=len(checks) > 1) for group in groups),
+        *(_index_section(table) for table in index_tables(budget) if table.is_widest),
+        _listed("Not given", not_given_lines(budget.could_widen)),
+        _listed("Assumptions", budget.assumptions),
+        _listed("Warnings", budget.warnings),
+        Section(
+            name="settings",
+            title="Settings",
+            blocks=(Pairs(rows=tuple((name, (text,)) for name, text in settings)),),
+        ),
+    )
+
+
+def _listed(title: str, lines: Sequence[str]) -> Section:
+    """Return lines of text under a heading, which says so where there are none."""
+    return Section(
+        name=title.lower().replace(" ", "-"),
+        title=title,
+        blocks=(Listing(items=points(lines), empty=""),),
+        in_brief=None if lines else f"{title}: none",
+    )
+
+
+def _group_section(group: GroupTable, *, checked: bool) -> Section:
+    """Return the outputs of one group, an axis a row, then its sources."""
+    coverage = print_coverage(group.coverage)
+    centred = all(row.is_centred for row in group.rows)
+
+    def number(
+        head: str, pick: Callable[[OutputRow], Number], *, shown: bool = True
+    ) -> Field[OutputRow]:
+        return Field(
+            head=head,
+            kind="number",
+            optional=True,
+            cell=lambda row: cell(pick(row)) if shown else "",
+        )
+
+    outputs = table_of(
+        group.rows,
+        (
+            Field[OutputRow](head="axis", cell=lambda row: row.axis),
+            number("mean", lambda row: row.mean),
+            number("u", lambda row: row.u),
+            number(f"U{coverage}", lambda row: row.expanded, shown=centred),
+            # Not mean +- U: the two ends must be seen.
+            number(f"{coverage} % from", lambda row: row.low, shown=not centred),
+            number("to", lambda row: row.high, shown=not centred),
+        ),
+        name=f"outputs-{group.sensor}-{group.parameter}",
+        caption=f"Errors of the {group.title} by axis",
+    )
+    blocks: list[Block] = [outputs]
+    if group.gaps:
+        blocks.append(Paragraph(words=(group.gaps,)))
+    known = " that is known" if group.gaps else ""
+    acting = [source for source in group.sources if not source.is_idle]
+    shown: list[Block] = [_sources_table(group, acting)] if acting else []
+    if idle := ", ".join(row.title for row in group.sources if row.is_idle):
+        shown.append(Paragraph(words=(f"no effect: {idle}",)))
+    title = f"Causes, by share of the variance{known}"
+    blocks.append(Panel(title=title, blocks=tuple(shown)))
+    if checked and group.validation:
+        blocks.append(Paragraph(words=(f"Checked {group.validation}",)))
+    return Section(
+        name=f"group-{group.sensor}-{group.parameter}",
+        title=f"{first_up(group.title)} [{group.unit}]",
+        blocks=tuple(blocks),
+    )
+
+
+def _sources_table(group: GroupTable, acting: Sequence[SourceRow]) -> Table:
+    """Return the sources that have an effect, the largest first."""
+    ranges = {source.source: _range(source) for source in acting}
+    differ = any(" to " in text for text in ranges.values())
+    return table_of(
+        acting,
+        (
+            Field[SourceRow](head="", cell=lambda source: source.title),
+            Field[SourceRow](
+                head="share [%]",
+                kind="number",
+                cell=lambda source: Cell(
+                    text=source.share.text.removesuffix(" %"),
+                    exact=source.share.exact,
+                    share=source.share.exact,
+                ),
+            ),
+            Field[SourceRow](
+                head="u, worst axis" if differ else "u alone",
+                kind="number",
+                cell=lambda source: cell(
+                    max((part.u for part in source.cells), key=lambda u: u.exact)
+                ),
+            ),
+            Field[SourceRow](
+                head="share by axis",
+                cell=lambda source: ranges[source.source] if differ else "",
+                optional=True,
+            ),
+        ),
+        name=f"sources-{group.sensor}-{group.parameter}",
+        caption=f"Sources of the {group.title}",
+    )
+
+
+def _range(source: SourceRow) -> str:
+    """Return 'least to most' of the shares by axis; one where the axes agree."""
+    shares = sorted((part.share for part in source.cells), key=lambda x: x.exact)
+    least, most = shares[0].text, shares[-1].text
+    return most if least == most else f"{least} to {most}"
+
+
+def _index_section(table: IndexTable) -> Section:
+    """Return Sobol' indices with their intervals."""
+    blocks: list[Block] = [
+        table_of(
+            table.rows,
+            (
+                Field[IndexRow](
+                    head="",
+                    cell=lambda row: Cell(text=row.title, note=row.note),
+                ),
+                Field[IndexRow](head="rank", cell=lambda row: row.rank),
+                Field[IndexRow](
+                    head="first order",
+                    cell=lambda row: f"{row.first} {row.first_interval}",
+                ),
+                Field[IndexRow](
+                    head="total",
+                    cell=lambda row: f"{row.total} {row.total_interval}",
+                ),
+            ),
+            name=f"indices-{table.title}".replace(" ", "-"),
+            caption=f"Sobol indices of {table.title}",
+        )
+    ]
+    if table.small:
+        blocks.append(Paragraph(words=(f"below 0.001: {table.small}",)))
+    return Section(
+        name=f"indices-{table.title}",
+        title=f"Sobol indices of {table.title}",
+        blocks=tuple(blocks),
+    )
 
 
 def budget_section(groups: Sequence[GroupTable]) -> Section:
