@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from budget.references.records import Change
-from budget.spec.tree import Document, Node, merge, plain
+from budget.spec.device import root_of
+from budget.spec.tree import Document, Node, plain
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -79,15 +80,7 @@ def effective(document: Document, variant: str) -> Document:
     Figures get one shape, {value: ...}, so that a short one and a long one differ in
     their values only. The file is one that can be read (see spec.device).
     """
-    keys = document.root.value
-    if not isinstance(keys, dict):
-        return document
-    base = {k: v for k, v in keys.items() if k not in {"variants", "abstract"}}
-    root = replace(document.root, value=base)
-    variants = document.root.child("variants")
-    over = variants.child(variant) if variants and variant else None
-    if over is not None:
-        root = merge(root, over)
+    root = _put(root_of(document, variant), ("abstract",), None)
     return replace(
         document,
         root=_long_figures(root),

@@ -192,7 +192,7 @@ def read_device(document: Document, variant: str = "") -> Device:
     SpecError
         Every issue of the base with that variant over it.
     """
-    root = _root(document, variant)
+    root = root_of(document, variant)
     sheet = check(document, DeviceFile, root=root, gravity=_gravity(root))
     name = f"{sheet.name} ({variant})" if variant else sheet.name
     parts: dict[str, SensorPart | None] = {
@@ -254,8 +254,14 @@ def _variants(document: Document) -> dict[str, Node]:
     return node.value
 
 
-def _root(document: Document, variant: str) -> Node:
-    """Return the nodes of the base, with one variant laid over them."""
+def root_of(document: Document, variant: str) -> Node:
+    """Return the nodes of the base, with one variant laid over them.
+
+    Raises
+    ------
+    SpecError
+        There is no such variant, or the base only serves its variants.
+    """
     root = document.root
     keys = root.value if isinstance(root.value, dict) else {}
     base = replace(root, value={k: v for k, v in keys.items() if k != "variants"})
