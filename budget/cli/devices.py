@@ -52,13 +52,12 @@ def devices(
 
 def _render(found: Sequence[Device], *, is_list: bool) -> None:
     """Print the list, or one device after the other."""
-    from budget.report.catalogue import render_device, render_list
+    from budget.report.catalogue import device_sections, list_sections
+    from budget.report.terminal import Page, print_sections
 
-    out = console()
+    page = Page(console())
     if is_list:
-        render_list(found, out)
+        print_sections(list_sections(found), page)
         return
-    for place, device in enumerate(found):
-        if place:
-            out.print()
-        render_device(device, out)
+    for device in found:
+        print_sections(device_sections(device), page)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from budget.report.blocks import Cell, Run
@@ -12,7 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from budget.names import Name
-    from budget.report.blocks import Table, Words
+    from budget.report.blocks import Words
     from budget.report.tables import Number
 
 
@@ -62,32 +61,6 @@ def value(number: Number, unit: str = "") -> Run:
 def cell(number: Number, *, strong: bool = False) -> Cell:
     """Return a rounded number in a table."""
     return Cell(text=number.text, exact=number.exact, strong=strong)
-
-
-def texts(*words: str) -> tuple[Cell, ...]:
-    """Return cells of plain text."""
-    return tuple(Cell(text=word) for word in words)
-
-
-def without_empty(table: Table) -> Table:
-    """Return a table without the columns in which nothing stands."""
-    rows = [row for group in table.groups for row in group.rows]
-    used = [
-        place
-        for place in range(len(table.columns))
-        if any(row[place].text for row in rows)
-    ]
-    return replace(
-        table,
-        columns=tuple(table.columns[place] for place in used),
-        groups=tuple(
-            replace(
-                group,
-                rows=tuple(tuple(row[place] for place in used) for row in group.rows),
-            )
-            for group in table.groups
-        ),
-    )
 
 
 def points(lines: Iterable[str]) -> tuple[Words, ...]:

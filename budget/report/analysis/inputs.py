@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from budget.model.sources import ENVIRONMENT, SENSORS, STATION, source_of
 from budget.names import Name
 from budget.report.blocks import (
     Cell,
-    Column,
+    Field,
     Panel,
     Paragraph,
-    RowGroup,
     Section,
-    Table,
+    table_of,
 )
 from budget.report.tables import print_given, words
-from budget.report.wording import first_up, texts, without_empty
+from budget.report.wording import first_up
 from budget.spec.records import ANGLES, AXES
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
 
@@ -24,29 +24,27 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from budget.arrays import Array
-    from budget.report.blocks import Block
-    from budget.spec.records import Device, ErrorLine, Procedure, Sensor
+    from budget.report.blocks import Block, Table
+    from budget.spec.records import Device, ErrorLine, MakerFigure, Procedure, Sensor
 
 NOMINAL_BIAS = {"gyro": ("deg/h", DEG_PER_HOUR), "accelerometer": ("ug", MICRO_G)}
-FIGURE_HEADS = ("figure", "as printed", "meaning", "condition", "source")
 ABOUT = ("vendor", "technology", "range", "price", "mass", "power", "notes", "source")
 
 
 def inputs_section(devices: Sequence[Device], procedure: Procedure) -> Section:
     """Return every figure that the budget is made of, and those that it is not."""
     panels = [
-        _sensor_panel(sensor, device.assumptions)
+        Panel(
+            title=f"{sensor.device}: {sensor.kind}",
+            blocks=tuple(sensor_blocks(sensor, device.assumptions)),
+        )
         for device in devices
         for sensor in device.sensors
     ]
     panels += [
         Panel(
             title=f"{procedure.name}: {owner}",
-            blocks=(
-                without_empty(
-                    _lines_table(owner, procedure.name, lines, procedure.assumptions)
-                ),
-            ),
+            blocks=(lines_table(owner, procedure.name, lines, procedure.assumptions),),
         )
         for owner, lines in (
             (STATION, procedure.station),
@@ -68,85 +66,91 @@ def print_by_axis(values: Array) -> str:
     return ", ".join(f"{name} {text}" for name, text in pairs)
 
 
-def _sensor_panel(sensor: Sensor, assumptions: Sequence[str]) -> Panel:
-    """Return the data sheet of one triad."""
+def sensor_blocks(sensor: Sensor, assumptions: Sequence[str]) -> Iterator[Block]:
+    """Yield the data sheet of one triad."""
     unit, scale = NOMINAL_BIAS[sensor.kind]
     nominal = (
         f"Nominal bias {print_by_axis(sensor.nominal_bias / scale)} {unit}; nominal "
         f"mounting angle {print_by_axis(sensor.nominal_mounting_angle / ARCSEC)} "
         "arcsec."
     )
-    blocks: list[Block] = [Paragraph(words=(nominal,), small=True)]
+    yield Paragraph(words=(nominal,), small=True)
     if sensor.lines:
-        blocks.append(
-            without_empty(
-                _lines_table(sensor.kind, sensor.device, sensor.lines, assumptions)
-            )
-        )
+        yield lines_table(sensor.kind, sensor.device, sensor.lines, assumptions)
     else:
         text = "The data sheet gives no line that the model uses."
-        blocks.append(Paragraph(words=(text,)))
-    return Panel(title=f"{sensor.device}: {sensor.kind}", blocks=tuple(blocks))
+        yield Paragraph(words=(text,))
 
 
-def _lines_table(
+def lines_table(
     owner: str, of: str, lines: Sequence[ErrorLine], assumptions: Sequence[str]
 ) -> Table:
     """Return the lines of one owner, each with what was assumed of it."""
     sheet = "Data sheet" if owner in SENSORS else "Lines"
-    return Table(
+    assumed = [text.partition(": ") for text in assumptions]
+    fields: tuple[Field[ErrorLine], ...] = (
+        Field(head="line", weight=1.4, cell=lambda line: words(line.name)),
+        Field(head="as printed, meaning", weight=1.2, cell=_printed),
+        Field(head="u, distribution", weight=3.0, cell=_standard),
+        Field(head="condition", weight=1.6, cell=_conditions),
+        Field(head="source", weight=1.2, cell=lambda line: line.source),
+        Field(
+            head="assumed",
+            weight=1.6,
+            cell=lambda line: _assumed(line, owner, assumed),
+        ),
+    )
+    return table_of(
+        lines,
+        [replace(field, optional=True) for field in fields],
         name=f"inputs-{owner}",
         caption=f"{sheet} of the {owner} {of}",
-        columns=(
-            Column(head="line", weight=1.4),
-            Column(head="as printed, meaning", weight=1.2),
-            Column(head="u, distribution", weight=3.0),
-            Column(head="condition", weight=1.6),
-            Column(head="source", weight=1.2),
-            Column(head="assumed", weight=1.6),
-        ),
-        groups=(
-            RowGroup(rows=tuple(_line_row(line, owner, assumptions) for line in lines)),
-        ),
         is_wide=True,
         searchable=True,
     )
 
 
-def _line_row(
-    line: ErrorLine, owner: str, assumptions: Sequence[str]
-) -> tuple[Cell, ...]:
-    """Return one line of a data sheet."""
+def _printed(line: ErrorLine) -> Cell:
+    """Return a figure as it is printed, and what it means."""
     meaning = line.meaning
     if line.definition:
         meaning += f", {words(line.definition)}"
+    return Cell(text=line.printed, note=meaning)
+
+
+def _standard(line: ErrorLine) -> Cell:
+    """Return the standard uncertainty and its distribution, as the model takes them."""
     shape = ", ".join(dict.fromkeys(d.name for d in line.distributions))
     if line.correlation_time is not None:
         shape += f", correlation time {print_by_axis(line.correlation_time)} s"
+    u = print_by_axis(line.u / line.si_per_unit)
+    return Cell(text=f"{u} {line.unit}", note=shape)
+
+
+def _conditions(line: ErrorLine) -> str:
+    """Return under which conditions a figure holds."""
     conditions = [
         line.condition,
         f"includes {line.includes}" if line.includes else "",
         f"over {line.horizon}" if line.horizon else "",
     ]
+    return "; ".join(filter(None, conditions))
+
+
+def _assumed(
+    line: ErrorLine, owner: str, assumptions: Sequence[tuple[str, str, str]]
+) -> str:
+    """Return what was assumed of a line, or of an axis of it."""
     key = Name(line.name, owner=owner)
     of_axis: dict[str, str] = {
         Name(line.name, owner=owner, axis=axis): f"{axis}: "
         for axis in source_of(owner, line.name).axes
         if axis
     }
-    notes = [text.partition(": ") for text in assumptions]
-    assumed = [
+    return "; ".join(
         of_axis.get(start, "") + note
-        for start, _, note in notes
+        for start, _, note in assumptions
         if start == key or start in of_axis
-    ]
-    return (
-        Cell(text=words(line.name)),
-        Cell(text=line.printed, note=meaning),
-        Cell(
-            text=f"{print_by_axis(line.u / line.si_per_unit)} {line.unit}", note=shape
-        ),
-        *texts("; ".join(filter(None, conditions)), line.source, "; ".join(assumed)),
     )
 
 
@@ -154,7 +158,7 @@ def _about(device: Device) -> Iterator[Panel]:
     """Yield what moves no number: figures no model uses, what the device is."""
     blocks: list[Block] = []
     if device.figures:
-        blocks.append(without_empty(_figures_table(device)))
+        blocks.append(figures_table(device))
     said = [(label, getattr(device, label).rstrip(" .")) for label in ABOUT]
     lines = "; ".join(f"{label} {text}" for label, text in said if text)
     if lines:
@@ -164,26 +168,20 @@ def _about(device: Device) -> Iterator[Panel]:
         yield Panel(title=f"{device.name}: {title}", blocks=tuple(blocks))
 
 
-def _figures_table(device: Device) -> Table:
+def figures_table(device: Device) -> Table:
     """Return what the maker prints and no model uses."""
-    return Table(
+    fields: tuple[Field[MakerFigure], ...] = (
+        Field(head="figure", cell=lambda figure: words(figure.name)),
+        Field(head="as printed", cell=lambda figure: figure.value),
+        Field(head="meaning", cell=lambda figure: figure.meaning),
+        Field(head="condition", cell=lambda figure: figure.condition),
+        Field(head="source", cell=lambda figure: figure.source),
+    )
+    return table_of(
+        device.figures,
+        [replace(field, optional=True) for field in fields],
         name=f"not-budgeted-{device.origin.sha256[:8]}",
         caption=f"Figures of {device.name} that no model uses",
-        columns=tuple(Column(head=head) for head in FIGURE_HEADS),
-        groups=(
-            RowGroup(
-                rows=tuple(
-                    texts(
-                        words(figure.name),
-                        figure.value,
-                        figure.meaning,
-                        figure.condition,
-                        figure.source,
-                    )
-                    for figure in device.figures
-                )
-            ),
-        ),
         is_wide=True,
         searchable=True,
     )
