@@ -398,5 +398,5 @@ def test_a_micro_g_is_an_acceleration_and_no_mass(micro, tmp_path):
 @pytest.mark.parametrize("unit", ["microgram", "micrograms", "mcg", "mg*g/kg", "ugram"])
 def test_no_mass_passes_for_an_acceleration(unit):
     """A spelling of micrograms is refused where an acceleration is needed."""
-    with pytest.raises(UnitError, match="is no known unit, expected an acceleration"):
+    with pytest.raises(UnitError, match=r"no known unit.*acceleration"):
         parse_quantity(f"50 {unit}", ACCELERATION)

@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 from command_line import call, start
 from places import PACKAGE
+from saying import assert_says
 
 from budget.version import __version__
 
@@ -434,7 +435,7 @@ def test_a_pipe_that_breaks_inside_is_told(monkeypatch):
     run = call("devices")
 
     assert (run.code, run.out) == (2, "")
-    assert "a pipe to another process of this run broke" in run.err
+    assert_says(run.err, "pipe", "process", "broke")
 
 
 def test_too_many_open_files_are_not_blamed_on_a_stream(monkeypatch):
@@ -447,7 +448,7 @@ def test_too_many_open_files_are_not_blamed_on_a_stream(monkeypatch):
     run = call("devices")
 
     assert (run.code, run.out) == (2, "")
-    assert run.err.startswith("the system refused: Too many open files; ")
+    assert_says(run.err, "Too many open files")
     assert "standard output" not in run.err
     assert "ulimit" in run.err
 
@@ -458,10 +459,7 @@ def test_more_workers_than_processors_are_cut_with_a_word(monkeypatch):
     asked = ("analyze", "--method", "monte-carlo", "--trials", "5000", "--json", "-")
     cut = call(*asked, "--workers", "5000")
     assert cut.code == 0, cut.err
-    assert (
-        "--workers 5000: this run may use 1 processor, so that many are started"
-        in cut.err
-    )
+    assert_says(cut.err, "--workers 5000", "1 processor")
     one = call(*asked, "--workers", "1")
     assert "--workers" not in one.err
     assert cut.out == one.out

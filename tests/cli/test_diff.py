@@ -11,6 +11,7 @@ import pytest
 from command_line import analyze, call, output, start
 from numpy.testing import assert_allclose
 from reference_examples import DEVICE, store
+from saying import assert_says
 
 from budget.resources import shipped
 
@@ -131,7 +132,7 @@ class TestDevices:
         said = " ".join(run.out.split())
         key = "gyro.errors.mounting_repeatability"
         assert f"{key}: 2 arcsec -> {{value: 750 μrad, meaning: 1 sigma}}" in said
-        assert "more that move no number, in --json" in run.out
+        assert_says(run.out, "more that move no number", "--json")
         assert "  x 77  " in run.out
 
     def test_another_sensor(self):
@@ -201,8 +202,7 @@ class TestDevices:
         assert part > 3  # less is not worth a word
         assert row["because"].endswith(f"; together {part} %")
         run = call("diff", "imu.yaml", "better.yaml")
-        assert f"together: {part} %" in run.out
-        assert "together: what all changes do at once" in " ".join(run.out.split())
+        assert_says(run.out, f"together: {part} %", "all changes", "at once")
 
     @pytest.mark.parametrize("width", ["40", "80", "120"])
     def test_fits(self, folder, width):

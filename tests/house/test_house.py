@@ -10,6 +10,7 @@ from graphlib import CycleError, TopologicalSorter
 
 import pytest
 from places import PACKAGE, TESTS
+from saying import assert_says
 
 # From the ground up. A module imports from lower floors, or within its own room;
 # rooms on one floor do not know each other.
@@ -190,6 +191,15 @@ def test_a_misplaced_test_is_seen(tmp_path):
         (tmp_path / place).parent.mkdir(exist_ok=True)
         (tmp_path / place).touch()
     assert list(misplaced_tests(tmp_path)) == ["cabin/test_a.py", "spec/test_sobol.py"]
+
+
+def test_a_fact_that_a_text_drops_is_seen():
+    """Control: a fact, its number, unit or sign is missing; its sentence is free."""
+    text = "Gyro bias z: FAILS, at\n119\N{NO-BREAK SPACE}% of 0.1 deg/h (-3.5 ug)."
+    assert_says(text, "gyro bias z", "fails", "119 %", "0.1 deg/h", "-3.5 ug")
+    for fact in ("19 %", "0.1 deg", "1 deg/h", "3.5 u", "meets", "z: fail"):
+        with pytest.raises(AssertionError, match="not said"):
+            assert_says(text, fact)
 
 
 # Dots that are no names': of numbers, of files, of Python's modules, of keys in a file.

@@ -12,6 +12,7 @@ import pytest
 from command_line import analyze, call
 from places import TESTS
 from reference_examples import DEVICE, store, stored
+from saying import assert_says
 
 from budget.errors import ReferenceFileError
 from budget.references.files import shipped_references, stored_documents
@@ -201,11 +202,9 @@ class TestRefused:
         """A digit changed by hand is seen, and what to do is said."""
         text = path.read_text(encoding="utf-8")
         said = refused(path, text.replace('"value": 0.0', '"value": 0.5', 1))
-        assert said == (
-            "ref.json: its content is not what was written (the checksum differs); a "
-            "reference is written by `budget check --save`, not by hand: restore it "
-            "from version control, or save it again"
-        )
+        assert said.startswith("ref.json: ")
+        assert_says(said, "checksum differs", "`budget check --save`", "by hand")
+        assert_says(said, "restore it from version control", "save it again")
 
     @pytest.mark.parametrize("part", [0.2, 0.9, 0.9999])
     def test_cut_short(self, path, part):
@@ -214,14 +213,13 @@ class TestRefused:
         said = refused(path, text[: int(part * len(text))])
         assert said.startswith("ref.json:")
         assert "cut short" in said or "no JSON here" in said
-        assert "restore it from version control, or save it again" in said
+        assert_says(said, "restore it from version control", "save it again")
 
     def test_newer(self, path):
         """A later format says which version it needs."""
         content = json.loads(path.read_bytes()) | {"format": "budget-reference/7"}
         said = refused(path, signed(content))
-        assert "format is 'budget-reference/7', which needs budget >= 7" in said
-        assert "update it" in said
+        assert_says(said, "'budget-reference/7'", "budget >= 7", "update it")
         assert NEWEST == 1
 
     @pytest.mark.parametrize(
@@ -276,7 +274,7 @@ class TestRefused:
         content = json.loads(path.read_bytes())
         content["numbers"][0]["value"] = float("inf")
         text = signed(content).replace("Infinity", "1e999")
-        assert "numbers.0.value: input should be a finite number" in refused(path, text)
+        assert_says(refused(path, text), "numbers.0.value:", "finite number")
 
     def test_too_large(self, path):
         """A file of more than 8 MiB is refused before it is parsed."""
@@ -325,12 +323,12 @@ class TestRefused:
         path.write_text(signed(content), encoding="utf-8")
         run = call("check", path)
         assert run.code == 0
-        assert "stored inputs read when stored -> not read by this" in run.out
+        assert_says(run.out, "stored inputs", "-> not read")
         device = path.with_name("imu.yaml")
         device.write_text(DEVICE.replace("0.05 deg/h", "0.06 deg/h"))
         run = call("check", path)
         assert run.code == 1
-        assert "tool: stored inputs: read when stored -> not read by this" in run.out
+        assert_says(run.out, "tool: stored inputs", "-> not read")
         run = call("diff", path, device)
         assert run.code == 2
         assert "stored imu.yaml:1:" in run.err

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 from report_examples import GYRO, make_budget, make_output, make_outputs
+from saying import assert_says
 
 from budget import load_device, load_procedure
 from budget.names import Name
@@ -288,10 +289,9 @@ def test_validation_names_the_axis_that_fails(low, word):
     )
     table = group_tables(make_budget(outputs=(output,)))[0]
 
-    assert table.validation == (
-        f"against Monte Carlo with 230 000 trials: x {word}: "
-        f"difference {table.rows[0].check.low.text} deg/h, tolerance 0.0050"
-    )
+    shown = table.rows[0].check.low.text
+    assert_says(table.validation, "Monte Carlo with 230 000 trials", f"x {word}")
+    assert_says(table.validation, f"difference {shown} deg/h", "tolerance 0.0050")
     assert table.rows[0].check.word == word
     assert table.rows[0].check.low.exact == low
 
@@ -320,10 +320,10 @@ def test_not_given_says_what_it_could_change(reference, nonlinearity):
     )
     reach = could_widen((sensor,), load_procedure(), reference=reference)
 
-    assert not_given_lines(reach) == (
-        "gyro rate random walk: could widen scale factors, mounting angles and biases",
-        f"gyro scale factor nonlinearity: {nonlinearity}",
-    )
+    walk, other = not_given_lines(reach)
+    assert_says(walk, "gyro rate random walk:", "widen")
+    assert_says(walk, "scale factors, mounting angles and biases")
+    assert other == f"gyro scale factor nonlinearity: {nonlinearity}"
 
 
 def test_an_absent_repeatability_reaches_its_own_parameter_only():
@@ -332,10 +332,9 @@ def test_an_absent_repeatability_reaches_its_own_parameter_only():
     sensor = replace(load_device("zhao-2019").accelerometer, not_given=(name,))
     reach = could_widen((sensor,), load_procedure(), reference="nominal")
 
-    said = not_given_lines(reach)
-    assert said == (
-        "accelerometer mounting repeatability: could widen mounting angles",
-    )
+    (said,) = not_given_lines(reach)
+    assert_says(said, "accelerometer mounting repeatability:", "mounting angles")
+    assert "bias" not in said
 
 
 def test_settings_hold_everything_a_result_depends_on():
