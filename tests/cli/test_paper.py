@@ -13,7 +13,7 @@ from document_text import on_terminal
 
 from budget.report.paper.page import paper_sections
 from budget.report.paper.texts import print_probability, print_ratio, reason
-from budget.studies.paper.findings import Verdict
+from budget.studies.paper.printed import Verdict
 from budget.studies.paper.study import COLUMNS, reproduce
 
 DATED = {"SOURCE_DATE_EPOCH": "86400"}  # else two runs about midnight differ

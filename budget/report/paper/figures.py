@@ -21,7 +21,7 @@ from budget.report.figures.style import (
 )
 from budget.report.paper.texts import print_ratio
 from budget.report.tables import print_given
-from budget.studies.paper.findings import Verdict
+from budget.studies.paper.printed import Verdict
 from budget.ties import first_largest
 from budget.units import PPM
 

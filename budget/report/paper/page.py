@@ -28,16 +28,15 @@ from budget.report.paper.texts import (
     print_probability,
     print_ratio,
     reason,
-    unexplained,
 )
 from budget.report.provenance import provenance_section
-from budget.studies.paper.findings import U_MEAN, U_SINGLE, WORD, Verdict
+from budget.studies.paper.printed import U_MEAN, U_SINGLE, WORD, Verdict
 from budget.studies.paper.study import COLUMNS
 from budget.version import __version__
 
 if TYPE_CHECKING:
     from budget.report.blocks import Block, Table, Words
-    from budget.studies.paper.findings import Finding
+    from budget.studies.paper.printed import Finding
     from budget.studies.paper.study import PaperStudy
 
 COMMAND = "budget paper"
@@ -97,7 +96,7 @@ def paper_sections(study: PaperStudy) -> tuple[Section, ...]:
     """Return the sections that page and terminal have in common, the answer first."""
     paper = study.paper
     open_points = Listing(
-        items=tuple(_said(row) for row in unexplained(study)),
+        items=tuple(_said(row) for row in study.unexplained),
         empty="Nothing is left open.",
     )
     assumed = Listing(

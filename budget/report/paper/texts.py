@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from budget.report.tables import print_given, round_uncertainty
-from budget.studies.paper.findings import VALUE, Verdict, say
+from budget.studies.paper.printed import VALUE, say
 
 if TYPE_CHECKING:
-    from budget.studies.paper.findings import Finding
-    from budget.studies.paper.study import PaperStudy
+    from budget.studies.paper.printed import Finding
 
 NEAR_ONE = 1e-3  # a ratio this close to 1 is printed with all its digits [1]
 LEAST_P = 1e-6  # [1]; below it a probability is printed as such
@@ -43,12 +42,3 @@ def print_probability(p: float | None) -> str:
 def reason(row: Finding) -> str:
     """Say why, but where the row of all the entries judged together says it."""
     return "" if row.why.startswith("judged with") else row.why
-
-
-def unexplained(study: PaperStudy) -> tuple[Finding, ...]:
-    """Return what nothing explains, entries of one row gathered."""
-    return tuple(
-        row
-        for row in study.findings
-        if row.verdict == Verdict.UNEXPLAINED and row.is_summary
-    )

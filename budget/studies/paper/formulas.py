@@ -17,7 +17,7 @@ from budget.calibration.schemes import scheme_of
 from budget.earth import ROTATION_RATE
 from budget.model.response import estimate
 from budget.names import ANGLES, AXES
-from budget.studies.paper.findings import Finding, Verdict
+from budget.studies.paper.printed import Finding, Verdict
 from budget.units import ARCSEC, DEG_PER_HOUR, STANDARD_GRAVITY
 
 if TYPE_CHECKING:

@@ -25,16 +25,16 @@ from budget.studies.paper.conditions import (
     value_of,
     with_lines,
 )
-from budget.studies.paper.findings import (
+from budget.studies.paper.printed import (
     RUNS,
     U_SINGLE,
+    UNITS,
     VALUE,
     Finding,
     Verdict,
     agrees_if,
     say,
 )
-from budget.studies.paper.printed import UNITS
 from budget.studies.paper.readings import (
     LEVEL,
     STABILITY,

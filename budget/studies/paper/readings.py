@@ -21,7 +21,7 @@ from budget.studies.paper.conditions import (
     with_lines,
     without_nominal_angles,
 )
-from budget.studies.paper.findings import RUNS, U_MEAN, U_SINGLE
+from budget.studies.paper.printed import RUNS, U_MEAN, U_SINGLE
 from budget.units import DEG_PER_HOUR
 
 if TYPE_CHECKING:

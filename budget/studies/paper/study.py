@@ -16,9 +16,9 @@ from budget.names import AXES, Name
 from budget.results import SCHEMA
 from budget.studies.coupling import CouplingTable, coupling
 from budget.studies.paper.conditions import PLACES, load_conditions, only_sources
-from budget.studies.paper.findings import Finding, Verdict, say
 from budget.studies.paper.formulas import formula_findings
 from budget.studies.paper.orders import compute_sweeps, order_findings, sweep_findings
+from budget.studies.paper.printed import Finding, Verdict, say
 from budget.studies.paper.readings import MOUNTING, readings
 from budget.studies.paper.table1 import reading_findings, table1_findings
 from budget.units import ARCSEC, DEG_PER_HOUR
@@ -73,6 +73,15 @@ class PaperStudy:
         """How many rows have each verdict that occurs, in the order of Verdict."""
         found = Counter(row.verdict for row in self.findings)
         return {verdict: found[verdict] for verdict in Verdict if found[verdict]}
+
+    @property
+    def unexplained(self) -> tuple[Finding, ...]:
+        """What nothing explains, entries of one row gathered."""
+        return tuple(
+            row
+            for row in self.findings
+            if row.verdict == Verdict.UNEXPLAINED and row.is_summary
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON document of schema `budget/1`, full precision."""

@@ -28,7 +28,7 @@ from budget.studies.paper.conditions import (
     only_sources,
     without_nominal_angles,
 )
-from budget.studies.paper.findings import (
+from budget.studies.paper.printed import (
     RUNS,
     U_MEAN,
     U_SINGLE,

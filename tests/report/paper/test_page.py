@@ -16,7 +16,7 @@ from budget.report.page import render_page
 from budget.report.paper.page import paper_document, printed_cell
 from budget.report.paper.texts import print_ours, print_ratio, reason
 from budget.report.typeset import typeset
-from budget.studies.paper.findings import Verdict
+from budget.studies.paper.printed import Verdict
 from budget.studies.paper.study import reproduce
 
 DATE = "2026-01-31"

@@ -19,10 +19,9 @@ from budget.studies.paper.conditions import (
     nominal_size,
     only_sources,
 )
-from budget.studies.paper.findings import RUNS, Verdict
 from budget.studies.paper.formulas import compute_formulas, evaluate
 from budget.studies.paper.orders import expectation_of
-from budget.studies.paper.printed import FILE, FOLDER, load_paper
+from budget.studies.paper.printed import FILE, FOLDER, RUNS, Verdict, load_paper
 from budget.studies.paper.readings import readings
 from budget.studies.paper.study import reproduce
 from budget.studies.paper.table1 import (
