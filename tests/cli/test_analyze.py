@@ -56,9 +56,16 @@ def test_method_and_trials_are_noted(method, options, trials):
     assert (settings["method"], settings["trials"]) == (method, trials)
 
 
-def test_simulation_runs_two_hundred_times():
-    """Without a number, the calibration is simulated 200 times."""
-    assert analyze("--method", "simulation")["settings"]["trials"] == 200
+def test_simulation_runs_two_hundred_times(tmp_path):
+    """Without a number, the calibration, here a short one, is simulated 200 times."""
+    short = tmp_path / "short.yaml"
+    short.write_text(
+        "name: short\ngyro: {rate: 360 deg/s, dwell: 1 s}\n"
+        "accelerometer: {dwell: 1 s}\n",
+        encoding="utf-8",
+    )
+    document = analyze("--method", "simulation", "--procedure", short)
+    assert document["settings"]["trials"] == 200
 
 
 @pytest.mark.parametrize("method", ["monte-carlo", "simulation"])

@@ -65,6 +65,19 @@ def test_the_two_commands_come_first():
     assert "&& .venv/bin/pytest" in tests
 
 
+def test_what_the_tests_leave_out_is_run_elsewhere():
+    """The README's command runs all but the slow tests, .ci/run those too."""
+    _, tests = blocks("sh")[:2]
+    assert tests.endswith(" -m 'not slow'\n")
+    runs = (ROOT / ".ci" / "run").read_text(encoding="utf-8").splitlines()
+    assert [
+        line for line in runs if line.startswith(".venv/bin/pytest -q -n auto")
+    ] == [
+        ".venv/bin/pytest -q -n auto --maxprocesses 4 --dist worksteal -m slow"
+        " | tee .ci-slow.log"
+    ]
+
+
 @pytest.mark.kernels
 def test_the_first_table_is_the_tools():
     """Names, units, digits and causes are the tool's, to the letter."""

@@ -35,6 +35,7 @@ LONG_RUN = ("analyze", "--method", "monte-carlo", "--trials", "100000000")
 TWO_WORKERS = (*BUDGET, *LONG_RUN, "--workers", "2", "--json", "a.json")
 
 
+@pytest.mark.slow
 def test_two_runs_that_write_one_file(tmp_path):
     """Whoever looks finds one whole file, of the one or the other, at any moment."""
     call = (*BUDGET, "analyze", "--no-validate")
@@ -173,6 +174,7 @@ def workers_of(process):
     raise AssertionError("no workers")
 
 
+@pytest.mark.slow
 @needs_proc
 @pytest.mark.parametrize(
     ("number", "code", "word"),
@@ -209,6 +211,7 @@ def test_ctrl_c_leaves_no_process_and_no_file(workers, start, tmp_path):
     assert contents(tmp_path) == {}
 
 
+@pytest.mark.slow
 @needs_proc
 def test_workers_end_with_a_main_process_that_was_killed(start, tmp_path):
     """Killed outright, the main process leaves no worker behind."""
@@ -220,6 +223,7 @@ def test_workers_end_with_a_main_process_that_was_killed(start, tmp_path):
     assert contents(tmp_path) == {}
 
 
+@pytest.mark.slow
 @needs_proc
 def test_a_killed_worker(start, tmp_path):
     """A worker that is killed: exit 2, what to do, no process and no file left."""
@@ -234,6 +238,7 @@ def test_a_killed_worker(start, tmp_path):
     assert contents(tmp_path) == {}
 
 
+@pytest.mark.slow
 def test_nohup_keeps_its_meaning(start):
     """Where a hang-up is ignored when the command starts, it stays ignored."""
     process = start("bash", "-c", 'trap "" HUP; exec "$@"', "bash", *BUDGET, *LONG_RUN)

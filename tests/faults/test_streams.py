@@ -77,6 +77,7 @@ TALK = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")
 @pytest.mark.parametrize("encoding", ["utf-8", "ascii"])
 @pytest.mark.parametrize("name", TALK)
@@ -98,6 +99,7 @@ def test_a_full_disk_behind_stderr_changes_no_code(name, encoding, tmp_path):
 ONE_EACH = ("analyze", "compare", "devices", "paper", "validate", "schema", "diff")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ONE_EACH)
 def test_no_terminal_and_no_streams_at_all(name, tmp_path):
     """All three streams closed, and no terminal to fall back on: the same code."""
@@ -112,6 +114,7 @@ def test_no_terminal_and_no_streams_at_all(name, tmp_path):
     assert process.returncode == (1 if name in NOT_MET else 0)
 
 
+@pytest.mark.slow
 def test_files_are_whole_where_all_streams_are_closed(tmp_path):
     """A file does not get the number of a closed stream, nor what is printed there."""
     outcome = run(
@@ -172,6 +175,7 @@ NAMED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("locale", LOCALES)
 @pytest.mark.parametrize("name", NAMED)
 def test_names_beyond_ascii_in_any_locale(name, locale, tmp_path):
@@ -202,6 +206,7 @@ def test_a_document_in_a_pipe_is_the_one_in_a_file(tmp_path):
     assert "\u6d4b".encode() in piped.stdout
 
 
+@pytest.mark.slow
 def test_a_file_name_that_is_no_text(tmp_path):
     """Bytes that are no UTF-8 in a file's name are shown as such, in valid JSON."""
     name = b"g\xff.yaml"
@@ -224,6 +229,7 @@ def test_a_file_name_that_is_no_text(tmp_path):
     assert "g\N{REPLACEMENT CHARACTER}.yaml" in json.dumps(inputs, ensure_ascii=False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", WRITING)
 def test_no_home_and_no_temporary_folder(name, tmp_path):
     """Caches and scratch files of libraries are not needed by any command."""
@@ -251,6 +257,7 @@ TABLES = [name for name in PRINTING if not name.endswith(("json", "csv"))]
 ODD_WIDTHS = ("1", "0", "-5", "wide", "100000", "\N{SUPERSCRIPT TWO}")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "columns"),
     [

@@ -200,6 +200,7 @@ def found(tmp_path_factory):
     return {case: by_file[str(path)] for case, path in names.items()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", [*CASES, "100 MB", "no end"])
 def test_a_hostile_file_is_cheap(case, found):
     """The check takes few steps, and the process less than 200 MB."""
@@ -208,6 +209,7 @@ def test_a_hostile_file_is_cheap(case, found):
     assert found[case]["issues"] <= MOST_ISSUES + 1, found[case]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("case", "issues"),
     [
@@ -224,6 +226,7 @@ def test_the_caps_are_where_they_are_said_to_be(case, issues, found):
     assert found[case]["issues"] == issues
 
 
+@pytest.mark.slow
 def test_steps_and_memory_are_measured(tmp_path):
     """Control: a check that holds more and looks at all pairs of bytes is seen."""
     begins = "    held = b'x' * 250_000_000\n    for _ in range(6_000_000): len(held)\n"
@@ -250,6 +253,7 @@ LONG = {
 }
 
 
+@pytest.mark.slow
 def test_a_text_is_read_in_linear_time():
     """A million characters as a quantity are refused: no pattern tries all pairs.
 

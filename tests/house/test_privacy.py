@@ -171,6 +171,7 @@ def test_every_command_is_called_here():
     assert {words[0] for words in CALLS.values()} >= KNOWN
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CALLS)
 def test_no_network_no_program_no_pickle(name, call_of):
     """No command connects, starts a program or loads a pickle; workers alone may."""
@@ -200,6 +201,7 @@ def test_the_watch_sees_what_it_watches(code, tmp_path):
     assert watch(tmp_path, "-c", code).events
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TRACED)
 def test_no_system_call_to_a_network(name, call_of):
     """Libraries that are no Python open no internet socket either."""
@@ -218,6 +220,7 @@ def test_the_trace_sees_a_socket(tmp_path):
     assert "AF_INET" in found.system_calls
 
 
+@pytest.mark.slow
 def test_a_machine_without_a_network(call_of):
     """In a network namespace without any interface a report is written."""
     found = call_of("report")
@@ -362,6 +365,7 @@ def test_files_beside_the_user_are_no_templates(tmp_path, monkeypatch):
     assert "taken over" not in (tmp_path / "a.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["report", "paper"])
 def test_documents_name_no_place_and_no_person(name, call_of):
     """No folder, user or host of the run stands in what is written."""

@@ -154,6 +154,7 @@ def certificate(tmp_path_factory):
     return {f"distributed.comm.tls.{name}": str(file) for name, file in told.items()}
 
 
+@pytest.mark.slow
 def test_a_cluster_by_tls_gives_the_same_bits(certificate):
     """With the certificate all is as by tcp; without it nobody gets in."""
     with dask.config.set(certificate):
@@ -201,6 +202,7 @@ def fall(x):
     return x
 
 
+@pytest.mark.slow
 def test_a_killed_worker_is_an_error_for_people(cluster):
     """A task that kills every worker it is given to raises WorkerError."""
     deadly = Problem(
@@ -212,6 +214,7 @@ def test_a_killed_worker_is_an_error_for_people(cluster):
         sample(deadly, trials=10_000, executor=c.executor, workers=c.workers)
 
 
+@pytest.mark.slow
 def test_a_dead_scheduler_is_an_error_for_people(cluster):
     """A scheduler that goes away in the middle raises WorkerError, no wrong answer."""
 
@@ -229,6 +232,7 @@ def test_a_dead_scheduler_is_an_error_for_people(cluster):
         )
 
 
+@pytest.mark.slow
 def test_a_worker_killed_in_the_middle_still_gives_the_right_answer(cluster):
     """With one of two workers killed the other finishes: same bits, or an error."""
     here = sample(problem(), trials=1_000_000, seed=1)
@@ -301,6 +305,7 @@ def lone_worker():
             worker.wait()
 
 
+@pytest.mark.slow
 def test_the_last_worker_killed_is_an_error_for_people(lone_worker):
     """With no workers left the run ends with WorkerError that says so."""
     address, worker = lone_worker
@@ -324,6 +329,7 @@ def test_the_last_worker_killed_is_an_error_for_people(lone_worker):
         )
 
 
+@pytest.mark.slow
 def test_the_command_without_workers_left_ends_with_2(lone_worker):
     """`budget analyze --cluster` prints the error, no traceback, and exits with 2."""
     address, worker = lone_worker
@@ -350,6 +356,7 @@ def test_the_command_without_workers_left_ends_with_2(lone_worker):
     assert "Traceback" not in talk
 
 
+@pytest.mark.slow
 def test_a_worker_that_is_started_anew_is_not_missed(cluster):
     """One look that finds no worker is no fault, three are; a worker resets them."""
     with connect(cluster.scheduler_address) as c:

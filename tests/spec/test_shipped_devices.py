@@ -36,12 +36,13 @@ CONSTANTS = ("repeatability", "nonlinearity", "asymmetry")
 SIGMA = "\N{GREEK SMALL LETTER SIGMA}"
 
 
+@cache  # of several variants, and not before a test asks
 def read(path):
     """Return the values of a YAML file, numbers as they are written."""
     return YAML(typ="base", pure=True).load(path.read_text(encoding="utf-8"))
 
 
-SOURCED = read(TESTS / "data" / "datasheets.yaml")
+SOURCED = TESTS / "data" / "datasheets.yaml"
 COLUMNS = ("parameter", "value", "unit", "words", "source", "place")
 
 
@@ -49,7 +50,7 @@ def rows_of(ref):
     """Return the sourced rows of one device; a row is a mapping."""
     return [
         dict(zip(COLUMNS, row, strict=True))
-        for entry in SOURCED["devices"]
+        for entry in read(SOURCED)["devices"]
         if ref in entry["files"]
         for row in entry["figures"]
     ]
@@ -71,7 +72,7 @@ def laid_over(base, over):
 def raw(ref):
     """Return what the file says of one device, variant over base, nothing read."""
     stem, _, variant = ref.partition("#")
-    base = read(DEVICES / f"{stem}.yaml")
+    base = dict(read(DEVICES / f"{stem}.yaml"))
     found = base.pop("variants", {})
     return laid_over(base, found[variant]) if variant else base
 
@@ -111,7 +112,7 @@ def said_by_makers(rows):
     """Return every sourced figure in the form of `said_by_file`."""
     for row in rows:
         figure = f"{row['value']} {row['unit']}"
-        title = SOURCED["sources"][row["source"]]["title"]
+        title = read(SOURCED)["sources"][row["source"]]["title"]
         for place in row["place"].split(" + "):
             if place == "figures":
                 named = f"{row['parameter']} {figure}"
@@ -188,15 +189,15 @@ def test_a_spelling_is_no_change_and_another_unit_is():
 
 def test_the_sourced_list_names_the_files_and_no_others():
     """Every device of the list is a file or variant that is there, and the reverse."""
-    listed = {ref for entry in SOURCED["devices"] for ref in entry["files"]}
+    listed = {ref for entry in read(SOURCED)["devices"] for ref in entry["files"]}
     assert listed == set(REFS)
 
 
 def test_every_source_is_known_and_used():
     """Each row names a document of the list, and no document is there for nothing."""
-    named = {row[4] for entry in SOURCED["devices"] for row in entry["figures"]}
-    assert named == set(SOURCED["sources"])
-    for source in SOURCED["sources"].values():
+    named = {row[4] for entry in read(SOURCED)["devices"] for row in entry["figures"]}
+    assert named == set(read(SOURCED)["sources"])
+    for source in read(SOURCED)["sources"].values():
         assert source["kind"] in {"primary", "vendor-copy"}
         assert source["document"]
 
@@ -204,7 +205,7 @@ def test_every_source_is_known_and_used():
 def test_the_catalogue_is_large_enough():
     """There are 14 gyros and IMUs at least, and 12 accelerometers."""
     kinds = {}
-    for entry in SOURCED["devices"]:
+    for entry in read(SOURCED)["devices"]:
         kinds.update(dict.fromkeys(entry["files"], entry["kind"]))
     count = Counter(kinds.values())
     assert set(count) == {"gyro", "imu", "accelerometer"}
@@ -224,13 +225,16 @@ def meaning_of(place, words):
     return "max" if bound else "1 sigma"
 
 
-LINES = [(ref, place, line) for ref in REFS for place, line in lines_in(raw(ref))]
+@cache
+def all_lines():
+    """Return every line of every device: device, place, what the file says."""
+    return [(ref, place, line) for ref in REFS for place, line in lines_in(raw(ref))]
 
 
 def test_meaning_and_definition_follow_the_rules():
     """A line says how to take its figure exactly as the rules on its words say."""
-    assert LINES
-    for ref, place, figure in LINES:
+    assert all_lines()
+    for ref, place, figure in all_lines():
         words = figure.get("condition", "")
         assert figure["meaning"] == meaning_of(place, words), (ref, place)
         lowest = "Allan" in words and "DIVIDED" not in words
@@ -258,15 +262,15 @@ def test_nothing_is_invented():
     }
     sensors = [(ref, raw(ref).get(sensor, {})) for ref in REFS for sensor in SENSORS]
     assert [ref for ref, sensor in sensors if "nominal" in sensor] == []
-    assert [where for *where, line in LINES if not line.keys() <= printed] == []
+    assert [where for *where, line in all_lines() if not line.keys() <= printed] == []
 
 
 def test_what_a_figure_includes_is_no_line_beside_it():
     """A scale-factor repeatability that holds the nonlinearity stands without it."""
-    given = {(ref, place) for ref, place, _ in LINES}
+    given = {(ref, place) for ref, place, _ in all_lines()}
     holding = [
         (ref, f"{place.split('.', maxsplit=1)[0]}.scale_factor_nonlinearity")
-        for ref, place, line in LINES
+        for ref, place, line in all_lines()
         if "nonlinearity" in line.get("includes", "")
     ]
     assert holding
