@@ -70,12 +70,8 @@ def test_what_the_tests_leave_out_is_run_elsewhere():
     _, tests = blocks("sh")[:2]
     assert tests.endswith(" -m 'not slow'\n")
     runs = (ROOT / ".ci" / "run").read_text(encoding="utf-8").splitlines()
-    assert [
-        line for line in runs if line.startswith(".venv/bin/pytest -q -n auto")
-    ] == [
-        ".venv/bin/pytest -q -n auto --maxprocesses 4 --dist worksteal -m slow"
-        " | tee .ci-slow.log"
-    ]
+    (slow,) = (line for line in runs if line.startswith(".venv/bin/pytest "))
+    assert " -m slow | tee " in slow
 
 
 @pytest.mark.kernels
