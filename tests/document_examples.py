@@ -7,7 +7,6 @@ from functools import cache
 
 from report_examples import make_assessment, make_budget
 
-from budget.report import figures
 from budget.report.blocks import (
     Abreast,
     Card,
@@ -27,6 +26,10 @@ from budget.report.blocks import (
     Sliders,
     Table,
 )
+from budget.report.figures.rows import draw
+from budget.report.figures.shares import share_chart
+from budget.report.figures.style import to_svg
+from budget.report.figures.utilisation import utilisation_chart
 from budget.report.formulas import Math
 from budget.report.tables import group_tables
 
@@ -85,10 +88,11 @@ def row(source, u, share, given, unit):
 def make_picture(place=2, name="shares-gyro-bias", **changes):
     """Return the share bars of one group, as the report draws them."""
     group = group_tables(make_budget())[place]
+    chart = share_chart(group)
     fields = {
-        "title": figures.share_title(group),
-        "alt": figures.share_alt(group),
-        "svg": figures.to_svg(figures.share_bars(group), name=name),
+        "title": chart.title,
+        "alt": chart.alt,
+        "svg": to_svg(draw(chart), name=name),
         "caption": "Each bar is the whole variance of one output.",
     }
     return Picture(name=name, **(fields | changes))
@@ -97,12 +101,12 @@ def make_picture(place=2, name="shares-gyro-bias", **changes):
 @cache
 def make_overview(name="limits"):
     """Return the dots of all outputs against their limits."""
-    assessment = make_assessment(make_budget())
+    chart = utilisation_chart(make_assessment(make_budget()))
     return Picture(
         name=name,
-        title=figures.utilisation_title(assessment),
-        alt=figures.utilisation_alt(assessment),
-        svg=figures.to_svg(figures.utilisation_dots(assessment), name=name),
+        title=chart.title,
+        alt=chart.alt,
+        svg=to_svg(draw(chart), name=name),
         data=make_table("limits-data"),
         is_wide=True,
     )

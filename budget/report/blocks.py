@@ -254,7 +254,7 @@ class Picture:
     alt : str
         The finding with the numbers, for those who cannot see it.
     svg : str
-        From `budget.report.figures.to_svg`, with texts as text.
+        From `budget.report.figures.style.to_svg`, with texts as text.
     tips : mapping of str to str
         Tooltips by the gid of the element that they belong to.
     caption : str

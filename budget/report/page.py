@@ -10,8 +10,8 @@ from html import escape, unescape
 from typing import TYPE_CHECKING
 
 from budget.errors import OutputError
-from budget.report import figures
 from budget.report.blocks import Abreast, Run, Table, drawn
+from budget.report.figures.style import BLACK, GRID, INK, MUTED, PAPER, STYLES
 from budget.report.formulas import Math, to_mathml
 from budget.resources import shipped
 
@@ -181,7 +181,7 @@ def _picture(picture: Picture) -> Markup:
 
 def _model(model: Mapping[str, object]) -> Markup:
     """Write what the sliders compute from, with the colours of the figures."""
-    colours = {name: colour for name, (colour, _, _) in figures.STYLES.items()}
+    colours = {name: colour for name, (colour, _, _) in STYLES.items()}
     return markup(
         script_safe(json.dumps({**model, "colours": colours}, allow_nan=False))
     )
@@ -189,13 +189,13 @@ def _model(model: Mapping[str, object]) -> Markup:
 
 # The figures take their inks from the page, so that they turn with light and dark.
 INKS = {
-    figures.INK: "currentColor",
-    figures.MUTED: "var(--muted)",
-    figures.GRID: "var(--grid)",
-    figures.PAPER: "var(--paper)",
-    figures.BLACK: "var(--black)",
+    INK: "currentColor",
+    MUTED: "var(--muted)",
+    GRID: "var(--grid)",
+    PAPER: "var(--paper)",
+    BLACK: "var(--black)",
 }
-INK = re.compile(r"((?:fill|stroke): ?)(#[0-9a-fA-F]{6})")  # as matplotlib writes it
+INK_OF = re.compile(r"((?:fill|stroke): ?)(#[0-9a-fA-F]{6})")  # as matplotlib writes it
 ELEMENT = re.compile(r'<(?P<tag>\w+) [^>]*?\bid="(?P<id>[^"]+)"[^>]*?(?P<empty>/?)>')
 PROLOG = re.compile(
     r"<title>.*?</title>|<metadata>.*?</metadata>|<style.*?</style>", re.DOTALL
@@ -210,7 +210,7 @@ def svg_element(
     Parameters
     ----------
     svg : str
-        From `budget.report.figures.to_svg`.
+        From `budget.report.figures.style.to_svg`.
     name : str
         That of the figure, with which its ids begin.
     alt : str
@@ -230,7 +230,7 @@ def svg_element(
     """
     head, end, rest = PROLOG.sub("", svg[svg.index("<svg") :]).partition(">")
     head = re.sub(r' (xmlns(:\w+)?|width|height|version)="[^"]*"', "", head)
-    rest = INK.sub(lambda ink: ink[1] + INKS.get(ink[2], ink[2]), rest)
+    rest = INK_OF.sub(lambda ink: ink[1] + INKS.get(ink[2], ink[2]), rest)
     rest = _with_tips(rest, {f"{name}-{gid}": tip for gid, tip in (tips or {}).items()})
     return f'{head} role="img" aria-label="{escape(alt)}"{end}{rest}'
 
@@ -239,7 +239,7 @@ def natural_width(svg: str) -> float:
     """Return the width that a figure was drawn for [pt]."""
     found = re.search(r'viewBox="[-\d.]+ [-\d.]+ ([\d.]+) [\d.]+"', svg)
     if found is None:
-        raise ValueError("an SVG figure has no viewBox, expected one of figures.to_svg")
+        raise ValueError("an SVG figure has no viewBox, expected one of style.to_svg")
     return float(found[1])
 
 

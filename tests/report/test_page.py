@@ -17,8 +17,8 @@ import pytest
 from document_examples import make_document, make_picture, make_table
 
 from budget.errors import OutputError
-from budget.report import figures
 from budget.report.blocks import Card, Cell, Column, Picture, RowGroup, Section, Table
+from budget.report.figures.style import INK, MUTED
 from budget.report.formulas import Math
 from budget.report.page import (
     SCRIPTS,
@@ -493,8 +493,8 @@ SVG = (
     '<?xml version="1.0"?>\n<svg xmlns="http://www.w3.org/2000/svg" width="330pt" '
     'height="9pt" viewBox="0 0 330 9" version="1.1"><title>t</title>'
     "<metadata>m</metadata><defs><style>*{stroke-linejoin: round}</style></defs>"
-    f'<g id="f-bar"><path style="fill: {figures.INK}; stroke: #0072b2"/></g>'
-    f'<use id="f-dot" x="1"/><text style="fill: {figures.MUTED}">{figures.INK}</text>'
+    f'<g id="f-bar"><path style="fill: {INK}; stroke: #0072b2"/></g>'
+    f'<use id="f-dot" x="1"/><text style="fill: {MUTED}">{INK}</text>'
     "</svg>"
 )
 
@@ -511,7 +511,7 @@ def test_figure_takes_the_inks_of_the_page():
 
     assert svg.find("g/path").get("style") == "fill: currentColor; stroke: #0072b2"
     assert svg.find("text").get("style") == "fill: var(--muted)"
-    assert svg.find("text").text == figures.INK
+    assert svg.find("text").text == INK
     assert not text.startswith("<?xml")
 
 

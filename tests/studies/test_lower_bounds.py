@@ -14,10 +14,10 @@ from budget.names import Name
 from budget.report.allocation.page import allocation_answer, allocation_section
 from budget.report.analysis.causes import rank_causes
 from budget.report.analysis.what_if import what_if_section
-from budget.report.comparison.fronts import pareto_title
+from budget.report.comparison.figures import pareto_title
 from budget.report.comparison.tables import tables as comparison_tables
 from budget.report.document import to_csv, to_json
-from budget.report.figures import density_picture, density_title
+from budget.report.figures.density import density_picture, density_title
 from budget.report.tables import AT_LEAST, group_tables
 from budget.spec.load import load_catalogue
 from budget.studies.allocation.allocate import allocate

@@ -6,8 +6,11 @@ from itertools import groupby
 from operator import attrgetter
 from typing import TYPE_CHECKING
 
-from budget.report.allocation.headroom import headroom_picture
-from budget.report.allocation.waterfall import after_word, waterfall_picture
+from budget.report.allocation.figures import (
+    after_word,
+    headroom_chart,
+    waterfall_chart,
+)
 from budget.report.allocation.words import (
     DASH,
     DIGITS,
@@ -40,7 +43,8 @@ from budget.report.blocks import (
     Section,
     Table,
 )
-from budget.report.figures.picture import capital
+from budget.report.figures.rows import chart_picture
+from budget.report.figures.style import capital
 from budget.report.tables import (
     join_outputs,
     output_title,
@@ -154,10 +158,10 @@ def _by_sensor(
 
 def _pictures(allocation: Allocation) -> Iterator[Picture]:
     """Draw what takes how much of the limits, and how far each line could go."""
-    yield from (waterfall_picture(row) for row in figured(allocation))
+    yield from (chart_picture(waterfall_chart(row)) for row in figured(allocation))
     for _, rows in _by_sensor(allocation):
-        if (headroom := headroom_picture(rows)) is not None:
-            yield headroom
+        if (headroom := headroom_chart(rows)) is not None:
+            yield chart_picture(headroom)
 
 
 def _correction(row: SourceAllotment) -> str:

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
-from budget.report import figures
 from budget.report.analysis.causes import rank_causes
 from budget.report.analysis.groups import budget_section
 from budget.report.analysis.inputs import inputs_section
@@ -31,6 +30,14 @@ from budget.report.blocks import (
     Section,
 )
 from budget.report.document import to_json
+from budget.report.figures.coupling import coupling_chart
+from budget.report.figures.density import density_picture
+from budget.report.figures.overview import overview_chart
+from budget.report.figures.rows import chart_picture
+from budget.report.figures.sobol import sobol_chart
+from budget.report.figures.timeline import schedule_picture
+from budget.report.figures.utilisation import utilisation_chart
+from budget.report.figures.validity import validity_chart
 from budget.report.provenance import provenance_section, sign_off_section
 from budget.report.tables import group_tables, key_title
 from budget.report.wording import first_up, not_given_lines, points
@@ -38,10 +45,11 @@ from budget.studies.what_if import one_at_a_time
 from budget.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from budget.report.analysis.causes import Cause
     from budget.report.blocks import Picture, Words
+    from budget.report.figures.rows import Chart
     from budget.report.tables import GroupTable
     from budget.results import Assessment, Budget, InputFile
     from budget.spec.records import Device, Procedure
@@ -124,9 +132,7 @@ def report_document(
         _gaps(budget, extras),
         None if assessment is None else limits_section(budget, assessment),
         inputs_section(devices, procedure),
-        procedure_section(
-            procedure, sensors, figures.schedule_picture(procedure, sensors)
-        ),
+        procedure_section(procedure, sensors, schedule_picture(procedure, sensors)),
         budget_section(groups),
         what_if_section(budget, evidence.what_if, one_at_a_time(evidence.what_if)),
         _coupling(evidence, sensors),
@@ -187,15 +193,14 @@ def _overview(
     groups: Sequence[GroupTable], assessment: Assessment | None
 ) -> Section | None:
     """Return the figure of page one: limits used, or U of every group."""
+    chart = None
     if assessment is None:
-        picture = figures.overview_picture(groups)
+        chart = overview_chart(groups)
     elif assessment.judged:
-        known = replace(assessment, outputs=assessment.judged)
-        picture = figures.utilisation_picture(known)
-    else:
-        picture = None
-    if picture is None:
+        chart = utilisation_chart(replace(assessment, outputs=assessment.judged))
+    if chart is None:
         return None
+    picture = chart_picture(chart)
     title = "What is left" if assessment is None else "Against the limits"
     return Section(name="overview", title=title, blocks=(picture,), on_first_page=True)
 
@@ -289,7 +294,7 @@ def _coupling(evidence: Evidence, sensors: Sequence[str]) -> Section | None:
         "coupling",
         "Coupling",
         text,
-        (figures.coupling_picture(evidence.coupling, sensor) for sensor in sensors),
+        _drawn(coupling_chart(evidence.coupling, sensor) for sensor in sensors),
     )
 
 
@@ -307,7 +312,7 @@ def _indices(budget: Budget, sensors: Sequence[str]) -> Section | None:
         "indices",
         "Sobol' indices",
         text,
-        (figures.sobol_picture(budget, sensor) for sensor in sensors),
+        _drawn(sobol_chart(budget, sensor) for sensor in sensors),
     )
 
 
@@ -322,7 +327,7 @@ def _validity(budget: Budget, sensors: Sequence[str]) -> Section | None:
         "validity",
         "The law against Monte Carlo",
         text,
-        (figures.validity_picture(budget, sensor) for sensor in sensors),
+        _drawn(validity_chart(budget, sensor) for sensor in sensors),
     )
 
 
@@ -337,11 +342,13 @@ def _distributions(budget: Budget, evidence: Evidence) -> Section | None:
         "distributions",
         "Distributions",
         text,
-        (
-            figures.density_picture(density, coverage=coverage)
-            for density in evidence.densities
-        ),
+        (density_picture(density, coverage=coverage) for density in evidence.densities),
     )
+
+
+def _drawn(charts: Iterable[Chart | None]) -> Iterator[Picture]:
+    """Draw the figures that there are."""
+    return (chart_picture(chart) for chart in charts if chart is not None)
 
 
 def _by_sensor(

@@ -18,7 +18,8 @@ from budget.report.blocks import (
     Table,
     table_of,
 )
-from budget.report.figures import share_picture
+from budget.report.figures.rows import chart_picture
+from budget.report.figures.shares import share_chart
 from budget.report.indices import IndexRow, index_tables
 from budget.report.tables import (
     OutputRow,
@@ -219,8 +220,8 @@ def budget_section(groups: Sequence[GroupTable]) -> Section:
 
 def _panel(group: GroupTable) -> Panel:
     """Return figure, table and remarks of one group."""
-    picture = share_picture(group)
-    blocks: list[Block] = [] if picture is None else [picture]
+    has_spread = any(row.share.exact for row in group.sources)
+    blocks: list[Block] = [chart_picture(share_chart(group))] if has_spread else []
     blocks.append(_table(group))
     if group.gaps:
         blocks.append(Paragraph(words=(f"{group.gaps}.",), small=True))

@@ -17,8 +17,13 @@ from budget.report.blocks import (
     Section,
 )
 from budget.report.comparison.document import to_json
-from budget.report.comparison.fronts import front_picture, no_front, no_fronts
-from budget.report.comparison.margins import margin_picture
+from budget.report.comparison.figures import (
+    front_picture,
+    map_chart,
+    margin_chart,
+    no_front,
+    no_fronts,
+)
 from budget.report.comparison.table_blocks import (
     assumptions_table,
     front_table,
@@ -30,7 +35,6 @@ from budget.report.comparison.table_blocks import (
     ranking_table,
 )
 from budget.report.comparison.tables import PAIRS_SHOWN, tables
-from budget.report.comparison.utilisation_map import map_picture
 from budget.report.comparison.wording import (
     advice_lines,
     answer,
@@ -46,7 +50,8 @@ from budget.report.comparison.wording import (
     unknown_cap_lines,
     verdict_lines,
 )
-from budget.report.figures.picture import capital
+from budget.report.figures.rows import chart_picture
+from budget.report.figures.style import capital
 from budget.report.provenance import provenance_section
 from budget.report.tables import PER_CENT, settings_lines, words
 from budget.studies.figures_of_merit import MERITS
@@ -230,7 +235,7 @@ def _overview(found: Sequence[Table]) -> Section:
     """Return how far every device is from its limit."""
     drawing = ForPages(
         lambda: (
-            margin_picture(table, f"margins-{table.sensor}-{place}")
+            chart_picture(margin_chart(table, f"margins-{table.sensor}-{place}"))
             for place, table in enumerate(found)
             if table.rows
         )
@@ -334,11 +339,12 @@ def _devices(
         return Section(name=name, title=title, blocks=said)
 
     def drawn_map() -> Iterator[Picture]:
-        yield map_picture(table, f"map-{end}", outputs_table(table, f"outputs-{end}"))
+        data = outputs_table(table, f"outputs-{end}")
+        yield chart_picture(map_chart(table, f"map-{end}", data))
 
     def drawn_costs() -> Iterator[Picture]:
         if with_margins:
-            yield margin_picture(table, f"margins-{end}")
+            yield chart_picture(margin_chart(table, f"margins-{end}"))
         yield from _fronts(table, end)
 
     blocks: list[Block] = [

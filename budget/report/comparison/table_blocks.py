@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from budget.errors import CallError
 from budget.report.blocks import Cell, Field, table_of
-from budget.report.comparison.fronts import merit_points
+from budget.report.comparison.figures import merit_points
 from budget.report.comparison.tables import (
     PAIRS_SHOWN,
     Row,

@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.report.blocks import Cell, Column, RowGroup, Table
-from budget.report.figures.picture import as_picture, capital
 from budget.report.figures.style import (
     BLUE,
     INK,
     MUTED,
     SMALL,
     WIDTH,
+    as_picture,
     canvas,
+    capital,
     house_style,
     text_width,
 )

@@ -1,56 +1,558 @@
-"""Rows of dots under headings, a column a sensor: what is written beside them."""
+"""Named rows with marks: the one drawing of every figure that is a list of rows.
+
+A figure says what each row is called, what is drawn on it, what is written beside it,
+what is said of it, and what its numbers are. Drawing, tooltips, alternative text and
+the table of the numbers are made of that here. Heights are in points.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from budget.report.figures.style import INCH, INK, PAPER, SMALL, TEXT, WIDTH
+from budget.report.blocks import Cell, Column, RowGroup, Table
+from budget.report.figures.style import (
+    GRID,
+    INK,
+    MUTED,
+    PAPER,
+    SMALL,
+    TEXT,
+    WIDTH,
+    add_panel,
+    as_picture,
+    blank,
+    capital,
+    fits,
+    house_style,
+    kebab,
+    log_ticks,
+    shorten,
+    text_width,
+    write_on,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-BETWEEN = 12.0  # columns [pt]
+    from budget.report.blocks import Picture
+
+HEAD = 14.0  # height of the title of a group [pt]
+EDGE = 4.0  # air at the edges of the figure [pt]
+TICKS, LABEL = 14.0, 14.0  # height of the numbers of an axis, and of its name [pt]
+LINE = 12.0  # height of a line of small text [pt]
+BETWEEN = 12.0  # sides [pt]
+LEAST_NAMES = 24.0  # room for names on the left, also where they are 'x' [pt]
+MOST_BESIDE = 0.72  # part of the width that names and numbers may take together [1]
+TICK_ROOM, DECADE_ROOM = 30.0, 24.0  # of a number, of a power of ten on an axis [pt]
+LAST_TICK = 9.0  # air beside a panel without texts, for half a number [pt]
 
 
-def columns_for(number: int) -> list[tuple[float, float]]:
-    """Return left edge and width of each of so many columns [pt]."""
-    width = (WIDTH - BETWEEN * (number - 1)) / number
-    return [(place * (width + BETWEEN), width) for place in range(number)]
+@dataclass(frozen=True, kw_only=True)
+class Bar:
+    """From one value to another; hollow where `colour` is 'none'.
+
+    `height` and `lift`, the distance below the middle of the row, are in points. A
+    frame is drawn over it in ink. `text` stands in its middle where it fits.
+    """
+
+    start: float
+    end: float
+    colour: str = MUTED
+    edge: str = PAPER
+    edge_width: float = 0.6  # [pt]
+    opacity: float = 1.0
+    hatch: str = ""
+    height: float = 9.0
+    lift: float = 0.0
+    is_framed: bool = False
+    text: str = ""
+    text_colour: str = INK
+    strong: bool = False
+    tip: str = ""
 
 
-def write_on(
-    figure: Figure,
-    left: float,
-    base: float,
-    text: str,
-    *,
-    size: float = TEXT,
-    weight: str = "normal",
-    colour: str = INK,
-) -> None:
-    """Write a text on the figure; place of its base line in points from top left."""
-    width, height = (INCH * float(inches) for inches in figure.get_size_inches())
-    figure.text(
-        left / width,
-        1.0 - base / height,
-        text,
-        fontsize=size,
-        fontweight=weight,
-        color=colour,
+@dataclass(frozen=True, kw_only=True)
+class Stroke:
+    """A thin line from one value to another."""
+
+    start: float
+    end: float
+    colour: str = MUTED
+    width: float = 0.7  # [pt]
+    lift: float = 0.0
+    tip: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Dot:
+    """A mark at a value: 'o', '<', '>', 'D', '|'."""
+
+    at: float
+    shape: str = "o"
+    fill: str = INK
+    edge: str = INK
+    size: float = 5.0  # [pt]
+    lift: float = 0.0
+    tip: str = ""
+
+
+Mark = Bar | Stroke | Dot
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """One row of a figure.
+
+    Attributes
+    ----------
+    label : str
+        Its name on the left.
+    marks : tuple of Mark
+    beside : tuple of str
+        What stands on the right, a text a column.
+    strong : bool
+        Whether that is bold.
+    said : str
+        The row in words with its numbers; '' where nothing is said of it.
+    cells : tuple of Cell
+        Its numbers, behind its label in the table of the figure.
+    """
+
+    label: str
+    marks: tuple[Mark, ...]
+    beside: tuple[str, ...] = ()
+    strong: bool = False
+    said: str = ""
+    cells: tuple[Cell, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Group:
+    """Rows under a title, '' for none; `said` is that title in words and tables."""
+
+    rows: tuple[Row, ...]
+    title: str = ""
+    said: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scale:
+    """The axis that rows share.
+
+    Attributes
+    ----------
+    low, high : float
+        Its ends.
+    kind : str
+        'linear', 'log', or 'symlog' (linear between -1 and 1).
+    ticks : tuple of (float, str), or None
+        Where its numbers stand, and as what; None for round ones.
+    lines : tuple of (float, str)
+        Lines across all rows, a limit or a zero, with a word above; '' for none.
+    band : (float, float) or None
+        What is shaded behind the rows.
+    label : str
+        Quantity and unit.
+    """
+
+    low: float
+    high: float
+    kind: str = "linear"
+    ticks: tuple[tuple[float, str], ...] | None = None
+    lines: tuple[tuple[float, str], ...] = ()
+    band: tuple[float, float] | None = None
+    label: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Panel:
+    """Groups of rows on one scale."""
+
+    scale: Scale
+    groups: tuple[Group, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Side:
+    """Panels one below the other under a title: the outputs of one sensor."""
+
+    panels: tuple[Panel, ...]
+    title: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Head:
+    """A word above the panel, at a place of its axis; `level` lines further up."""
+
+    at: float
+    text: str
+    is_centred: bool = True
+    level: int = 0
+    colour: str = INK
+
+
+@dataclass(frozen=True, kw_only=True)
+class Chart:
+    """A figure of rows, before it is drawn.
+
+    Attributes
+    ----------
+    name : str
+        As in `Picture`; so are `title` (the finding) and `caption`.
+    sides : tuple of Side
+        Beside each other.
+    lead : str
+        What the numbers are, before those of the rows are said.
+    after : str
+        What is said after them.
+    heads : tuple of Head
+        Words above the first panel.
+    beside : tuple of str
+        Heads of the columns of texts on the right; '' for none.
+    flush : str
+        The side on which those texts are in line, 'right' for numbers.
+    pitch : float
+        From row to row [pt].
+    foot : str
+        What the axes are of, where there are several.
+    legend : tuple of (str, str, str)
+        Colour, hatch and name of what no text names in the figure.
+    what : str
+        What the table of the numbers shows.
+    columns : tuple of Column
+        Its columns, the names of the rows first; () for no table.
+    numbers : Table or None
+        That table, where somebody else makes it.
+    width : float
+        That of a column or of the page [pt].
+    """
+
+    name: str
+    title: str
+    sides: tuple[Side, ...]
+    lead: str = ""
+    after: str = ""
+    caption: str = ""
+    heads: tuple[Head, ...] = ()
+    beside: tuple[str, ...] = ()
+    flush: str = "right"
+    pitch: float = 13.0
+    foot: str = ""
+    legend: tuple[tuple[str, str, str], ...] = ()
+    what: str = ""
+    columns: tuple[Column, ...] = ()
+    numbers: Table | None = None
+    width: float = WIDTH
+
+    @property
+    def groups(self) -> tuple[Group, ...]:
+        """All groups, in the order that they are drawn in."""
+        return tuple(g for side in self.sides for p in side.panels for g in p.groups)
+
+    @property
+    def alt(self) -> str:
+        """The finding and all numbers, for those who cannot see them."""
+        said = [
+            (group.said or group.title, [row.said for row in group.rows if row.said])
+            for group in self.groups
+        ]
+        texts = [
+            f"{title}: {', '.join(rows)}" if title else "; ".join(rows)
+            for title, rows in said
+            if rows
+        ]
+        return f"{self.title}. {self.lead}{'; '.join(texts)}.{self.after}"
+
+    @property
+    def tips(self) -> dict[str, str]:
+        """Tooltips by the gid of their marks."""
+        return {
+            _gid(g, r, m): mark.tip
+            for g, group in enumerate(self.groups)
+            for r, row in enumerate(group.rows)
+            for m, mark in enumerate(row.marks)
+            if mark.tip
+        }
+
+    @property
+    def data(self) -> Table | None:
+        """The numbers behind the figure."""
+        if not self.columns:
+            return self.numbers
+        return Table(
+            name=f"{kebab(self.name)}-data",
+            caption=self.what,
+            columns=self.columns,
+            groups=tuple(
+                RowGroup(
+                    title=capital(group.said or group.title),
+                    rows=tuple(
+                        (Cell(text=row.label), *row.cells)
+                        for row in group.rows
+                        if row.cells
+                    ),
+                )
+                for group in self.groups
+                if any(row.cells for row in group.rows)
+            ),
+        )
+
+
+def chart_picture(chart: Chart) -> Picture:
+    """Draw a figure of rows into a block."""
+    return as_picture(
+        draw(chart),
+        name=chart.name,
+        title=chart.title,
+        alt=chart.alt,
+        tips=chart.tips,
+        caption=chart.caption,
+        data=chart.data,
+        is_wide=chart.width > WIDTH,
     )
 
 
-def write_heading(axes: Axes, place: float, title: str, *, indent: float) -> None:
-    """Write the title of a group of rows on a row of its own, from the left edge.
+@house_style()
+def draw(chart: Chart) -> Figure:
+    """Draw a figure of rows; what stands beside them has the room that it needs."""
+    number = len(chart.sides)
+    width = (chart.width - BETWEEN * (number - 1)) / number
+    room = _room(chart, width)
+    above = _above(chart)
+    below = max(
+        sum(_height(chart, panel) for panel in side.panels) for side in chart.sides
+    )
+    legend = LINE * ((len(chart.legend) + 1) // 2)
+    foot = LINE + EDGE if chart.foot else EDGE
+    height = above + below + foot + legend
+    figure = blank(height, width=chart.width)
+    figure.set_label(chart.title)
+    place = 0
+    for k, side in enumerate(chart.sides):
+        start = k * (width + BETWEEN)
+        if side.title:
+            write_on(figure, start + EDGE, 10.0, side.title, weight="bold")
+        top = above
+        for panel in side.panels:
+            axes = add_panel(
+                figure,
+                left=start + room.left,
+                top=top,
+                width=width - room.left - max(sum(room.beside) + EDGE, LAST_TICK),
+                height=_rows_height(chart, panel),
+            )
+            _draw_panel(axes, chart, panel, room, place)
+            place += len(panel.groups)
+            top += _height(chart, panel)
+    if chart.foot:
+        base = height - legend - EDGE
+        write_on(figure, EDGE, base, chart.foot, size=SMALL, colour=MUTED)
+    if chart.legend:
+        _draw_legend(figure, chart, room.left)
+    return figure
 
-    `indent` is the margin that the rows of the group have on the left [pt].
-    """
+
+@dataclass(frozen=True, kw_only=True)
+class _Room:
+    """What stands beside the rows: names on the left, columns of texts [pt]."""
+
+    left: float
+    beside: list[float]
+
+
+def _gid(group: int, row: int, mark: int) -> str:
+    """Name a mark by its place."""
+    return f"tip-{group}-{row}-{mark}"
+
+
+def _room(chart: Chart, width: float) -> _Room:
+    """Return the room that names and texts beside the rows need."""
+    rows = [row for group in chart.groups for row in group.rows]
+    left = max(LEAST_NAMES, *(text_width(row.label, TEXT) + 12.0 for row in rows))
+    heads = Row(label="", marks=(), beside=chart.beside)
+    columns = [
+        max(_beside_width(row, k) for row in (*rows, heads))
+        for k in range(max(len(row.beside) for row in rows))
+    ]
+    spare = MOST_BESIDE * width - left
+    if sum(columns) > spare:  # the last column is cut
+        columns[-1] = max(spare - sum(columns[:-1]), 0.0)
+    return _Room(left=left, beside=columns)
+
+
+def _beside_width(row: Row, column: int) -> float:
+    """Return the room that one text beside a row needs [pt]."""
+    text = row.beside[column] if column < len(row.beside) else ""
+    return (1.12 if row.strong else 1.0) * text_width(text) + 8.0 if text else 0.0
+
+
+def _above(chart: Chart) -> float:
+    """Return the room above the first panel [pt]."""
+    lines = any(
+        text
+        for side in chart.sides
+        for panel in side.panels
+        for _, text in panel.scale.lines
+    )
+    levels = max((1 + head.level for head in chart.heads), default=0)
+    titles = LINE + EDGE if any(side.title for side in chart.sides) else EDGE
+    return titles + LINE * max(levels, int(lines or any(chart.beside)))
+
+
+def _rows_height(chart: Chart, panel: Panel) -> float:
+    """Return the height of the rows of a panel and their titles [pt]."""
+    return sum(
+        (HEAD if group.title else 0.0) + chart.pitch * len(group.rows)
+        for group in panel.groups
+    )
+
+
+def _height(chart: Chart, panel: Panel) -> float:
+    """Return the height of a panel with its axis [pt]."""
+    ticks = TICKS if panel.scale.ticks != () else 0.0
+    label = LABEL if panel.scale.label else 0.0
+    return _rows_height(chart, panel) + ticks + label + EDGE
+
+
+def _draw_panel(
+    axes: Axes, chart: Chart, panel: Panel, room: _Room, place: int
+) -> None:
+    """Draw the groups of one panel; `place` is that of the first in the figure."""
+    _set_scale(axes, panel.scale)
+    axes.set_ylim(_rows_height(chart, panel), 0.0)
+    first = chart.sides[0].panels[0]
+    ticks: list[tuple[float, str]] = []
+    top = 0.0
+    for g, group in enumerate(panel.groups, start=place):
+        if group.title:
+            _write_title(axes, top + HEAD / 2.0, group.title, room.left)
+            top += HEAD
+        ends = (top, top + chart.pitch * len(group.rows))
+        if panel.scale.band:
+            axes.fill_betweenx(
+                ends, *panel.scale.band, color=GRID, alpha=0.6, linewidth=0.0
+            )
+        else:
+            axes.vlines(axes.get_xticks(), *ends, color=GRID, linewidth=0.6, zorder=0)
+        for r, row in enumerate(group.rows):
+            middle = top + chart.pitch / 2.0
+            ticks.append((middle, row.label))
+            for m, mark in enumerate(row.marks):
+                _draw_mark(axes, middle, mark, _gid(g, r, m) if mark.tip else None)
+            _write_beside(axes, middle, row, room.beside, chart.flush)
+            top += chart.pitch
+    axes.set_yticks([y for y, _ in ticks], [text for _, text in ticks])
+    for x, text in panel.scale.lines:
+        axes.axvline(x, color=INK if text else MUTED, linewidth=1.0 if text else 0.7)
+        _write_above(axes, Head(at=x, text=text))
+    if panel is first:
+        for head in chart.heads:
+            _write_above(axes, head)
+        heads = Row(label="", marks=(), beside=chart.beside)
+        _write_beside(axes, -LINE / 2.0, heads, room.beside, chart.flush)
+
+
+def _set_scale(axes: Axes, scale: Scale) -> None:
+    """Set ends, kind, numbers and name of an axis."""
+    options = {"linthresh": 1.0} if scale.kind == "symlog" else {}
+    axes.set_xscale(scale.kind, **options)
+    axes.set_xlim(scale.low, scale.high)
+    if scale.ticks is not None:
+        axes.set_xticks([x for x, _ in scale.ticks], [text for _, text in scale.ticks])
+    else:
+        width = _points(axes, axes.bbox.width)
+        if scale.kind == "linear":
+            number = max(2, int(width / TICK_ROOM))
+            axes.locator_params(axis="x", nbins=number, steps=[1, 2, 5, 10])
+        elif scale.kind == "log":
+            log_ticks(axes.xaxis, max(2, int(width / DECADE_ROOM)))
+        axes.xaxis.set_major_formatter("{x:g}")
+        low, high = sorted((scale.low, scale.high))
+        axes.set_xticks([x for x in axes.get_xticks() if low <= x <= high])
+    axes.minorticks_off()
+    if scale.label:
+        axes.set_xlabel(scale.label, fontsize=SMALL, color=MUTED)
+
+
+def _points(axes: Axes, pixels: float) -> float:
+    """Return a length on the figure [pt]."""
+    return 72.0 * pixels / axes.figure.dpi
+
+
+def _draw_mark(axes: Axes, middle: float, mark: Mark, gid: str | None) -> None:
+    """Draw one mark on the line of its row."""
+    y = middle + mark.lift
+    if isinstance(mark, Stroke):
+        ends = [mark.start, mark.end]
+        axes.plot(
+            ends, [y, y], color=mark.colour, linewidth=mark.width, zorder=3, gid=gid
+        )
+    elif isinstance(mark, Dot):
+        axes.plot(
+            [mark.at],
+            [y],
+            marker=mark.shape,
+            markersize=mark.size,
+            color=mark.fill,
+            markeredgecolor=mark.edge,
+            markeredgewidth=0.9,
+            linestyle="none",
+            zorder=4,
+            clip_on=False,
+            gid=gid,
+        )
+    else:
+        _draw_bar(axes, y, mark, gid)
+
+
+def _draw_bar(axes: Axes, y: float, bar: Bar, gid: str | None) -> None:
+    """Draw a bar, its frame and its text."""
+    low, high = sorted((bar.start, bar.end))
+    axes.barh(
+        y,
+        high - low,
+        left=low,
+        height=bar.height,
+        color=bar.colour,
+        alpha=None if bar.opacity == 1.0 else bar.opacity,
+        edgecolor=bar.edge,
+        linewidth=bar.edge_width,
+        hatch=bar.hatch or None,
+        gid=gid,
+    )
+    if bar.is_framed:
+        axes.barh(
+            y,
+            high - low,
+            left=low,
+            height=bar.height - 1.0,
+            color="none",
+            edgecolor=INK,
+            linewidth=1.0,
+        )
+    start, end = axes.transData.transform([(low, y), (high, y)])[:, 0]
+    if bar.text and fits(bar.text, _points(axes, end - start)):
+        axes.text(
+            (low + high) / 2.0,
+            y,
+            bar.text,
+            fontsize=SMALL,
+            fontweight="bold" if bar.strong else "normal",
+            color=bar.text_colour,
+            ha="center",
+            va="center_baseline",
+        )
+
+
+def _write_title(axes: Axes, middle: float, title: str, left: float) -> None:
+    """Write the title of a group, from the left edge of its side."""
     axes.annotate(
         title,
-        (0.0, place),
+        (0.0, middle),
         xycoords=("axes fraction", "data"),
-        xytext=(4.0 - indent, 0.0),
+        xytext=(EDGE - left, 0.0),
         textcoords="offset points",
         fontsize=TEXT,
         fontweight="bold",
@@ -60,19 +562,60 @@ def write_heading(axes: Axes, place: float, title: str, *, indent: float) -> Non
     )
 
 
-def write_beside(
-    axes: Axes, place: float, text: str, *, reach: float, strong: bool = False
-) -> None:
-    """Write a number on the right of a row, so that it ends at `reach` [pt]."""
+def _write_above(axes: Axes, head: Head) -> None:
+    """Write a word above the panel."""
     axes.annotate(
-        text,
-        (1.0, place),
-        xycoords=("axes fraction", "data"),
-        xytext=(reach, 0.0),
+        head.text,
+        (head.at, 1.0),
+        xycoords=("data", "axes fraction"),
+        xytext=(0.0, EDGE + LINE * head.level),
         textcoords="offset points",
+        ha="center" if head.is_centred else "left",
         fontsize=SMALL,
-        color=INK,
-        fontweight="bold" if strong else "normal",
-        ha="right",
-        va="center_baseline",
+        color=head.colour,
+    )
+
+
+def _write_beside(
+    axes: Axes, middle: float, row: Row, columns: list[float], flush: str
+) -> None:
+    """Write the texts of a row on its right, each in its column."""
+    start = 0.0
+    for text, width in zip(row.beside, columns, strict=False):
+        factor = 1.12 if row.strong else 1.0
+        axes.annotate(
+            shorten(text, (width - 7.0) / factor),
+            (1.0, middle),
+            xycoords=("axes fraction", "data"),
+            xytext=(start + (width if flush == "right" else 6.0), 0.0),
+            textcoords="offset points",
+            fontsize=SMALL,
+            color=INK,
+            fontweight="bold" if row.strong else "normal",
+            ha=flush,
+            va="center_baseline",
+        )
+        start += width
+
+
+def _draw_legend(figure: Figure, chart: Chart, left: float) -> None:
+    """Name colours at the foot, two abreast."""
+    from matplotlib.patches import Patch
+
+    figure.legend(
+        handles=[
+            Patch(facecolor=colour, hatch=hatch, edgecolor=PAPER)
+            for colour, hatch, _ in chart.legend
+        ],
+        labels=[name for _, _, name in chart.legend],
+        loc="lower left",
+        bbox_to_anchor=(left / chart.width, 0.0),
+        ncols=2,
+        frameon=False,
+        fontsize=SMALL,
+        labelcolor=INK,
+        borderpad=0.0,
+        borderaxespad=0.0,
+        handlelength=1.2,
+        handleheight=0.9,
     )

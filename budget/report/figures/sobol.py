@@ -5,37 +5,30 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from budget.report.blocks import Cell, Column, RowGroup, Table
-from budget.report.figures.picture import as_picture, capital, in_order
-from budget.report.figures.rows import write_beside, write_heading
-from budget.report.figures.style import (
-    GRID,
-    INK,
-    MUTED,
-    PAPER,
-    SMALL,
-    canvas,
-    house_style,
-    look_of,
+from budget.report.blocks import Cell, Column
+from budget.report.figures.rows import (
+    Bar,
+    Chart,
+    Dot,
+    Group,
+    Panel,
+    Row,
+    Scale,
+    Side,
+    Stroke,
 )
+from budget.report.figures.style import INK, PAPER, capital, in_order, look_of
 from budget.report.indices import print_index
 from budget.report.tables import output_title, source_title, words
 from budget.results import widest_of_each
 from budget.ties import first_largest
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
     from budget.names import Name
-    from budget.report.blocks import Picture
+    from budget.report.figures.rows import Mark
     from budget.results import Budget, OutputBudget, SobolIndex
 
-ROW, HEAD = 20.0, 14.0  # heights [pt]
-LEFT, RIGHT, TOP, BELOW = 132.0, 66.0, 4.0, 32.0  # [pt]
-APART = 4.0  # of the two dots of a source [pt]
+APART = 4.0  # of the two dots of a source from the middle of its row [pt]
 GAP = 0.35  # opacity of the gap between them
 
 
@@ -48,81 +41,65 @@ class Indices:
     zero: tuple[Name, ...]  # names of the other sources
 
 
-def sobol_picture(budget: Budget, sensor: str) -> Picture | None:
-    """Return the indices of one sensor as a block, None where there are none."""
+def sobol_chart(budget: Budget, sensor: str) -> Chart | None:
+    """Show first-order and total index of each source of a sensor, None without any.
+
+    Of each group of parameters the output with the largest spread.
+    """
     found = _widest(budget, sensor)
     if not found:
         return None
-    zero = [
-        f"for the {words(one.row.parameter)}: {_titles(one.zero, sensor)}"
+    zeros = "; ".join(
+        f"for the {words(one.row.parameter)}: "
+        + ", ".join(source_title(name, of=sensor) for name in one.zero)
         for one in found
         if one.zero
-    ]
-    caption = (
-        "Dot: first-order index, ring: total index, with their intervals; a band "
-        "between them is interaction."
     )
-    if zero:
-        caption += f" 0 to the digits that are sure {'; '.join(zero)}."
-    return as_picture(
-        sobol_dots(budget, sensor),
+    zeros = f" 0 to the digits that are sure {zeros}." if zeros else ""
+    scale = Scale(
+        low=0.0,
+        high=1.0,
+        ticks=tuple((float(x), x) for x in ("0", "0.25", "0.5", "0.75", "1")),
+        label="index, a share of the variance [1]",
+    )
+    groups = tuple(
+        Group(
+            title=f"{words(one.row.parameter)} {one.row.axis}",
+            said=output_title(one.row.output.name),
+            rows=tuple(_row(one.row, *pair, sensor) for pair in one.shown),
+        )
+        for one in found
+    )
+    return Chart(
         name=f"sobol-{sensor}",
-        title=sobol_title(budget, sensor),
-        alt=sobol_alt(budget, sensor),
-        tips={
-            _gid(one.row, source): f"{output_title(one.row.output.name)}: "
-            f"{_words(source, index, sensor)}"
-            for one in found
-            for source, index in one.shown
-        },
-        caption=caption,
-        data=_data(found, sensor),
+        title=_title(found, sensor),
+        sides=(Side(panels=(Panel(scale=scale, groups=groups),)),),
+        lead="Sobol' indices with intervals. ",
+        after=zeros,
+        caption=(
+            "Dot: first-order index, ring: total index, with their intervals; a band "
+            f"between them is interaction.{zeros}"
+        ),
+        beside=("first, total",),
+        pitch=20.0,
+        what=f"Sobol' indices of the widest {sensor} outputs",
+        columns=(
+            Column(head="source"),
+            Column(head="first order", kind="number"),
+            Column(head="interval"),
+            Column(head="total", kind="number"),
+            Column(head="interval"),
+        ),
     )
 
 
-@house_style()
-def sobol_dots(budget: Budget, sensor: str) -> Figure:
-    """Draw first-order and total index of each source, with intervals."""
-    found = _widest(budget, sensor)
-    height = sum(HEAD + ROW * len(one.shown) for one in found)
-    figure, axes = canvas(
-        TOP + height + BELOW, left=LEFT, right=RIGHT, top=TOP, below=BELOW
-    )
-    figure.set_label(sobol_title(budget, sensor))
-    axes.set_xlim(0.0, 1.0)
-    axes.set_ylim(height, 0.0)  # [pt]
-    axes.set_xticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0", "0.25", "0.5", "0.75", "1"])
-    axes.set_xlabel("index, a share of the variance [1]", fontsize=SMALL, color=MUTED)
-    write_beside(axes, HEAD / 2.0, "first, total", reach=RIGHT - 4.0)
-    ticks: list[tuple[float, str]] = []
-    top = 0.0
-    for one in found:
-        title = f"{words(one.row.parameter)} {one.row.axis}"
-        write_heading(axes, top + HEAD / 2.0, title, indent=LEFT)
-        top += HEAD
-        ends = (top, top + ROW * len(one.shown))
-        for x in (0.0, 0.25, 0.5, 0.75, 1.0):
-            axes.plot([x, x], ends, color=GRID, linewidth=0.6, zorder=0, clip_on=False)
-        for source, index in one.shown:
-            middle = top + ROW / 2.0
-            ticks.append((middle, source_title(source, of=sensor)))
-            _draw_index(axes, middle, source, index, gid=_gid(one.row, source))
-            top += ROW
-    axes.set_yticks([place for place, _ in ticks], [text for _, text in ticks])
-    return figure
-
-
-def sobol_title(budget: Budget, sensor: str) -> str:
+def _title(found: tuple[Indices, ...], sensor: str) -> str:
     """State the finding: the largest interaction, or that there is none."""
-    pairs = [
-        (one.row, source, index)
-        for one in _widest(budget, sensor)
-        for source, index in one.shown
-    ]
-    found = [pair for pair in pairs if _can_be_seen(pair[2])]
-    if found:
-        row, source, index = found[
-            first_largest([p[2].total - p[2].first for p in found])
+    pairs = [(one.row, *pair) for one in found for pair in one.shown]
+    seen = [pair for pair in pairs if _can_be_seen(pair[2])]
+    if seen:
+        row, source, index = seen[
+            first_largest([index.total - index.first for _, _, index in seen])
         ]
         first, total = _texts(index)
         return (
@@ -137,20 +114,6 @@ def sobol_title(budget: Budget, sensor: str) -> str:
     return (
         f"No {sensor} source interacts beyond chance: first-order and total indices "
         "agree"
-    )
-
-
-def sobol_alt(budget: Budget, sensor: str) -> str:
-    """Say in words with numbers what the dots show."""
-    texts = []
-    for one in _widest(budget, sensor):
-        parts = [_words(source, index, sensor) for source, index in one.shown]
-        if one.zero:
-            parts.append(f"0 for {_titles(one.zero, sensor)}")
-        texts.append(f"{output_title(one.row.output.name)}: {'; '.join(parts)}")
-    return (
-        f"{sobol_title(budget, sensor)}. Sobol' indices with intervals. "
-        f"{'. '.join(map(capital, texts))}."
     )
 
 
@@ -175,43 +138,45 @@ def _widest(budget: Budget, sensor: str) -> tuple[Indices, ...]:
     return tuple(found)
 
 
-def _draw_index(
-    axes: Axes, middle: float, source: Name, index: SobolIndex, *, gid: str
-) -> None:
-    """Draw one source: dot above, ring below, whiskers, and the gap between."""
-    colour = look_of(source)[0]
-    first, total = middle - APART, middle + APART
-    low, high = sorted((index.first, index.total))
-    axes.fill_betweenx(
-        [first, total],
-        low,
-        high,
-        color=colour,
-        alpha=GAP,
-        linewidth=0.0,
-        zorder=1,
+def _row(output: OutputBudget, source: Name, index: SobolIndex, sensor: str) -> Row:
+    """Return one source: dot above, ring below, whiskers, and the gap between."""
+    colour, title = look_of(source)[0], source_title(source, of=sensor)
+    first = print_index(index.first, index.first_interval)
+    total = print_index(index.total, index.total_interval)
+    said = f"{title} first order {' '.join(first)} and total {' '.join(total)}" + (
+        " (interacts)" if index.interacts else ""
     )
-    for y, value, interval, fill in (
-        (first, index.first, index.first_interval, INK),
-        (total, index.total, index.total_interval, PAPER),
+    gap = Bar(
+        start=index.first,
+        end=index.total,
+        colour=colour,
+        edge="none",
+        opacity=GAP,
+        height=2.0 * APART,
+    )
+    marks: list[Mark] = [gap]
+    for value, ends, lift, fill in (
+        (index.first, index.first_interval, -APART, INK),
+        (index.total, index.total_interval, APART, PAPER),
     ):
-        axes.plot([0.0, value], [y, y], color=colour, linewidth=2.0, zorder=2)
-        axes.plot(interval, [y, y], color=INK, linewidth=0.9, zorder=3)
-        axes.plot(
-            [value],
-            [y],
-            marker="o",
-            markersize=4.5,
-            color=fill,
-            markeredgecolor=INK,
-            markeredgewidth=0.9,
-            zorder=4,
-            clip_on=False,
-            gid=gid if y == first else None,
-        )
-    texts = _texts(index)
-    write_beside(
-        axes, middle, ", ".join(texts), reach=RIGHT - 4.0, strong=_can_be_seen(index)
+        tip = f"{output_title(output.output.name)}: {said}" if fill == INK else ""
+        marks += [
+            Stroke(start=0.0, end=value, colour=colour, width=2.0, lift=lift),
+            Stroke(start=ends[0], end=ends[1], colour=INK, width=0.9, lift=lift),
+            Dot(at=value, fill=fill, size=4.5, lift=lift, tip=tip),
+        ]
+    return Row(
+        label=title,
+        marks=tuple(marks),
+        beside=(f"{first[0]}, {total[0]}",),
+        strong=_can_be_seen(index),
+        said=said,
+        cells=(
+            Cell(text=first[0], exact=index.first),
+            Cell(text=first[1]),
+            Cell(text=total[0], exact=index.total),
+            Cell(text=total[1]),
+        ),
     )
 
 
@@ -227,54 +192,3 @@ def _texts(index: SobolIndex) -> tuple[str, str]:
         print_index(index.first, index.first_interval)[0],
         print_index(index.total, index.total_interval)[0],
     )
-
-
-def _titles(sources: Sequence[Name], sensor: str) -> str:
-    """Name sources in a row."""
-    return ", ".join(source_title(source, of=sensor) for source in sources)
-
-
-def _words(source: Name, index: SobolIndex, sensor: str) -> str:
-    """Say both indices of a source with their intervals."""
-    first = " ".join(print_index(index.first, index.first_interval))
-    total = " ".join(print_index(index.total, index.total_interval))
-    end = ", interacts" if index.interacts else ""
-    return f"{source_title(source, of=sensor)} first order {first}, total {total}{end}"
-
-
-def _data(found: tuple[Indices, ...], sensor: str) -> Table:
-    """Return the indices as a table."""
-    groups = []
-    for one in found:
-        rows = []
-        for source, index in one.shown:
-            first = print_index(index.first, index.first_interval)
-            total = print_index(index.total, index.total_interval)
-            rows.append(
-                (
-                    Cell(text=source_title(source, of=sensor), strong=index.interacts),
-                    Cell(text=first[0], exact=index.first),
-                    Cell(text=first[1]),
-                    Cell(text=total[0], exact=index.total),
-                    Cell(text=total[1]),
-                )
-            )
-        title = capital(output_title(one.row.output.name))
-        groups.append(RowGroup(title=title, rows=tuple(rows)))
-    return Table(
-        name=f"sobol-{sensor}-data",
-        caption=f"Sobol' indices of the widest {sensor} outputs",
-        columns=(
-            Column(head="source"),
-            Column(head="first order", kind="number"),
-            Column(head="interval"),
-            Column(head="total", kind="number"),
-            Column(head="interval"),
-        ),
-        groups=tuple(groups),
-    )
-
-
-def _gid(row: OutputBudget, source: Name) -> str:
-    """Name the dots of one source."""
-    return f"tip-{row.parameter}-{source}"

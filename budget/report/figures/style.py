@@ -1,4 +1,4 @@
-"""What all figures share: inks, the looks of the sources, sizes, and a bare canvas.
+"""What all figures share: inks, looks of the sources, a bare canvas, and the way out.
 
 No pyplot, no global state and no matplotlibrc, the user's or one in the current folder:
 the same result gives the same bytes, in any process.
@@ -6,19 +6,26 @@ the same result gives the same bytes, in any process.
 
 from __future__ import annotations
 
+import io
+import re
 from contextlib import contextmanager
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
+from warnings import catch_warnings, filterwarnings
 
 from budget.model.sources import SOURCES
 from budget.names import Name
+from budget.report.blocks import Picture
 from budget.results import INTERACTION
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator, Mapping
 
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
+
+    from budget.report.blocks import Table
 
 INK, MUTED, GRID, PAPER = "#1b1f24", "#6b7280", "#d5d9de", "#fefefe"
 WIDTH = 330.0  # [pt] of a column: readable on a telephone, two abreast on a desk
@@ -62,6 +69,8 @@ STYLE: dict[Any, Any] = {  # text stays text; ids do not change from run to run
     "hatch.linewidth": 0.8,
     "path.simplify": False,
 }
+# Ticks of a logarithmic axis, and the span beyond which the coarse ones are enough.
+FINE, COARSE, DECADES = (1.0, 2.0, 5.0), (1.0,), 99.0
 # These choose windows, which nothing here opens, and cannot be set for a while only.
 OF_WINDOWS = ("backend", "backend_fallback", "interactive", "toolbar")
 
@@ -147,6 +156,117 @@ def text_width(text: str, size: float = SMALL) -> float:
     from matplotlib.font_manager import FontProperties
     from matplotlib.textpath import TextPath
 
+    if not text:
+        return 0.0
     path = TextPath((0.0, 0.0), text, size, prop=FontProperties(family="DejaVu Sans"))
     x = path.vertices[:, 0]
     return float(x.max() - x.min()) if x.size else 0.0
+
+
+def shorten(text: str, room: float) -> str:
+    """Cut a small text that is wider than its room, and show that it was [pt]."""
+    if text_width(text) <= room:
+        return text
+    while text and text_width(f"{text}...") > room:
+        text = text[:-1]
+    return f"{text.rstrip()}..."
+
+
+def write_on(
+    figure: Figure,
+    left: float,
+    base: float,
+    text: str,
+    *,
+    size: float = TEXT,
+    weight: str = "normal",
+    colour: str = INK,
+) -> None:
+    """Write a text on the figure; place of its base line in points from top left."""
+    width, height = (INCH * float(inches) for inches in figure.get_size_inches())
+    figure.text(
+        left / width,
+        1.0 - base / height,
+        text,
+        fontsize=size,
+        fontweight=weight,
+        color=colour,
+    )
+
+
+def log_ticks(axis: Axis, most: int | None = None) -> None:
+    """Tick a logarithmic axis at 1, 2 and 5, or at decades where it is long."""
+    from matplotlib.ticker import LogLocator
+
+    low, high = axis.get_view_interval()
+    subs = FINE if high < DECADES * low else COARSE
+    marks = LogLocator(subs=subs, numticks=most).tick_values(low, high)
+    axis.set_ticks([mark for mark in marks if low <= mark <= high])
+    axis.set_major_formatter("{x:g}")
+
+
+def as_picture(
+    figure: Figure,
+    *,
+    name: str,
+    title: str,
+    alt: str,
+    tips: Mapping[str, str] | None = None,
+    caption: str = "",
+    data: Table | None = None,
+    is_wide: bool = False,
+) -> Picture:
+    """Write a figure into a block; `name` may be a dotted name with underscores."""
+    name = kebab(name)
+    return Picture(
+        name=name,
+        title=title,
+        alt=alt,
+        svg=to_svg(figure, name=name),
+        tips=tips or {},
+        caption=caption,
+        data=data,
+        is_wide=is_wide,
+    )
+
+
+def kebab(name: str) -> str:
+    """Write a dotted name with underscores as one for a link."""
+    return name.replace("_", "-").replace(".", "-")
+
+
+def in_order(sources: Iterable[Name]) -> list[Name]:
+    """Sort sources as every figure does; those without a look of their own last."""
+    places = {name: place for place, name in enumerate(STYLES)}
+    return sorted(sources, key=lambda name: places.get(name.quantity, len(places)))
+
+
+def capital(text: str) -> str:
+    """Begin a text with a capital; the rest stays as it is."""
+    return text[:1].upper() + text[1:]
+
+
+def to_svg(figure: Figure, *, name: str) -> str:
+    """Write a figure as SVG text; ids begin with `name`, so that several fit a page.
+
+    An artist with the gid 'tip-z' becomes the element with the id '{name}-tip-z': the
+    tips of a picture find it by that.
+    """
+    file = io.StringIO()
+    with house_style(), catch_warnings():
+        # Texts stay texts: who shows the figure has other fonts, or says what it lacks.
+        filterwarnings("ignore", message=r"Glyph \d+ .* missing from")
+        figure.savefig(
+            file,
+            format="svg",
+            transparent=True,
+            metadata={
+                "Date": None,
+                "Creator": None,
+                "Format": None,
+                "Type": None,
+                "Title": figure.get_label(),
+            },
+        )
+    text = re.sub(r'\bid="', f'id="{name}-', file.getvalue())
+    return re.sub(r'(url\(|href=")#', rf"\1#{name}-", text)

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 from budget.calibration.schemes import schedule_accelerometer, schedule_gyro
 from budget.report.blocks import Cell, Column, RowGroup, Table
-from budget.report.figures.picture import as_picture, capital
 from budget.report.figures.style import (
     BLUE,
     INK,
@@ -17,7 +16,9 @@ from budget.report.figures.style import (
     SMALL,
     TEXT,
     WIDE,
+    as_picture,
     canvas,
+    capital,
     house_style,
     text_width,
 )

@@ -3,27 +3,20 @@
 from __future__ import annotations
 
 from itertools import groupby
-from math import floor, log10
 from typing import TYPE_CHECKING
 
-from budget.report.blocks import Cell, Column, RowGroup, Table
-from budget.report.figures.picture import as_picture
+from budget.report.blocks import Cell, Column
 from budget.report.figures.rows import (
-    columns_for,
-    write_beside,
-    write_heading,
-    write_on,
+    Chart,
+    Dot,
+    Group,
+    Panel,
+    Row,
+    Scale,
+    Side,
+    Stroke,
 )
-from budget.report.figures.style import (
-    GRID,
-    INK,
-    MUTED,
-    PAPER,
-    SMALL,
-    add_panel,
-    blank,
-    house_style,
-)
+from budget.report.figures.style import INK, MUTED, PAPER
 from budget.report.tables import (
     Number,
     bound_number,
@@ -36,88 +29,43 @@ from budget.results import worst_of
 from budget.ties import from_largest, largest
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from budget.report.blocks import Picture
     from budget.results import Assessment, OutputAssessment
 
-ROW = 13.0  # [pt] from dot to dot
-MOST_TICKS = 4  # that fit side by side where there are two columns
-TOP, BELOW = 28.0, 30.0  # [pt]
-NAMES, NUMBERS = 24.0, 42.0  # room beside the dots [pt]
 LINEAR_BELOW = 4.0  # utilisations beyond need a logarithmic axis [1]
 
 
-def utilisation_picture(assessment: Assessment) -> Picture:
-    """Return the dots as a block, with a tooltip for each and the data behind them."""
-    rows = [
-        RowGroup(
-            title=title,
-            rows=tuple(
-                (
-                    Cell(text=_axis(row)),
-                    Cell(
-                        text=_used(row).removesuffix(" %"),
-                        exact=100.0 * row.utilisation,
-                        strong=not row.is_within,
-                    ),
-                    Cell(text=row.printed_limit),
-                )
-                for row in outputs
-            ),
-        )
-        for title, outputs in _by_group(assessment)
-    ]
-    return as_picture(
-        utilisation_dots(assessment),
+def utilisation_chart(assessment: Assessment) -> Chart:
+    """Show each required output's largest error against its limit, worst first."""
+    most = max(output.utilisation for output in assessment.outputs)
+    is_log = most > LINEAR_BELOW
+    scale = Scale(
+        low=1.0 if is_log else 0.0,  # what is less sits at the edge, its label is exact
+        high=100.0 * max(1.05 * most, 1.2),
+        kind="log" if is_log else "linear",
+        lines=((100.0, "limit"),),
+    )
+    sensors = dict.fromkeys(row.output.name.owner for row in assessment.outputs)
+    return Chart(
         name="utilisation",
         title=utilisation_title(assessment),
-        alt=utilisation_alt(assessment),
-        tips={
-            _gid(row): f"{output_title(row.output.name)}: largest error "
-            f"{_error(row)}, {_used(row)} of the limit "
-            f"{row.printed_limit}"
-            for row in assessment.outputs
-        },
-        data=Table(
-            name="utilisation-data",
-            caption="Largest error of each output in per cent of its limit",
-            columns=(
-                Column(head="output"),
-                Column(head="largest error [% of the limit]", kind="number"),
-                Column(head="limit"),
-            ),
-            groups=tuple(rows),
+        sides=tuple(
+            Side(
+                title=sensor,
+                panels=(
+                    Panel(scale=scale, groups=_groups(assessment, sensor, scale.low)),
+                ),
+            )
+            for sensor in sensors
+        ),
+        lead="Largest errors in per cent of the limit. ",
+        foot="largest error [% of the limit]; filled: beyond it",
+        what="Largest error of each output in per cent of its limit",
+        columns=(
+            Column(head="output"),
+            Column(head="largest error [% of the limit]", kind="number"),
+            Column(head="limit"),
         ),
     )
-
-
-@house_style()
-def utilisation_dots(assessment: Assessment) -> Figure:
-    """Draw each required output's largest error against its limit, worst first."""
-    sensors = list(dict.fromkeys(map(_sensor, assessment.outputs)))
-    columns = [_by_group(assessment, sensor) for sensor in sensors]
-    rows = [sum(len(own) + 1 for _, own in groups) for groups in columns]
-    height = TOP + ROW * max(rows) + BELOW
-    figure = blank(height)
-    figure.set_label(utilisation_title(assessment))
-    largest = max(output.utilisation for output in assessment.outputs)
-    for (left, width), sensor, groups, number in zip(
-        columns_for(len(sensors)), sensors, columns, rows, strict=True
-    ):
-        write_on(figure, left + 4.0, 10.0, sensor, weight="bold")
-        axes = add_panel(
-            figure,
-            left=left + NAMES,
-            top=TOP,
-            width=width - NAMES - NUMBERS,
-            height=ROW * number,
-        )
-        _draw_sensor(axes, groups, number, largest)
-    text = "largest error [% of the limit]; filled: beyond it"
-    write_on(figure, 4.0, height - 4.0, text, size=SMALL, colour=MUTED)
-    return figure
 
 
 def utilisation_title(assessment: Assessment) -> str:
@@ -142,129 +90,64 @@ def utilisation_title(assessment: Assessment) -> str:
     return f"All {total} outputs stay within their limits, the nearest is {part}"
 
 
-def utilisation_alt(assessment: Assessment) -> str:
-    """Say in words with numbers what the dots show."""
-    groups = []
-    for title, outputs in _by_group(assessment):
-        dots = ", ".join(f"{_axis(o)} {_used(o)}" for o in outputs)
-        groups.append(f"{title}: {dots}")
-    return (
-        f"{utilisation_title(assessment)}. Largest errors in per cent of the limit. "
-        f"{'; '.join(groups)}."
+def _groups(assessment: Assessment, sensor: str, start: float) -> tuple[Group, ...]:
+    """Return the outputs of a sensor by parameter, the worst group first.
+
+    Axes keep their order, which noise would change otherwise.
+    """
+    own = [row for row in assessment.outputs if row.output.name.owner == sensor]
+    groups = [
+        (name, list(outputs))
+        for name, outputs in groupby(own, key=lambda output: output.output.name.group)
+    ]
+    used = [worst_of(outputs).utilisation for _, outputs in groups]
+    return tuple(
+        Group(
+            title=output_title(name.without_owner),
+            said=output_title(name),
+            rows=tuple(_row(output, start) for output in outputs),
+        )
+        for name, outputs in (groups[k] for k in from_largest(used))
     )
 
 
-def _axis(row: OutputAssessment) -> str:
-    """Return the axis of an output."""
-    return row.output.name.axis
-
-
-def _gid(row: OutputAssessment) -> str:
-    """Name a dot."""
-    return f"tip-{row.output.name}"
-
-
-def _error(row: OutputAssessment) -> str:
-    """Write a largest error with its unit."""
-    error = round_error(row.largest_error, row.standard_uncertainty, row.output)
-    marked = bound_number(error, lower_bound=row.lower_bound, unknown=row.is_unknown)
-    return f"{marked.text} {row.output.unit}"
+def _row(output: OutputAssessment, start: float) -> Row:
+    """Return a thin line to a dot, filled where it is beyond the limit."""
+    x = max(100.0 * output.utilisation, start)
+    used, axis = _used(output), output.output.name.axis
+    error = round_error(
+        output.largest_error, output.standard_uncertainty, output.output
+    )
+    marked = bound_number(
+        error, lower_bound=output.lower_bound, unknown=output.is_unknown
+    )
+    return Row(
+        label=axis,
+        marks=(
+            Stroke(start=start, end=x),
+            Dot(
+                at=x,
+                fill=PAPER if output.is_within else INK,
+                edge=MUTED if output.is_within else INK,
+                tip=f"{output_title(output.output.name)}: largest error {marked.text} "
+                f"{output.output.unit}, {used} of the limit {output.printed_limit}",
+            ),
+        ),
+        beside=(used,),
+        strong=not output.is_within,
+        said=f"{axis} {used}",
+        cells=(
+            Cell(
+                text=used.removesuffix(" %"),
+                exact=100.0 * output.utilisation,
+                strong=not output.is_within,
+            ),
+            Cell(text=output.printed_limit),
+        ),
+    )
 
 
 def _used(row: OutputAssessment) -> str:
     """Write the part of a limit, marked where it is a lower bound."""
     used = Number(text=print_utilisation(row.utilisation), exact=row.utilisation)
     return bound_number(used, lower_bound=row.lower_bound, unknown=row.is_unknown).text
-
-
-def _sensor(row: OutputAssessment) -> str:
-    """Return the triad of an output."""
-    return row.output.name.owner
-
-
-def _by_group(
-    assessment: Assessment, sensor: str = ""
-) -> list[tuple[str, list[OutputAssessment]]]:
-    """Return the outputs by parameter group, the worst group first.
-
-    Axes keep their order, which noise would change otherwise. Titles of the groups of
-    one sensor are without its name.
-    """
-    own = [row for row in assessment.outputs if sensor in {"", _sensor(row)}]
-    groups = [
-        (
-            output_title(name.without_owner if sensor else name),
-            list(outputs),
-        )
-        for name, outputs in groupby(own, key=lambda output: output.output.name.group)
-    ]
-    used = [worst_of(outputs).utilisation for _, outputs in groups]
-    return [groups[k] for k in from_largest(used)]
-
-
-def _draw_sensor(
-    axes: Axes,
-    groups: list[tuple[str, list[OutputAssessment]]],
-    rows: int,
-    largest: float,
-) -> None:
-    """Draw the groups of one sensor on the axis that both have."""
-    start = 0.0
-    if largest > LINEAR_BELOW:
-        axes.set_xscale("log")
-        start = 1.0  # [%]; what is less sits at the edge, its label is exact
-        decades = range(floor(log10(100.0 * largest)) + 1)
-        step = 1 if len(decades) <= MOST_TICKS else 2
-        axes.set_xticks([10.0**k for k in decades][::step])
-        axes.xaxis.set_major_formatter("{x:g}")
-        axes.minorticks_off()
-    else:
-        axes.locator_params(axis="x", nbins=4, steps=[1, 2, 5, 10])
-    axes.set_xlim(start, 100.0 * max(1.05 * largest, 1.2))
-    axes.set_ylim(rows - 0.5, -0.5)
-    axes.grid(axis="x", color=GRID, linewidth=0.6)
-    ticks: list[tuple[int, str]] = []
-    place = 0
-    for title, outputs in groups:
-        write_heading(axes, place, title, indent=NAMES)
-        for output in outputs:
-            place += 1
-            ticks.append((place, _axis(output)))
-            _draw_dot(axes, place, output, start)
-        place += 1
-    axes.set_yticks([place for place, _ in ticks], [axis for _, axis in ticks])
-    axes.axvline(100.0, color=INK, linewidth=1.0, zorder=2)
-    axes.annotate(
-        "limit",
-        (100.0, 1.0),
-        xycoords=("data", "axes fraction"),
-        xytext=(0.0, 4.0),
-        textcoords="offset points",
-        ha="center",
-        fontsize=SMALL,
-        color=INK,
-    )
-
-
-def _draw_dot(axes: Axes, place: int, output: OutputAssessment, start: float) -> None:
-    """Draw one output: a thin line to its dot, filled where it is beyond the limit."""
-    x = max(100.0 * output.utilisation, start)
-    axes.plot([start, x], [place, place], color=MUTED, linewidth=0.7, zorder=1)
-    axes.plot(
-        [x],
-        [place],
-        marker="o",
-        markersize=5.0,
-        color=PAPER if output.is_within else INK,
-        markeredgecolor=MUTED if output.is_within else INK,
-        zorder=3,
-        clip_on=False,
-        gid=_gid(output),
-    )
-    write_beside(
-        axes,
-        place,
-        _used(output),
-        reach=NUMBERS - 2.0,
-        strong=not output.is_within,
-    )

@@ -3,20 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import groupby
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from budget.report.blocks import Cell, Column, RowGroup, Table
-from budget.report.figures.picture import as_picture, capital
-from budget.report.figures.rows import write_beside
+from budget.report.figures.rows import (
+    Chart,
+    Dot,
+    Group,
+    Panel,
+    Row,
+    Scale,
+    Side,
+)
 from budget.report.figures.style import (
     GRID,
     INK,
     MUTED,
     PAPER,
     SMALL,
+    as_picture,
     canvas,
+    capital,
     house_style,
 )
 from budget.report.paper.texts import print_ratio
@@ -28,7 +38,6 @@ from budget.units import PPM
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from budget.arrays import Array
@@ -40,9 +49,6 @@ HEIGHT = 190.0  # of a curve [pt]
 DASHES = ("-", "--", ":", "-.")
 ALIKE = 0.01  # curves whose ends differ by less of the largest share a label [1]
 
-ROW = 12.5  # [pt] from row to row of dots
-LEFT, RIGHT, TOP, BELOW = 180.0, 36.0, 3.0, 31.0  # around the dots [pt]
-NAMES = 112.0  # [pt] from the left edge to the names of the parameters
 AIR = 2.0  # times the farthest ratio to the end of the axis [1]
 FITS = (Verdict.FITS_MEAN, Verdict.FITS_SINGLE)
 JOINED = ", all "  # in the place of a row that speaks of all axes
@@ -161,7 +167,7 @@ def _cause(sweep: Sweep) -> str:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Dot:
+class Entry:
     """All random entries of one parameter in one row of Table 1.
 
     Attributes
@@ -184,10 +190,13 @@ class Dot:
         return f"{self.group[:1].lower()}{self.group[1:]} on {self.parameter}"
 
 
-def ratio_picture(study: PaperStudy) -> Picture:
-    """Return the ratios of all random rows as a block; the table has them too."""
+def ratio_chart(study: PaperStudy) -> Chart:
+    """Show u over the printed root mean square, a dot for each random row of Table 1.
+
+    The table has the numbers too.
+    """
     dots = [
-        Dot(
+        Entry(
             group=capital(row.place[0]),
             parameter=row.place[1].partition(JOINED)[0],
             ratio=row.ratio,
@@ -198,22 +207,27 @@ def ratio_picture(study: PaperStudy) -> Picture:
     ]
     fits = sum(dot.verdict in FITS for dot in dots)
     far = dots[first_largest([max(dot.ratio, 1.0 / dot.ratio) for dot in dots])]
-    title = (
-        f"{fits} of the {len(dots)} random rows of Table 1 fit; farthest off is "
-        f"{far.name}, {print_ratio(far.ratio)} times the printed"
-    )
-    said = [f"{dot.name} {print_ratio(dot.ratio)} ({dot.verdict})" for dot in dots]
     is_open = any(dot.verdict == Verdict.UNEXPLAINED for dot in dots)
-    return as_picture(
-        _draw_dots(dots, title),
+    ratios = [dot.ratio for dot in dots]
+    scale = Scale(
+        low=min(*ratios, 1.0) / AIR,
+        high=max(*ratios, 1.0) * AIR,
+        kind="log",
+        lines=((1.0, ""),),
+        label="ours / printed, root mean square",
+    )
+    groups = tuple(
+        Group(title=title, rows=tuple(map(_row, own)))
+        for title, own in groupby(dots, key=lambda dot: dot.group)
+    )
+    return Chart(
         name="ratios",
-        title=title,
-        alt=f"{title}. Ours over printed: {'; '.join(said)}.",
-        tips={
-            f"tip-{place}": f"{dot.name}: {print_ratio(dot.ratio)} times the printed "
-            f"root mean square; {dot.verdict}"
-            for place, dot in enumerate(dots)
-        },
+        title=(
+            f"{fits} of the {len(dots)} random rows of Table 1 fit; farthest off is "
+            f"{far.name}, {print_ratio(far.ratio)} times the printed"
+        ),
+        sides=(Side(panels=(Panel(scale=scale, groups=groups),)),),
+        lead="Ours over printed: ",
         caption=(
             "Ours: u of a single run, or of a mean over 25 where the row fits that. "
             "Filled: fits; open: does not"
@@ -222,53 +236,19 @@ def ratio_picture(study: PaperStudy) -> Picture:
     )
 
 
-@house_style()
-def _draw_dots(dots: Sequence[Dot], title: str) -> Figure:
-    """Draw u over the printed root mean square, a dot for each random row."""
-    height = TOP + ROW * len(dots) + BELOW
-    figure, axes = canvas(height, left=LEFT, right=RIGHT, top=TOP, below=BELOW)
-    figure.set_label(title)
-    ratios = [dot.ratio for dot in dots]
-    axes.set_xscale("log")
-    axes.set_xlim(min(*ratios, 1.0) / AIR, max(*ratios, 1.0) * AIR)
-    axes.set_ylim(len(dots) - 0.5, -0.5)
-    axes.xaxis.set_major_formatter("{x:g}")
-    axes.minorticks_off()
-    axes.grid(axis="x", color=GRID, linewidth=0.6)
-    axes.axvline(1.0, color=MUTED, linewidth=0.9, zorder=1)
-    axes.set_xlabel("ours / printed, root mean square", fontsize=SMALL, color=MUTED)
-    axes.set_yticks([])
-    group = ""
-    for place, dot in enumerate(dots):
-        if dot.group != group:
-            _write_name(axes, place, dot.group, left=4.0)
-            group = dot.group
-        _write_name(axes, place, dot.parameter, left=NAMES)
-        axes.plot(
-            [dot.ratio],
-            [place],
-            marker="o",
-            markersize=5.5,
-            color=INK if dot.verdict in FITS else PAPER,
-            markeredgecolor=INK,
-            zorder=3,
-            gid=f"tip-{place}",
-        )
-        strong = dot.verdict == Verdict.UNEXPLAINED
-        text = print_ratio(dot.ratio)
-        write_beside(axes, place, text, reach=RIGHT - 4.0, strong=strong)
-    return figure
-
-
-def _write_name(axes: Axes, place: int, text: str, *, left: float) -> None:
-    """Write a name beside the row at a place."""
-    axes.annotate(
-        text,
-        (0.0, place),
-        xycoords=("axes fraction", "data"),
-        xytext=(left - LEFT, 0.0),
-        textcoords="offset points",
-        fontsize=SMALL,
-        color=INK,
-        va="center_baseline",
+def _row(dot: Entry) -> Row:
+    """Return one dot, filled where it fits."""
+    ratio = print_ratio(dot.ratio)
+    mark = Dot(
+        at=dot.ratio,
+        fill=INK if dot.verdict in FITS else PAPER,
+        size=5.5,
+        tip=f"{dot.name}: {ratio} times the printed root mean square; {dot.verdict}",
+    )
+    return Row(
+        label=dot.parameter,
+        marks=(mark,),
+        beside=(ratio,),
+        strong=dot.verdict == Verdict.UNEXPLAINED,
+        said=f"{dot.parameter} {ratio} ({dot.verdict})",
     )

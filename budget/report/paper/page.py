@@ -20,9 +20,10 @@ from budget.report.blocks import (
     table_of,
 )
 from budget.report.document import csv_text, json_text
-from budget.report.figures.picture import capital
+from budget.report.figures.rows import chart_picture
+from budget.report.figures.style import capital
 from budget.report.formulas import with_math
-from budget.report.paper.figures import ratio_picture, sweep_picture
+from budget.report.paper.figures import ratio_chart, sweep_picture
 from budget.report.paper.texts import (
     print_ours,
     print_probability,
@@ -103,7 +104,7 @@ def paper_sections(study: PaperStudy) -> tuple[Section, ...]:
         items=tuple((capital(text),) for text in paper.assumptions),
         empty="Nothing: the paper says all that is needed.",
     )
-    ratios = ForPages(lambda: (ratio_picture(study),))
+    ratios = ForPages(lambda: (chart_picture(ratio_chart(study)),))
     return (
         _first("unexplained", "What nothing explains", open_points),
         _first("assumed", "Assumed", assumed),

@@ -22,7 +22,8 @@ from budget.names import Name
 from budget.report.allocation.page import allocation_answer, allocation_section
 from budget.report.analysis.causes import rank_causes
 from budget.report.analysis.inputs import inputs_section
-from budget.report.figures import coupling_alt, share_alt, share_tips
+from budget.report.figures.coupling import coupling_chart
+from budget.report.figures.shares import share_chart
 from budget.report.tables import group_tables
 from budget.spec.records import ErrorLine
 from budget.studies.allocation.allocate import allocate
@@ -112,9 +113,12 @@ def test_figures_and_tables_show_it_as_the_stations(procedure):
     for group in biases:
         assert "station push" in {row.title for row in group.sources}
         # Without a colour of its own it is gathered, and no share is lost.
-        assert "other" in share_alt(group)
-        assert len(set(share_tips(group))) == len(share_tips(group))
-        assert "station push" in coupling_alt(table, group.sensor)
+        shares = share_chart(group)
+        assert "other" in shares.alt
+        assert len(shares.tips) == sum(
+            len(row.marks) for one in shares.groups for row in one.rows
+        )
+        assert "station push" in coupling_chart(table, group.sensor).alt
     (own,) = [cause for cause in causes if cause.title == "station push"]
     assert {effect.group for effect in own.effects} == {
         "gyro bias",

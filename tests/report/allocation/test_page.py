@@ -8,10 +8,11 @@ from itertools import pairwise
 
 import pytest
 from document_text import find, lines, on_terminal, rows
+from figure_text import cut_texts
 from saying import assert_says
 
 from budget import load_device, load_requirement
-from budget.report.allocation.headroom import headroom_alt, headroom_title
+from budget.report.allocation.figures import headroom_chart, waterfall_chart
 from budget.report.allocation.page import (
     allocation_answer,
     allocation_section,
@@ -19,6 +20,7 @@ from budget.report.allocation.page import (
 )
 from budget.report.allocation.words import print_headroom
 from budget.report.blocks import Document, Picture, Table
+from budget.report.figures.rows import draw
 from budget.report.page import render_page
 from budget.report.typeset import typeset
 from budget.studies.allocation.allocate import allocate
@@ -161,6 +163,18 @@ def test_tips_belong_to_elements_of_their_figures(which, request):
 
 
 @pytest.mark.parametrize("which", ["allocation", "impossible"])
+def test_no_text_of_a_figure_is_cut(which, request):
+    """Names, numbers and what stops a line lie within the figure."""
+    found = request.getfixturevalue(which)
+    charts = [waterfall_chart(row) for row in figured(found)]
+    charts += [headroom_chart(of_sensor(found, s)) for s in ("gyro", "accelerometer")]
+
+    assert [cut_texts(draw(chart)) for chart in charts if chart] == [[]] * len(
+        [chart for chart in charts if chart]
+    )
+
+
+@pytest.mark.parametrize("which", ["allocation", "impossible"])
 def test_the_section_can_be_printed_as_page_and_as_pdf(which, request, forget_drawings):
     """HTML and PDF are made of it, the same bytes twice."""
     section = allocation_section(request.getfixturevalue(which))
@@ -210,7 +224,7 @@ def test_lines_that_count_nothing_get_no_number(as_tested):
     table = tables_of(allocation_section(as_tested))["allocation-accelerometer"]
     own = of_sensor(as_tested, "accelerometer")
     idle = [row for row in own if row.is_idle]
-    title = headroom_title(own)
+    chart = headroom_chart(own)
 
     assert {row.source.partition(".")[2] for row in idle} == {
         "bias_repeatability",
@@ -222,8 +236,8 @@ def test_lines_that_count_nothing_get_no_number(as_tested):
         assert (said == ("-", "counts nothing here")) == row.is_idle
         assert ("counts nothing here" in cells[0].note) == row.is_idle
         assert (cells[6].exact is None) == row.is_idle
-    assert_says(title, "2 of 2 accelerometer lines", "grow")
-    assert_says(headroom_alt(own), "counts nothing here: bias repeatability")
+    assert_says(chart.title, "2 of 2 accelerometer lines", "grow")
+    assert_says(chart.alt, "counts nothing here: bias repeatability")
 
 
 def test_page_and_terminal_say_headroom_alike(as_tested, impossible):

@@ -11,14 +11,19 @@ from dataclasses import replace
 import pytest
 from comparison_examples import compared, only_bias, paper_device, requirement
 from document_text import find, lines, names, on_terminal, rows, section
+from figure_text import cut_texts
 from numpy.testing import assert_allclose
 from saying import assert_says
 
 from budget.errors import CallError
 from budget.report.blocks import Picture, Table
 from budget.report.comparison.document import to_csv, to_json
-from budget.report.comparison.fronts import pareto_alt, pareto_scatter
-from budget.report.comparison.margins import margin_alt, margin_bars
+from budget.report.comparison.figures import (
+    front_picture,
+    map_chart,
+    margin_chart,
+    pareto_scatter,
+)
 from budget.report.comparison.page import (
     comparison_answer,
     comparison_document,
@@ -31,7 +36,7 @@ from budget.report.comparison.tables import (
     print_probability,
     tables,
 )
-from budget.report.comparison.utilisation_map import map_alt, utilisation_map
+from budget.report.figures.rows import draw
 from budget.report.page import render_page
 from budget.report.typeset import typeset
 from budget.results import Probability
@@ -220,8 +225,8 @@ def test_document_is_in_printed_units(comparison):
 def test_map_frames_what_is_beyond_the_limit():
     """A frame for each cell beyond its limit, none for the others."""
     found = compared([only_bias("over", 3.0), only_bias("under", 0.1)], method="gum")
-    figure = utilisation_map(tables(found)[0])
-    frames = [p for p in figure.axes[0].patches if p.get_linewidth() > 0.0]
+    figure = draw(map_chart(tables(found)[0], "map", None))
+    frames = [p for p in figure.axes[0].patches if p.get_facecolor()[3] == 0.0]
 
     assert len(frames) == 3  # three biases of one device
 
@@ -229,14 +234,13 @@ def test_map_frames_what_is_beyond_the_limit():
 def test_margin_bars_start_at_the_limit(comparison):
     """Bars run from 100 % to the part of the limit; the undecidable from there on."""
     table = tables(comparison)[0]
-    axes = margin_bars(table).axes[0]
+    axes = draw(margin_chart(table, "margins")).axes[0]
 
     for bar, row in zip(axes.patches, table.rows, strict=True):
         start = 100.0 if row.verdict != "undecidable" else axes.get_xlim()[1]
-        assert_allclose(bar.get_x(), start, rtol=1e-12)
-        assert_allclose(
-            bar.get_x() + bar.get_width(), 100 * row.of.utilisation, rtol=1e-9
-        )
+        ends = sorted((start, 100 * row.of.utilisation))
+        assert_allclose(bar.get_x(), ends[0], rtol=1e-9)
+        assert_allclose(bar.get_x() + bar.get_width(), ends[1], rtol=1e-9)
     assert [row.verdict for row in table.rows].count("undecidable") == 1
 
 
@@ -254,12 +258,22 @@ def test_words_beside_figures_have_the_numbers(comparison):
     """Alternative texts name every device with its part of the limit."""
     table = tables(comparison)[0]
     for text in (
-        map_alt(table),
-        margin_alt(table),
-        pareto_alt(table, "mass"),
+        map_chart(table, "map", None).alt,
+        margin_chart(table, "margins").alt,
+        front_picture(table, "mass", "front", None).alt,
     ):
-        assert "good" in text
-        assert "%" in text
+        for row in table.rows:
+            assert row.device in text
+            assert f"{row.utilisation} %" in text
+
+
+def test_no_text_of_a_figure_is_cut(comparison):
+    """Names, verdicts, numbers and the axes lie within the figure."""
+    table = tables(comparison)[0]
+
+    assert cut_texts(draw(map_chart(table, "map", None))) == []
+    assert cut_texts(draw(margin_chart(table, "margins"))) == []
+    assert cut_texts(pareto_scatter(table, "mass")) == []
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from saying import assert_says
 
 from budget.report.blocks import Listing, Picture, Table
 from budget.report.comparison.document import to_json
-from budget.report.comparison.margins import margin_title
+from budget.report.comparison.figures import margin_title
 from budget.report.comparison.page import (
     comparison_answer,
     comparison_document,

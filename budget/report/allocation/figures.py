@@ -1,0 +1,232 @@
+"""Figures of an allocation: where a limit goes, how far each line may grow alone."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from budget.report.allocation.words import (
+    DIGITS,
+    IDLE,
+    NONE,
+    part_title,
+    print_headroom,
+    print_part,
+    print_used,
+    print_value,
+)
+from budget.report.figures.rows import (
+    Bar,
+    Chart,
+    Dot,
+    Group,
+    Panel,
+    Row,
+    Scale,
+    Side,
+)
+from budget.report.figures.style import GRID, INK, MUTED, PAPER, capital, look_of
+from budget.report.tables import output_title, print_given, source_title
+from budget.studies.allocation.records import FREE
+from budget.ties import first_largest
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from budget.report.figures.rows import Mark
+    from budget.studies.allocation.records import LimitedOutput, Part, SourceAllotment
+
+PITCH = 17.0  # from row to row [pt]
+LEAST_FACTOR, MOST_FACTOR = 1e-2, 1e2  # of a headroom that is drawn [1]
+THIN, BELOW = 3.4, 6.8  # height of a bar of what is now, and how far down it is [pt]
+SHOWN = 1e-3  # part of the squared limit from which a source has a row [1]
+
+
+def waterfall_chart(row: LimitedOutput) -> Chart:
+    """Show one limit from the whole down through the sources to what is left.
+
+    The thick bars are what is allowed (of an impossible limit, what is held), the thin
+    ones what the sources take now; those leave the figure where the limit is passed.
+    """
+    left, left_now = 1.0, 1.0
+    rows = [Row(label="limit", marks=(Bar(start=0.0, end=100.0, colour=GRID),))]
+    for part in row.parts:
+        if max(part.now, _after(part)) < SHOWN:
+            continue
+        rows.append(_part_row(row, part, left, left_now))
+        left, left_now = left - _after(part), left_now - part.now
+    marks: list[Mark] = []
+    if left > 0.0:
+        marks.append(Bar(start=0.0, end=100.0 * left, colour=GRID))
+    if left_now > 0.0:
+        marks.append(Bar(start=0.0, end=100.0 * left_now, height=THIN, lift=BELOW))
+    beside = tuple(
+        "none" if value < -SHOWN else print_part(max(value, 0.0))
+        for value in (left_now, left)
+    )
+    rows.append(Row(label="left", marks=tuple(marks), beside=beside))
+    scale = Scale(
+        low=0.0,
+        high=100.0,
+        ticks=tuple((float(x), str(x)) for x in (0, 25, 50, 75, 100)),
+        label="part of the squared limit [%]",
+    )
+    word, used = after_word(row), print_used(row, now=True)
+    return Chart(
+        name=f"waterfall-{row.output.name}",
+        title=_waterfall_title(row),
+        sides=(Side(panels=(Panel(scale=scale, groups=(Group(rows=tuple(rows)),)),)),),
+        lead=f"Parts of the squared limit {row.printed_limit}: ",
+        after=f" The largest error is now {used} of the limit.",
+        caption=(
+            f"From the squared limit down: thick bars are what is {word}, thin ones "
+            "what each source takes now."
+        ),
+        beside=("now", word),
+        pitch=PITCH,
+    )
+
+
+def after_word(row: LimitedOutput) -> str:
+    """Say what stands beside 'now': what is allowed, or all that is held."""
+    return "held" if row.allowed is None else "allowed"
+
+
+def _waterfall_title(row: LimitedOutput) -> str:
+    """State the finding: who takes most of the limit."""
+    name = output_title(row.output.name)
+    largest = row.parts[first_largest([_after(part) for part in row.parts])]
+    title = part_title(largest.source, row.sensor)
+    part = f"{title} takes {print_part(_after(largest))} %"
+    if row.allowed is None:
+        return f"{capital(name)} cannot be met: {part} of the squared limit"
+    return f"{capital(part)} of the squared {name} limit"
+
+
+def _after(part: Part) -> float:
+    """Return the part after the allocation, of an impossible limit what is held [1]."""
+    return part.floor if part.allowed is None else part.allowed
+
+
+def _part_row(row: LimitedOutput, part: Part, left: float, left_now: float) -> Row:
+    """Return what one source takes of what is left, allowed and now.
+
+    An arrow shows where what it takes now passes the limit.
+    """
+    colour, hatch, _ = look_of(part.source)
+    after, title = _after(part), part_title(part.source, row.sensor)
+    now, then = print_part(part.now), print_part(after)
+    said = f"{title} now {now} %, {after_word(row)} {then} %"
+    marks: list[Mark] = [
+        Bar(
+            start=100.0 * (left - after),
+            end=100.0 * left,
+            colour=colour,
+            hatch=hatch,
+            edge_width=0.4,
+            tip=f"{said} of the squared {output_title(row.output.name)} limit "
+            f"{row.printed_limit}",
+        )
+    ]
+    start, end = 100.0 * min(left_now, 1.0), 100.0 * (left_now - part.now)
+    if start > 0.0 and part.now > 0.0:
+        marks.append(Bar(start=max(end, 0.0), end=start, height=THIN, lift=BELOW))
+    if end < 0.0 < part.now:
+        marks.append(
+            Dot(at=0.0, shape="<", fill=MUTED, edge=MUTED, size=4.0, lift=BELOW)
+        )
+    return Row(label=title, marks=tuple(marks), beside=(now, then), said=said)
+
+
+def headroom_chart(rows: Sequence[SourceAllotment]) -> Chart | None:
+    """Show how far each line of a sensor may go alone, from its present value.
+
+    None where no line can be judged; the table of the lines has the data.
+    """
+    shown = [row for row in rows if row.headroom is not None]
+    if not shown:
+        return None
+    names = ", ".join(source_title(row.source) for row in rows if row.is_idle)
+    idle = f" Not drawn, as it {IDLE}: {names}." if names else ""
+    scale = Scale(
+        low=LEAST_FACTOR,
+        high=MOST_FACTOR,
+        kind="log",
+        ticks=(
+            *((0.01, "1/100"), (0.1, "1/10"), (1.0, "now")),
+            *((10.0, "10"), (100.0, "100")),
+        ),
+        lines=((1.0, ""),),
+        label="value over the present one; diamond: allowed",
+    )
+    group = Group(rows=tuple(map(_headroom_row, shown)))
+    return Chart(
+        name=f"headroom-{shown[0].source.owner}",
+        title=_headroom_title(shown, has_idle=bool(idle)),
+        sides=(Side(panels=(Panel(scale=scale, groups=(group,)),)),),
+        lead="Each line alone, the others as now: ",
+        after=idle,
+        caption=(
+            "Each line alone, the others as they are now; named is the limit that "
+            f"stops it. To the left: it must become better by that much.{idle}"
+        ),
+        flush="left",
+        pitch=PITCH,
+    )
+
+
+def _headroom_title(shown: Sequence[SourceAllotment], *, has_idle: bool) -> str:
+    """State the finding: how many lines may grow alone, and which most."""
+    growing = [row for row in shown if _factor(row) > 1.0]
+    sensor = shown[0].source.owner
+    if not growing:
+        return f"No {sensor} line alone may grow"
+    most = growing[first_largest([_factor(row) for row in growing])]
+    that_count = " that count" if has_idle else ""
+    return (
+        f"{len(growing)} of {len(shown)} {sensor} lines{that_count} may grow alone, "
+        f"{source_title(most.source)} {print_given(_factor(most), digits=DIGITS)} times"
+    )
+
+
+def _headroom_row(row: SourceAllotment) -> Row:
+    """Return how far one line may go, where it is allowed to be, and what stops it."""
+    colour, hatch, _ = look_of(row.source)
+    factor, title = _factor(row), source_title(row.source)
+    up_to, stop = print_headroom(row)
+    stopped_by = f"{NONE}: {stop}" if up_to == NONE else stop
+    now = print_value(row.now / row.si_per_unit, row.unit)
+    if row.headroom is not None and row.headroom.value:
+        times = print_given(factor, digits=DIGITS)
+        said = f"{title} {times} times, stopped by {stopped_by}"
+        value = print_value(row.headroom.value / row.si_per_unit, row.unit)
+        alone = f"alone up to {value}, then stopped by {stopped_by}"
+    else:
+        said = f"{title} {stopped_by}"
+        alone = f"alone it cannot mend {stop}"
+    bar = Bar(
+        start=1.0,
+        end=_drawn(factor),
+        colour=colour if factor > 0.0 else "none",
+        edge=colour,
+        edge_width=0.8,
+        hatch=hatch,
+        tip=f"{title}: now {now}, {alone}",
+    )
+    is_moved = row.status == FREE and bool(row.allowed)
+    diamond = Dot(at=_drawn(row.factor), shape="D", fill=PAPER, edge=INK, size=4.0)
+    return Row(
+        label=title,
+        marks=(bar, diamond) if is_moved else (bar,),
+        beside=(stopped_by,),
+        said=said,
+    )
+
+
+def _factor(row: SourceAllotment) -> float:
+    """Return headroom over present value [1], of a line that has one."""
+    return 0.0 if row.headroom is None else row.headroom.value / row.now
+
+
+def _drawn(factor: float) -> float:
+    """Keep a factor within the axis [1]."""
+    return min(max(factor, LEAST_FACTOR), MOST_FACTOR)

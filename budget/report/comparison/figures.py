@@ -1,0 +1,500 @@
+"""Figures of a comparison: how far devices are from the limit, where, at what cost."""
+
+from __future__ import annotations
+
+from itertools import groupby
+from typing import TYPE_CHECKING
+
+from budget.report.comparison.tables import print_output
+from budget.report.figures.rows import (
+    Bar,
+    Chart,
+    Dot,
+    Group,
+    Head,
+    Panel,
+    Row,
+    Scale,
+    Side,
+    Stroke,
+)
+from budget.report.figures.style import (
+    BLUE,
+    GRID,
+    INK,
+    MUTED,
+    PAPER,
+    SMALL,
+    WIDE,
+    as_picture,
+    canvas,
+    capital,
+    house_style,
+    log_ticks,
+)
+from budget.report.tables import (
+    AT_LEAST,
+    bound_number,
+    output_title,
+    print_given,
+    print_utilisation,
+    round_error,
+    words,
+)
+from budget.studies.figures_of_merit import MERITS, Amount, read_amount
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+
+    from budget.names import Name
+    from budget.report.blocks import Picture
+    from budget.report.blocks import Table as DataTable
+    from budget.report.comparison.tables import Row as Device
+    from budget.report.comparison.tables import Table
+    from budget.report.figures.rows import Mark
+    from budget.results import OutputAssessment
+
+SHOWN = 40  # devices in a figure, the best ones; all are in the tables
+DOTS = "..."
+MARK = " *"  # behind the name of a device that lacks a line
+NAME, LONG_NAME = 22, 32  # characters of a name that fit beside a narrow, a wide figure
+LEAST = 1e-4  # utilisation where a bar ends at the latest [1]
+SURE = ("meets", "fails")  # verdicts whose bars and points are full
+# Opacities of the one hue; up to 0.8 ink can be read on it (4.5:1) in light and dark.
+PALEST, UP_TO_LIMIT, BEYOND, DARKEST = 0.06, 0.40, 0.60, 0.80
+DARKEST_AT = 2.0  # utilisation with the darkest hue [1]
+STEPS = 44  # of the hue on its scale, which goes on for a tenth beyond the darkest
+ROOM = 5  # characters that a cell holds
+MOST_PER_CENT = 999.5  # beyond, a cell says >999
+BOTH = 2  # devices that are all there are
+SHORT = {"scale_factor": "SF", "mounting_angle": "angle", "bias": "bias"}
+NAMED = 3  # devices in a title
+LEAST_COSTS = 2  # different ones, below which a scatter shows nothing
+
+
+def margin_chart(table: Table, name: str) -> Chart:
+    """Show how far each device is from its limit: bars that start at the limit.
+
+    The ranking has the data.
+    """
+    rows = table.rows[:SHOWN]
+    parts = [max(row.of.utilisation, LEAST) for row in rows]
+    worst = [row.of.at_worst or 0.0 for row in rows if row.of.lower_bound]
+    scale = Scale(
+        low=100.0 * min(0.5, *parts) / 1.3,
+        high=100.0 * max(2.0, *parts, *worst) * 1.3,
+        kind="log",
+        lines=((100.0, "limit"),),
+        label="largest error [% of the limit]",
+    )
+    group = Group(rows=tuple(_margin_row(row, scale.high) for row in rows))
+    return Chart(
+        name=name,
+        title=margin_title(table),
+        sides=(Side(panels=(Panel(scale=scale, groups=(group,)),)),),
+        lead="Largest error in per cent of the limit: ",
+        caption=(
+            "Bars start at the limit: to the left is what is left of it. Hollow: "
+            "undecided. A range: undecidable because an expected line is not given, "
+            "from now to at worst; an arrow: at worst is not known."
+            f"{explain_mark(table)}{more_devices(table)}"
+        ),
+        flush="left",
+        pitch=15.0,
+    )
+
+
+def margin_title(table: Table) -> str:
+    """State the finding: how many meet, and the best of those that can be decided."""
+    sensor = capital(table.sensor)
+    meets = [row for row in table.rows if row.of.verdict == "meets"]
+    decided = [row for row in table.rows if row.of.verdict != "undecidable"]
+    lacking = len(table.rows) - len(decided)
+    number = f"{len(meets) or 'None'} of {len(table.rows)}"
+    if not decided:
+        return f"{sensor}: {number} can be decided, lines are missing"
+    best = min(meets or decided, key=lambda row: row.of.utilisation)
+    named = f"{best.device} at {print_utilisation(best.of.utilisation)} of the limit"
+    lack = f"; {lacking} cannot be decided, lines are missing" if lacking else ""
+    if meets:
+        verb = "meet" if len(meets) > 1 else "meets"
+        return f"{sensor}: {number} {verb}, the best is {named}{lack}"
+    least = "the best that can be decided" if lacking else "the least used limit"
+    return f"{sensor}: {number} meets; {least} is {named}{lack}"
+
+
+def _margin_row(row: Device, end: float) -> Row:
+    """Return a bar from the limit; its fill and a word say the verdict."""
+    x, ink = 100.0 * max(row.of.utilisation, LEAST), BLUE
+    if row.of.utilisation > 1.0:
+        ink = INK
+    at_worst = f"; at worst {row.at_worst}" if row.at_worst else ""
+    start, height = 100.0, 9.3
+    marks: list[Mark] = []
+    if row.of.verdict == "undecidable":  # not a margin: somewhere from here on
+        worst = row.of.at_worst
+        start = end if worst is None else max(100.0 * worst, x)
+        height = 3.9
+        shape = ">" if worst is None else "|"
+        marks.append(Dot(at=start, shape=shape, fill=MUTED, edge=MUTED))
+    marks.append(
+        Bar(
+            start=start,
+            end=x,
+            colour=ink if row.of.verdict in SURE else "none",
+            edge=ink,
+            edge_width=0.9,
+            height=height,
+            tip=f"{row.device}: {row.verdict}, {row.utilisation} % of the limit, "
+            f"worst {row.worst_output}, limited by {row.limiting_source}{at_worst}",
+        )
+    )
+    low, high = (100.0 * max(end, LEAST) for end in row.of.utilisation_interval)
+    if high > low:
+        marks.append(Stroke(start=low, end=high, width=2.2))
+    return Row(
+        label=mark_name(row, NAME),
+        marks=tuple(marks),
+        beside=(f"{row.utilisation} {row.verdict}",),
+        strong=row.of.verdict == "meets",
+        said=f"{row.device} {row.utilisation} %, {row.verdict}"
+        f"{at_worst.replace(';', ',')}",
+    )
+
+
+def map_chart(table: Table, name: str, data: DataTable) -> Chart:
+    """Show devices by outputs, best first: one hue, a step and a frame at the limit."""
+    rows = table.rows[:SHOWN]
+    outputs = rows[0].of.outputs
+    cells = Panel(
+        scale=Scale(low=0.0, high=float(len(outputs)), ticks=()),
+        groups=(Group(rows=tuple(map(_map_row, rows))),),
+    )
+    width = 1.1 * DARKEST_AT / STEPS
+    hues = tuple(
+        Bar(
+            start=step * width,
+            end=(step + 1) * width,
+            colour=BLUE,
+            edge="none",
+            opacity=_opacity((step + 0.5) * width),
+        )
+        for step in range(STEPS)
+    )
+    scale = Panel(
+        scale=Scale(
+            low=0.0,
+            high=STEPS * width,
+            ticks=((0.0, "0"), (1.0, "limit"), (DARKEST_AT, "200 % and more")),
+        ),
+        groups=(Group(rows=(Row(label="", marks=hues),)),),
+    )
+    return Chart(
+        name=name,
+        title=map_title(table),
+        sides=(Side(panels=(cells, scale)),),
+        lead=(
+            "Largest error of each output in per cent of its limit; the worst of each "
+            "device: "
+        ),
+        caption=(
+            "Largest error in % of the limit, devices by outputs, best first; framed "
+            f"and in bold: beyond the limit.{explain_mark(table)}{more_devices(table)}"
+        ),
+        heads=tuple(_output_heads([output.output.name for output in outputs])),
+        pitch=16.0,
+        numbers=data,
+        width=WIDE,
+    )
+
+
+def map_title(table: Table) -> str:
+    """State the finding: which output is the tightest for most devices."""
+    # Of what is only known to be this or more, nobody knows what is the tightest.
+    rows = [row for row in table.rows if not row.of.lower_bound]
+    if not rows:
+        return f"{capital(table.sensor)}: no device gives all lines, each can be worse"
+    worst = [output_group(row) for row in rows]
+    first = max(dict.fromkeys(worst), key=worst.count)
+    number = worst.count(first)
+    whole = len(worst)
+    lack = len(table.rows) - whole
+    but = f"; {lack} more {'lacks' if lack == 1 else 'lack'} lines" if lack else ""
+    of = f"{number} of {whole} devices"
+    if number == whole:
+        of = "both devices" if whole == BOTH else f"all {whole} devices"
+    if whole == 1:
+        return (
+            f"{capital(table.sensor)}: the {first} is the tightest for the only device"
+            f"{' that gives all lines' if lack else ''}{but}"
+        )
+    return f"{capital(table.sensor)}: the {first} is the tightest for {of}{but}"
+
+
+def output_group(row: Device) -> str:
+    """Name the parameter whose output is the tightest of a device: 'bias'."""
+    return words(row.of.worst_output.quantity)
+
+
+def _map_row(row: Device) -> Row:
+    """Return the cells of one device; each has its tooltip."""
+    return Row(
+        label=mark_name(row, LONG_NAME),
+        marks=tuple(
+            Bar(
+                start=x + 0.02,
+                end=x + 0.98,
+                colour=BLUE,
+                edge="none",
+                opacity=PALEST if output.is_unknown else _opacity(output.utilisation),
+                height=15.0,
+                is_framed=not output.is_within,
+                text=_cell(output),
+                strong=not output.is_within,
+                tip=f"{row.device}, {output_title(output.output.name)}: "
+                f"{print_error(output)} of {output.printed_limit}, "
+                f"{print_output(output)} % of the limit",
+            )
+            for x, output in enumerate(row.of.outputs)
+        ),
+        said=f"{row.device} {row.utilisation} % ({row.worst_output})",
+    )
+
+
+def _output_heads(names: list[Name]) -> Iterator[Head]:
+    """Yield the axes above the columns, and their parameters above those."""
+    for place, name in enumerate(names):
+        yield Head(at=place + 0.5, text=name.axis, colour=MUTED)
+    for parameter, own in groupby(enumerate(names), key=lambda pair: pair[1].quantity):
+        places = [place for place, _ in own]
+        title = words(parameter) if len(places) > BOTH else SHORT[parameter]
+        yield Head(at=(places[0] + places[-1] + 1) / 2.0, text=title, level=1)
+
+
+def print_error(output: OutputAssessment) -> str:
+    """Print a largest error, rounded like its standard uncertainty."""
+    error = round_error(
+        output.largest_error, output.standard_uncertainty, output.output
+    )
+    marked = bound_number(
+        error, lower_bound=output.lower_bound, unknown=output.is_unknown
+    )
+    return f"{marked.text} {output.output.unit}"
+
+
+def _opacity(part: float) -> float:
+    """Return the opacity of the hue: it steps up at the limit."""
+    if part <= 1.0:
+        return PALEST + (UP_TO_LIMIT - PALEST) * part
+    share = min((part - 1.0) / (DARKEST_AT - 1.0), 1.0)
+    return BEYOND + (DARKEST - BEYOND) * share
+
+
+def _cell(output: OutputAssessment) -> str:
+    """Print a part of a limit as everywhere, as far as a cell has room for it."""
+    if 100.0 * output.utilisation >= MOST_PER_CENT:
+        return ">999"
+    text = print_output(output).replace(" ", "")
+    return text if len(text) <= ROOM or text[:1] == AT_LEAST else "<0.1"
+
+
+def front_picture(table: Table, merit: str, name: str, data: DataTable) -> Picture:
+    """Return the part of the limit against a cost; each point has its tooltip."""
+    points = merit_points(table, merit)
+    said = "; ".join(
+        f"{row.device} {print_given(amount.value)} {amount.unit}, {row.utilisation} %"
+        for row, amount in points
+    )
+    title = pareto_title(table, merit)
+    return as_picture(
+        pareto_scatter(table, merit),
+        name=name,
+        title=title,
+        alt=f"{title}. {merit.capitalize()} and part of the limit: {said}.",
+        tips={
+            f"tip-{place}": f"{row.device}: {print_given(amount.value)} {amount.unit}, "
+            f"{row.utilisation} % of the limit, {row.verdict}"
+            for place, (row, amount) in enumerate(points)
+        },
+        caption=(
+            "Lower left is better. Joined: no other device is better in one and as "
+            "good in the other. Hollow: undecided or undecidable; a line up from a "
+            "point: what lacks an expected line is there or above, up to at worst, and "
+            f"beats nobody. Only devices whose {merit} is known.{explain_mark(table)}"
+        ),
+        data=data,
+    )
+
+
+def merit_points(table: Table, merit: str) -> list[tuple[Device, Amount]]:
+    """Return the devices whose price, mass or power can be compared, cheapest first."""
+    found = [
+        (row, amount)
+        for row in table.rows
+        if (amount := read_amount(merit, getattr(row.of, merit))) is not None
+    ]
+    if not found:
+        return []
+    # As the front does: amounts in other units than the first one cannot be compared.
+    unit = found[0][1].unit
+    same = [pair for pair in found if pair[1].unit == unit]
+    return sorted(same, key=lambda pair: (pair[1].value, pair[0].of.utilisation))
+
+
+def no_front(table: Table, merit: str) -> str:
+    """Say why a front would show nothing; '' where it shows something."""
+    points = merit_points(table, merit)
+    if not points:
+        return "no device gives one that can be compared"
+    if len(points) == 1:
+        return f"only {points[0][0].device} gives one that can be compared"
+    if len({amount.value for _, amount in points}) >= LEAST_COSTS:
+        return ""
+    amount = points[0][1]
+    return (
+        f"the {len(points)} devices that give one have the same, "
+        f"{print_given(amount.value)} {amount.unit}"
+    )
+
+
+def no_fronts(table: Table) -> str:
+    """Say in a sentence which fronts are not drawn, and why; '' where all are."""
+    reasons = {merit: no_front(table, merit) for merit in MERITS}
+    missing = [merit for merit in MERITS if reasons[merit]]
+    if not missing:
+        return ""
+    if not any(merit_points(table, merit) for merit in MERITS):
+        return (
+            "No device gives a price, a mass or a power that can be compared: there is "
+            "no front to draw."
+        )
+    said = "; ".join(f"{merit}: {reasons[merit]}" for merit in missing)
+    return f"No front is drawn where it would show nothing. {capital(said)}."
+
+
+@house_style()
+def pareto_scatter(table: Table, merit: str) -> Figure:
+    """Draw the part of the limit against a cost; the front is joined, the rest grey."""
+    points = merit_points(table, merit)
+    left, right, top, below = 58.0, 12.0, 12.0, 34.0
+    figure, axes = canvas(220.0, left=left, right=right, top=top, below=below)
+    figure.set_label(pareto_title(table, merit))
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    costs = [amount.value for _, amount in points]
+    parts = [max(row.of.utilisation, LEAST) for row, _ in points]
+    axes.set_xlim(min(costs) / 1.6, max(costs) * 2.2)
+    worst = [row.of.at_worst or 0.0 for row, _ in points if row.of.lower_bound]
+    axes.set_ylim(
+        100.0 * min(0.5, *parts) / 1.5, 100.0 * max(2.0, *parts, *worst) * 1.5
+    )
+    log_ticks(axes.xaxis)
+    log_ticks(axes.yaxis)
+    axes.minorticks_off()
+    axes.tick_params(axis="y", labelsize=SMALL, labelcolor=MUTED)
+    axes.grid(color=GRID, linewidth=0.6)
+    axes.set_xlabel(f"{merit} [{points[0][1].unit}]", fontsize=SMALL, color=MUTED)
+    axes.set_ylabel("largest error [% of the limit]", fontsize=SMALL, color=MUTED)
+    axes.axhline(100.0, color=INK, linewidth=1.0, zorder=1)
+    on_front = [
+        (amount.value, 100.0 * max(row.of.utilisation, LEAST))
+        for row, amount in points
+        if merit in row.of.on_front
+    ]
+    if on_front:
+        axes.plot(*zip(*on_front, strict=True), color=BLUE, linewidth=1.0, zorder=2)
+    for place, (row, amount) in enumerate(points):
+        point = _draw_point(axes, row, amount.value, is_best=merit in row.of.on_front)
+        point.set_gid(f"tip-{place}")
+    names: dict[tuple[float, float], list[str]] = {}
+    for row, amount in points:
+        if merit in row.of.on_front:  # devices in one place share a label
+            names.setdefault((amount.value, row.of.utilisation), []).append(
+                mark_name(row, NAME)
+            )
+    middle = (costs[0] * costs[-1]) ** 0.5
+    for (cost, part), own in names.items():
+        is_right = cost > middle  # where a name would leave the figure
+        axes.annotate(
+            own[0] if len(own) == 1 else f"{own[0]} and {len(own) - 1} more",
+            (cost, 100.0 * max(part, LEAST)),
+            xytext=(-6.0 if is_right else 5.0, 3.0),
+            textcoords="offset points",
+            fontsize=SMALL,
+            color=INK,
+            ha="right" if is_right else "left",
+        )
+    return figure
+
+
+def pareto_title(table: Table, merit: str) -> str:
+    """State the finding: which devices nobody beats in both."""
+    best = [
+        row.device for row, _ in merit_points(table, merit) if merit in row.of.on_front
+    ]
+    names = list(dict.fromkeys(best))
+    if not names:
+        return (
+            f"{capital(table.sensor)}: nobody can say which device is best in {merit} "
+            "and error, all lack lines"
+        )
+    more = len(names) - NAMED
+    named = ", ".join(names[:NAMED]) + (f" and {more} more" if more > 0 else "")
+    verb = "is" if len(names) == 1 else "are"
+    return (
+        f"{capital(table.sensor)}: {named} {verb} not beaten in {merit} and error at "
+        "once"
+    )
+
+
+def _draw_point(axes: Axes, row: Device, cost: float, *, is_best: bool) -> Line2D:
+    """Draw one device; those on the front have their names beside them."""
+    y = 100.0 * max(row.of.utilisation, LEAST)
+    sure = row.of.verdict in SURE
+    colour = BLUE if is_best else MUTED
+    if row.of.lower_bound:
+        worst = row.of.at_worst
+        top = axes.get_ylim()[1] if worst is None else max(100.0 * worst, y)
+        axes.plot([cost, cost], [y, top], color=MUTED, linewidth=0.9, zorder=1)
+    (point,) = axes.plot(
+        [cost],
+        [y],
+        marker="o",
+        markersize=5.0,
+        color=colour if sure else PAPER,
+        markeredgecolor=colour,
+        linestyle="none",
+        zorder=4 if is_best else 3,
+    )
+    return point
+
+
+def fit_name(name: str, length: int) -> str:
+    """Return a name that fits beside a figure, its end left out where it is long."""
+    return name if len(name) <= length else f"{name[: length - len(DOTS)]}{DOTS}"
+
+
+def mark_name(row: Device, length: int) -> str:
+    """Return a device's name that fits, marked where expected lines are missing."""
+    if not row.missing:
+        return fit_name(row.device, length)
+    return fit_name(row.device, length - len(MARK)) + MARK
+
+
+def explain_mark(table: Table) -> str:
+    """Say what the mark means, '' where no device of the figure has it."""
+    if not any(row.missing for row in table.rows[:SHOWN]):
+        return ""
+    return (
+        " *: expected lines are missing and count as 0; the error is this or more (≥)."
+    )
+
+
+def more_devices(table: Table) -> str:
+    """Say that a figure does not show all devices, '' where it does."""
+    whole = len(table.rows)
+    return f" The first {SHOWN} of {whole} devices." if whole > SHOWN else ""
