@@ -35,7 +35,6 @@ from budget.report.figures.density import density_picture
 from budget.report.figures.overview import overview_chart
 from budget.report.figures.rows import chart_picture
 from budget.report.figures.sobol import sobol_chart
-from budget.report.figures.timeline import schedule_picture
 from budget.report.figures.utilisation import utilisation_chart
 from budget.report.figures.validity import validity_chart
 from budget.report.provenance import provenance_section, sign_off_section
@@ -132,7 +131,7 @@ def report_document(
         _gaps(budget, extras),
         None if assessment is None else limits_section(budget, assessment),
         inputs_section(devices, procedure),
-        procedure_section(procedure, sensors, schedule_picture(procedure, sensors)),
+        procedure_section(procedure, sensors),
         budget_section(groups),
         what_if_section(budget, evidence.what_if, one_at_a_time(evidence.what_if)),
         _coupling(evidence, sensors),

@@ -6,20 +6,20 @@ from math import degrees
 from typing import TYPE_CHECKING
 
 from budget.report.blocks import Pairs, Section
+from budget.report.figures.rows import chart_picture
+from budget.report.figures.timeline import schedule_chart
 from budget.report.tables import print_given
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Sequence
 
-    from budget.report.blocks import Block, Picture, Words
+    from budget.report.blocks import Block, Words
     from budget.spec.records import Procedure
 
 LATITUDE_DIGITS, GRAVITY_DIGITS = 7, 8
 
 
-def procedure_section(
-    procedure: Procedure, sensors: Collection[str], schedule: Picture | None
-) -> Section:
+def procedure_section(procedure: Procedure, sensors: Sequence[str]) -> Section:
     """Return the procedure in words, and drawn; of the sensors that are there."""
     rows: list[tuple[str, Words]] = [
         (
@@ -47,8 +47,9 @@ def procedure_section(
     )
     rows.append(("formulas", (f"{formulas}; they stand under Method",)))
     blocks: tuple[Block, ...] = (Pairs(rows=tuple(rows)),)
+    schedule = schedule_chart(procedure, sensors)
     if schedule is not None:
-        blocks += (schedule,)
+        blocks += (chart_picture(schedule),)
     return Section(name="procedure", title="Procedure", blocks=blocks)
 
 

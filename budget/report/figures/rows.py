@@ -509,14 +509,15 @@ def _draw_mark(axes: Axes, middle: float, mark: Mark, gid: str | None) -> None:
 
 def _draw_bar(axes: Axes, y: float, bar: Bar, gid: str | None) -> None:
     """Draw a bar, its frame and its text."""
+    from matplotlib.colors import to_rgba
+
     low, high = sorted((bar.start, bar.end))
     axes.barh(
         y,
         high - low,
         left=low,
         height=bar.height,
-        color=bar.colour,
-        alpha=None if bar.opacity == 1.0 else bar.opacity,
+        color=to_rgba(bar.colour, None if bar.opacity == 1.0 else bar.opacity),
         edgecolor=bar.edge,
         linewidth=bar.edge_width,
         hatch=bar.hatch or None,

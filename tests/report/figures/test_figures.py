@@ -40,11 +40,7 @@ from budget.report.figures.rows import Chart, chart_picture, draw
 from budget.report.figures.shares import share_chart
 from budget.report.figures.sobol import sobol_chart
 from budget.report.figures.style import BLUE, INK, ON_DARK, STYLES, to_svg
-from budget.report.figures.timeline import (
-    schedule_bars,
-    schedule_picture,
-    schedule_title,
-)
+from budget.report.figures.timeline import schedule_chart
 from budget.report.figures.utilisation import utilisation_chart
 from budget.report.figures.validity import validity_chart
 from budget.report.tables import group_tables
@@ -246,7 +242,7 @@ PICTURES = {
     "shares": lambda: share_chart(group_tables(make_budget())[BIAS]),
     "utilisation": lambda: utilisation_chart(make_assessment(make_budget())),
     "coupling": lambda: coupling_chart(make_coupling(), "gyro"),
-    "schedule": lambda: schedule_picture(make_procedure(), BOTH),
+    "schedule": lambda: schedule_chart(make_procedure(), BOTH),
     "density": lambda: density_picture(make_density(), coverage=0.95),
     "validity": lambda: validity_chart(
         with_checks(make_budget(), {"gyro.bias.x": -7.0}), "gyro"
@@ -255,7 +251,6 @@ PICTURES = {
     "overview": lambda: overview_chart(group_tables(make_budget())),
 }
 FIGURES = {
-    "schedule": lambda: schedule_bars(make_procedure(), BOTH),
     "density": lambda: density_step(make_density(), coverage=0.95),
 }
 WORDS_HAVE_DATA = ("utilisation", "validity", "sobol", "overview")
@@ -389,7 +384,7 @@ def test_nothing_to_show_is_no_picture():
     nothing = make_coupling({("bias_stability", "bias"): 0.0})
     assert coupling_chart(nothing, "gyro") is None
     assert coupling_chart(make_coupling(), "accelerometer") is None
-    assert schedule_picture(make_procedure(), ()) is None
+    assert schedule_chart(make_procedure(), ()) is None
     assert validity_chart(make_budget(outputs=(still,)), "gyro") is None
     assert sobol_chart(make_budget(), "gyro") is None
 
@@ -428,17 +423,28 @@ def test_coupling_title_names_what_reaches_farthest():
     assert_says(title, "each gyro parameter", "own spread alone")
 
 
-def test_schedule_is_drawn_to_scale():
-    """Windows are as long as their times; turns stand twice, once larger."""
-    axes = schedule_bars(make_procedure(), BOTH).axes[0]
-    widths = np.array([bar.get_width() for bar in axes.patches])
-    # Six turns and four azimuths, the turns again, twelve faces.
-    turns, dwells, lens, faces = np.split(widths, [6, 10, 16])
+def windows_of(chart):
+    """Return the windows of each row of windows, in seconds or minutes."""
+    return [
+        row.marks for group in chart.groups for row in group.rows if row.marks[0].tip
+    ]
 
-    assert_allclose(turns, dwells[0] * 18.0 / 300.0, rtol=1e-9)
-    assert_allclose(faces, dwells[0], rtol=1e-9)
-    assert_allclose(lens, lens[0], rtol=1e-9)
-    assert lens[0] > 5.0 * turns[0]
+
+def test_schedule_is_drawn_to_scale():
+    """Windows are as long as their times; turns too short for a name stand twice."""
+    chart = schedule_chart(make_procedure(), BOTH)
+    lens, gyro, faces = windows_of(chart)
+    lengths = np.array([bar.end - bar.start for bar in gyro])
+    axes = draw(chart).axes
+
+    assert_allclose([bar.end - bar.start for bar in lens], 18.0, rtol=1e-9)
+    assert_allclose(lengths[:6], lengths[-1] * 18.0 / 300.0, rtol=1e-9)
+    assert_allclose([b.end - b.start for b in faces], lengths[-1], rtol=1e-9)
+    assert [bar.text for bar in gyro[:6]] == [""] * 6
+    assert all(bar.text for bar in (*lens, *gyro[6:], *faces))
+    # Seconds of the turns beside minutes of the whole, both from left to right.
+    assert axes[0].get_xlim() == (0.0, 108.0)
+    assert axes[1].get_xlim() == (0.0, 60.0)
 
 
 def test_pauses_are_gaps():
@@ -446,16 +452,15 @@ def test_pauses_are_gaps():
     procedure = make_procedure(
         accelerometer=AccelerometerProcedure(dwell=300.0, pause=60.0)
     )
-    axes = schedule_bars(procedure, ("accelerometer",)).axes[0]
-    first, second = axes.patches[:2]
-    gap = second.get_x() - first.get_x() - first.get_width()
+    ((first, second, *_),) = windows_of(schedule_chart(procedure, ("accelerometer",)))
 
-    assert_allclose(gap / first.get_width(), 60.0 / 300.0, rtol=1e-9)
+    ratio = (second.start - first.end) / (first.end - first.start)
+    assert_allclose(ratio, 60.0 / 300.0, rtol=1e-9)
 
 
 def test_schedule_title_says_how_long_and_of_what():
     """The finding is the length of each test and what it consists of."""
-    gyro, accelerometer = schedule_title(make_procedure(), BOTH).split(";")
+    gyro, accelerometer = schedule_chart(make_procedure(), BOTH).title.split(";")
     assert_says(gyro, "gyro 21.8 min", "6 turns of 18 s", "4 dwells of 5 min")
     assert_says(accelerometer, "accelerometer 60 min", "12 dwells of 5 min")
 
