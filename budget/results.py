@@ -154,20 +154,59 @@ def widest_of_each(rows: Sequence[OutputBudget]) -> tuple[OutputBudget, ...]:
 
 @dataclass(frozen=True, kw_only=True)
 class Settings:
-    """Everything besides the input files that a result depends on."""
+    """Everything besides the input files that a result depends on.
 
-    method: str
-    trials: int | None
-    seed: int
-    coverage: float
-    interval: str
-    reference: str
-    formulas: str
-    normals_per_trial: int | None
+    As asked for, and then, with what was made of it, as part of the result.
+
+    Attributes
+    ----------
+    method : str
+        'gum' (law of propagation), 'monte-carlo' or 'simulation'.
+    trials : int or None
+        Monte Carlo trials (None asks for adaptive ones) or simulated runs.
+    seed : int
+        Same seed, same numbers.
+    coverage : float
+        Probability of the intervals [1].
+    interval : str
+        'symmetric' or 'shortest'; by the law both are mean +- k u.
+    reference : str
+        What errors are counted from: 'nominal', 'as_tested', 'next_turn_on'.
+    formulas : str
+        Of the calibration: those of the procedure.
+    only : tuple of Name
+        Sources that count, all others 0; a bare name asks for both sensors.
+    digits : int
+        Significant digits of the uncertainties that adaptive trials make sure, and
+        that the law is validated to; 1 or 2.
+    sobol_samples : int or None
+        Points in one scramble for Sobol' indices; None: there are none.
+    max_trials : int or None
+        Where adaptive trials stop at the latest; None: where they usually do.
+    validate : bool
+        Whether Monte Carlo checks the law.
+    """
+
+    method: str = "gum"
+    trials: int | None = None
+    seed: int = 0
+    coverage: float = 0.95
+    interval: str = "symmetric"
+    reference: str = "nominal"
+    formulas: str = ""
+    normals_per_trial: int | None = None
     only: tuple[Name, ...] = ()
-    digits: int = 1  # that adaptive trials and validation make sure
-    sobol_samples: int | None = None  # points in one scramble
+    digits: int = 1
+    sobol_samples: int | None = None
     sobol_scrambles: int | None = None
+    max_trials: int | None = None
+    validate: bool = True
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what a document says of them."""
+        document = asdict(self)
+        del document["max_trials"], document["validate"]
+        return document
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -278,7 +317,7 @@ class Budget:
                 file.role: {"name": file.name, "sha256": file.sha256}
                 for file in self.inputs
             },
-            "settings": asdict(self.settings),
+            "settings": self.settings.to_dict(),
             "outputs": [_output_document(row) for row in self.outputs],
             "covariance": (self.covariance / np.outer(scale, scale)).tolist(),
             "not_given": list(self.not_given),

@@ -4,37 +4,32 @@ from __future__ import annotations
 
 import sys
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass
 from time import monotonic
 from typing import TYPE_CHECKING
 
+from budget.cli.streams import say
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-    from concurrent.futures import Executor
 
     from rich.progress import TaskID
 
-
-@dataclass(frozen=True, kw_only=True)
-class Computing:
-    """Who does the work, and how it is talked about."""
-
-    executor: Executor | None
-    workers: int
-    progress: Callable[[str, int, int], None]
+    from budget.studies.progress import Engine
 
 
 @contextmanager
-def computing(*, workers: int, cluster: str | None) -> Iterator[Computing]:
+def computing(*, workers: int, cluster: str | None) -> Iterator[Engine]:
     """Provide workers, local or on a cluster, and a progress bar."""
     from budget.methods.cluster import connect
+    from budget.studies.progress import Engine
 
     place = nullcontext() if cluster is None else connect(cluster)
     with place as found, progress() as show:
-        yield Computing(
+        yield Engine(
             executor=None if found is None else found.executor,
             workers=workers if found is None else found.workers,
             progress=show,
+            talk=say,
         )
 
 

@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import os
+from dataclasses import dataclass
 from decimal import Decimal
+from functools import wraps
+from inspect import Parameter, signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_type_hints
 
 import typer
 
 from budget.cli.streams import say
 
 if TYPE_CHECKING:
-    from budget.spec.records import Device
+    from collections.abc import Callable
+
+    from budget.results import Settings
+    from budget.spec.records import Device, Requirement
 
 BUILT_IN_DEVICE = "zhao-2019"
 STDOUT = Path("-")
@@ -193,6 +199,89 @@ CsvFile = Annotated[
     Path | None,
     typer.Option("--csv", metavar="FILE|-", help="Write the result as CSV."),
 ]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Asked:
+    """The options that say how a budget is computed, in the order of the help.
+
+    A command that takes them whole has them spelled out by `spell_out`.
+    """
+
+    method: Method = "gum"
+    trials: Trials = None
+    digits: Digits = 1
+    max_trials: MaxTrials = None
+    seed: Seed = 0
+    workers: Workers = 1
+    cluster: Cluster = None
+    coverage: Coverage = None
+    interval: Interval = "symmetric"
+    reference: Reference = None
+    no_validate: NoValidate = False
+    sobol: Sobol = False
+    samples: Samples = None
+    only: Only = None
+
+    def settings(self, requirement: Requirement | None) -> Settings:
+        """Return them with coverage and reference of the requirement, if there is one.
+
+        Raises
+        ------
+        CallError
+            An option asks for another one than the requirement does.
+        """
+        from budget.methods.sobol import SAMPLES
+        from budget.names import Name
+        from budget.results import Settings
+        from budget.studies.request import choose_basis
+
+        basis = choose_basis(
+            requirement, coverage=self.coverage, reference=self.reference
+        )
+        with_indices = self.sobol or self.samples
+        return Settings(
+            method=self.method,
+            trials=self.trials,
+            digits=self.digits,
+            max_trials=self.max_trials,
+            validate=not self.no_validate,
+            seed=self.seed,
+            coverage=basis.coverage,
+            interval=self.interval,
+            reference=basis.reference,
+            sobol_samples=(self.samples or SAMPLES) if with_indices else None,
+            only=tuple(map(Name, self.only or ())),
+        )
+
+
+def spell_out(command: Callable[..., None]) -> Callable[..., None]:
+    """Spell the fields of Asked out where a command takes them as `asked`.
+
+    typer reads the options of a command in its signature.
+    """
+    hints = get_type_hints(Asked, include_extras=True)
+    single = Parameter.KEYWORD_ONLY
+    spelled = [
+        Parameter(field.name, single, default=field.default, annotation=hints[name])
+        for name, field in Asked.__dataclass_fields__.items()
+    ]
+    own = signature(command, eval_str=True)
+    parameters = [
+        each
+        for parameter in own.parameters.values()
+        for each in (spelled if parameter.name == "asked" else [parameter])
+    ]
+
+    @wraps(command)
+    def with_asked(*arguments: object, **values: Any) -> None:  # noqa: ANN401 - as typer read them
+        asked = Asked(**{each.name: values.pop(each.name) for each in spelled})
+        command(*arguments, asked=asked, **values)
+
+    told: Any = with_asked
+    told.__signature__ = own.replace(parameters=parameters)
+    told.__annotations__ = {each.name: each.annotation for each in parameters}
+    return with_asked
 
 
 def load_devices(names: list[str] | None) -> tuple[Device, ...]:

@@ -10,11 +10,12 @@ import typer
 from budget.cli import options
 
 if TYPE_CHECKING:
-    from budget.cli.computing import Computing
     from budget.report.analysis.build import Extra
     from budget.spec.records import Device, Procedure, Requirement
+    from budget.studies.progress import Engine
 
 
+@options.spell_out
 def report(
     context: typer.Context,
     devices: options.Devices = None,
@@ -30,20 +31,7 @@ def report(
     ],
     procedure: options.ProcedureFile = None,
     requirement: options.RequirementFile = None,
-    method: options.Method = "gum",
-    trials: options.Trials = None,
-    digits: options.Digits = 1,
-    max_trials: options.MaxTrials = None,
-    seed: options.Seed = 0,
-    workers: options.Workers = 1,
-    cluster: options.Cluster = None,
-    coverage: options.Coverage = None,
-    interval: options.Interval = "symmetric",
-    reference: options.Reference = None,
-    no_validate: options.NoValidate = False,
-    sobol: options.Sobol = False,
-    samples: options.Samples = None,
-    only: options.Only = None,
+    asked: options.Asked,
     compare: Annotated[
         list[str] | None,
         typer.Option(
@@ -84,15 +72,12 @@ def report(
         hand_out,
         render_pages,
     )
-    from budget.cli.streams import say
-    from budget.methods.monte_carlo import MAX_TRIALS
-    from budget.methods.sobol import SAMPLES
     from budget.report.analysis.build import report_document
     from budget.report.document import to_csv
     from budget.spec import load_all, load_procedure, load_requirement
-    from budget.studies.analysis import analyze
+    from budget.studies.analysis import analyze_as
     from budget.studies.evidence import gather_evidence
-    from budget.studies.request import analysis_of, choose_basis
+    from budget.studies.request import analysis_of
 
     check_suffixes(output)
     date = document_date()
@@ -103,44 +88,36 @@ def report(
         inputs=[*(devices or ()), *(compare or ()), procedure, requirement],
     )
     _check_extras(
-        requirement, allocate=allocate, compare=bool(compare), only=bool(only)
+        requirement, allocate=allocate, compare=bool(compare), only=bool(asked.only)
     )
     loaded = options.load_devices(devices)
     how = load_procedure(procedure)
     wanted = None if requirement is None else load_requirement(requirement)
     others = load_all(compare or [])
-    basis = choose_basis(wanted, coverage=coverage, reference=reference)
-    with computing(workers=workers, cluster=cluster) as engine:
-        budget = analyze(
+    settings = asked.settings(wanted)
+    with computing(workers=asked.workers, cluster=asked.cluster) as engine:
+        budget = analyze_as(
+            settings,
             *loaded,
             procedure=how,
             requirement=wanted,
-            method=method,
-            trials=trials,
-            digits=digits,
-            max_trials=max_trials or MAX_TRIALS,
-            validate=not no_validate,
-            seed=seed,
-            workers=engine.workers,
-            executor=engine.executor,
-            coverage=basis.coverage,
-            interval=interval,
-            reference=basis.reference,
-            samples=(samples or SAMPLES) if sobol or samples else None,
-            only=only or (),
+            engine=engine,
             command="report",
-            progress=engine.progress,
-            talk=say,
         )
         evidence = gather_evidence(analysis_of(budget), budget, budget.assessment)
         extras: list[Extra] = []
         if allocate and wanted is not None:
-            extras.append(_allocate(loaded, how, wanted, seed=seed, engine=engine))
+            extras.append(
+                _allocate(loaded, how, wanted, seed=settings.seed, engine=engine)
+            )
         if others and wanted is not None:
             extras.append(
-                _compare((*loaded, *others), how, wanted, seed=seed, engine=engine)
+                _compare(
+                    (*loaded, *others), how, wanted, seed=settings.seed, engine=engine
+                )
             )
-        engine.progress("figures and pages", 0, 1)
+        show = engine.stage("figures and pages") or (lambda _, __: None)
+        show(0, 1)
         document = report_document(
             budget,
             devices=loaded,
@@ -153,7 +130,7 @@ def report(
             number=number,
         )
         files = render_pages(document, output)
-        engine.progress("figures and pages", 1, 1)
+        show(1, 1)
     documents = [(json, lambda: document.json), (csv, lambda: to_csv(budget))]
     hand_out(documents, pages=files)
 
@@ -194,7 +171,7 @@ def _allocate(
     requirement: Requirement,
     *,
     seed: int,
-    engine: Computing,
+    engine: Engine,
 ) -> Extra:
     """Share out the limits over the lines of the data sheets."""
     from budget.report.allocation.page import allocation_section
@@ -223,7 +200,7 @@ def _compare(
     requirement: Requirement,
     *,
     seed: int,
-    engine: Computing,
+    engine: Engine,
 ) -> Extra:
     """Hold the devices and others against the same limits, by Monte Carlo."""
     from budget.report.analysis.build import Extra

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,6 +19,7 @@ from budget.methods.sobol import SCRAMBLES, SobolResult, evaluations, sobol
 from budget.methods.validation import MAX_TRIALS as VALIDATION_TRIALS
 from budget.methods.validation import validate as validate_law
 from budget.model.sources import SENSORS
+from budget.names import Name
 from budget.results import (
     BY_LAW,
     BY_TRIALS,
@@ -36,13 +36,12 @@ from budget.spec import load_procedure
 from budget.studies import cautions
 from budget.studies.conformity import assess
 from budget.studies.lower_bounds import could_widen
-from budget.studies.progress import describe_cost, seconds_per_trial, stage
+from budget.studies.progress import Engine, describe_cost, seconds_per_trial
 from budget.studies.request import (
     DEFAULT_COVERAGE,
     DEFAULT_REFERENCE,
     Analysis,
-    check_numbers,
-    check_words,
+    check_settings,
     choose_sources,
     sensors_of,
 )
@@ -53,7 +52,6 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.methods.gum import Propagation
-    from budget.names import Name
     from budget.problem import Problem
     from budget.spec.records import Device, Procedure, Requirement
     from budget.studies.progress import Progress
@@ -72,6 +70,8 @@ class Estimate:
     mean: Array  # shape (n_out,)
     covariance: Array  # shape (n_out, n_out)
     interval: Array  # shape (n_out, 2)
+    validations: tuple[Validation | None, ...]  # of the law, output by output
+    warnings: tuple[str, ...] = ()
 
 
 def analyze(
@@ -151,151 +151,213 @@ def analyze(
     CallError
         Options or devices that do not fit together.
     """
+    settings = Settings(
+        method=method,
+        trials=trials,
+        digits=digits,
+        max_trials=max_trials,
+        validate=validate,
+        seed=seed,
+        coverage=coverage,
+        interval=interval,
+        reference=reference,
+        sobol_samples=samples,
+        only=tuple(map(Name, [only] if isinstance(only, str) else only)),
+    )
+    return analyze_as(
+        settings,
+        *devices,
+        procedure=procedure,
+        requirement=requirement,
+        engine=Engine(workers=workers, executor=executor, progress=progress, talk=talk),
+        command=command,
+    )
+
+
+def analyze_as(
+    settings: Settings,
+    *devices: Device,
+    procedure: Procedure | None = None,
+    requirement: Requirement | None = None,
+    engine: Engine | None = None,
+    command: str = "analyze",
+) -> Budget:
+    """Compute the error budget of a calibration, the settings given as a whole.
+
+    Parameters
+    ----------
+    settings : Settings
+        As asked for.
+    *devices, procedure, requirement, command
+        As for `analyze`, and what is raised as there.
+    engine : Engine, optional
+        Who does the work; this process without it.
+    """
+    engine = Engine() if engine is None else engine
     procedure = load_procedure(None) if procedure is None else procedure
     sensors = sensors_of(devices)
-    check_words(method=method, interval=interval, reference=reference)
-    check_numbers(
-        coverage,
-        {
-            "trials": (trials, 2),
-            "digits": (digits, 1),
-            "max_trials": (max_trials, 2),
-            "samples": (samples, 2),
-            "seed": (seed, 0),
-            "workers": (workers, 1),
-        },
-    )
-    chosen, warnings = choose_sources(sensors, procedure, only)
+    check_settings(settings, workers=engine.workers)
+    chosen, warnings = choose_sources(sensors, procedure, settings.only)
     analysis = Analysis(
         devices=devices,
         procedure=procedure,
-        coverage=coverage,
-        reference=reference,
+        coverage=settings.coverage,
+        reference=settings.reference,
         only=chosen,
         requirement=requirement,
     )
-    problem = analysis.problem
-    if talk is not None:
-        two_digits = method == "gum" and validate and digits > 1
-        for text in _costs(problem, samples, workers, coverage, two_digits=two_digits):
-            talk(text)
-    law = analysis.law
+    problem, law = analysis.problem, analysis.law
+    if engine.talk is not None:
+        for text in _costs(problem, settings, engine.workers):
+            engine.talk(text)
     warnings += cautions.options_without_effect(
-        method, trials=trials, interval=interval
+        settings.method, trials=settings.trials, interval=settings.interval
     )
     if chosen is None:
         warnings += cautions.unknown_zeros(problem, law)
         warnings += cautions.unfelt(problem, law, sensors)
-    validations: tuple[Validation | None, ...] = (None,) * len(problem.outputs)
-    if method == "gum":
-        estimate = Estimate(
-            method=BY_LAW,
-            trials=None,
-            mean=law.mean,
-            covariance=law.covariance,
-            interval=law.interval(coverage),
-        )
-        if validate and _most_to_validate(digits) < least_trials(coverage):
-            text = (
-                f"not validated: at coverage {coverage:g} that takes "
-                f"{least_trials(coverage)} trials; use the method monte-carlo"
-            )
-            warnings += (text,)
-        elif validate:
-            validations = validate_law(
-                problem,
-                law,
-                coverage=coverage,
-                digits=digits,
-                max_trials=_validation_cap(digits, coverage),
-                seed=seed,
-                workers=workers,
-                executor=executor,
-                progress=stage(progress, "Monte Carlo check of the law"),
-            )
-            warnings += cautions.doubts(problem, validations)
-    elif method == "monte-carlo":
-        drawn = sample(
-            problem,
-            trials=trials,
-            digits=digits,
-            max_trials=max_trials,
-            coverage=coverage,
-            interval=interval,
-            seed=seed,
-            workers=workers,
-            executor=executor,
-            progress=stage(progress, "Monte Carlo"),
-        )
-        warnings += cautions.unsettled(problem, drawn)
-        estimate = Estimate(
-            method=BY_TRIALS,
-            trials=drawn.trials,
-            mean=drawn.mean,
-            covariance=drawn.covariance,
-            interval=drawn.interval,
-        )
-    else:
-        one_run = partial(
-            simulate, sensors, procedure, seed=seed, reference=reference, only=chosen
-        )
-        runs = SIMULATED_RUNS if trials is None else trials
-        show = stage(progress, "simulated calibrations")
-        estimate = _simulate(one_run, runs, coverage, interval, show)
-    warnings += cautions.few_trials(estimate.trials, coverage)
+    estimate = ESTIMATORS[settings.method](analysis, settings, engine)
+    warnings += estimate.warnings
+    warnings += cautions.few_trials(estimate.trials, settings.coverage)
     indices = None
-    varies = problem.normals_per_trial > 0
-    if samples is not None and not varies:
+    if settings.sobol_samples is not None and problem.normals_per_trial == 0:
         warnings += ("no source varies: there are no Sobol' indices",)
-    elif samples is not None:
+    elif settings.sobol_samples is not None:
         indices = sobol(
             problem,
-            samples=samples,
-            seed=seed,
-            workers=workers,
-            executor=executor,
-            progress=stage(progress, "Sobol' indices"),
+            samples=settings.sobol_samples,
+            seed=settings.seed,
+            workers=engine.workers,
+            executor=engine.executor,
+            progress=engine.stage("Sobol' indices"),
         )
+    is_simulated = settings.method == "simulation"
     budget = Budget(
         command=command,
         title=" + ".join(device.name for device in devices),
         inputs=_input_files(devices, procedure, requirement),
-        settings=Settings(
-            method=method,
+        settings=replace(
+            settings,
             trials=estimate.trials,
-            seed=seed,
-            coverage=coverage,
-            interval=interval,
-            reference=reference,
             formulas=procedure.formulas,
-            normals_per_trial=(
-                None if method == "simulation" else problem.normals_per_trial
-            ),
-            only=tuple(sorted(chosen)) if chosen is not None else (),
-            digits=digits,
+            normals_per_trial=None if is_simulated else problem.normals_per_trial,
+            only=tuple(sorted(chosen or ())),
             sobol_samples=None if indices is None else indices.samples,
             sobol_scrambles=None if indices is None else indices.scrambles,
         ),
         outputs=_output_budgets(
-            problem,
-            law,
-            estimate,
-            validations,
-            indices=indices,
-            lacks=analysis.lacks,
+            problem, law, estimate, indices=indices, lacks=analysis.lacks
         ),
         covariance=estimate.covariance,
         not_given=tuple(name for sensor in sensors for name in sensor.not_given),
         assumptions=(
             *(text for device in devices for text in device.assumptions),
             *procedure.assumptions,
-            *cautions.shared_constants(sensors, reference),
+            *cautions.shared_constants(sensors, settings.reference),
         ),
         warnings=warnings,
-        could_widen=could_widen(sensors, procedure, reference=reference),
+        could_widen=could_widen(sensors, procedure, reference=settings.reference),
         analysis=analysis,
     )
     return budget if requirement is None else _judge(budget, requirement)
+
+
+def _by_law(analysis: Analysis, settings: Settings, engine: Engine) -> Estimate:
+    """Propagate, and have Monte Carlo check it."""
+    problem, law, coverage = analysis.problem, analysis.law, settings.coverage
+    estimate = Estimate(
+        method=BY_LAW,
+        trials=None,
+        mean=law.mean,
+        covariance=law.covariance,
+        interval=law.interval(coverage),
+        validations=(None,) * len(problem.outputs),
+    )
+    if not settings.validate:
+        return estimate
+    if _most_to_validate(settings.digits) < least_trials(coverage):
+        text = (
+            f"not validated: at coverage {coverage:g} that takes "
+            f"{least_trials(coverage)} trials; use the method monte-carlo"
+        )
+        return replace(estimate, warnings=(text,))
+    validations = validate_law(
+        problem,
+        law,
+        coverage=coverage,
+        digits=settings.digits,
+        max_trials=_validation_cap(settings),
+        seed=settings.seed,
+        workers=engine.workers,
+        executor=engine.executor,
+        progress=engine.stage("Monte Carlo check of the law"),
+    )
+    warnings = cautions.doubts(problem, validations)
+    return replace(estimate, validations=validations, warnings=warnings)
+
+
+def _by_trials(analysis: Analysis, settings: Settings, engine: Engine) -> Estimate:
+    """Propagate distributions by Monte Carlo."""
+    problem = analysis.problem
+    drawn = sample(
+        problem,
+        trials=settings.trials,
+        digits=settings.digits,
+        max_trials=settings.max_trials or MAX_TRIALS,
+        coverage=settings.coverage,
+        interval=settings.interval,
+        seed=settings.seed,
+        workers=engine.workers,
+        executor=engine.executor,
+        progress=engine.stage("Monte Carlo"),
+    )
+    return Estimate(
+        method=BY_TRIALS,
+        trials=drawn.trials,
+        mean=drawn.mean,
+        covariance=drawn.covariance,
+        interval=drawn.interval,
+        validations=(None,) * len(problem.outputs),
+        warnings=cautions.unsettled(problem, drawn),
+    )
+
+
+def _by_simulation(analysis: Analysis, settings: Settings, engine: Engine) -> Estimate:
+    """Simulate the calibration run after run, and take moments and intervals."""
+    runs = SIMULATED_RUNS if settings.trials is None else settings.trials
+    progress = engine.stage("simulated calibrations")
+    columns = []
+    for run in range(runs):
+        columns.append(
+            simulate(
+                analysis.sensors,
+                analysis.procedure,
+                seed=settings.seed,
+                reference=settings.reference,
+                only=analysis.only,
+                run=run,
+            )
+        )
+        if progress is not None:
+            progress(run + 1, runs)
+    errors = np.stack(columns, axis=1)
+    return Estimate(
+        method="simulation",
+        trials=runs,
+        mean=errors.mean(axis=1),
+        covariance=np.cov(errors),
+        interval=interval_of_values(
+            np.sort(errors), settings.coverage, settings.interval
+        ),
+        validations=(None,) * len(errors),
+    )
+
+
+ESTIMATORS = {
+    "gum": _by_law,
+    "monte-carlo": _by_trials,
+    "simulation": _by_simulation,
+}
 
 
 def _judge(budget: Budget, requirement: Requirement) -> Budget:
@@ -318,54 +380,26 @@ def _judge(budget: Budget, requirement: Requirement) -> Budget:
     )
 
 
-def _simulate(
-    one_run: Callable[..., Array],
-    runs: int,
-    coverage: float,
-    interval: str,
-    progress: Callable[[int, int], None] | None,
-) -> Estimate:
-    """Simulate the calibration run after run, and take moments and intervals."""
-    columns = []
-    for run in range(runs):
-        columns.append(one_run(run=run))
-        if progress is not None:
-            progress(run + 1, runs)
-    errors = np.stack(columns, axis=1)
-    return Estimate(
-        method="simulation",
-        trials=runs,
-        mean=errors.mean(axis=1),
-        covariance=np.cov(errors),
-        interval=interval_of_values(np.sort(errors), coverage, interval),
-    )
-
-
-def _costs(
-    problem: Problem,
-    samples: int | None,
-    workers: int,
-    coverage: float,
-    *,
-    two_digits: bool,
-) -> Iterator[str]:
+def _costs(problem: Problem, settings: Settings, workers: int) -> Iterator[str]:
     """Say what validation to two digits and Sobol' indices will cost."""
-    if not (two_digits or samples):
+    two_digits = settings.method == "gum" and settings.validate and settings.digits > 1
+    if not (two_digits or settings.sobol_samples):
         return
     each = seconds_per_trial(problem)
     if two_digits:
-        most = _validation_cap(2, coverage)
+        most = _validation_cap(settings)
         yield describe_cost(
             "Monte Carlo to validate two digits, at most", most, most * each, workers
         )
-    if samples:
-        number = evaluations(problem, samples, SCRAMBLES)
+    if settings.sobol_samples:
+        number = evaluations(problem, settings.sobol_samples, SCRAMBLES)
         yield describe_cost("Sobol' indices", number, number * each, workers)
 
 
-def _validation_cap(digits: int, coverage: float) -> int:
+def _validation_cap(settings: Settings) -> int:
     """Return the trials that validation takes at the most, its first stage at least."""
-    return max(_most_to_validate(digits), first_stage_trials(coverage, digits))
+    least = first_stage_trials(settings.coverage, settings.digits)
+    return max(_most_to_validate(settings.digits), least)
 
 
 def _most_to_validate(digits: int) -> int:
@@ -378,7 +412,6 @@ def _output_budgets(
     problem: Problem,
     law: Propagation,
     estimate: Estimate,
-    validations: tuple[Validation | None, ...],
     *,
     indices: SobolResult | None,
     lacks: Mapping[Name, tuple[Name, ...]],
@@ -418,7 +451,7 @@ def _output_budgets(
                     for name, variance in variances
                 ),
                 interval_by=estimate.method,
-                validation=validations[k],
+                validation=estimate.validations[k],
                 lacks=lacks[output.name],
             )
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -12,6 +13,8 @@ import numpy as np
 from budget.methods.execution import BLOCK, draw, one_blas_thread
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     from budget.problem import Problem
 
 
@@ -21,6 +24,32 @@ Progress = Callable[[str, int, int], None]  # what is done, steps done, steps in
 def stage(progress: Progress | None, what: str) -> Callable[[int, int], None] | None:
     """Return what a method calls with steps done and in all; it need not know more."""
     return None if progress is None else partial(progress, what)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Engine:
+    """Who does the work, and how it is talked about; nothing of it changes a number.
+
+    Attributes
+    ----------
+    workers : int
+        Processes.
+    executor : concurrent.futures.Executor or None
+        Does the work in place of local processes.
+    progress : callable or None
+        Called with what is being done, steps done and steps in all.
+    talk : callable or None
+        Called with a line for people before work that may take long.
+    """
+
+    workers: int = 1
+    executor: Executor | None = None
+    progress: Progress | None = None
+    talk: Callable[[str], None] | None = None
+
+    def stage(self, what: str) -> Callable[[int, int], None] | None:
+        """Return what a method calls with steps done and in all."""
+        return stage(self.progress, what)
 
 
 # Moments, sorting and gathering take about as long again as evaluating the model.

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from budget.methods.gum import Propagation
     from budget.problem import Problem
-    from budget.results import Budget
+    from budget.results import Budget, Settings
     from budget.spec.records import ErrorLine, Procedure, Requirement, Sensor
 
 METHODS = ("gum", "monte-carlo", "simulation")
@@ -298,6 +298,32 @@ def choose_sources(
     return chosen, tuple(
         f"{name} was asked for alone, but the device does not give it: taken as 0"
         for name in absent
+    )
+
+
+def check_settings(settings: Settings, *, workers: int = 1) -> None:
+    """Refuse settings that name no choice or mean nothing.
+
+    Raises
+    ------
+    CallError
+        With all faults of words, or all of numbers.
+    """
+    check_words(
+        method=settings.method,
+        interval=settings.interval,
+        reference=settings.reference,
+    )
+    check_numbers(
+        settings.coverage,
+        {
+            "trials": (settings.trials, 2),
+            "digits": (settings.digits, 1),
+            "max_trials": (settings.max_trials, 2),
+            "samples": (settings.sobol_samples, 2),
+            "seed": (settings.seed, 0),
+            "workers": (workers, 1),
+        },
     )
 
 

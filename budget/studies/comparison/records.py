@@ -282,7 +282,7 @@ class Comparison:
             "caps": dict(self.caps),
             "not_compared": list(self.not_compared),
             "inputs": [asdict(file) for file in self.inputs],
-            "settings": asdict(self.settings),
+            "settings": self.settings.to_dict(),
             DEVICES: [],
             "nothing_known": [one.to_dict() for one in self.nothing_known],
             "pairs": [pair.to_dict() for pair in self.pairs],
