@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import groupby
+from functools import partial
 from operator import attrgetter
 from typing import TYPE_CHECKING
 
@@ -32,16 +32,15 @@ from budget.report.allocation.words import (
 from budget.report.blocks import (
     Abreast,
     Cell,
-    Column,
+    Field,
     ForPages,
     Listing,
     Panel,
     Paragraph,
     Picture,
-    RowGroup,
     Run,
     Section,
-    Table,
+    table_of,
 )
 from budget.report.figures.rows import chart_picture
 from budget.report.figures.style import capital
@@ -59,7 +58,7 @@ from budget.ties import settle
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from budget.report.blocks import Block
+    from budget.report.blocks import Block, Table
     from budget.studies.allocation.records import (
         Allocation,
         CostReport,
@@ -192,49 +191,47 @@ def _limits(allocation: Allocation, sensor: str) -> tuple[LimitedOutput, ...]:
 
 def _lines_table(sensor: str, rows: Sequence[SourceAllotment]) -> Table:
     """Return what each line is and may be."""
-    return Table(
+    fields: tuple[Field[SourceAllotment], ...] = (
+        Field(
+            head="line",
+            weight=1.4,
+            cell=lambda row: Cell(
+                text=capital(source_title(row.source)), note=remarks(row)
+            ),
+        ),
+        Field(head="now", kind="number", cell=lambda row: _value(row.now, row)),
+        Field(head="allowed", kind="number", cell=lambda row: _value(row.allowed, row)),
+        Field(head="unit", kind="unit", cell=lambda row: row.unit),
+        Field(head="allowed / now", kind="number", cell=_factor),
+        Field(
+            head="stopped by",
+            cell=lambda row: print_stop(row.binding_outputs, row.source.owner),
+        ),
+        Field(head="alone up to", kind="number", cell=_alone),
+        Field(head="then stopped by", cell=lambda row: print_headroom(row)[1]),
+    )
+    return table_of(
+        rows,
+        fields,
         name=f"allocation-{sensor}",
         caption=f"What each line of the {sensor} is now, and what it may be",
-        columns=(
-            Column(head="line", weight=1.4),
-            Column(head="now", kind="number"),
-            Column(head="allowed", kind="number"),
-            Column(head="unit", kind="unit"),
-            Column(head="allowed / now", kind="number"),
-            Column(head="stopped by"),
-            Column(head="alone up to", kind="number"),
-            Column(head="then stopped by"),
-        ),
-        # Points are in line within a group: across units that would mean nothing.
-        groups=tuple(
-            RowGroup(rows=tuple(_line_row(row) for row in alike))
-            for _, alike in groupby(rows, key=attrgetter("unit"))
-        ),
+        by=attrgetter("unit"),  # points are in line where that means something
         is_wide=True,
     )
 
 
-def _line_row(row: SourceAllotment) -> tuple[Cell, ...]:
-    """Return one line of a data sheet."""
+def _factor(row: SourceAllotment) -> Cell:
+    """Return what a line is times, a dash where nothing is allowed."""
+    if row.allowed is None:
+        return Cell(text=DASH)
+    return Cell(text=print_given(row.factor, digits=DIGITS), exact=row.factor)
+
+
+def _alone(row: SourceAllotment) -> Cell:
+    """Return how far a line could go alone."""
     room = row.headroom
-    changed = row.allowed is not None
-    up_to, stop = print_headroom(row)
-    return (
-        Cell(text=capital(source_title(row.source)), note=remarks(row)),
-        _value(row.now, row),
-        _value(row.allowed, row),
-        Cell(text=row.unit),
-        Cell(
-            text=print_given(row.factor, digits=DIGITS) if changed else DASH,
-            exact=row.factor if changed else None,
-        ),
-        Cell(text=print_stop(row.binding_outputs, row.source.owner)),
-        Cell(
-            text=up_to,
-            exact=room.value / row.si_per_unit if room and room.value else None,
-        ),
-        Cell(text=stop),
-    )
+    exact = room.value / row.si_per_unit if room and room.value else None
+    return Cell(text=print_headroom(row)[0], exact=exact)
 
 
 def _value(value: float | None, row: SourceAllotment) -> Cell:
@@ -246,53 +243,59 @@ def _value(value: float | None, row: SourceAllotment) -> Cell:
 
 
 def _parts_table(sensor: str, limits: Sequence[LimitedOutput]) -> Table:
-    """Return what takes how much of the squared limits, now and after."""
-    columns = [Column(head="part of the squared limit [%]", weight=1.4)]
+    """Return what takes how much of the squared limits, now and after.
+
+    A row is a place among the parts, the last one the largest error.
+    """
+
+    def head(place: int) -> str:
+        if place == len(limits[0].parts):
+            return "Largest error, of the limit"
+        return capital(part_title(limits[0].parts[place].source, sensor))
+
+    fields: list[Field[int]] = [
+        Field(head="part of the squared limit [%]", weight=1.4, cell=head)
+    ]
     for row in limits:
         name = print_stop((row.output.name,), sensor)
-        columns += [
-            Column(head=f"{name}, {word}", kind="number")
-            for word in ("now", after_word(row))
+        fields += [
+            Field(
+                head=f"{name}, {word}",
+                kind="number",
+                cell=partial(_part, row, after=after),
+            )
+            for word, after in (("now", False), (after_word(row), True))
         ]
-    rows = []
-    for place, part in enumerate(limits[0].parts):
-        cells = [Cell(text=capital(part_title(part.source, sensor)))]
-        for row in limits:
-            one = row.parts[place]
-            after = one.floor if one.allowed is None else one.allowed
-            cells += [
-                Cell(text=print_part(x), exact=PER_CENT * x) for x in (one.now, after)
-            ]
-        rows.append(tuple(cells))
-    used = [Cell(text="Largest error, of the limit")]
-    for row in limits:
-        after = row.floor if row.allowed is None else row.allowed
-        used += [
-            Cell(
-                text=print_used(row, now=True).removesuffix(" %"),
-                exact=PER_CENT * row.now,
-                strong=row.now > 1.0,
-            ),
-            Cell(
-                text=_used_after(row),
-                exact=PER_CENT * after,
-                strong=row.allowed is None and after > 1.0,
-            ),
-        ]
-    return Table(
+    number = len(limits[0].parts)
+    return table_of(
+        range(number + 1),
+        fields,
         name=f"allocation-parts-{sensor}",
         caption=f"Parts of the squared limits of the {sensor} by source",
-        columns=tuple(columns),
-        groups=(RowGroup(rows=tuple(rows)), RowGroup(rows=(tuple(used),))),
+        by=lambda place: place == number,
         is_wide=True,
     )
 
 
-def _used_after(row: LimitedOutput) -> str:
-    """Print the largest error in per cent of the limit after the allocation."""
-    if row.allowed is None:
-        return print_floor(row).removesuffix(" %")
-    return print_used(row, now=False).removesuffix(" %")
+def _part(row: LimitedOutput, place: int, *, after: bool) -> Cell:
+    """Return a part of a squared limit, or the largest error behind the last."""
+    is_held = row.allowed is None
+    if place < len(row.parts):
+        part = row.parts[place]
+        then = part.floor if part.allowed is None else part.allowed
+        size = then if after else part.now
+        return Cell(text=print_part(size), exact=PER_CENT * size)
+    if not after:
+        text, used = print_used(row, now=True), row.now
+    elif is_held:
+        text, used = print_floor(row), row.floor
+    else:
+        text, used = print_used(row, now=False), row.allowed or 0.0
+    return Cell(
+        text=text.removesuffix(" %"),
+        exact=PER_CENT * used,
+        strong=used > 1.0 and (is_held or not after),
+    )
 
 
 def _cost_text(cost: CostReport) -> str:
@@ -312,43 +315,48 @@ def _cost_text(cost: CostReport) -> str:
 
 def _checks_table(checks: Sequence[CoverageCheck]) -> Table:
     """Return how often the law's interval holds, output by output."""
-    return Table(
-        name="allocation-checks",
-        caption="Coverage of the intervals of the law, by Monte Carlo",
-        columns=(
-            Column(head="output at its limit"),
-            Column(head="trials", kind="number"),
-            Column(head="within the interval of the law [%]", kind="number"),
-            Column(head="k of the law", kind="number"),
-            Column(head="k allocated with", kind="number"),
-        ),
-        groups=(
-            RowGroup(
-                rows=tuple(
-                    (
-                        Cell(
-                            text=capital(output_title(check.output)),
-                            note="corrected" if check.is_corrected else "",
-                        ),
-                        Cell(text=print_count(check.trials), exact=check.trials),
-                        Cell(
-                            text=f"{PER_CENT * check.covered:.2f}",
-                            exact=PER_CENT * check.covered,
-                        ),
-                        Cell(
-                            text=f"{check.factor_before:.4f}",
-                            exact=check.factor_before,
-                        ),
-                        Cell(
-                            text=f"{check.factor:.4f}",
-                            exact=check.factor,
-                            strong=check.is_corrected,
-                        ),
-                    )
-                    for check in checks
-                )
+    fields: tuple[Field[CoverageCheck], ...] = (
+        Field(
+            head="output at its limit",
+            cell=lambda check: Cell(
+                text=capital(output_title(check.output)),
+                note="corrected" if check.is_corrected else "",
             ),
         ),
+        Field(
+            head="trials",
+            kind="number",
+            cell=lambda check: Cell(text=print_count(check.trials), exact=check.trials),
+        ),
+        Field(
+            head="within the interval of the law [%]",
+            kind="number",
+            cell=lambda check: Cell(
+                text=f"{PER_CENT * check.covered:.2f}", exact=PER_CENT * check.covered
+            ),
+        ),
+        Field(
+            head="k of the law",
+            kind="number",
+            cell=lambda check: Cell(
+                text=f"{check.factor_before:.4f}", exact=check.factor_before
+            ),
+        ),
+        Field(
+            head="k allocated with",
+            kind="number",
+            cell=lambda check: Cell(
+                text=f"{check.factor:.4f}",
+                exact=check.factor,
+                strong=check.is_corrected,
+            ),
+        ),
+    )
+    return table_of(
+        checks,
+        fields,
+        name="allocation-checks",
+        caption="Coverage of the intervals of the law, by Monte Carlo",
     )
 
 
