@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from dataclasses import replace
 
@@ -21,9 +22,20 @@ from budget.studies.paper.conditions import (
 )
 from budget.studies.paper.formulas import compute_formulas, evaluate
 from budget.studies.paper.orders import expectation_of
-from budget.studies.paper.printed import FILE, FOLDER, RUNS, Verdict, load_paper
-from budget.studies.paper.readings import readings
-from budget.studies.paper.study import reproduce
+from budget.studies.paper.printed import (
+    FILE,
+    FOLDER,
+    RUNS,
+    Conclusion,
+    Verdict,
+    load_paper,
+)
+from budget.studies.paper.readings import LEVEL, readings
+from budget.studies.paper.study import (
+    compute_couplings,
+    conclusion_findings,
+    reproduce,
+)
 from budget.studies.paper.table1 import (
     biases_from_angles,
     drawn_means,
@@ -32,6 +44,7 @@ from budget.studies.paper.table1 import (
     stated_rows,
     switched_on,
 )
+from budget.units import NUMBER
 
 pytestmark = pytest.mark.kernels
 
@@ -148,6 +161,39 @@ def test_simulation_has_the_spread_of_the_law(conditions, rows, source, paramete
     bound = SIGMAS / np.sqrt(2.0 * (runs - 1))
     assert np.abs(found / u - 1.0).max() < bound
     assert np.abs(2.0 * found / u - 1.0).min() > bound  # control: twice as much
+
+
+def test_a_ratio_is_ours_over_printed(study):
+    """Of two numbers, of absolute values; none where one of them is zero."""
+    rows = [
+        (row, float(row.printed))
+        for row in study.findings
+        if isinstance(row.ours, float)
+        and re.fullmatch(NUMBER, row.printed)
+        and "beyond" not in row.where  # what is left of a printed number, to 3 digits
+    ]
+    assert len(rows) > 100
+    for row, printed in rows:
+        if row.ours and printed:
+            assert_allclose(row.ratio, abs(row.ours / printed), rtol=1e-15)
+        else:
+            assert row.ratio is None
+
+
+def test_zeros_of_table_1_are_printed_as_such_or_as_rounding(study):
+    """Where ours is 0, the entry is 0, or whole steps of 2^-53, and that is said."""
+    zeros = [
+        row
+        for row in study.of_section("table 1")
+        if not row.is_summary and row.ours == 0.0
+    ]
+    assert {row.verdict for row in zeros} == {Verdict.AGREES}
+    rounded = [row for row in zeros if float(row.printed)]
+    assert len(rounded) == 11
+    for row in rounded:
+        steps = round(abs(float(row.printed)) / 2.0**-53)
+        assert f" {steps} times 2^-53" in row.why
+    assert {row.why for row in zeros if row not in rounded} == {"exactly zero"}
 
 
 @pytest.mark.parametrize(
@@ -298,6 +344,31 @@ def test_orders_of_3_1_in_their_units(study, where, printed, ours):
     assert row.verdict in {Verdict.AGREES, Verdict.AGREES_IN_ORDER}
 
 
+def test_orders_of_the_text_agree_but_for_these(study):
+    """Both white noises, the angles under stability, and a bound; figure 3 alone."""
+    white = ("3.1, gyro, angle random walk", "3.2, accelerometer, noise 50 ug")
+    for row in study.of_section("text"):
+        agrees = row.verdict in {Verdict.AGREES, Verdict.AGREES_IN_ORDER}
+        differs = row.where.startswith(white) or row.where in {
+            "3.1, gyro, bias stability, mounting angle",
+            "3.1, gyro, bias stability, scale factor as a bound",
+        }
+        assert agrees != differs, row.where
+        if row.p_single is not None:  # 1 % for a run or for a mean is enough
+            assert agrees == (max(row.p_single, row.p_mean) >= LEVEL), row.where
+    orders = {
+        row.where: row.verdict
+        for row in study.of_section("figures")
+        if row.where.endswith("order")
+    }
+    assert orders == {
+        "figure 1, bias, order": Verdict.AGREES_IN_ORDER,
+        "figure 2, mounting angle, order": Verdict.AGREES,
+        "figure 3, mounting angle, order": Verdict.UNEXPLAINED,
+        "figure 4, bias, order": Verdict.AGREES_IN_ORDER,
+    }
+
+
 def test_text_and_table_differ_on_the_bound(study):
     """'within 0.1e-6' stands beside an entry of 9.1776e-7."""
     row = find(study, "3.1, gyro, bias stability, scale factor as a bound")
@@ -316,8 +387,10 @@ def test_mounting_row_shows_the_order_of_its_angles(conditions):
     assert found.next_misfit > 100.0  # control
 
 
-def test_mounting_row_is_a_mean_and_no_single_run(conditions):
+def test_mounting_row_is_a_mean_and_no_single_run(conditions, study):
     """What the mean angles leave of the bias of z is a mean of products."""
+    where = "Table 1, mounting repeatability, bias z beyond its mean angles"
+    assert find(study, where).verdict == Verdict.FITS_MEAN
     found = biases_from_angles(conditions)
     printed = conditions.paper.table_1["mounting_repeatability"].bias
     rest = float(printed[2]) - (found.bias[2] - found.products[2])
@@ -473,6 +546,27 @@ def test_conclusions_agree_but_for_two(study):
         ),
         "section 2.1.3, 4: gyro mounting repeatability on bias": Verdict.EXPLAINED,
     }
+
+
+@pytest.mark.parametrize(
+    ("source", "parameter", "claim"),
+    [
+        ("bias_repeatability", "mounting_angle", "affects"),
+        ("angle_random_walk", "bias", "no effect"),
+    ],
+)
+def test_a_wrong_conclusion_is_not_borne_out(conditions, source, parameter, claim):
+    """A claim against law and simulation is unexplained, whatever the paper says."""
+    said = Conclusion(
+        section="4", sensor="gyro", source=source, claims={parameter: claim}
+    )
+    paper = conditions.paper.model_copy(update={"conclusions": (said,)})
+    (row,) = conclusion_findings(
+        compute_couplings(conditions), replace(conditions, paper=paper)
+    )
+    assert row.verdict == Verdict.UNEXPLAINED
+    assert row.printed == claim
+    assert row.ours.count("affects" if claim == "no effect" else "no effect") == 4
 
 
 def test_every_row_has_a_known_verdict_and_section(study):
