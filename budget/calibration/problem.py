@@ -40,7 +40,6 @@ if TYPE_CHECKING:
     from budget.model.source import Act, Given, Source
     from budget.spec.records import Procedure, Sensor
 
-TARGETS = ("bias", "scale_factor", "mounting_angle")
 REFERENCES = ("nominal", "as_tested", "next_turn_on")
 BIAS_UNITS = {"gyro": ("deg/h", DEG_PER_HOUR), "accelerometer": ("ug", MICRO_G)}
 
@@ -143,11 +142,15 @@ class _Row:
     ) -> Group:
         """Make the inputs of the source: constants, or statistics of a process."""
         name = Name(self.given.name, owner=self.owner)
-        counts = only is None or name in only
+        included = only is None or name in only
         effect, given = self.source.effect, self.given
         if isinstance(effect, Noise):
             covariance = _noise_covariance(
-                effect, given, triads[self.owner], procedure.sample_rate, counts=counts
+                effect,
+                given,
+                triads[self.owner],
+                procedure.sample_rate,
+                included=included,
             )
             n = len(covariance)
             return Group(
@@ -163,7 +166,7 @@ class _Row:
             times = effect.size(given, own.scheme) // given.u.size
         return Group.independent(
             name,
-            u=np.tile(given.u * counts, times),
+            u=np.tile(given.u * included, times),
             distribution=given.distributions * times,
         )
 
@@ -174,7 +177,7 @@ class _Row:
 
 
 def _noise_covariance(
-    effect: Noise, given: Given, triad: Triad, sample_rate: float, *, counts: bool
+    effect: Noise, given: Given, triad: Triad, sample_rate: float, *, included: bool
 ) -> Array:
     """Return the covariance of the statistics of a process, correlated within an axis.
 
@@ -184,7 +187,7 @@ def _noise_covariance(
     weights = triad.statistics.weights
     order = _statistics_order(weights.shape[1])
     covariance = np.zeros((order.size, order.size))
-    for axis in range(3 if counts else 0):
+    for axis in range(3 if included else 0):
         process = effect.process(given, axis, sample_rate)
         place = np.ix_(order[axis], order[axis])
         covariance[place] = process.reduce(triad.scheme.schedule, weights[axis])
@@ -227,7 +230,7 @@ class _Constant:
     now: slice
     later: slice | None
 
-    def departure(self, x: Array, reference: str) -> Array | float:
+    def deviation(self, x: Array, reference: str) -> Array | float:
         """Return true value minus what the reference holds.
 
         The reference holds 0 (nominal), the value itself (as_tested), or, for what is
@@ -290,12 +293,12 @@ class TriadCalibration:
         found = read_errors(self.scheme, truth, epsilon)
         # Error = (calibrated - true during the test) + (that - reference); relative
         # errors of the scale factor multiply: (1 + r)(1 + e) - 1.
-        r = self._scale_factor_departure(x)
+        r = self._scale_factor_deviation(x)
         return np.concatenate(
             [
                 r + found.scale_factor * (1.0 + r),
-                found.mounting_angle + self._departure(x, "mounting_angle"),
-                found.bias + self._departure(x, "bias"),
+                found.mounting_angle + self._deviation(x, "mounting_angle"),
+                found.bias + self._deviation(x, "bias"),
             ]
         )
 
@@ -306,17 +309,17 @@ class TriadCalibration:
             value += x[constant.now]
         return value
 
-    def _departure(self, x: Array, target: str) -> Array | float:
+    def _deviation(self, x: Array, target: str) -> Array | float:
         """Return true values during the test minus the reference's."""
         zero: Array | float = 0.0
-        return sum((c.departure(x, self.reference) for c in self.offsets[target]), zero)
+        return sum((c.deviation(x, self.reference) for c in self.offsets[target]), zero)
 
-    def _scale_factor_departure(self, x: Array) -> Array:
+    def _scale_factor_deviation(self, x: Array) -> Array:
         """Return (K true - K reference) / K reference, shape (3, trials) [1].
 
         K = K0 (1 + sum of the offsets): Zhao 2019, eq. (14).
         """
-        k = np.zeros((3, x.shape[1]), dtype=x.dtype) + self._departure(
+        k = np.zeros((3, x.shape[1]), dtype=x.dtype) + self._deviation(
             x, "scale_factor"
         )
         if self.reference != "next_turn_on":

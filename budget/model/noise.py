@@ -96,7 +96,7 @@ class GaussMarkov:
         2 sigma^2 (tau/L)^2 (L/tau - 1 + e^(-L/tau)) on the diagonal, sigma^2
         tau^2/(L_a L_b) e^(-gap/tau) (1 - e^(-L_a/tau)) (1 - e^(-L_b/tau)) beside it.
         """
-        return self.sigma**2 * _shape(schedule, self.correlation_time, less=0.0)
+        return self.sigma**2 * _correlation(schedule, self.correlation_time).whole
 
     def reduce(self, schedule: Schedule, weights: Array) -> Array:
         """Return the covariance of weighted window averages; see Process.
@@ -108,8 +108,9 @@ class GaussMarkov:
         """
         tau = self.correlation_time
         constant = weights.sum(axis=1)
-        rest = weights @ _shape(schedule, tau, less=1.0) @ weights.T
-        whole = weights @ _shape(schedule, tau, less=0.0) @ weights.T
+        shape = _correlation(schedule, tau)
+        rest = weights @ shape.without_constant @ weights.T
+        whole = weights @ shape.whole @ weights.T
         slow = tau > np.where(weights != 0.0, schedule.lengths, 0.0).max(axis=1)
         C = np.where(
             slow[:, None] & slow[None, :], np.outer(constant, constant) + rest, whole
@@ -117,9 +118,17 @@ class GaussMarkov:
         return np.asarray(self.sigma**2 * C)
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Correlation:
+    """Covariance of window averages over sigma^2, shape (n, n), to rounding."""
+
+    whole: Array  # [1]
+    without_constant: Array  # minus 1: what is left of a process that is nearly one
+
+
 @lru_cache(maxsize=256)
-def _shape(schedule: Schedule, tau: float, *, less: float) -> Array:
-    """Return covariance / sigma^2 minus 0 or 1, shape (n, n), to rounding.
+def _correlation(schedule: Schedule, tau: float) -> _Correlation:
+    """Return the covariance over sigma^2, with and without its constant part.
 
     Kept: axes and devices mostly share their schedule and their correlation time.
     """
@@ -130,10 +139,19 @@ def _shape(schedule: Schedule, tau: float, *, less: float) -> Array:
     gap = np.maximum(later_start - earlier_end, 0.0) / tau
     log_mean = _log_mean_exponential(x)
     exponent = log_mean[:, None] + log_mean[None, :] - gap
-    C: Array = np.expm1(exponent) if less else np.exp(exponent)
-    np.fill_diagonal(C, _variance(x, less=less))
-    C.flags.writeable = False
-    return C
+    whole: Array = np.exp(exponent)
+    rest: Array = np.expm1(exponent)
+    # On the diagonal 2 (x - 1 + e^(-x)) / x^2.
+    small, large = np.minimum(x, 1.0), np.maximum(x, 1.0)
+    series = sum(
+        2.0 * (-small) ** k / factorial(k + 2) for k in range(SERIES_TERMS, 0, -1)
+    )  # minus 1
+    closed = 2.0 / large * (1.0 + np.expm1(-large) / large)
+    np.fill_diagonal(whole, np.where(x < 1.0, series + 1.0, closed))
+    np.fill_diagonal(rest, np.where(x < 1.0, series, closed - 1.0))
+    for one in (whole, rest):
+        one.flags.writeable = False
+    return _Correlation(whole=whole, without_constant=rest)
 
 
 def _log_mean_exponential(x: Array) -> Array:
@@ -145,14 +163,3 @@ def _log_mean_exponential(x: Array) -> Array:
     large = np.maximum(x, 1.0)
     logarithm = np.log(-np.expm1(-large) / large)
     return np.asarray(np.where(x < 1.0, np.log1p(series), logarithm))
-
-
-def _variance(x: Array, *, less: float) -> Array:
-    """Return 2 (x - 1 + e^(-x)) / x^2 minus 0 or 1, to rounding for x from 0 up."""
-    small = np.minimum(x, 1.0)
-    series = sum(
-        2.0 * (-small) ** k / factorial(k + 2) for k in range(SERIES_TERMS, 0, -1)
-    )  # the whole minus 1
-    large = np.maximum(x, 1.0)
-    closed = 2.0 / large * (1.0 + np.expm1(-large) / large)
-    return np.asarray(np.where(x < 1.0, series + (1.0 - less), closed - less))

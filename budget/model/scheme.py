@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 BIAS = 3  # row of the weights, after the responses to x, y, z
 STATISTICS = 4
 UNBIASED = 1e-9  # what W A may miss I by [1]
-MIXED = 1e-6  # part of a null vector that names a parameter [1]
 RANK = 1e-9  # a singular value below this part of the largest is none [1]
 
 
