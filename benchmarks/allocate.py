@@ -70,7 +70,7 @@ def main() -> None:
     print(f"catalogue      {perf_counter() - begun:.2f} s")
     begun = perf_counter()
     allocate(device, requirement=wanted, strategy="cost", catalogue=catalogue)
-    print(f"whole study    {perf_counter() - begun:.2f} s, Monte Carlo and levers too")
+    print(f"whole study    {perf_counter() - begun:.2f} s, all of it")
 
 
 if __name__ == "__main__":

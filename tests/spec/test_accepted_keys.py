@@ -375,7 +375,7 @@ def test_a_key_of_costs_moves_a_number(key, load, monkeypatch):
     """What the lines may be, or what they cost, is another one with the key."""
     # A longer procedure is searched for with a hundred trials, and not asked for here.
     module = "budget.studies.allocation.allocate"
-    monkeypatch.setattr(f"{module}.pull_levers", lambda *_, **__: ())
+    monkeypatch.setattr(f"{module}.find_longer_tests", lambda *_, **__: ())
     sensor, name = key.path[1].split(".")
     lines = {line.name: line.like(sensor) for line in lines_of(sensor)}
     other = "bias_repeatability" if name != "bias_repeatability" else "sample_noise"

@@ -33,7 +33,11 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.report.figures.rows import Mark
-    from budget.studies.allocation.records import LimitedOutput, Part, SourceAllotment
+    from budget.studies.allocation.records import (
+        LimitedOutput,
+        LimitPart,
+        SourceAllotment,
+    )
 
 PITCH = 17.0  # from row to row [pt]
 LEAST_FACTOR, MOST_FACTOR = 1e-2, 1e2  # of a headroom that is drawn [1]
@@ -102,12 +106,12 @@ def _waterfall_title(row: LimitedOutput) -> str:
     return f"{capital(part)} of the squared {name} limit"
 
 
-def _after(part: Part) -> float:
+def _after(part: LimitPart) -> float:
     """Return the part after the allocation, of an impossible limit what is held [1]."""
     return part.floor if part.allowed is None else part.allowed
 
 
-def _part_row(row: LimitedOutput, part: Part, left: float, left_now: float) -> Row:
+def _part_row(row: LimitedOutput, part: LimitPart, left: float, left_now: float) -> Row:
     """Return what one source takes of what is left, allowed and now.
 
     An arrow shows where what it takes now passes the limit.

@@ -16,7 +16,7 @@ from budget.report.allocation.words import (
     DIGITS,
     explain_idle,
     headline,
-    lever_text,
+    longer_test_text,
     match_text,
     part_title,
     print_floor,
@@ -117,7 +117,7 @@ def allocation_section(allocation: Allocation) -> Section:
     if allocation.checks:
         title = "Checked by Monte Carlo at the allocated values"
         blocks.append(Panel(title=title, blocks=(_checks_table(allocation.checks),)))
-    blocks += _points("The procedure as a lever", map(lever_text, allocation.levers))
+    blocks += _points("A longer test", map(longer_test_text, allocation.longer_tests))
     blocks += _shelves(allocation)
     blocks += _points("Remarks on the allocation", allocation.warnings)
     return Section(

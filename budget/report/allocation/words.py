@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from budget.names import Name
     from budget.studies.allocation.records import (
         Allocation,
-        Lever,
         LimitedOutput,
         LineMatch,
+        LongerTest,
         Match,
         SourceAllotment,
     )
@@ -182,19 +182,19 @@ def _relaxation(rows: Sequence[LimitedOutput]) -> str:
     )
 
 
-def lever_text(lever: Lever) -> str:
+def longer_test_text(test: LongerTest) -> str:
     """Say what a change of the procedure would do."""
-    unit = " s" if lever.name == "dwell" else ""
-    what = f"{lever.sensor}, {lever.goal}: "
-    if lever.needed is not None:
+    unit = " s" if test.name == "dwell" else ""
+    what = f"{test.sensor}, {test.goal}: "
+    if test.needed is not None:
         return (
-            f"{what}{lever.name} of {lever.needed:g}{unit} in place of "
-            f"{lever.now:g}{unit} would meet the limits"
+            f"{what}{test.name} of {test.needed:g}{unit} in place of "
+            f"{test.now:g}{unit} would meet the limits"
         )
-    none = "dwell" if lever.name == "dwell" else f"number of {lever.name}"
+    none = "dwell" if test.name == "dwell" else f"number of {test.name}"
     return (
-        f"{what}no {none} up to {lever.tried_to:g}{unit} would do; best "
-        f"{print_utilisation(lever.utilisation)} of a limit, at {lever.best:g}{unit}"
+        f"{what}no {none} up to {test.tried_to:g}{unit} would do; best "
+        f"{print_utilisation(test.utilisation)} of a limit, at {test.best:g}{unit}"
     )
 
 

@@ -22,7 +22,7 @@ from budget.studies.allocation.cases import (
     set_up,
     solve,
 )
-from budget.studies.allocation.levers import AS_THEY_ARE, FLOOR, pull_levers
+from budget.studies.allocation.longer_tests import AS_THEY_ARE, FLOOR, find_longer_tests
 from budget.studies.allocation.market import (
     best_offered,
     load_catalogue,
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
     from budget.spec.records import Costs, Device, Procedure, Requirement, Sensor
     from budget.studies.allocation.cases import Bounds, SensorCase
-    from budget.studies.allocation.records import Lever
+    from budget.studies.allocation.records import LongerTest
     from budget.studies.progress import Progress
 
 TRIALS = 250_000  # for which 0.2 % of coverage are 4.6 standard errors at 95 %
@@ -128,10 +128,10 @@ def allocate(
             f"({', '.join(sensor.kind for sensor in sensors)}); add limits for it"
         )
     feasible = all(case.task.is_feasible for case in cases)
-    levers = tuple(
-        lever
+    longer_tests = tuple(
+        test
         for case in cases
-        for lever in _levers(case, procedure, requirement.reference)
+        for test in _longer_tests(case, procedure, requirement.reference)
     )
     for place, case in enumerate(cases):
         if case.task.is_feasible:
@@ -178,7 +178,7 @@ def allocate(
         ),
         checks=tuple(check for case in cases for check in case.checks),
         costs=tuple(cost_report(case) for case in cases if case.solution is not None),
-        levers=levers,
+        longer_tests=longer_tests,
         matches=match_catalogue(
             catalogue,
             tuple(sensor for sensor in allotted if sensor.kind in solved_kinds),
@@ -325,18 +325,18 @@ def _assure(
     return case
 
 
-def _levers(
+def _longer_tests(
     case: SensorCase, procedure: Procedure, reference: str
-) -> tuple[Lever, ...]:
+) -> tuple[LongerTest, ...]:
     """Ask what the procedure could do where the limits are not met now."""
     task = case.task
-    levers: tuple[Lever, ...] = ()
+    found: tuple[LongerTest, ...] = ()
     for s, goal in ((task.now, AS_THEY_ARE), (task.least, FLOOR)):
         if (task.utilisation(s) > 1.0).any():
-            levers += pull_levers(
+            found += find_longer_tests(
                 case.sensor, procedure, task, s, reference=reference, goal=goal
             )
-    return levers
+    return found
 
 
 def _resized(sensor: Sensor, cases: Sequence[SensorCase]) -> Sensor:

@@ -24,7 +24,7 @@ NOT_REQUIRED = "not required"  # its sensor has no limits
 
 
 @dataclass(frozen=True, kw_only=True)
-class Part:
+class LimitPart:
     """What one source takes of one squared limit, k^2 u^2 / limit^2 [1]."""
 
     source: Name  # dotted name, 'interaction' or 'mean'
@@ -45,7 +45,7 @@ class LimitedOutput:
     floor: float  # the same of what cannot be allocated [1]
     is_binding: bool
     lower_bound: bool  # a line that is not given would take a part of it too
-    parts: tuple[Part, ...]
+    parts: tuple[LimitPart, ...]
 
     @property
     def sensor(self) -> str:
@@ -94,7 +94,9 @@ class SourceAllotment:
     at_ceiling: bool
     at_least: bool
     binding_outputs: tuple[Name, ...]  # of those at their limits, where it takes most
-    counts: bool  # takes a thousandth of a squared limit, at its ceiling at the latest
+    is_significant: (
+        bool  # takes a thousandth of a squared limit, at its ceiling at the latest
+    )
     headroom: Headroom | None  # None for what is zero, has no limit or counts nothing
     best_offered: float | None  # least value in the catalogue [SI]
 
@@ -108,7 +110,7 @@ class SourceAllotment:
     @property
     def is_idle(self) -> bool:
         """Whether its sensor has limits, and none of them feels it."""
-        return not self.counts and self.status in {FREE, HELD, SHARED}
+        return not self.is_significant and self.status in {FREE, HELD, SHARED}
 
     @property
     def is_beyond_market(self) -> bool:
@@ -149,7 +151,7 @@ class SourceAllotment:
                 "all_that_stop": list(room.stopped_by),
             },
             "best_offered": size(self.best_offered),
-            "counts": self.counts,
+            "counts": self.is_significant,
         }
 
 
@@ -194,7 +196,7 @@ class CostReport:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Lever:
+class LongerTest:
     """What a change of the procedure would do for one sensor."""
 
     sensor: str
@@ -285,7 +287,7 @@ class Allocation:
     outputs: tuple[LimitedOutput, ...]
     checks: tuple[CoverageCheck, ...]
     costs: tuple[CostReport, ...]
-    levers: tuple[Lever, ...]
+    longer_tests: tuple[LongerTest, ...]
     matches: tuple[Match, ...]
     devices: tuple[Device, ...]
     sensors: tuple[Sensor, ...]  # with the allocated values; as given if infeasible
@@ -334,7 +336,7 @@ class Allocation:
                 }
                 for row in self.impossible
             ],
-            "levers": [asdict(lever) for lever in self.levers],
+            "levers": [asdict(test) for test in self.longer_tests],
             "costs": [asdict(cost) for cost in self.costs],
             "checks": [
                 {**asdict(check), "corrected": check.is_corrected}

@@ -20,7 +20,7 @@ from budget.studies.allocation.records import (
     CostReport,
     Headroom,
     LimitedOutput,
-    Part,
+    LimitPart,
     Saving,
     SourceAllotment,
 )
@@ -61,7 +61,7 @@ def limited_outputs(
             is_binding=bool(bound[k]),
             lower_bound=bool(case.lacks[name]),
             parts=tuple(
-                Part(
+                LimitPart(
                     source=source,
                     now=float(parts[0][k, g]),
                     floor=float(parts[1][k, g]),
@@ -93,7 +93,7 @@ def source_allotments(
                 at_ceiling=False,
                 at_least=False,
                 binding_outputs=(),
-                counts=False,
+                is_significant=False,
                 headroom=None,
                 best_offered=offered.get(Name(line.name, owner=sensor.kind)),
             )
@@ -125,7 +125,7 @@ def shared_allotments(cases: Sequence[SensorCase]) -> tuple[SourceAllotment, ...
             replace(
                 rows[0],
                 allowed=rows[0].allowed if solved else None,
-                counts=any(row.counts for row in rows),
+                is_significant=any(row.is_significant for row in rows),
                 headroom=rooms[nearest] if rooms else None,
             )
         )
@@ -147,7 +147,7 @@ def _allotments(
         status = case.statuses[g]
         free = status == FREE
         allotted = s is not None and free
-        counts = status != ZERO and _counts(task, g)
+        significant = status != ZERO and _counts(task, g)
         rows.append(
             SourceAllotment(
                 source=name,
@@ -170,8 +170,8 @@ def _allotments(
                 binding_outputs=_binding_outputs(task, case.factors, g)
                 if allotted
                 else (),
-                counts=counts,
-                headroom=_headroom(task, room[g], g, now) if counts else None,
+                is_significant=significant,
+                headroom=_headroom(task, room[g], g, now) if significant else None,
                 best_offered=offered.get(name),
             )
         )

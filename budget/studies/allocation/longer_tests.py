@@ -1,4 +1,4 @@
-"""The procedure as a lever: how many turns, how long a dwell would meet the limits."""
+"""Turns and dwells of a longer test that would meet the limits."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from budget.calibration.problem import calibration_problem
 from budget.methods.scaling import scaled_law
-from budget.studies.allocation.records import Lever
+from budget.studies.allocation.records import LongerTest
 from budget.units import HOUR
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ FLOOR = "what is held"
 
 @dataclass(frozen=True, kw_only=True)
 class _Trials:
-    """One lever of one sensor, and how a procedure is changed by it."""
+    """One number of the procedure of one sensor, and how it is changed."""
 
     name: str
     now: float
@@ -38,7 +38,7 @@ class _Trials:
     whole: bool
 
 
-def pull_levers(
+def find_longer_tests(
     sensor: Sensor,
     procedure: Procedure,
     task: Task,
@@ -46,7 +46,7 @@ def pull_levers(
     *,
     reference: str,
     goal: str,
-) -> tuple[Lever, ...]:
+) -> tuple[LongerTest, ...]:
     """Find the least number of turns and the shortest dwell that meet the limits.
 
     Each alone, the other things as they are; upwards from the present value, because
@@ -70,7 +70,7 @@ def pull_levers(
 
     Returns
     -------
-    tuple of Lever
+    tuple of LongerTest
     """
 
     def utilisation(changed: Procedure) -> float:
@@ -79,13 +79,13 @@ def pull_levers(
         return float(replace(task, law=law).utilisation(s).max())
 
     return tuple(
-        _pull(trials, utilisation, sensor.kind, goal)
-        for trials in _levers(sensor, procedure)
+        _grow(trials, utilisation, sensor.kind, goal)
+        for trials in _growing(sensor, procedure)
     )
 
 
-def _levers(sensor: Sensor, procedure: Procedure) -> tuple[_Trials, ...]:
-    """Return the levers of a sensor."""
+def _growing(sensor: Sensor, procedure: Procedure) -> tuple[_Trials, ...]:
+    """Return what of the procedure may grow for a sensor."""
     if sensor.kind != "gyro":
         own = procedure.accelerometer
         return (
@@ -120,12 +120,12 @@ def _levers(sensor: Sensor, procedure: Procedure) -> tuple[_Trials, ...]:
     )
 
 
-def _pull(
+def _grow(
     trials: _Trials,
     utilisation: Callable[[Procedure], float],
     sensor: str,
     goal: str,
-) -> Lever:
+) -> LongerTest:
     """Step upwards until the limits are met, then narrow the last step."""
     below, value = trials.now, trials.now
     best, least = value, utilisation(trials.change(value))
@@ -141,7 +141,7 @@ def _pull(
             needed = _narrow(trials, utilisation, below, value)
             best, least = needed, utilisation(trials.change(needed))
             break
-    return Lever(
+    return LongerTest(
         sensor=sensor,
         name=trials.name,
         goal=goal,
