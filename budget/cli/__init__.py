@@ -16,8 +16,7 @@ from typer.core import TyperGroup
 
 from budget.cli.allocate import allocate
 from budget.cli.analyze import analyze
-from budget.cli.check import check
-from budget.cli.check_files import schema, validate
+from budget.cli.check import check, schema, validate
 from budget.cli.compare import compare
 from budget.cli.devices import devices
 from budget.cli.diff import diff

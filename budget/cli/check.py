@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from budget.cli import options
-from budget.cli.streams import console, in_line, say
+from budget.cli.streams import console, in_line, say, tell
 
 if TYPE_CHECKING:
     from budget.references.records import Difference, Job, Role, StoredInput
     from budget.spec.files import NamedFile
+
 
 EXIT_MOVED = 1
 EXIT_BAD_INPUT = 2
@@ -300,3 +301,48 @@ def _check(
         raise typer.Exit(EXIT_BAD_INPUT)
     if not all(one.holds for one in checks):
         raise typer.Exit(EXIT_MOVED)
+
+
+def validate(
+    files: Annotated[
+        list[str], typer.Argument(metavar="FILE...", help="Files of any kind.")
+    ],
+) -> None:
+    """Check files and say everything that is wrong in them, with positions."""
+    from budget.cli.output import printing
+    from budget.errors import Issue, SpecError
+    from budget.spec import validate as check
+
+    issues: list[Issue] = []
+    for name in files:
+        try:
+            found = check(name)
+        except SpecError as error:
+            issues.extend(error.issues)
+            continue
+        with printing():
+            tell(f"{in_line(name)}: {found.kind}, valid\n")
+            for text in found.assumptions:
+                tell(f"  assumed: {text}\n")
+    if issues:
+        raise SpecError(tuple(issues))
+
+
+def schema(
+    kind: Annotated[
+        Literal["device", "procedure", "requirement", "costs", "reference"],
+        typer.Argument(
+            metavar="KIND", help="device, procedure, requirement, costs, reference"
+        ),
+    ],
+) -> None:
+    """Print the JSON Schema of a kind of file, for editors that complete and check."""
+    from json import dumps
+
+    from budget.cli.output import printing
+    from budget.references.store import reference_schema
+    from budget.spec import json_schema
+
+    found = reference_schema() if kind == "reference" else json_schema(kind)
+    with printing():
+        typer.echo(dumps(found, indent=2, ensure_ascii=False))

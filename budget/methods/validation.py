@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.methods.intervals import numerical_tolerance
 from budget.methods.monte_carlo import sample
-from budget.methods.tolerance import numerical_tolerance
 from budget.results import Validation
 
 if TYPE_CHECKING:

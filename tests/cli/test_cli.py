@@ -389,7 +389,7 @@ def test_names_are_printed_in_one_place_only():
         if past.search(path.read_text(encoding="utf-8"))
     }
     # A schema is our own text, and the bar of progress names no file.
-    assert found == {"streams.py", "check_files.py", "computing.py"}
+    assert found == {"streams.py", "check.py", "computing.py"}
 
 
 @pytest.fixture

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from budget.methods.intervals import interval_of_values
-from budget.methods.tolerance import numerical_tolerance
+from budget.methods.intervals import interval_of_values, numerical_tolerance
 from budget.problem import Output
 
 TEN = np.sort([0.0, 9.5, 1.0, 8.0, 2.0, 7.0, 3.0, 6.0, 4.0, 50.0])[None]

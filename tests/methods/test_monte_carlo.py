@@ -338,7 +338,7 @@ def test_counted_trials_give_the_quantiles_of_kept_ones(monkeypatch, kind, shape
     problem = one_output(Group.independent("x", u=3e-8, distribution=shape))
     kept = sample(problem, trials=300_000, interval=kind)
     monkeypatch.setattr("budget.methods.monte_carlo.EXACT_TRIALS", 20_000)
-    monkeypatch.setattr("budget.methods.gathering.EXACT_TRIALS", 20_000)
+    monkeypatch.setattr("budget.methods.monte_carlo.EXACT_TRIALS", 20_000)
     counted = sample(problem, trials=300_000, interval=kind)
     assert_array_equal(kept.covariance, counted.covariance)
     error = (kept.interval - counted.interval) / 3e-8
@@ -351,7 +351,7 @@ def test_an_adaptive_run_counts_once_too_many_were_kept(monkeypatch):
     """An adaptive run that outgrows the kept trials stays within 0.2 % of u."""
     problem = one_output(Group.independent("x", u=1.0))
     kept = sample(problem, digits=2, seed=1)
-    monkeypatch.setattr("budget.methods.gathering.EXACT_TRIALS", kept.trials // 3)
+    monkeypatch.setattr("budget.methods.monte_carlo.EXACT_TRIALS", kept.trials // 3)
     counted = sample(problem, digits=2, seed=1)
     assert counted.trials == kept.trials
     assert np.abs(counted.interval - kept.interval).max() < 2e-3

@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 from budget.calibration.schemes import scheme_of
 from budget.errors import CallError
 from budget.model.scheme import least_squares
-from budget.model.table import INNER, MIDDLE, OUTER, Setting
+from budget.model.windows import INNER, MIDDLE, OUTER, Setting
 
 HOW = procedure(latitude=50.0, rate=0.3, turns=3, azimuths=(0.0, 90.0, 200.0))
 

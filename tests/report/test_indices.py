@@ -9,7 +9,7 @@ from builders import NOWHERE, procedure, sensor
 from document_text import on_terminal
 
 from budget.report.analysis.groups import budget_answer
-from budget.report.indices import index_tables, print_index
+from budget.report.tables import index_tables, print_index
 from budget.spec.records import Device
 from budget.studies.analysis import analyze
 from budget.units import DEG_PER_HOUR

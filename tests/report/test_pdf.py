@@ -6,8 +6,8 @@ import pytest
 from pdf_reading import needs_poppler, squeeze, text_of
 
 from budget.errors import OutputError
-from budget.report import pdf as pdf_module
-from budget.report.pdf import render_pdf
+from budget.report import typeset as pdf_module
+from budget.report.typeset import render_pdf
 
 DATE = "2026-01-31"
 

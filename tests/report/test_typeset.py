@@ -31,7 +31,7 @@ from pdf_reading import (
 from places import TESTS
 
 from budget.errors import OutputError
-from budget.report import pdf as pdf_module
+from budget.report import typeset as pdf_module
 from budget.report.blocks import (
     Abreast,
     Cell,

@@ -12,7 +12,7 @@ from places import DOCS
 from budget import load_device, load_procedure, load_requirement
 from budget.names import Name
 from budget.report.allocation.page import allocation_answer, allocation_section
-from budget.report.analysis.causes import rank_causes
+from budget.report.analysis.verdict import rank_causes
 from budget.report.analysis.what_if import what_if_section
 from budget.report.comparison.figures import pareto_title
 from budget.report.comparison.tables import tables as comparison_tables

@@ -20,8 +20,7 @@ import numpy as np
 
 from budget.earth import ROTATION_RATE
 from budget.model.scheme import BIAS, STATISTICS, Scheme
-from budget.model.table import INNER, MIDDLE, OUTER, Setting
-from budget.model.windows import Schedule, Window
+from budget.model.windows import INNER, MIDDLE, OUTER, Schedule, Setting, Window
 from budget.names import AXES
 
 if TYPE_CHECKING:

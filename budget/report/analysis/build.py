@@ -7,15 +7,18 @@ from dataclasses import dataclass, replace
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
-from budget.report.analysis.causes import rank_causes
 from budget.report.analysis.groups import budget_section
-from budget.report.analysis.inputs import inputs_section
+from budget.report.analysis.inputs import (
+    inputs_section,
+    print_degrees,
+    procedure_section,
+)
 from budget.report.analysis.method import Trials, method_section
-from budget.report.analysis.procedure import print_degrees, procedure_section
 from budget.report.analysis.verdict import (
     group_cards,
     headline,
     limits_section,
+    rank_causes,
     summary,
     verdict_cards,
 )
@@ -46,7 +49,7 @@ from budget.version import __version__
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from budget.report.analysis.causes import Cause
+    from budget.report.analysis.verdict import Cause
     from budget.report.blocks import Picture, Words
     from budget.report.figures.rows import Chart
     from budget.report.tables import GroupTable

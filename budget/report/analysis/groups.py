@@ -20,11 +20,12 @@ from budget.report.blocks import (
 )
 from budget.report.figures.rows import chart_picture
 from budget.report.figures.shares import share_chart
-from budget.report.indices import IndexRow, index_tables
 from budget.report.tables import (
+    IndexRow,
     OutputRow,
     SourceRow,
     group_tables,
+    index_tables,
     print_coverage,
     settings_lines,
 )
@@ -34,10 +35,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from budget.report.blocks import Block
-    from budget.report.indices import IndexTable
     from budget.report.tables import (
         CheckCell,
         GroupTable,
+        IndexTable,
         Number,
         SourceCell,
     )

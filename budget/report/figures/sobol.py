@@ -18,8 +18,7 @@ from budget.report.figures.rows import (
     Stroke,
 )
 from budget.report.figures.style import INK, PAPER, capital, in_order, look_of
-from budget.report.indices import print_index
-from budget.report.tables import output_title, source_title, words
+from budget.report.tables import output_title, print_index, source_title, words
 from budget.results import widest_of_each
 from budget.ties import first_largest
 
