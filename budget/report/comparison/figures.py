@@ -20,17 +20,16 @@ from budget.report.figures.rows import (
 )
 from budget.report.figures.style import (
     BLUE,
-    GRID,
     INK,
     MUTED,
     PAPER,
-    SMALL,
     WIDE,
     as_picture,
-    canvas,
     capital,
     house_style,
     log_ticks,
+    plane,
+    write,
 )
 from budget.report.tables import (
     AT_LEAST,
@@ -380,9 +379,12 @@ def no_fronts(table: Table) -> str:
 def pareto_scatter(table: Table, merit: str) -> Figure:
     """Draw the part of the limit against a cost; the front is joined, the rest grey."""
     points = merit_points(table, merit)
-    left, right, top, below = 58.0, 12.0, 12.0, 34.0
-    figure, axes = canvas(220.0, left=left, right=right, top=top, below=below)
-    figure.set_label(pareto_title(table, merit))
+    figure, axes = plane(
+        pareto_title(table, merit),
+        f"{merit} [{points[0][1].unit}]",
+        "largest error [% of the limit]",
+        220.0,
+    )
     axes.set_xscale("log")
     axes.set_yscale("log")
     costs = [amount.value for _, amount in points]
@@ -395,10 +397,6 @@ def pareto_scatter(table: Table, merit: str) -> Figure:
     log_ticks(axes.xaxis)
     log_ticks(axes.yaxis)
     axes.minorticks_off()
-    axes.tick_params(axis="y", labelsize=SMALL, labelcolor=MUTED)
-    axes.grid(color=GRID, linewidth=0.6)
-    axes.set_xlabel(f"{merit} [{points[0][1].unit}]", fontsize=SMALL, color=MUTED)
-    axes.set_ylabel("largest error [% of the limit]", fontsize=SMALL, color=MUTED)
     axes.axhline(100.0, color=INK, linewidth=1.0, zorder=1)
     on_front = [
         (amount.value, 100.0 * max(row.of.utilisation, LEAST))
@@ -418,15 +416,11 @@ def pareto_scatter(table: Table, merit: str) -> Figure:
             )
     middle = (costs[0] * costs[-1]) ** 0.5
     for (cost, part), own in names.items():
-        is_right = cost > middle  # where a name would leave the figure
-        axes.annotate(
-            own[0] if len(own) == 1 else f"{own[0]} and {len(own) - 1} more",
-            (cost, 100.0 * max(part, LEAST)),
-            xytext=(-6.0 if is_right else 5.0, 3.0),
-            textcoords="offset points",
-            fontsize=SMALL,
-            color=INK,
-            ha="right" if is_right else "left",
+        name = own[0] if len(own) == 1 else f"{own[0]} and {len(own) - 1} more"
+        side = "right" if cost > middle else "left"  # a name stays in the figure
+        shift = (-6.0 if side == "right" else 5.0, 3.0)
+        write(
+            axes, name, (cost, 100.0 * max(part, LEAST)), shift, ha=side, va="baseline"
         )
     return figure
 

@@ -18,6 +18,7 @@ from budget.report.figures.style import (
     capital,
     house_style,
     text_width,
+    write,
 )
 from budget.report.tables import (
     AT_LEAST,
@@ -178,16 +179,7 @@ def _draw_interval(
     for end, name, shift, side in zip(
         ends, names, (-4.0, 4.0), ("right", "left"), strict=True
     ):
-        axes.annotate(
-            name,
-            (end, y),
-            xytext=(shift, 0.0),
-            textcoords="offset points",
-            fontsize=SMALL,
-            color=INK,
-            ha=side,
-            va="center_baseline",
-        )
+        write(axes, name, (end, y), (shift, 0.0), ha=side)
 
 
 def _draw_limit(axes: Axes, x: float, *, side: str) -> None:
@@ -195,15 +187,7 @@ def _draw_limit(axes: Axes, x: float, *, side: str) -> None:
     axes.plot(
         [x, x], [0.0, 1.04], color=INK, linewidth=1.0, linestyle=(0.0, (5.0, 2.0))
     )
-    axes.annotate(
-        "limit",
-        (x, 1.04),
-        xytext=(0.0, 3.0),
-        textcoords="offset points",
-        fontsize=SMALL,
-        color=INK,
-        ha=side,
-    )
+    write(axes, "limit", (x, 1.04), (0.0, 3.0), ha=side, va="baseline")
 
 
 def _reach(density: Density) -> tuple[float, float]:

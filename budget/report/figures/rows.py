@@ -29,6 +29,7 @@ from budget.report.figures.style import (
     log_ticks,
     shorten,
     text_width,
+    write,
     write_on,
 )
 
@@ -333,7 +334,7 @@ def draw(chart: Chart) -> Figure:
     for k, side in enumerate(chart.sides):
         start = k * (width + BETWEEN)
         if side.title:
-            write_on(figure, start + EDGE, 10.0, side.title, weight="bold")
+            write_on(figure, start + EDGE, 10.0, side.title, size=TEXT, weight="bold")
         top = above
         for panel in side.panels:
             axes = add_panel(
@@ -348,7 +349,7 @@ def draw(chart: Chart) -> Figure:
             top += _height(chart, panel)
     if chart.foot:
         base = height - legend - EDGE
-        write_on(figure, EDGE, base, chart.foot, size=SMALL, colour=MUTED)
+        write_on(figure, EDGE, base, chart.foot, colour=MUTED)
     if chart.legend:
         _draw_legend(figure, chart, room.left)
     return figure
@@ -535,15 +536,13 @@ def _draw_bar(axes: Axes, y: float, bar: Bar, gid: str | None) -> None:
         )
     start, end = axes.transData.transform([(low, y), (high, y)])[:, 0]
     if bar.text and fits(bar.text, _points(axes, end - start)):
-        axes.text(
-            (low + high) / 2.0,
-            y,
+        write(
+            axes,
             bar.text,
-            fontsize=SMALL,
-            fontweight="bold" if bar.strong else "normal",
-            color=bar.text_colour,
+            ((low + high) / 2.0, y),
+            strong=bar.strong,
+            colour=bar.text_colour,
             ha="center",
-            va="center_baseline",
         )
 
 
@@ -565,15 +564,15 @@ def _write_title(axes: Axes, middle: float, title: str, left: float) -> None:
 
 def _write_above(axes: Axes, head: Head) -> None:
     """Write a word above the panel."""
-    axes.annotate(
+    write(
+        axes,
         head.text,
         (head.at, 1.0),
-        xycoords=("data", "axes fraction"),
-        xytext=(0.0, EDGE + LINE * head.level),
-        textcoords="offset points",
+        (0.0, EDGE + LINE * head.level),
+        coords=("data", "axes fraction"),
         ha="center" if head.is_centred else "left",
-        fontsize=SMALL,
-        color=head.colour,
+        va="baseline",
+        colour=head.colour,
     )
 
 
@@ -583,18 +582,14 @@ def _write_beside(
     """Write the texts of a row on its right, each in its column."""
     start = 0.0
     for text, width in zip(row.beside, columns, strict=False):
-        factor = 1.12 if row.strong else 1.0
-        axes.annotate(
-            shorten(text, (width - 7.0) / factor),
+        write(
+            axes,
+            shorten(text, (width - 7.0) / (1.12 if row.strong else 1.0)),
             (1.0, middle),
-            xycoords=("axes fraction", "data"),
-            xytext=(start + (width if flush == "right" else 6.0), 0.0),
-            textcoords="offset points",
-            fontsize=SMALL,
-            color=INK,
-            fontweight="bold" if row.strong else "normal",
+            (start + (width if flush == "right" else 6.0), 0.0),
+            coords=("axes fraction", "data"),
+            strong=row.strong,
             ha=flush,
-            va="center_baseline",
         )
         start += width
 

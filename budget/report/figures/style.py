@@ -178,7 +178,7 @@ def write_on(
     base: float,
     text: str,
     *,
-    size: float = TEXT,
+    size: float = SMALL,
     weight: str = "normal",
     colour: str = INK,
 ) -> None:
@@ -192,6 +192,44 @@ def write_on(
         fontweight=weight,
         color=colour,
     )
+
+
+def write(
+    axes: Axes,
+    text: str,
+    at: tuple[float, float],
+    shift: tuple[float, float] = (0.0, 0.0),
+    *,
+    ha: str = "left",
+    va: str = "center_baseline",
+    strong: bool = False,
+    colour: str = INK,
+    coords: tuple[str, str] = ("data", "data"),
+) -> None:
+    """Write a small text at a place of the axes, shifted by points."""
+    axes.annotate(
+        text,
+        at,
+        xycoords=coords,
+        xytext=shift,
+        textcoords="offset points",
+        fontsize=SMALL,
+        fontweight="bold" if strong else "normal",
+        color=colour,
+        ha=ha,
+        va=va,
+    )
+
+
+def plane(title: str, across: str, up: str, height: float) -> tuple[Figure, Axes]:
+    """Make a figure with a grid over two axes, each with quantity and unit."""
+    figure, axes = canvas(height, left=58.0, right=66.0, top=12.0, below=34.0)
+    figure.set_label(title)
+    axes.tick_params(axis="y", labelsize=SMALL, labelcolor=MUTED)
+    axes.grid(color=GRID, linewidth=0.6)
+    axes.set_xlabel(across, fontsize=SMALL, color=MUTED)
+    axes.set_ylabel(up, fontsize=SMALL, color=MUTED)
+    return figure, axes
 
 
 def log_ticks(axis: Axis, most: int | None = None) -> None:

@@ -19,15 +19,13 @@ from budget.report.figures.rows import (
     Side,
 )
 from budget.report.figures.style import (
-    GRID,
     INK,
-    MUTED,
     PAPER,
-    SMALL,
     as_picture,
-    canvas,
     capital,
     house_style,
+    plane,
+    write,
 )
 from budget.report.paper.texts import print_ratio
 from budget.report.tables import print_given
@@ -89,13 +87,13 @@ def sweep_title(sweep: Sweep) -> str:
 @house_style()
 def _draw_sweep(sweep: Sweep, title: str) -> Figure:
     """Draw relative errors against the step; curves that coincide share one label."""
-    figure, axes = canvas(HEIGHT, left=58.0, right=66.0, top=12.0, below=34.0)
-    figure.set_label(title)
-    axes.tick_params(axis="y", labelsize=SMALL, labelcolor=MUTED)
-    axes.grid(color=GRID, linewidth=0.6)
     largest = sweep.largest
     exponent = int(np.floor(np.log10(largest))) if largest else 0
     scale = 10.0**exponent
+    unit = f"1e{exponent}" if largest else "1"
+    figure, axes = plane(
+        title, f"{_cause(sweep)} [ppm]", f"relative error [{unit}]", HEIGHT
+    )
     x = sweep.size / PPM
     for k, (names, curve) in enumerate(_gathered(sweep)):
         axes.plot(
@@ -106,23 +104,13 @@ def _draw_sweep(sweep: Sweep, title: str) -> Figure:
             linestyle=DASHES[k % len(DASHES)],
             gid=f"curve-{k}",
         )
-        axes.annotate(
-            "all" if len(names) == len(sweep.names) else ", ".join(names),
-            (x[-1], curve[-1] / scale),
-            xytext=(5.0, 0.0),
-            textcoords="offset points",
-            fontsize=SMALL,
-            color=INK,
-            va="center",
-        )
+        name = "all" if len(names) == len(sweep.names) else ", ".join(names)
+        write(axes, name, (x[-1], curve[-1] / scale), (5.0, 0.0))
     axes.set_xlim(0.0, float(x[-1]))
     reach = 1.15 * largest / scale or 1.0
     axes.set_ylim(-reach, reach)
     if not largest:
         axes.set_yticks([0.0], ["0"])
-    axes.set_xlabel(f"{_cause(sweep)} [ppm]", fontsize=SMALL, color=MUTED)
-    unit = f"1e{exponent}" if largest else "1"
-    axes.set_ylabel(f"relative error [{unit}]", fontsize=SMALL, color=MUTED)
     return figure
 
 
