@@ -12,7 +12,7 @@ from budget.cli.streams import console, say
 
 if TYPE_CHECKING:
     from budget.errors import Issue
-    from budget.report.comparison.table_blocks import RankingField
+    from budget.report.comparison.tables import RankingField
     from budget.spec.records import Device
     from budget.studies.comparison.records import Comparison
 
@@ -110,7 +110,7 @@ def compare(
     from budget.cli.computing import computing
     from budget.cli.output import check_destinations, check_suffixes, command_line
     from budget.errors import CallError
-    from budget.report.comparison.table_blocks import find_column
+    from budget.report.comparison.tables import find_column
     from budget.spec import load_catalogue, load_procedure, load_requirement
     from budget.studies.comparison.compare import compare as run
     from budget.studies.judgement import TRIALS

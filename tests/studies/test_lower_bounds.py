@@ -15,7 +15,7 @@ from budget.report.allocation.page import allocation_answer, allocation_section
 from budget.report.analysis.verdict import rank_causes
 from budget.report.analysis.what_if import what_if_section
 from budget.report.comparison.figures import pareto_title
-from budget.report.comparison.tables import tables as comparison_tables
+from budget.report.comparison.tables import rankings
 from budget.report.document import to_csv, to_json
 from budget.report.figures.density import density_picture, density_title
 from budget.report.tables import AT_LEAST, group_tables
@@ -139,7 +139,7 @@ def test_the_undecidable_come_after_those_that_fail():
     bad = replace(scaled(ZHAO, 50.0), name="bad", mass="9 kg")
     comparison = compared(replace(bare, name="bare"), bad)
     found = {one.name: one for one in comparison.devices if one.sensor == "gyro"}
-    (table, *_) = comparison_tables(comparison)
+    (table, *_) = rankings(comparison)
 
     assert gyro_ranks(comparison) == ["bad", "bare"]
     assert found["bare"].verdict == "undecidable"

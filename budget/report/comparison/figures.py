@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from budget.report.comparison.tables import print_output
+from budget.report.comparison.tables import merit_points, print_output
 from budget.report.figures.rows import (
     Bar,
     Chart,
@@ -40,7 +40,7 @@ from budget.report.tables import (
     round_error,
     words,
 )
-from budget.studies.figures_of_merit import MERITS, Amount, read_amount
+from budget.studies.figures_of_merit import MERITS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -52,8 +52,8 @@ if TYPE_CHECKING:
     from budget.names import Name
     from budget.report.blocks import Picture
     from budget.report.blocks import Table as DataTable
+    from budget.report.comparison.tables import Ranking
     from budget.report.comparison.tables import Row as Device
-    from budget.report.comparison.tables import Table
     from budget.report.figures.rows import Mark
     from budget.results import OutputAssessment
 
@@ -75,7 +75,7 @@ NAMED = 3  # devices in a title
 LEAST_COSTS = 2  # different ones, below which a scatter shows nothing
 
 
-def margin_chart(table: Table, name: str) -> Chart:
+def margin_chart(table: Ranking, name: str) -> Chart:
     """Show how far each device is from its limit: bars that start at the limit.
 
     The ranking has the data.
@@ -107,7 +107,7 @@ def margin_chart(table: Table, name: str) -> Chart:
     )
 
 
-def margin_title(table: Table) -> str:
+def margin_title(table: Ranking) -> str:
     """State the finding: how many meet, and the best of those that can be decided."""
     sensor = capital(table.sensor)
     meets = [row for row in table.rows if row.of.verdict == "meets"]
@@ -165,7 +165,7 @@ def _margin_row(row: Device, end: float) -> Row:
     )
 
 
-def map_chart(table: Table, name: str, data: DataTable) -> Chart:
+def map_chart(table: Ranking, name: str, data: DataTable) -> Chart:
     """Show devices by outputs, best first: one hue, a step and a frame at the limit."""
     rows = table.rows[:SHOWN]
     outputs = rows[0].of.outputs
@@ -211,7 +211,7 @@ def map_chart(table: Table, name: str, data: DataTable) -> Chart:
     )
 
 
-def map_title(table: Table) -> str:
+def map_title(table: Ranking) -> str:
     """State the finding: which output is the tightest for most devices."""
     # Of what is only known to be this or more, nobody knows what is the tightest.
     rows = [row for row in table.rows if not row.of.lower_bound]
@@ -301,7 +301,7 @@ def _cell(output: OutputAssessment) -> str:
     return text if len(text) <= ROOM or text[:1] == AT_LEAST else "<0.1"
 
 
-def front_picture(table: Table, merit: str, name: str, data: DataTable) -> Picture:
+def front_picture(table: Ranking, merit: str, name: str, data: DataTable) -> Picture:
     """Return the part of the limit against a cost; each point has its tooltip."""
     points = merit_points(table, merit)
     said = "; ".join(
@@ -329,22 +329,7 @@ def front_picture(table: Table, merit: str, name: str, data: DataTable) -> Pictu
     )
 
 
-def merit_points(table: Table, merit: str) -> list[tuple[Device, Amount]]:
-    """Return the devices whose price, mass or power can be compared, cheapest first."""
-    found = [
-        (row, amount)
-        for row in table.rows
-        if (amount := read_amount(merit, getattr(row.of, merit))) is not None
-    ]
-    if not found:
-        return []
-    # As the front does: amounts in other units than the first one cannot be compared.
-    unit = found[0][1].unit
-    same = [pair for pair in found if pair[1].unit == unit]
-    return sorted(same, key=lambda pair: (pair[1].value, pair[0].of.utilisation))
-
-
-def no_front(table: Table, merit: str) -> str:
+def no_front(table: Ranking, merit: str) -> str:
     """Say why a front would show nothing; '' where it shows something."""
     points = merit_points(table, merit)
     if not points:
@@ -360,7 +345,7 @@ def no_front(table: Table, merit: str) -> str:
     )
 
 
-def no_fronts(table: Table) -> str:
+def no_fronts(table: Ranking) -> str:
     """Say in a sentence which fronts are not drawn, and why; '' where all are."""
     reasons = {merit: no_front(table, merit) for merit in MERITS}
     missing = [merit for merit in MERITS if reasons[merit]]
@@ -376,7 +361,7 @@ def no_fronts(table: Table) -> str:
 
 
 @house_style()
-def pareto_scatter(table: Table, merit: str) -> Figure:
+def pareto_scatter(table: Ranking, merit: str) -> Figure:
     """Draw the part of the limit against a cost; the front is joined, the rest grey."""
     points = merit_points(table, merit)
     figure, axes = plane(
@@ -425,7 +410,7 @@ def pareto_scatter(table: Table, merit: str) -> Figure:
     return figure
 
 
-def pareto_title(table: Table, merit: str) -> str:
+def pareto_title(table: Ranking, merit: str) -> str:
     """State the finding: which devices nobody beats in both."""
     best = [
         row.device for row, _ in merit_points(table, merit) if merit in row.of.on_front
@@ -479,7 +464,7 @@ def mark_name(row: Device, length: int) -> str:
     return fit_name(row.device, length - len(MARK)) + MARK
 
 
-def explain_mark(table: Table) -> str:
+def explain_mark(table: Ranking) -> str:
     """Say what the mark means, '' where no device of the figure has it."""
     if not any(row.missing for row in table.rows[:SHOWN]):
         return ""
@@ -488,7 +473,7 @@ def explain_mark(table: Table) -> str:
     )
 
 
-def more_devices(table: Table) -> str:
+def more_devices(table: Ranking) -> str:
     """Say that a figure does not show all devices, '' where it does."""
     whole = len(table.rows)
     return f" The first {SHOWN} of {whole} devices." if whole > SHOWN else ""

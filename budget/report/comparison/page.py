@@ -24,7 +24,8 @@ from budget.report.comparison.figures import (
     no_front,
     no_fronts,
 )
-from budget.report.comparison.table_blocks import (
+from budget.report.comparison.tables import (
+    PAIRS_SHOWN,
     assumptions_table,
     front_table,
     missing_table,
@@ -33,8 +34,8 @@ from budget.report.comparison.table_blocks import (
     procedures_table,
     ranking_note,
     ranking_table,
+    rankings,
 )
-from budget.report.comparison.tables import PAIRS_SHOWN, tables
 from budget.report.comparison.wording import (
     advice_lines,
     answer,
@@ -61,7 +62,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from budget.report.blocks import Block, Picture, Words
-    from budget.report.comparison.tables import Row, Table
+    from budget.report.comparison.tables import Ranking, Row
     from budget.studies.comparison.records import Comparison
 
 COMMAND = "budget compare"
@@ -98,7 +99,7 @@ def comparison_document(
     Document
         The same for the same arguments.
     """
-    found = tables(comparison)
+    found = rankings(comparison)
     several = len(comparison.procedures) > 1
     number = len({one.place for one in comparison.entrants})
     sections = [
@@ -152,7 +153,7 @@ def comparison_sections(comparison: Comparison) -> tuple[Section, ...]:
     """
     # No headline here: 'MET' would be read as a verdict on the report's device.
     apart = Paragraph(words=(computed_apart(comparison),), small=True)
-    return tuple(_answer(comparison, tables(comparison), apart))
+    return tuple(_answer(comparison, rankings(comparison), apart))
 
 
 def comparison_answer(
@@ -168,13 +169,13 @@ def comparison_answer(
         What the rows of a ranking are sorted by, in place of the rank.
     """
     return (
-        *_answer(comparison, tables(comparison, order=order)),
+        *_answer(comparison, rankings(comparison, order=order)),
         _method(comparison),
     )
 
 
 def _answer(
-    comparison: Comparison, found: Sequence[Table], *apart: Block
+    comparison: Comparison, found: Sequence[Ranking], *apart: Block
 ) -> Iterator[Section]:
     """Yield the sections that report and terminal have in common."""
     several = len(comparison.procedures) > 1
@@ -201,7 +202,7 @@ def _answer(
     yield _remarks(comparison, on_first_page=False)
 
 
-def _card(table: Table, *, several: bool) -> Card:
+def _card(table: Ranking, *, several: bool) -> Card:
     """Return the answer for one sensor under one procedure."""
     best = best_of(table)
     lines: list[Words] = []
@@ -220,18 +221,18 @@ def _card(table: Table, *, several: bool) -> Card:
     return Card(title=_heading(table, several=several), lines=tuple(lines))
 
 
-def _heading(table: Table, *, several: bool) -> str:
+def _heading(table: Ranking, *, several: bool) -> str:
     """Name a sensor, under its procedure where there are several."""
     return capital(table.sensor) + (f", {table.procedure}" if several else "")
 
 
-def _devices_heading(table: Table, *, several: bool) -> str:
+def _devices_heading(table: Ranking, *, several: bool) -> str:
     """Name what is ranked, under its procedure where there are several."""
     name = f"{capital(table.sensor)} devices"
     return f"{name}, {table.procedure}" if several else name
 
 
-def _overview(found: Sequence[Table]) -> Section:
+def _overview(found: Sequence[Ranking]) -> Section:
     """Return how far every device is from its limit."""
     drawing = ForPages(
         lambda: (
@@ -254,7 +255,7 @@ def _remarks(comparison: Comparison, *, on_first_page: bool) -> Section:
     """Return what to beware of: warnings, advice, caps, and verdicts left open."""
     lines = (
         *comparison.warnings,
-        *filter(None, map(nothing_known_line, tables(comparison))),
+        *filter(None, map(nothing_known_line, rankings(comparison))),
         *undecidable_lines(comparison),
         *advice_lines(comparison),
         *(f"Over a cap: {line}" for line in cap_lines(comparison)),
@@ -297,7 +298,9 @@ def _missing(comparison: Comparison) -> tuple[Section, ...]:
     )
 
 
-def _procedures(comparison: Comparison, found: Sequence[Table]) -> tuple[Section, ...]:
+def _procedures(
+    comparison: Comparison, found: Sequence[Ranking]
+) -> tuple[Section, ...]:
     """Return every device under every procedure; nothing where there is one."""
     if len(comparison.procedures) == 1 or not comparison.devices:
         return ()
@@ -321,7 +324,7 @@ def _procedures(comparison: Comparison, found: Sequence[Table]) -> tuple[Section
 
 
 def _devices(
-    found: Sequence[Table], place: int, *, with_margins: bool, several: bool
+    found: Sequence[Ranking], place: int, *, with_margins: bool, several: bool
 ) -> Section:
     """Return ranking and figures of one sensor under one procedure.
 
@@ -364,7 +367,7 @@ def _devices(
     )
 
 
-def _fronts(table: Table, end: str) -> Iterator[Picture]:
+def _fronts(table: Ranking, end: str) -> Iterator[Picture]:
     """Yield a front for each cost of which there are two different amounts."""
     for merit in MERITS:
         if not no_front(table, merit):

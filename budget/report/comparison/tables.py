@@ -1,10 +1,15 @@
-"""A comparison as texts: the tables that terminal and page share."""
+"""The tables of a comparison: ranking, outputs, fronts, pairs, procedures."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from difflib import get_close_matches
+from functools import partial
+from math import inf
 from typing import TYPE_CHECKING, Any
 
+from budget.errors import CallError
+from budget.report.blocks import Cell, Field, table_of
 from budget.report.tables import (
     AT_LEAST,
     AT_MOST,
@@ -12,24 +17,35 @@ from budget.report.tables import (
     Number,
     bound_number,
     join_outputs,
+    key_title,
+    output_title,
+    print_given,
     print_probability,
     print_three,
     print_utilisation,
     round_value,
     source_title,
+    words,
 )
-from budget.studies.comparison.records import VERDICTS, ranks
+from budget.studies.comparison.records import VERDICTS, rank_number, ranks
+from budget.studies.figures_of_merit import read_amount
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from budget.names import Name
+    from budget.report.blocks import Table
+    from budget.report.comparison.wording import MissingEffect
     from budget.results import OutputAssessment, Probability
     from budget.studies.comparison.records import (
         Comparison,
         DeviceVerdict,
         MissingLines,
+        Pair,
         Remedy,
     )
+    from budget.studies.figures_of_merit import Amount
+
 
 PAIRS_SHOWN = 20
 MOST_FACTOR = 1000.0  # beyond, a line does not limit anything in any case
@@ -55,7 +71,7 @@ class Row:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Table:
+class Ranking:
     """All devices with one sensor under one procedure."""
 
     sensor: str
@@ -84,9 +100,9 @@ class SideRow:
     cells: tuple[str, ...]
 
 
-def tables(
+def rankings(
     comparison: Comparison, *, order: Callable[[Row], Any] | None = None
-) -> tuple[Table, ...]:
+) -> tuple[Ranking, ...]:
     """Return a table for each sensor and procedure, best first or by a column."""
     found = []
     for (sensor, procedure), devices in comparison.lists.items():
@@ -101,7 +117,7 @@ def tables(
             if (one.sensor, one.procedure) == (sensor, procedure)
         )
         found.append(
-            Table(
+            Ranking(
                 sensor=sensor,
                 procedure=procedure,
                 rows=tuple(rows),
@@ -111,7 +127,7 @@ def tables(
     return tuple(found)
 
 
-def side_by_side(found: Sequence[Table], sensor: str) -> tuple[SideRow, ...]:
+def side_by_side(found: Sequence[Ranking], sensor: str) -> tuple[SideRow, ...]:
     """Return the devices with one sensor under all procedures, as under the first."""
     own = [table for table in found if table.sensor == sensor]
     cells = {
@@ -200,3 +216,391 @@ def print_worst_case(missing: MissingLines | None) -> str:
         return "?"
     text = print_parts(missing.utilisation, (missing.utilisation,) * 2)[0]
     return f"{text} {missing.verdict}"
+
+
+LONG = 8  # rows from which a table is worth searching
+FEW = 2  # devices that are named, even where they are all
+DASH = "\N{EN DASH}"  # a factor that is not there
+
+
+@dataclass(frozen=True, kw_only=True)
+class RankingField(Field[Row]):
+    """A column of the ranking, and what `--sort` puts it in order by."""
+
+    order: Callable[[Row], Any]
+
+
+def _undecided_last(row: Row, number: float) -> tuple[bool, float]:
+    """Order by a number, what cannot be decided last."""
+    return row.of.verdict == "undecidable", number
+
+
+def _utilisation(row: Row) -> Cell:
+    """Return the part of the limit that a device uses."""
+    return Cell(text=row.utilisation, exact=PER_CENT * row.of.utilisation)
+
+
+RANKING = (
+    RankingField(
+        key="device",
+        head="device",
+        weight=2.0,
+        cell=lambda row: Cell(
+            text=row.device,
+            strong=row.verdict == "meets",
+            note="lines missing" if row.missing else "",
+        ),
+        order=lambda row: row.device.casefold(),
+    ),
+    RankingField(
+        key="rank",
+        head="rank",
+        kind="number",
+        cell=lambda row: Cell(text=row.rank, exact=float(rank_number(row.rank))),
+        order=lambda row: rank_number(row.rank),
+    ),
+    RankingField(
+        key="verdict",
+        head="verdict",
+        cell=lambda row: Cell(text=row.verdict, strong=row.verdict == "meets"),
+        order=lambda row: VERDICTS.index(row.of.verdict),
+    ),
+    RankingField(
+        key="utilisation",
+        head="% of limit",
+        kind="number",
+        cell=_utilisation,
+        order=lambda row: _undecided_last(row, row.of.utilisation),
+    ),
+    RankingField(
+        key="interval",
+        head="sampling interval",
+        weight=1.3,
+        cell=lambda row: row.interval,
+        optional=True,
+        order=lambda row: row.of.utilisation_interval,
+    ),
+    RankingField(
+        key="conformance",
+        head="conformance [%]",
+        kind="number",
+        cell=lambda row: Cell(
+            text=row.conformance, exact=PER_CENT * row.of.conformance.value
+        ),
+        order=lambda row: _undecided_last(row, -row.of.conformance.value),
+    ),
+    RankingField(
+        key="worst_output",
+        head="worst output",
+        weight=1.3,
+        cell=lambda row: row.worst_output,
+        order=lambda row: row.worst_output,
+    ),
+    RankingField(
+        key="limiting_source",
+        head="limited by",
+        weight=1.5,
+        cell=lambda row: row.limiting_source,
+        order=lambda row: row.limiting_source,
+    ),
+    RankingField(
+        key="factor",
+        head="factor",
+        kind="number",
+        cell=lambda row: Cell(text=row.factor or DASH, exact=row.of.remedy.factor),
+        order=lambda row: -(row.of.remedy.factor or 0.0),
+    ),
+    RankingField(
+        key="missing",
+        head="missing",
+        kind="number",
+        cell=lambda row: Cell(
+            text=row.missing, exact=float(row.missing) if row.missing else None
+        ),
+        optional=True,
+        order=lambda row: len(row.of.missing.lines) if row.of.missing else 0,
+    ),
+    RankingField(
+        key="at_worst",
+        head="at worst [% of limit]",
+        cell=lambda row: row.at_worst,
+        optional=True,
+        order=lambda row: inf if row.of.at_worst is None else row.of.at_worst,
+    ),
+)
+
+
+def find_column(name: str) -> RankingField:
+    """Return the column of that key or head.
+
+    Raises
+    ------
+    CallError
+        There is none.
+    """
+    known = {
+        text: column for column in RANKING for text in (column.key, column.head)
+    } | {words(column.key): column for column in RANKING}
+    if name in known:
+        return known[name]
+    near = get_close_matches(name, known)
+    hint = f"; did you mean {near[0]!r}?" if near else ""
+    raise CallError(
+        f"--sort: {name!r} is no column, allowed: "
+        f"{', '.join(column.key for column in RANKING)}{hint}"
+    )
+
+
+def ranking_table(devices: Ranking, name: str) -> Table:
+    """Return the devices with one sensor under one procedure, best first."""
+    return table_of(
+        devices.rows,
+        RANKING,
+        name=name,
+        caption=f"Ranking of the {devices.sensor} devices",
+        is_wide=True,
+        searchable=len(devices.rows) >= LONG,
+    )
+
+
+def ranking_note(found: Sequence[Ranking]) -> str:
+    """Say what the columns of the rankings mean."""
+    text = (
+        "Best first; = marks neighbours that cannot be told apart at 95 %. "
+        "Conformance: probability that all required outputs are within their limits "
+        "together. Factor: times this, the standard uncertainty of the limiting "
+        "source alone would bring the worst output to its limit, by the law; "
+        f"{DASH}: it alone cannot."
+    )
+    if any(row.missing for devices in found for row in devices.rows):
+        text += (
+            " Missing: expected lines that the data sheet does not give; they count as "
+            f"0, so that the error is this or more ({AT_LEAST}), and one stops a "
+            "'meets'. At worst: with the worst of the catalogue of the same technology "
+            "and grade in their place; ?: there is none, and nothing is known."
+        )
+    return text
+
+
+def outputs_table(devices: Ranking, name: str) -> Table:
+    """Return the part of each limit that each device uses: the data of the map."""
+    return table_of(
+        devices.rows,
+        (
+            Field[Row](head="device", cell=lambda row: row.device),
+            *(
+                Field[Row](
+                    head=_output_head(output.output.name),
+                    kind="number",
+                    cell=partial(_part_of_limit, place),
+                )
+                for place, output in enumerate(devices.rows[0].of.outputs)
+            ),
+        ),
+        name=name,
+        caption="Largest error in % of the limit, devices by outputs",
+        is_wide=True,
+        searchable=len(devices.rows) >= LONG,
+    )
+
+
+def front_table(devices: Ranking, merit: str, name: str) -> Table:
+    """Return cost and part of the limit of each device: the data of a front."""
+    points = merit_points(devices, merit)
+    return table_of(
+        points,
+        (
+            Field(head="device", weight=1.6, cell=lambda point: point[0].device),
+            Field(
+                head=f"{merit} [{points[0][1].unit}]",
+                kind="number",
+                cell=lambda point: Cell(
+                    text=print_given(point[1].value), exact=point[1].value
+                ),
+            ),
+            Field(
+                head="% of limit",
+                kind="number",
+                cell=lambda point: _utilisation(point[0]),
+            ),
+            Field(head="verdict", cell=lambda point: point[0].verdict),
+            Field(
+                head="on the front",
+                cell=lambda point: "yes" if merit in point[0].of.on_front else "no",
+            ),
+        ),
+        name=name,
+        caption=f"{merit} and part of the limit, cheapest first",
+    )
+
+
+def _pair_utilisation(pair: Pair) -> Cell:
+    """Return the part of its limits that a pair uses."""
+    part = print_utilisation(pair.utilisation).removesuffix(" %")
+    return Cell(
+        text=f"{AT_LEAST} {part}" if pair.lower_bound else part,
+        exact=PER_CENT * pair.utilisation,
+    )
+
+
+PAIRS = (
+    Field["Pair"](
+        head="gyro",
+        weight=1.6,
+        cell=lambda pair: Cell(text=pair.gyro, strong=pair.verdict == "meets"),
+    ),
+    Field["Pair"](
+        head="accelerometer",
+        weight=1.6,
+        cell=lambda pair: Cell(text=pair.accelerometer, strong=pair.verdict == "meets"),
+    ),
+    Field["Pair"](head="procedure", cell=lambda pair: pair.procedure),
+    Field["Pair"](head="verdict", cell=lambda pair: pair.verdict),
+    Field["Pair"](head="% of limit", kind="number", cell=_pair_utilisation),
+    Field["Pair"](
+        head="conformance [%]",
+        kind="number",
+        cell=lambda pair: Cell(
+            text=print_at_most(pair.conformance)
+            if pair.lower_bound
+            else print_probability(pair.conformance),
+            exact=PER_CENT * pair.conformance.value,
+        ),
+    ),
+)
+
+
+def pairs_table(pairs: Sequence[Pair]) -> Table:
+    """Return the best pairs of a gyro and an accelerometer."""
+    several = len({pair.procedure for pair in pairs}) > 1
+    return table_of(
+        pairs[:PAIRS_SHOWN],
+        [field for field in PAIRS if several or field.head != "procedure"],
+        name="pairs-table",
+        caption="Pairs of gyro and accelerometer, best first",
+        is_wide=True,
+        searchable=len(pairs) >= LONG,
+    )
+
+
+def procedures_table(
+    comparison: Comparison, found: Sequence[Ranking], sensor: str
+) -> Table:
+    """Return one sensor of every device under every procedure."""
+    rows = side_by_side(found, sensor)
+    return table_of(
+        rows,
+        (
+            Field[SideRow](head="device", weight=1.6, cell=lambda row: row.device),
+            *(
+                Field[SideRow](head=name, cell=partial(_under, place))
+                for place, name in enumerate(comparison.procedures)
+            ),
+        ),
+        name=f"procedures-{sensor}",
+        caption=f"{sensor} devices by procedure: % of the limit and verdict",
+        is_wide=True,
+        searchable=len(rows) >= LONG,
+    )
+
+
+def assumptions_table(comparison: Comparison, name: str) -> Table:
+    """Return what the files leave to be assumed, alike ones in one row.
+
+    An assumption reads 'device: figure: what is assumed'; those of a procedure or of
+    the requirement name no device.
+    """
+    names = sorted({one.name for one in comparison.devices}, key=len, reverse=True)
+    gathered: dict[tuple[str, str], list[str]] = {}
+    for text in comparison.assumptions:
+        device = next((name for name in names if text.startswith(f"{name}: ")), "")
+        rest = text.removeprefix(f"{device}: ") if device else text
+        figure, _, assumed = rest.partition(": ")
+        gathered.setdefault((figure, assumed), []).append(device)
+    alike: dict[tuple[str, tuple[str, ...]], list[str]] = {}
+    for (figure, assumed), devices in gathered.items():
+        alike.setdefault((assumed, tuple(devices)), []).append(figure)
+    return table_of(
+        alike.items(),
+        (
+            Field(
+                head="figure",
+                weight=1.2,
+                cell=lambda item: ", ".join(map(key_title, item[1])),
+            ),
+            Field(head="assumed", weight=2.0, cell=lambda item: item[0][0]),
+            Field(
+                head="of",
+                weight=2.0,
+                cell=lambda item: _owners(item[0][1], len(names)),
+            ),
+        ),
+        name=name,
+        caption="Assumptions in the files",
+        is_wide=True,
+        searchable=len(alike) >= LONG,
+    )
+
+
+def missing_table(effects: Sequence[MissingEffect]) -> Table:
+    """Return what is put in the place of lines that are not given."""
+    return table_of(
+        effects,
+        (
+            Field(head="sensor", weight=0.7, cell=lambda row: row.sensor),
+            Field(head="devices", weight=1.5, cell=lambda row: ", ".join(row.devices)),
+            Field(
+                head="in the place of what is missing",
+                weight=2.5,
+                cell=lambda row: row.effect,
+            ),
+        ),
+        name="missing-table",
+        caption="What 'at worst' puts in the place of expected lines not given",
+        is_wide=True,
+        searchable=len(effects) >= LONG,
+    )
+
+
+def _owners(devices: Sequence[str], number: int) -> str:
+    """Name the devices that an assumption is of; many that are all, as such."""
+    named = [name for name in devices if name]
+    if len(named) == number > FEW:
+        return f"all {number} devices"
+    return ", ".join(named)
+
+
+def _output_head(name: Name) -> str:
+    """Name an output above a narrow column: 'angle xy'."""
+    return output_title(name.without_owner).removeprefix("mounting ")
+
+
+def _under(place: int, row: SideRow) -> str:
+    """Return what a device uses, and its verdict, under one of the procedures."""
+    return row.cells[place]
+
+
+def _part_of_limit(place: int, row: Row) -> Cell:
+    """Return the part of one limit that one device uses; beyond it in bold."""
+    output = row.of.outputs[place]
+    part = output.utilisation
+    return Cell(
+        text=print_output(output),
+        exact=PER_CENT * part,
+        strong=not output.is_within,
+    )
+
+
+def merit_points(ranking: Ranking, merit: str) -> list[tuple[Row, Amount]]:
+    """Return the devices whose price, mass or power can be compared, cheapest first."""
+    found = [
+        (row, amount)
+        for row in ranking.rows
+        if (amount := read_amount(merit, getattr(row.of, merit))) is not None
+    ]
+    if not found:
+        return []
+    # As the front does: amounts in other units than the first one cannot be compared.
+    unit = found[0][1].unit
+    same = [pair for pair in found if pair[1].unit == unit]
+    return sorted(same, key=lambda pair: (pair[1].value, pair[0].of.utilisation))

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from budget.names import Name
-    from budget.report.comparison.tables import Row, Table
+    from budget.report.comparison.tables import Ranking, Row
     from budget.studies.comparison.records import AssumedLine, Comparison
 
 
@@ -73,7 +73,7 @@ def computed_apart(comparison: Comparison) -> str:
     )
 
 
-def verdict_lines(found: Sequence[Table]) -> tuple[str, ...]:
+def verdict_lines(found: Sequence[Ranking]) -> tuple[str, ...]:
     """Say for each sensor and procedure who is best, or that nobody meets."""
     several = len({table.procedure for table in found}) > 1
     lines = []
@@ -87,7 +87,7 @@ def verdict_lines(found: Sequence[Table]) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def nothing_known_line(table: Table) -> str:
+def nothing_known_line(table: Ranking) -> str:
     """Name the devices that no figure can be given for; '' where there are none."""
     if not table.nothing_known:
         return ""
@@ -98,7 +98,7 @@ def nothing_known_line(table: Table) -> str:
     )
 
 
-def best_of(table: Table) -> Row | None:
+def best_of(table: Ranking) -> Row | None:
     """Return the best device that meets, None where none does."""
     meets = [row for row in table.rows if row.of.verdict == "meets"]
     return min(meets, key=lambda row: rank_number(row.rank), default=None)

@@ -29,12 +29,13 @@ from budget.report.comparison.page import (
     comparison_document,
     comparison_sections,
 )
-from budget.report.comparison.table_blocks import RANKING, find_column
 from budget.report.comparison.tables import (
+    RANKING,
+    find_column,
     print_factor,
     print_parts,
     print_probability,
-    tables,
+    rankings,
 )
 from budget.report.figures.rows import draw
 from budget.report.page import render_page
@@ -164,8 +165,8 @@ def test_a_dash_is_explained():
 
 def test_sorting_keeps_the_rank(comparison):
     """Sorted by device, each keeps the rank it had."""
-    by_rank = {r.device: r.rank for r in tables(comparison)[0].rows}
-    rows = tables(comparison, order=find_column("device").order)[0].rows
+    by_rank = {r.device: r.rank for r in rankings(comparison)[0].rows}
+    rows = rankings(comparison, order=find_column("device").order)[0].rows
 
     assert [r.device for r in rows] == sorted(by_rank)
     assert {r.device: r.rank for r in rows} == by_rank
@@ -176,7 +177,7 @@ def test_every_column_can_be_sorted_by(comparison, column):
     """Its key and its head name a column, and it has an order."""
     assert find_column(column.key) is column
     assert find_column(column.head) is column
-    assert len(tables(comparison, order=column.order)[0].rows) == 3
+    assert len(rankings(comparison, order=column.order)[0].rows) == 3
 
 
 def test_unknown_column_says_the_nearest():
@@ -225,7 +226,7 @@ def test_document_is_in_printed_units(comparison):
 def test_map_frames_what_is_beyond_the_limit():
     """A frame for each cell beyond its limit, none for the others."""
     found = compared([only_bias("over", 3.0), only_bias("under", 0.1)], method="gum")
-    figure = draw(map_chart(tables(found)[0], "map", None))
+    figure = draw(map_chart(rankings(found)[0], "map", None))
     frames = [p for p in figure.axes[0].patches if p.get_facecolor()[3] == 0.0]
 
     assert len(frames) == 3  # three biases of one device
@@ -233,7 +234,7 @@ def test_map_frames_what_is_beyond_the_limit():
 
 def test_margin_bars_start_at_the_limit(comparison):
     """Bars run from 100 % to the part of the limit; the undecidable from there on."""
-    table = tables(comparison)[0]
+    table = rankings(comparison)[0]
     axes = draw(margin_chart(table, "margins")).axes[0]
 
     for bar, row in zip(axes.patches, table.rows, strict=True):
@@ -246,7 +247,7 @@ def test_margin_bars_start_at_the_limit(comparison):
 
 def test_front_is_joined(comparison):
     """The line of the scatter goes through the devices on the front, cheapest first."""
-    table = tables(comparison)[0]
+    table = rankings(comparison)[0]
     (front, *_) = (line for line in pareto_scatter(table, "mass").axes[0].lines[1:])
     best = [row for row in table.rows if "mass" in row.of.on_front]
 
@@ -256,7 +257,7 @@ def test_front_is_joined(comparison):
 
 def test_words_beside_figures_have_the_numbers(comparison):
     """Alternative texts name every device with its part of the limit."""
-    table = tables(comparison)[0]
+    table = rankings(comparison)[0]
     for text in (
         map_chart(table, "map", None).alt,
         margin_chart(table, "margins").alt,
@@ -269,7 +270,7 @@ def test_words_beside_figures_have_the_numbers(comparison):
 
 def test_no_text_of_a_figure_is_cut(comparison):
     """Names, verdicts, numbers and the axes lie within the figure."""
-    table = tables(comparison)[0]
+    table = rankings(comparison)[0]
 
     assert cut_texts(draw(map_chart(table, "map", None))) == []
     assert cut_texts(draw(margin_chart(table, "margins"))) == []
@@ -310,7 +311,7 @@ def test_rankings_hold_every_number_exactly(comparison, document):
     rankings = [t for t in find(document, Table) if t.name.startswith("ranking")]
 
     assert len(rankings) == 2
-    for table, found in zip(rankings, tables(comparison), strict=True):
+    for table, found in zip(rankings, rankings(comparison), strict=True):
         heads = [column.head for column in table.columns]
         (group,) = table.groups
         for cells, row in zip(group.rows, found.rows, strict=True):
@@ -326,7 +327,7 @@ def test_the_map_has_its_data_behind_it(comparison, document):
     maps = [p for p in find(document, Picture) if p.name.startswith("map")]
 
     assert len(maps) == 2
-    for picture, table in zip(maps, tables(comparison), strict=True):
+    for picture, table in zip(maps, rankings(comparison), strict=True):
         (group,) = picture.data.groups
         for cells, row in zip(group.rows, table.rows, strict=True):
             expected = [100.0 * output.utilisation for output in row.of.outputs]

@@ -19,7 +19,7 @@ from budget.report.comparison.page import (
     comparison_document,
     comparison_sections,
 )
-from budget.report.comparison.tables import tables
+from budget.report.comparison.tables import rankings
 from budget.report.comparison.wording import computed_apart, unknown_cap_lines
 
 pytestmark = pytest.mark.usefixtures("drawn_once")
@@ -206,7 +206,7 @@ def test_with_every_front_drawn_nothing_is_said_of_fronts():
 
 def titled(*devices):
     """Return the title of the margins of some devices."""
-    return margin_title(tables(compared(list(devices), method="gum"))[0])
+    return margin_title(rankings(compared(list(devices), method="gum"))[0])
 
 
 def test_the_title_names_no_device_that_lacks_a_line():
