@@ -308,10 +308,10 @@ def test_document_of_nobody_who_meets_says_so():
 
 def test_rankings_hold_every_number_exactly(comparison, document):
     """Each device stands in the ranking of each sensor; cells know their numbers."""
-    rankings = [t for t in find(document, Table) if t.name.startswith("ranking")]
+    tables = [t for t in find(document, Table) if t.name.startswith("ranking")]
 
-    assert len(rankings) == 2
-    for table, found in zip(rankings, rankings(comparison), strict=True):
+    assert len(tables) == 2
+    for table, found in zip(tables, rankings(comparison), strict=True):
         heads = [column.head for column in table.columns]
         (group,) = table.groups
         for cells, row in zip(group.rows, found.rows, strict=True):
