@@ -5,9 +5,9 @@ from __future__ import annotations
 from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
-from budget.report.analysis.inputs import figures_table, sensor_blocks
 from budget.report.blocks import Field, Listing, Pairs, Paragraph, Section, table_of
 from budget.report.document import json_text
+from budget.report.inputs import figures_table, sensor_blocks
 from budget.report.tables import words
 from budget.results import SCHEMA
 from budget.studies.grades import completeness, grade, kind_of_device

@@ -8,11 +8,6 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from budget.report.analysis.groups import budget_section
-from budget.report.analysis.inputs import (
-    inputs_section,
-    print_degrees,
-    procedure_section,
-)
 from budget.report.analysis.method import Trials, method_section
 from budget.report.analysis.verdict import (
     group_cards,
@@ -40,6 +35,11 @@ from budget.report.figures.rows import chart_picture
 from budget.report.figures.sobol import sobol_chart
 from budget.report.figures.utilisation import utilisation_chart
 from budget.report.figures.validity import validity_chart
+from budget.report.inputs import (
+    inputs_section,
+    print_degrees,
+    procedure_section,
+)
 from budget.report.provenance import provenance_section, sign_off_section
 from budget.report.tables import group_tables, key_title
 from budget.report.wording import first_up, not_given_lines, points

@@ -23,8 +23,8 @@ from saying import assert_says
 
 from budget.distributions import TRIANGULAR
 from budget.report.analysis.build import Extra, report_document
-from budget.report.analysis.inputs import print_by_axis
 from budget.report.blocks import Cell, Equation, Paragraph, Picture, Section, Sliders
+from budget.report.inputs import print_by_axis
 from budget.report.tables import group_tables, output_title
 from budget.resources import shipped
 from budget.results import CapAssessment
