@@ -35,7 +35,6 @@ if TYPE_CHECKING:
 
     from budget.names import Name
     from budget.report.blocks import Table
-    from budget.report.comparison.wording import MissingEffect
     from budget.results import OutputAssessment, Probability
     from budget.studies.comparison.records import (
         Comparison,
@@ -540,6 +539,15 @@ def assumptions_table(comparison: Comparison, name: str) -> Table:
         is_wide=True,
         searchable=len(alike) >= LONG,
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class MissingEffect:
+    """What is put in the place of the expected lines that some devices lack."""
+
+    sensor: str
+    devices: tuple[str, ...]
+    effect: str  # 'bias stability 24 deg/h (of NAME)', or that nothing is known
 
 
 def missing_table(effects: Sequence[MissingEffect]) -> Table:

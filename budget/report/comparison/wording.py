@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from budget.report.comparison.tables import MissingEffect
 from budget.report.tables import print_count, print_coverage, source_title
 from budget.report.wording import REFERENCES
 from budget.studies.comparison.records import rank_number
@@ -15,15 +15,6 @@ if TYPE_CHECKING:
     from budget.names import Name
     from budget.report.comparison.tables import Ranking, Row
     from budget.studies.comparison.records import AssumedLine, Comparison
-
-
-@dataclass(frozen=True, kw_only=True)
-class MissingEffect:
-    """What is put in the place of the expected lines that some devices lack."""
-
-    sensor: str
-    devices: tuple[str, ...]
-    effect: str  # 'bias stability 24 deg/h (of NAME)', or that nothing is known
 
 
 def headline(comparison: Comparison) -> str:
