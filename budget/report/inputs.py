@@ -12,7 +12,7 @@ from budget.report.blocks import Cell, Field, Pairs, Panel, Paragraph, Section, 
 from budget.report.figures.rows import chart_picture
 from budget.report.figures.timeline import schedule_chart
 from budget.report.tables import print_given, words
-from budget.report.wording import first_up
+from budget.report.wording import capital
 from budget.spec.records import ANGLES, AXES
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
 
@@ -159,7 +159,7 @@ def _about(device: Device) -> Iterator[Panel]:
     said = [(label, getattr(device, label).rstrip(" .")) for label in ABOUT]
     lines = "; ".join(f"{label} {text}" for label, text in said if text)
     if lines:
-        blocks.append(Paragraph(words=(f"{first_up(lines)}.",), small=True))
+        blocks.append(Paragraph(words=(f"{capital(lines)}.",), small=True))
     if blocks:
         title = "printed, not budgeted" if device.figures else "the device"
         yield Panel(title=f"{device.name}: {title}", blocks=tuple(blocks))

@@ -48,7 +48,7 @@ SEVERITY = ("fails", "undecidable", "undecided", "meets")  # the first is the pa
 MISSING = {"noise": "a noise line"}
 
 
-def first_up(text: str) -> str:
+def capital(text: str) -> str:
     """Begin a text with a capital; the rest stays as it is."""
     return text[:1].upper() + text[1:]
 

@@ -24,8 +24,9 @@ from budget.report.figures.rows import (
     Scale,
     Side,
 )
-from budget.report.figures.style import GRID, INK, MUTED, PAPER, capital, look_of
+from budget.report.figures.style import GRID, INK, MUTED, PAPER, look_of
 from budget.report.tables import output_title, print_given, source_title
+from budget.report.wording import capital
 from budget.studies.allocation.records import FREE
 from budget.ties import first_largest
 

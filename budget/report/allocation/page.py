@@ -43,7 +43,6 @@ from budget.report.blocks import (
     table_of,
 )
 from budget.report.figures.rows import chart_picture
-from budget.report.figures.style import capital
 from budget.report.tables import (
     join_outputs,
     output_title,
@@ -53,6 +52,7 @@ from budget.report.tables import (
     source_title,
     words,
 )
+from budget.report.wording import capital
 from budget.ties import settle
 
 if TYPE_CHECKING:

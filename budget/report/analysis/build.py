@@ -42,7 +42,7 @@ from budget.report.inputs import (
 )
 from budget.report.provenance import provenance_section, sign_off_section
 from budget.report.tables import group_tables, key_title
-from budget.report.wording import first_up, not_given_lines, points
+from budget.report.wording import capital, not_given_lines, points
 from budget.studies.what_if import one_at_a_time
 from budget.version import __version__
 
@@ -226,7 +226,7 @@ def _causes(causes: Sequence[Cause]) -> Section:
 
 def _cause_words(cause: Cause) -> Words:
     """Say what one source makes of the variance of each group."""
-    words: list[str | Run] = [Run(text=first_up(cause.title), strong=True)]
+    words: list[str | Run] = [Run(text=capital(cause.title), strong=True)]
     words.append(f" ({cause.printed}) makes " if cause.printed else " makes ")
     last = len(cause.effects) - 1
     for place, effect in enumerate(cause.effects):
@@ -250,12 +250,12 @@ def _gaps(budget: Budget, extras: Sequence[Extra]) -> Section:
     lists = (
         (
             "Not given",
-            [f"{first_up(line)}." for line in missing],
+            [f"{capital(line)}." for line in missing],
             "Every line that the model knows is given.",
         ),
         (
             "Assumptions",
-            [first_up(_in_words(text)) for text in budget.assumptions],
+            [capital(_in_words(text)) for text in budget.assumptions],
             "None beyond what the files say.",
         ),
         ("Warnings", warnings, "None."),

@@ -29,7 +29,7 @@ from budget.report.tables import (
     print_coverage,
     settings_lines,
 )
-from budget.report.wording import cell, first_up, not_given_lines, points
+from budget.report.wording import capital, cell, not_given_lines, points
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -121,7 +121,7 @@ def _group_section(group: GroupTable, *, checked: bool) -> Section:
         blocks.append(Paragraph(words=(f"Checked {group.validation}",)))
     return Section(
         name=f"group-{group.sensor}-{group.parameter}",
-        title=f"{first_up(group.title)} [{group.unit}]",
+        title=f"{capital(group.title)} [{group.unit}]",
         blocks=tuple(blocks),
     )
 
@@ -233,7 +233,7 @@ def _panel(group: GroupTable) -> Panel:
     if group.validation:
         text = f"The law checked {group.validation}."
         blocks.append(Paragraph(words=(text,), small=True))
-    return Panel(title=first_up(group.title), blocks=tuple(blocks))
+    return Panel(title=capital(group.title), blocks=tuple(blocks))
 
 
 def _table(group: GroupTable) -> Table:

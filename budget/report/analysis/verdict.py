@@ -37,7 +37,7 @@ from budget.report.wording import (
     REFERENCES,
     SEVERITY,
     VERDICTS,
-    first_up,
+    capital,
     value,
 )
 from budget.studies.request import given_lines, sensors_of
@@ -135,7 +135,7 @@ def limits_section(budget: Budget, assessment: Assessment) -> Section:
         searchable=True,
     )
     text = (
-        f"{first_up(assessment.requirement)}. A limit is on the absolute error: the "
+        f"{capital(assessment.requirement)}. A limit is on the absolute error: the "
         f"largest absolute end of the {coverage} % interval of each output is held "
         f"against it. {_jointly(assessment)}".rstrip()
     )
@@ -215,7 +215,7 @@ def _margin(budget: Budget, assessment: Assessment | None) -> Words:
     """Return by how much limits are held or exceeded, and what errors are."""
     basis = _basis(budget.settings)
     if assessment is None:
-        counted = first_up(REFERENCES[budget.settings.reference])
+        counted = capital(REFERENCES[budget.settings.reference])
         left = "No requirement was given: this is what the calibration leaves."
         return (f"{left} {counted}.",)
     unknown = [sensor.sensor for sensor in assessment.sensors if sensor.nothing_known]
@@ -281,7 +281,7 @@ def _verdict_card(
     if sensor.nothing_known:
         lines.append((f"Nothing is known of it: {missing} are not given.",))
         return Card(
-            title=f"{first_up(sensor.sensor)}: {VERDICTS[sensor.verdict]}",
+            title=f"{capital(sensor.sensor)}: {VERDICTS[sensor.verdict]}",
             lines=tuple(lines),
         )
     if sensor.verdict == "undecidable":
@@ -327,7 +327,7 @@ def _verdict_card(
         text += f" Not given: {missing}."
     lines.append((text,))
     return Card(
-        title=f"{first_up(sensor.sensor)}: {VERDICTS[sensor.verdict]}",
+        title=f"{capital(sensor.sensor)}: {VERDICTS[sensor.verdict]}",
         lines=tuple(lines),
     )
 
@@ -354,7 +354,7 @@ def _group_card(group: GroupTable) -> Card:
     ]
     if refused:
         lines.append((f"In doubt: the law is not confirmed on {', '.join(refused)}.",))
-    return Card(title=first_up(group.title), lines=tuple(lines))
+    return Card(title=capital(group.title), lines=tuple(lines))
 
 
 def _print_excess(part: float) -> str:

@@ -25,7 +25,6 @@ from budget.report.figures.style import (
     PAPER,
     WIDE,
     as_picture,
-    capital,
     house_style,
     log_ticks,
     plane,
@@ -40,6 +39,7 @@ from budget.report.tables import (
     round_error,
     words,
 )
+from budget.report.wording import capital
 from budget.studies.figures_of_merit import MERITS
 
 if TYPE_CHECKING:

@@ -52,9 +52,9 @@ from budget.report.comparison.wording import (
     verdict_lines,
 )
 from budget.report.figures.rows import chart_picture
-from budget.report.figures.style import capital
 from budget.report.provenance import provenance_section
 from budget.report.tables import PER_CENT, settings_lines, words
+from budget.report.wording import capital
 from budget.studies.figures_of_merit import MERITS
 from budget.version import __version__
 

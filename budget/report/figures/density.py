@@ -15,7 +15,6 @@ from budget.report.figures.style import (
     WIDTH,
     as_picture,
     canvas,
-    capital,
     house_style,
     text_width,
     write,
@@ -33,6 +32,7 @@ from budget.report.tables import (
     round_error,
     source_title,
 )
+from budget.report.wording import capital
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

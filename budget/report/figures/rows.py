@@ -22,7 +22,6 @@ from budget.report.figures.style import (
     add_panel,
     as_picture,
     blank,
-    capital,
     fits,
     house_style,
     kebab,
@@ -32,6 +31,7 @@ from budget.report.figures.style import (
     write,
     write_on,
 )
+from budget.report.wording import capital
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -15,16 +15,9 @@ from budget.report.figures.rows import (
     Scale,
     Side,
 )
-from budget.report.figures.style import (
-    OTHER,
-    STYLES,
-    WIDTH,
-    capital,
-    fits,
-    in_order,
-    look_of,
-)
+from budget.report.figures.style import OTHER, STYLES, WIDTH, fits, in_order, look_of
 from budget.report.tables import SMALL_SHARE, print_share, source_title
+from budget.report.wording import capital
 
 if TYPE_CHECKING:
     from budget.names import Name

@@ -17,8 +17,9 @@ from budget.report.figures.rows import (
     Side,
     Stroke,
 )
-from budget.report.figures.style import INK, PAPER, capital, in_order, look_of
+from budget.report.figures.style import INK, PAPER, in_order, look_of
 from budget.report.tables import output_title, print_index, source_title, words
+from budget.report.wording import capital
 from budget.results import widest_of_each
 from budget.ties import first_largest
 

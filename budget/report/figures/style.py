@@ -279,11 +279,6 @@ def in_order(sources: Iterable[Name]) -> list[Name]:
     return sorted(sources, key=lambda name: places.get(name.quantity, len(places)))
 
 
-def capital(text: str) -> str:
-    """Begin a text with a capital; the rest stays as it is."""
-    return text[:1].upper() + text[1:]
-
-
 def to_svg(figure: Figure, *, name: str) -> str:
     """Write a figure as SVG text; ids begin with `name`, so that several fit a page.
 

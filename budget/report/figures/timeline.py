@@ -19,8 +19,9 @@ from budget.report.figures.rows import (
     Side,
     Stroke,
 )
-from budget.report.figures.style import BLUE, WIDE, capital, fits
+from budget.report.figures.style import BLUE, WIDE, fits
 from budget.report.tables import print_given
+from budget.report.wording import capital
 from budget.spec.records import AXES
 
 if TYPE_CHECKING:

@@ -22,13 +22,13 @@ from budget.report.figures.style import (
     INK,
     PAPER,
     as_picture,
-    capital,
     house_style,
     plane,
     write,
 )
 from budget.report.paper.texts import print_ratio
 from budget.report.tables import print_given
+from budget.report.wording import capital
 from budget.studies.paper.printed import Verdict
 from budget.ties import first_largest
 from budget.units import PPM

@@ -21,7 +21,6 @@ from budget.report.blocks import (
 )
 from budget.report.document import csv_text, json_text
 from budget.report.figures.rows import chart_picture
-from budget.report.figures.style import capital
 from budget.report.formulas import with_math
 from budget.report.paper.figures import ratio_chart, sweep_picture
 from budget.report.paper.texts import (
@@ -31,6 +30,7 @@ from budget.report.paper.texts import (
     reason,
 )
 from budget.report.provenance import provenance_section
+from budget.report.wording import capital
 from budget.studies.paper.printed import U_MEAN, U_SINGLE, WORD, Verdict
 from budget.studies.paper.study import COLUMNS
 from budget.version import __version__
