@@ -85,7 +85,7 @@ class Validation:
 
 @dataclass(frozen=True, kw_only=True)
 class OutputBudget:
-    """Expected error, its uncertainty and the causes, for one output [SI]."""
+    """Expected error, its uncertainty and the contributions, for one output [SI]."""
 
     output: Output
     mean: float

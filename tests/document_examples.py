@@ -135,8 +135,8 @@ def first_page(overview):
             name="overview", title="Limits", on_first_page=True, blocks=(overview,)
         ),
         Section(
-            name="causes",
-            title="The five largest causes",
+            name="contributions",
+            title="The five largest contributions",
             on_first_page=True,
             blocks=(
                 Listing(
@@ -144,12 +144,12 @@ def first_page(overview):
                     empty="Nothing varies.",
                     items=tuple(
                         (
-                            Run(text=cause, strong=True),
+                            Run(text=contribution, strong=True),
                             " makes ",
                             Run(text="79 %", exact=0.7912345),
                             " of the gyro bias variance (alone u 0.050 deg/h).",
                         )
-                        for cause in (
+                        for contribution in (
                             "Gyro bias repeatability (0.05 deg/h)",
                             "Accelerometer bias repeatability (37 ug)",
                             "Gyro mounting repeatability (2 arcsec)",

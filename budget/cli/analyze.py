@@ -1,4 +1,4 @@
-"""`budget analyze`: the budget of every calibration parameter, ranked by cause."""
+"""`budget analyze`: the budget of every parameter, its contributions ranked."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def analyze(
     """Compute the error budget of a calibration.
 
     For every scale factor, mounting angle and bias: its expected error, standard
-    uncertainty and coverage interval, and which line of the data sheet causes it.
+    uncertainty and coverage interval, and which line of the data sheet makes it.
     """
     from budget.cli.computing import computing
     from budget.cli.output import check_destinations, deliver

@@ -26,7 +26,7 @@ EXACT = Context(prec=700, rounding=ROUND_HALF_UP)  # digits from 1e308 to 1e-324
 
 AT_LEAST, AT_MOST = "\N{GREATER-THAN OR EQUAL TO}", "\N{LESS-THAN OR EQUAL TO}"
 UNKNOWN = "?"  # stands for a number of which nothing is known
-SMALL_SHARE = 0.01  # of the variance [1]; below it a cause is not worth a sentence
+SMALL_SHARE = 0.01  # of the variance [1]; one below it is not worth a sentence
 ALL = 1.0 - 1e-9  # [1]; a share above is the whole, short of it by rounding only
 NO_SHARE = 1e-20  # [1]; a share below is what the rounding of doubles leaves of zero
 CERTAIN = 4  # decimals of a per cent that nearly certain probabilities get at most
@@ -98,7 +98,7 @@ class SourceRow:
 
 @dataclass(frozen=True, kw_only=True)
 class GroupTable:
-    """The budget of one parameter of one sensor: its outputs, its causes ranked."""
+    """The budget of one parameter of one sensor: outputs, contributions ranked."""
 
     sensor: str
     parameter: str
@@ -130,9 +130,11 @@ class GroupTable:
         return said
 
     @property
-    def causes(self) -> str:
+    def contributions(self) -> str:
         """'bias repeatability 79 %, bias stability 21 %, rest 0.2 %'."""
-        return print_causes([(row.title, row.share.exact) for row in self.sources])
+        return print_contributions(
+            [(row.title, row.share.exact) for row in self.sources]
+        )
 
 
 def round_uncertainty(u: float, *, resolution: float = 0.0) -> str:
@@ -277,8 +279,8 @@ def print_count(count: int) -> str:
     return f"{count:,}".replace(",", " ")
 
 
-def print_causes(shares: Sequence[tuple[str, float]], *, named: int = 2) -> str:
-    """Name the largest causes and gather the rest; shares are of one variance."""
+def print_contributions(shares: Sequence[tuple[str, float]], *, named: int = 2) -> str:
+    """Name the largest and gather the rest; shares are of one variance."""
     if not any(share > NO_SHARE for _, share in shares):
         return "no spread"
     ranked = [shares[k] for k in from_largest([share for _, share in shares])]

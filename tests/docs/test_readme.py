@@ -76,13 +76,13 @@ def test_what_the_tests_leave_out_is_run_elsewhere():
 
 @pytest.mark.kernels
 def test_the_first_table_is_the_tools():
-    """Names, units, digits and causes are the tool's, to the letter."""
+    """Names, units, digits and contributions are the tool's, to the letter."""
     result = budget.analyze(budget.load_device("zhao-2019"), validate=False)
     table = re.findall(r"(?m)^\| ((?:gyro|accelerometer) .*) \|$", README)
 
     assert [
         f"{group.title} | {group.widest.u.text} {group.unit}"
-        f" | {group.widest.expanded.text} {group.unit} | {group.causes}"
+        f" | {group.widest.expanded.text} {group.unit} | {group.contributions}"
         for group in group_tables(result)
     ] == table
 

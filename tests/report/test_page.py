@@ -304,7 +304,7 @@ def test_answer_stands_before_the_contents():
         for mark in (
             '<p class="word">FAILS tactical grade</p>',
             "Accelerometer: MEETS",
-            "The five largest causes",
+            "The five largest contributions",
             "<nav",
             '<section id="budget"',
         )

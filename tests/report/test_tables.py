@@ -14,7 +14,7 @@ from budget.report.tables import (
     align_decimals,
     group_tables,
     output_title,
-    print_causes,
+    print_contributions,
     print_given,
     print_share,
     print_utilisation,
@@ -163,15 +163,15 @@ def test_given_figures_keep_their_digits(value, printed):
 
 
 def test_causes_add_up_to_the_whole():
-    """The largest causes are named and what is left is said as rest."""
+    """The largest contributions are named and what is left is said as rest."""
     shares = [("a", 0.06), ("b", 0.93), ("c", 0.006), ("d", 0.004)]
 
-    assert print_causes(shares) == "b 93 %, a 6 %, rest 1 %"
+    assert print_contributions(shares) == "b 93 %, a 6 %, rest 1 %"
 
 
 def test_causes_of_no_spread():
-    """Without any variance no cause is named."""
-    assert print_causes([("a", 0.0)]) == "no spread"
+    """Without any variance no contribution is named."""
+    assert print_contributions([("a", 0.0)]) == "no spread"
 
 
 @pytest.mark.parametrize(
@@ -228,7 +228,9 @@ def test_sources_are_ranked_over_the_group():
         "bias stability",
         "angle random walk",
     ]
-    assert table.causes == "bias repeatability 74 %, bias stability 24 %, rest 2 %"
+    assert (
+        table.contributions == "bias repeatability 74 %, bias stability 24 %, rest 2 %"
+    )
 
 
 def test_numbers_are_in_printed_units():
@@ -240,7 +242,7 @@ def test_numbers_are_in_printed_units():
 
 
 def test_unresolved_output_has_no_shares():
-    """Where the spread is only rounding, its causes are not told apart."""
+    """Where the spread is only rounding, its contributions are not told apart."""
     output = make_output(
         "gyro",
         "bias",
@@ -254,7 +256,7 @@ def test_unresolved_output_has_no_shares():
 
     assert table.rows[0].u.text == "0"
     assert table.sources[0].share.text == "0 %"
-    assert table.causes == "no spread"
+    assert table.contributions == "no spread"
 
 
 def test_lopsided_interval_is_seen():

@@ -57,7 +57,7 @@ def test_no_line_is_wider_than_the_terminal(width, encoding):
 
 @pytest.mark.parametrize("budget", [make_budget(), extreme_budget()])
 def test_no_number_is_cut_at_40_columns(budget):
-    """Every number of the outputs and of the causes stands whole on one line."""
+    """Every number of the outputs and of the contributions stands whole on one line."""
     found = set(NUMBER.findall(render(budget, width=40)))
 
     for group in group_tables(budget):
@@ -108,7 +108,9 @@ def test_markup_in_a_name_is_text():
 def test_every_source_is_named_in_every_group():
     """A source with no effect is said to have none, not left out."""
     budget = make_budget()
-    blocks = render(budget, width=120).split("Causes, by share of the variance")[1:]
+    blocks = render(budget, width=120).split("Contributions, by share of the variance")[
+        1:
+    ]
 
     for group, block in zip(group_tables(budget), blocks, strict=True):
         for source in group.sources:

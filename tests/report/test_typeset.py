@@ -85,7 +85,7 @@ def texts_of(part):
 
 @needs_poppler
 def test_every_text_of_the_document_can_be_found(pdf, tmp_path):
-    """Titles, facts, causes, terms, heads, cells and notes are all in the file."""
+    """Titles, facts, terms, heads, cells and notes are all in the file."""
     text = text_of(pdf, tmp_path)
     document = make_document()
     found = 0
@@ -111,7 +111,7 @@ def test_texts_of_figures_can_be_found(pdf, tmp_path):
 
 @needs_poppler
 def test_page_one_answers(pdf, tmp_path):
-    """Verdict, overview, causes and what is open are all on page one."""
+    """Verdict, overview, contributions and what is open are all on page one."""
     first, *others = pages_of(pdf, tmp_path)
     document = make_document()
     for words in (

@@ -12,7 +12,7 @@ from places import DOCS
 from budget import load_device, load_procedure, load_requirement
 from budget.names import Name
 from budget.report.allocation.page import allocation_answer, allocation_section
-from budget.report.analysis.verdict import rank_causes
+from budget.report.analysis.verdict import rank_contributions
 from budget.report.analysis.what_if import what_if_section
 from budget.report.comparison.figures import pareto_title
 from budget.report.comparison.tables import rankings
@@ -256,11 +256,13 @@ def test_documents_say_where_nothing_is_known():
     )
 
 
-def test_equal_causes_keep_their_order():
-    """Causes whose weights differ by rounding only are in the order of the sources."""
+def test_equal_contributions_keep_their_order():
+    """Where weights differ by rounding only, they are in the order of the sources."""
     budget = analyze(ZHAO, validate=False)
     groups = group_tables(budget)
-    titles = [c.title for c in rank_causes(groups, (ZHAO,), load_procedure(), None)]
+    titles = [
+        c.title for c in rank_contributions(groups, (ZHAO,), load_procedure(), None)
+    ]
     nudged = []
     for group in groups:
         times = 1.0 + 1e-12 if group.sensor == "accelerometer" else 1.0
@@ -270,5 +272,5 @@ def test_equal_causes_keep_their_order():
         )
         nudged.append(replace(group, sources=sources))
 
-    again = rank_causes(nudged, (ZHAO,), load_procedure(), None)
-    assert [cause.title for cause in again] == titles
+    again = rank_contributions(nudged, (ZHAO,), load_procedure(), None)
+    assert [contribution.title for contribution in again] == titles

@@ -13,7 +13,7 @@ from budget.report.analysis.verdict import (
     group_cards,
     headline,
     limits_section,
-    rank_causes,
+    rank_contributions,
     summary,
     verdict_cards,
 )
@@ -49,7 +49,7 @@ from budget.version import __version__
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from budget.report.analysis.verdict import Cause
+    from budget.report.analysis.verdict import LargestContribution
     from budget.report.blocks import Picture, Words
     from budget.report.figures.rows import Chart
     from budget.report.tables import GroupTable
@@ -130,7 +130,7 @@ def report_document(
     latitude = print_degrees(procedure.latitude)
     found: list[Section | None] = [
         _overview(groups, assessment),
-        _causes(rank_causes(groups, devices, procedure, assessment)),
+        _contributions(rank_contributions(groups, devices, procedure, assessment)),
         _gaps(budget, extras),
         None if assessment is None else limits_section(budget, assessment),
         inputs_section(devices, procedure),
@@ -207,15 +207,17 @@ def _overview(
     return Section(name="overview", title=title, blocks=(picture,), on_first_page=True)
 
 
-def _causes(causes: Sequence[Cause]) -> Section:
-    """Return the largest causes in words with numbers."""
-    several = len(causes) > 1
+def _contributions(contributions: Sequence[LargestContribution]) -> Section:
+    """Return the largest contributions in words with numbers."""
+    several = len(contributions)
     return Section(
-        name="causes",
-        title=f"The {len(causes)} largest causes" if several else "Causes",
+        name="contributions",
+        title=f"The {several} largest contributions"
+        if several > 1
+        else "Contributions",
         blocks=(
             Listing(
-                items=tuple(_cause_words(cause) for cause in causes),
+                items=tuple(map(_contribution_words, contributions)),
                 empty="Nothing varies: no output has any spread.",
                 numbered=True,
             ),
@@ -224,12 +226,13 @@ def _causes(causes: Sequence[Cause]) -> Section:
     )
 
 
-def _cause_words(cause: Cause) -> Words:
+def _contribution_words(contribution: LargestContribution) -> Words:
     """Say what one source makes of the variance of each group."""
-    words: list[str | Run] = [Run(text=capital(cause.title), strong=True)]
-    words.append(f" ({cause.printed}) makes " if cause.printed else " makes ")
-    last = len(cause.effects) - 1
-    for place, effect in enumerate(cause.effects):
+    words: list[str | Run] = [Run(text=capital(contribution.title), strong=True)]
+    printed = f" ({contribution.printed})" if contribution.printed else ""
+    words.append(f"{printed} makes ")
+    last = len(contribution.effects) - 1
+    for place, effect in enumerate(contribution.effects):
         words += [
             Run(text=effect.share.text, exact=effect.share.exact),
             f" of the {effect.group} variance (alone u\N{NO-BREAK SPACE}",

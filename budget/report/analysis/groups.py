@@ -1,4 +1,4 @@
-"""The budget of each group of parameters: its errors, their causes, its check."""
+"""The budget of each group of parameters: errors, contributions, its check."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ def _group_section(group: GroupTable, *, checked: bool) -> Section:
     shown: list[Block] = [_sources_table(group, acting)] if acting else []
     if idle := ", ".join(row.title for row in group.sources if row.is_idle):
         shown.append(Paragraph(words=(f"no effect: {idle}",)))
-    title = f"Causes, by share of the variance{known}"
+    title = f"Contributions, by share of the variance{known}"
     blocks.append(Panel(title=title, blocks=tuple(shown)))
     if checked and group.validation:
         blocks.append(Paragraph(words=(f"Checked {group.validation}",)))
@@ -202,7 +202,7 @@ def _index_section(table: IndexTable) -> Section:
 
 
 def budget_section(groups: Sequence[GroupTable]) -> Section:
-    """Return the budgets of all groups with the figures of their causes."""
+    """Return the budgets of all groups with the figures of their contributions."""
     coverage = print_coverage(groups[0].coverage)
     text = (
         f"U{coverage} is half the width of the {coverage} % interval, u the standard "

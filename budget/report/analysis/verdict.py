@@ -23,7 +23,7 @@ from budget.report.tables import (
     bound_number,
     join_outputs,
     output_title,
-    print_causes,
+    print_contributions,
     print_coverage,
     print_decimals,
     print_probability,
@@ -316,7 +316,7 @@ def _verdict_card(
                 ".",
             )
         )
-    because = print_causes(
+    because = print_contributions(
         [
             (source_title(part.source), part.share)
             for part in budget.output(sensor.worst_output).contributions
@@ -333,7 +333,7 @@ def _verdict_card(
 
 
 def _group_card(group: GroupTable) -> Card:
-    """Say how large U of a group is, on which axis, and what causes it."""
+    """Say how large U of a group is, on which axis, and the contributions to it."""
     coverage = print_coverage(group.coverage)
     widest = group.widest
     same = len({row.expanded.text for row in group.rows}) == 1
@@ -341,10 +341,10 @@ def _group_card(group: GroupTable) -> Card:
     first: Words = (f"U{coverage} ", value(widest.expanded, group.unit))
     if widest.mean.text not in {"0", UNKNOWN} and float(widest.mean.text) != 0.0:
         first += (", mean ", value(widest.mean, group.unit))
-    causes = group.causes
-    if causes != "no spread":
-        causes += " of the variance"
-    lines: list[Words] = [(*first, f" ({where})"), (causes,)]
+    contributions = group.contributions
+    if contributions != "no spread":
+        contributions += " of the variance"
+    lines: list[Words] = [(*first, f" ({where})"), (contributions,)]
     if group.gaps:
         lines.append((f"{group.gaps}.",))
     refused = [
@@ -381,7 +381,7 @@ def _basis(settings: Settings) -> str:
 
 
 SIGMAS = ("1 sigma", "2 sigma", "3 sigma", "rms", "typical")
-CAUSES = 5  # as many as a reader keeps in mind
+LARGEST = 5  # as many as a reader keeps in mind
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -395,7 +395,7 @@ class Effect:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cause:
+class LargestContribution:
     """One source, and what it makes of every group where it counts."""
 
     title: str
@@ -403,13 +403,13 @@ class Cause:
     effects: tuple[Effect, ...]
 
 
-def rank_causes(
+def rank_contributions(
     groups: Sequence[GroupTable],
     devices: Sequence[Device],
     procedure: Procedure,
     assessment: Assessment | None,
-) -> tuple[Cause, ...]:
-    """Return the largest causes, each with what it makes of every group.
+) -> tuple[LargestContribution, ...]:
+    """Return the largest contributions, each with what it makes of every group.
 
     Ranked by the largest share of a group's variance; with a requirement by that share
     of the group's utilisation, those of groups beyond their limits before all others.
@@ -431,17 +431,19 @@ def rank_causes(
             order = (settle(used) > 1.0, used * row.share.exact)
             owner = row.source.owner or group.sensor
             effects.setdefault((owner, row.source), []).append((order, effect))
-    causes = list(effects.items())
-    ranked = _from_largest([max(order for order, _ in found) for _, found in causes])
+    contributions = list(effects.items())
+    ranked = _from_largest(
+        [max(order for order, _ in found) for _, found in contributions]
+    )
     return tuple(
-        Cause(
+        LargestContribution(
             title=f"{owner} {source_title(source)}",
             printed=_as_meant(given[source]) if source in given else "",
             effects=tuple(
                 found[k][1] for k in _from_largest([order for order, _ in found])
             ),
         )
-        for (owner, source), found in (causes[k] for k in ranked[:CAUSES])
+        for (owner, source), found in (contributions[k] for k in ranked[:LARGEST])
     )
 
 

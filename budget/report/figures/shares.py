@@ -1,4 +1,4 @@
-"""Share bars, which answer what causes each output's error."""
+"""Share bars, which answer what contributes to each output's variance."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ MAJORITY = 0.5  # share of the variance [1]
 
 
 def share_chart(group: GroupTable) -> Chart:
-    """Show what causes each output's variance: a stacked bar for each output.
+    """Show what contributes to each output's variance: a stacked bar for each output.
 
     The table of the budget has the numbers.
     """

@@ -20,7 +20,7 @@ from budget.model.source import TEST, Disturbance, Source
 from budget.model.sources import SOURCES, STATION
 from budget.names import Name
 from budget.report.allocation.page import allocation_answer, allocation_section
-from budget.report.analysis.verdict import rank_causes
+from budget.report.analysis.verdict import rank_contributions
 from budget.report.figures.coupling import coupling_chart
 from budget.report.figures.shares import share_chart
 from budget.report.inputs import inputs_section
@@ -102,12 +102,12 @@ def test_one_draw_moves_both_triads(procedure):
 
 
 def test_figures_and_tables_show_it_as_the_stations(procedure):
-    """In shares, coupling and causes it stands with its owner, once for both triads."""
+    """In shares, coupling and contributions its owner is named, once for both."""
     budget = analyze(ZHAO, procedure=procedure, validate=False)
     groups = group_tables(budget)
     biases = [group for group in groups if group.parameter == "bias"]
     table = coupling(ZHAO.sensors, procedure)
-    causes = rank_causes(groups, (ZHAO,), procedure, None)
+    contributions = rank_contributions(groups, (ZHAO,), procedure, None)
 
     assert [group.sensor for group in biases] == ["gyro", "accelerometer"]
     for group in biases:
@@ -119,7 +119,11 @@ def test_figures_and_tables_show_it_as_the_stations(procedure):
             len(row.marks) for one in shares.groups for row in one.rows
         )
         assert "station push" in coupling_chart(table, group.sensor).alt
-    (own,) = [cause for cause in causes if cause.title == "station push"]
+    (own,) = [
+        contribution
+        for contribution in contributions
+        if contribution.title == "station push"
+    ]
     assert {effect.group for effect in own.effects} == {
         "gyro bias",
         "accelerometer bias",

@@ -83,17 +83,25 @@ def failing():
 
 
 def test_page_one_answers_first():
-    """The sections of page one come before all others: figure, causes, gaps."""
+    """The sections of page one come before all others: figure, contributions, gaps."""
     for report in (example(), failing()):
         first = [s.on_first_page for s in report.sections]
         assert first == sorted(first, reverse=True)
-        assert names(report)[:3] == ["overview", "causes", "gaps"]
+        assert names(report)[:3] == ["overview", "contributions", "gaps"]
 
 
 def test_every_section_of_a_full_report_is_there():
     """Inputs to provenance stand in the order in which a reviewer asks for them."""
     assert names(failing()) == [
-        *("overview", "causes", "gaps", "limits", "inputs", "procedure", "budget"),
+        *(
+            "overview",
+            "contributions",
+            "gaps",
+            "limits",
+            "inputs",
+            "procedure",
+            "budget",
+        ),
         *("what-if", "coupling", "validity", "distributions", "method", "provenance"),
         "sign-off",
     ]
@@ -123,7 +131,7 @@ def test_report_without_requirement_gives_u_of_each_group():
 
 
 def test_failing_report_says_by_what_and_why():
-    """Verdict, margin, worst output, limit, utilisation and causes are said."""
+    """Verdict, margin, worst output, limit, utilisation and contributions are said."""
     report = failing()
     (gyro, _) = report.cards
     words = " ".join(say(line) for line in gyro.lines)
@@ -188,9 +196,9 @@ def test_page_one_says_that_sources_were_left_out(required):
     assert_says(other, "zero", "not the budget of the whole device")
 
 
-def test_causes_are_ranked_by_what_they_do_to_the_limits():
-    """With a requirement the causes in groups beyond their limits stand first."""
-    items = section(failing(), "causes").blocks[0].items
+def test_contributions_are_ranked_by_what_they_do_to_the_limits():
+    """With a requirement those in groups beyond their limits stand first."""
+    items = section(failing(), "contributions").blocks[0].items
 
     assert [item[0].text for item in items] == [
         "Gyro bias repeatability",
@@ -202,8 +210,8 @@ def test_causes_are_ranked_by_what_they_do_to_the_limits():
 
 
 def test_cause_quotes_the_data_sheet():
-    """A cause carries the printed figure of its line, share and u."""
-    items = [say(item) for item in section(example(), "causes").blocks[0].items]
+    """A contribution carries the printed figure of its line, share and u."""
+    items = [say(item) for item in section(example(), "contributions").blocks[0].items]
 
     (bias,) = (item for item in items if "Accelerometer bias repeatability" in item)
     assert_says(bias, "(37 ug)", "79 %", "accelerometer bias variance", "alone u 37 ug")
@@ -222,15 +230,15 @@ def test_empty_states_are_said():
 
 
 def test_budget_without_spread_says_so():
-    """A budget in which nothing varies has no causes and no empty figure."""
+    """A budget in which nothing varies has no contributions and no empty figure."""
     still = make_output(
         "gyro", "bias", "x", unit="deg/h", scale=1.0, sources={"bias_stability": 0.0}
     )
     report = document(make_budget(outputs=(still,)))
-    causes = section(report, "causes").blocks[0]
+    contributions = section(report, "contributions").blocks[0]
 
-    assert causes.items == ()
-    assert_says(causes.empty, "no output", "spread")
+    assert contributions.items == ()
+    assert_says(contributions.empty, "no output", "spread")
     assert [say(line) for line in report.cards[0].lines][1] == "no spread"
 
 
@@ -619,9 +627,9 @@ def test_cause_says_a_distribution_that_its_meaning_does_not():
     lines_of = (*device.gyro.lines[:-1], triangular)
     changed = replace(device, gyro=replace(device.gyro, lines=lines_of))
 
-    def causes(one):
-        found = section(document(budget, device=one), "causes").blocks[0].items
+    def contributions(one):
+        found = section(document(budget, device=one), "contributions").blocks[0].items
         return " ".join(say(item) for item in found)
 
-    assert "(2 arcsec, max)" in causes(device)
-    assert "(2 arcsec, max, triangular)" in causes(changed)
+    assert "(2 arcsec, max)" in contributions(device)
+    assert "(2 arcsec, max, triangular)" in contributions(changed)
