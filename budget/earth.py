@@ -1,4 +1,4 @@
-"""The earth under the turntable: how fast it turns and how strongly it pulls."""
+"""Earth rotation rate and normal gravity."""
 
 from __future__ import annotations
 

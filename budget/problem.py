@@ -1,4 +1,4 @@
-"""The waist of the house: what is uncertain, what is asked, how one gives the other.
+"""Uncertainty-propagation problem: inputs, outputs, measurement function.
 
 A Problem knows no sensors and no statistics. Sensors make Problems
 (budget.calibration), methods solve them (budget.methods); the published examples are

@@ -1,4 +1,4 @@
-"""What comes out: frozen records of a budget; SI inside, printed units on paper."""
+"""Results of a budget: frozen records; SI inside, printed units on paper."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is the largest, where several are: one rule for quantities that are equal.
+"""Ties: one rule for the largest of quantities that are equal but for rounding.
 
 Equal axes are the rule, not the exception, and rounding tells them apart in a way that
 differs between processors. So two quantities count as equal where they differ by less

@@ -1,1 +1,1 @@
-"""From devices and a procedure to the calibration's Problem, and its referee."""
+"""Calibration of a device as an uncertainty-propagation problem; its simulation."""

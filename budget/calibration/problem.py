@@ -1,4 +1,4 @@
-"""The whole calibration as one Problem: error = estimate(measure(truth)) - reference.
+"""Calibration as one Problem: error = estimate(measure(truth)) - error reference.
 
 Sources of all owners are its inputs. Each triad's truth is its nominal values and its
 Offsets; its window averages hold the truth, the noise and what disturbances add; the

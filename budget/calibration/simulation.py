@@ -1,4 +1,4 @@
-"""The calibration done pulse by pulse, the paper's own way: referee for the methods.
+"""Simulation of the calibration pulse by pulse, as in the paper: checks the methods.
 
 Every sample of every window is made: the turning table and earth, the constants of the
 run, each noise process in time; the pulses are counted (Zhao 2019, eqs. (1), (2)) and

@@ -1,1 +1,1 @@
-"""What the methods do with a Problem: propagate, sample, decompose."""
+"""Methods on a Problem: law of propagation, Monte Carlo, Sobol' indices, allocation."""

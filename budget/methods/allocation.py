@@ -1,4 +1,4 @@
-"""How large each source may be: limits on outputs turned into factors on sources.
+"""Allocation: factors on sources that keep outputs within their limits.
 
 A Task is one law, one set of limits and the room that each source has. Three
 strategies share the limits out, headroom and floor say what is possible at all. Least

@@ -1,4 +1,4 @@
-"""The same work on an existing Dask cluster, through the executor interface.
+"""Execution on an existing Dask cluster, through the executor interface.
 
 A cluster runs what it is sent: connect only to one that you trust.
 """

@@ -1,4 +1,4 @@
-"""Who draws what, who does which task, in which order results come back.
+"""Execution of trials: random streams by source and block, processes, their order.
 
 Every source has a stream of its own for every block of trials, seeded by (seed, name of
 the source, number of the block). So a result is bit for bit the same for any number of

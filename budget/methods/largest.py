@@ -1,4 +1,4 @@
-"""The largest of several ends that trials estimate: how sure it is.
+"""Sampling interval of the largest of several interval ends that trials estimate.
 
 The largest of n estimates lies too high, the more the more of them tie; so does the
 largest of any resampling of them. What is wanted is an interval for the largest of the

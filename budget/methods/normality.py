@@ -1,4 +1,4 @@
-"""How far an interval end of the law can be from the true one.
+"""Error of the law's interval ends for outputs that are not quite normal.
 
 The law takes an output for normal. With g1 = k3/u^3 and g2 = k4/u^4 its skewness and
 excess kurtosis, the quantile of an almost normal quantity is, by Cornish and Fisher

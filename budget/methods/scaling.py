@@ -1,4 +1,4 @@
-"""The law of propagation as a function of how large each source is.
+"""The law of propagation as a function of the sizes of the sources.
 
 Let every standard uncertainty of source g be s_g times its present one, so that its
 covariance is q_g U_g with q_g = s_g^2. The law of budget.methods.gum then reads, for

@@ -1,4 +1,4 @@
-"""The first trials of a Monte Carlo run as they are: for what needs every value."""
+"""Values of the first trials of a Monte Carlo run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""May the law be trusted here? It against Monte Carlo: JCGM 101:2008, clause 8."""
+"""Validation of the law against Monte Carlo: JCGM 101:2008, clause 8."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a triad is: three axes, six mounting angles, one response; and what is read off.
+"""Response of a triad: three axes, six mounting angles; the parameters read from it.
 
 Row i, column a of the response is what axis i shows of an input along body axis a,
 divided by the axis' own true scale factor. Its true value is M = I + dT; a calibration

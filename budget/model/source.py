@@ -1,4 +1,4 @@
-"""What an error source is: whose it is, how long it stays, what it does to a window.
+"""Error sources: owner, duration, effect on a window average.
 
 A source acts in one of four ways. An Offset is part of the truth: a constant added to a
 bias, a scale factor or a mounting angle. A Noise is a process, seen through its window

@@ -1,4 +1,4 @@
-"""Where the table stands and when: the windows over which a triad is averaged."""
+"""Schedules: windows over which the readings of one triad are averaged."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which numbers are not what they were: by rounding, or by what two seeds may give."""
+"""Differences of two budgets: beyond rounding, and beyond what two seeds may give."""
 
 from __future__ import annotations
 

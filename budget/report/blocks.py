@@ -1,4 +1,4 @@
-"""A document before it is a page or printed: sections of blocks, the same for all.
+"""Documents as sections of blocks, the same for terminal, HTML, PDF.
 
 Builders (`budget.report.analysis`, and those of comparison and allocation) make these
 records of results; renderers turn them into pages (`budget.report.page` and

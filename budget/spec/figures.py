@@ -1,4 +1,4 @@
-"""The figures of a data sheet: what a maker prints, and what it means as u."""
+"""Specification values of a data sheet: as printed, and as standard uncertainties."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Load a file a user names: the shell of this branch, the only part that reads."""
+"""Load the files that a user names."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a validated file says: frozen records in SI, no text left to interpret."""
+"""Records of validated files: frozen, SI, no text left to interpret."""
 
 from __future__ import annotations
 

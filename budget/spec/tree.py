@@ -1,4 +1,4 @@
-"""What stands in a YAML file and where: nodes with positions, no meaning yet."""
+"""YAML nodes with their positions, before they mean anything."""
 
 from __future__ import annotations
 

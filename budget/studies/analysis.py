@@ -1,4 +1,4 @@
-"""The main job: devices and a procedure in, the budget of every parameter out."""
+"""Analysis: devices and a procedure in, the budget of every parameter out."""
 
 from __future__ import annotations
 

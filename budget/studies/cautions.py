@@ -1,4 +1,4 @@
-"""What a reader of a budget must be told, so that no number is taken for more."""
+"""Warnings on a budget: what its numbers leave out or take for granted."""
 
 from __future__ import annotations
 

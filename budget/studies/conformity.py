@@ -1,4 +1,4 @@
-"""A budget against a requirement: who meets it, by what margin, and why not."""
+"""Conformity of a budget with a requirement: verdicts, margins, what is missing."""
 
 from __future__ import annotations
 

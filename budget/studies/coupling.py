@@ -1,4 +1,4 @@
-"""Which source reaches which parameter, and how far: the coupling table."""
+"""Coupling table: which source reaches which parameter, and how far."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a report shows beside a budget, so that a reviewer can follow and doubt it."""
+"""Evidence beside a budget: the studies that a report shows to a reviewer."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a device costs, weighs and draws: texts of a maker as numbers."""
+"""Price, mass and power of a device: texts of a maker as numbers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a device is called, by the one figure that grades go by, and what it tells."""
+"""Grade of a device, by the one specification value that grades go by."""
 
 from __future__ import annotations
 

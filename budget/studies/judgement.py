@@ -1,4 +1,4 @@
-"""One judgement whatever the command: a Problem held against limits.
+"""Verdicts: outputs of a Problem against limits, the same in every command.
 
 The largest absolute end of each coverage interval is held against its limit. The end is
 the law's, mean +- k u, where what the law can be off by (budget.methods.normality) is

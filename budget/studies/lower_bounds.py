@@ -1,4 +1,4 @@
-"""Which numbers are lower bounds: outputs that a line not given would widen.
+"""Lower bounds: outputs that a line which is not given would widen.
 
 Decided by the model and not by a list: a probe stands for each expected line that a
 data sheet does not give, and what it alone reaches, lacks it. Products of two lines

@@ -1,4 +1,4 @@
-"""What long work says of itself: how far it is, and before it what it will cost."""
+"""Progress of long work, and an estimate of its cost before it starts."""
 
 from __future__ import annotations
 

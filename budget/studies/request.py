@@ -1,4 +1,4 @@
-"""What is asked for: devices, sources, coverage and reference; the law of that."""
+"""Request of a study: devices, sources, coverage, error reference; its law."""
 
 from __future__ import annotations
 

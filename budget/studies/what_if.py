@@ -1,4 +1,4 @@
-"""What one source more or less would do: the law of a budget for any sizes of it.
+"""What-if: the law of a budget for any sizes of its sources.
 
 With f_g the factor on the standard uncertainty of source g, k the coverage factor, d
 how far the middle of the interval lies off the mean (0 by the law) and the sums over

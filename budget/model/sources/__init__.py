@@ -1,4 +1,4 @@
-"""The error sources that there are: one row each.
+"""Table of the error sources, one row each.
 
 Everything else reads this table: files their keys and units, the calibration its
 inputs, the simulation its samples, results what is expected, figures their colours.

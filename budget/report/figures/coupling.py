@@ -1,4 +1,4 @@
-"""Coupling map, which answers what reaches what, and how far."""
+"""Coupling map: what reaches what, and how far."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Densities of the critical outputs, which answer how likely trouble is."""
+"""Densities of the errors of the critical outputs, against their limits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Share bars, which answer what contributes to each output's variance."""
+"""Share bars: contributions to each output's variance."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sobol' indices, which answer first order or total, and how sure."""
+"""Sobol' indices: first order and total, with their intervals."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Utilisation dots, which answer how near each output is to its limit."""
+"""Utilisation dots: each output against its limit."""
 
 from __future__ import annotations
 

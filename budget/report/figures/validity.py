@@ -1,4 +1,4 @@
-"""The law against Monte Carlo, which answers whether the law may be trusted."""
+"""Law against Monte Carlo: interval ends of each output, in tolerances."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The inverse problem: limits in, what each line of a data sheet may be out."""
+"""Allocation, the inverse problem: limits in, what each line may be out."""

@@ -1,4 +1,4 @@
-"""The inverse problem: a requirement in, the standard uncertainty of each line out."""
+"""Allocation: a requirement in, the standard uncertainty of each line out."""
 
 from __future__ import annotations
 
