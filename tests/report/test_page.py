@@ -160,6 +160,14 @@ def test_same_document_gives_the_same_bytes():
     assert render_page(example()) == render_page(example())
 
 
+def test_a_formula_of_its_own_is_set_at_full_size():
+    """Quotients of a formula on its own line do not shrink, those in a sentence do."""
+    page = render_page(example())
+
+    assert '<math displaystyle="true"><msub><mi>K</mi><mi>x</mi></msub>' in page
+    assert "<math><msub><mi>u</mi><mi>c</mi></msub></math>" in page
+
+
 def test_tags_are_balanced():
     """Every element that is opened is closed, in order."""
     assert Page(render_page(example())).open == []

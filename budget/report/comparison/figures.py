@@ -20,11 +20,14 @@ from budget.report.figures.rows import (
 )
 from budget.report.figures.style import (
     BLUE,
+    INCH,
     INK,
     MUTED,
     PAPER,
     WIDE,
+    WIDTH,
     as_picture,
+    fits,
     house_style,
     log_ticks,
     plane,
@@ -399,10 +402,10 @@ def pareto_scatter(table: Ranking, merit: str) -> Figure:
             names.setdefault((amount.value, row.of.utilisation), []).append(
                 mark_name(row, NAME)
             )
-    middle = (costs[0] * costs[-1]) ** 0.5
     for (cost, part), own in names.items():
         name = own[0] if len(own) == 1 else f"{own[0]} and {len(own) - 1} more"
-        side = "right" if cost > middle else "left"  # a name stays in the figure
+        room = WIDTH - INCH / figure.dpi * axes.transData.transform((cost, 100.0))[0]
+        side = "left" if fits(name, room) else "right"  # it stays in the figure
         shift = (-6.0 if side == "right" else 5.0, 3.0)
         write(
             axes, name, (cost, 100.0 * max(part, LEAST)), shift, ha=side, va="baseline"
