@@ -211,7 +211,7 @@ _FOREIGN = re.compile(
     r"(?<![A-Za-z])(?:degC|C|K|FS|span|cross-axis|mA|A|mV|V|mW|W|LSB|pulse|count|bit|"
     r"Gauss|kg|grams?|lb|cc|[cm]m|in|MTBF|FIT|EUR|USD|CNY)(?![A-Za-z])"
 )
-_FIGURES = "a figure that no model uses goes under 'figures' of its device, as text"
+_FIGURES = "a value that no model uses goes under 'figures' of its device, as text"
 
 
 def parse_quantity(
@@ -405,7 +405,7 @@ def _as_mapping(rest: str, words: re.Match[str], kind: Kind) -> str:
     if meaning == "sigma":
         meaning = f"{said} sigma"
     as_key = meaning.replace("_", " ")
-    return f"; a figure of a device says so as {{value: {readable}, meaning: {as_key}}}"
+    return f"; a specification value says so: {{value: {readable}, meaning: {as_key}}}"
 
 
 def _readable(text: str, kind: Kind) -> str:

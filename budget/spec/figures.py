@@ -56,7 +56,7 @@ DENSITY_NOTE = (
 CORRELATION_TIME = 300.0  # of a stability that names none [s]
 
 
-class Part(Strict):
+class SpecificationValue(Strict):
     """What a file may say about one figure, or about one axis of it."""
 
     value: Quantity | None = None
@@ -79,7 +79,7 @@ class Part(Strict):
     source: ShortText | None = Field(default=None, description="where it is printed")
 
 
-class ConstantPart(Part):
+class ConstantValue(SpecificationValue):
     """A figure of a random constant."""
 
     distribution: (
@@ -103,7 +103,7 @@ class ConstantPart(Part):
         return self
 
 
-class ProcessPart(Part):
+class ProcessValue(SpecificationValue):
     """A figure of a random process."""
 
     distribution: Annotated[Literal["normal"], Synonyms(GAUSSIAN)] | None = Field(
@@ -111,7 +111,7 @@ class ProcessPart(Part):
     )
 
 
-class WalkPart(ProcessPart):
+class WalkValue(ProcessValue):
     """A figure of a random walk, as its coefficient N or as a density of noise."""
 
     density: Literal["one-sided", "two-sided"] | None = Field(
@@ -134,7 +134,7 @@ class WalkPart(ProcessPart):
         return self
 
 
-class StabilityPart(ProcessPart):
+class StabilityValue(ProcessValue):
     """A figure of the bias stability."""
 
     definition: Literal["sigma", "allan_minimum"] = Field(
@@ -156,7 +156,7 @@ class StabilityPart(ProcessPart):
         return self
 
 
-class Whole(Part):
+class Whole(SpecificationValue):
     """A figure for all axes, some of which may say otherwise."""
 
     axes: Strict | None = None
@@ -188,7 +188,9 @@ def figure_type(line: Source, sensor: str) -> Any:  # noqa: ANN401
     return _figure_type(line.like(sensor), _family(line), line.axes, beside)
 
 
-def read_figure(line: Source, sensor: str, figure: Quantity | Part) -> ReadFigure:
+def read_figure(
+    line: Source, sensor: str, figure: Quantity | SpecificationValue
+) -> ReadFigure:
     """Turn a figure as printed into standard uncertainties by axis.
 
     A text is 1 sigma and normal. A sigma meaning divides the value; `max` and `peak to
@@ -206,7 +208,7 @@ def read_figure(line: Source, sensor: str, figure: Quantity | Part) -> ReadFigur
         The model line.
     sensor : str
         Whose line it is.
-    figure : Quantity or Part
+    figure : Quantity or SpecificationValue
         A value of the type `figure_type(line, sensor)`.
 
     Returns
@@ -267,7 +269,7 @@ def standard_size(quantity: Quantity, density: str = "") -> float:
 
 @cache
 def _figure_type(
-    like: str, family: type[Part], axes: tuple[str, ...], beside: str
+    like: str, family: type[SpecificationValue], axes: tuple[str, ...], beside: str
 ) -> Any:  # noqa: ANN401
     """Return the type of the figures that have this unit and these axes.
 
@@ -275,7 +277,7 @@ def _figure_type(
     """
     measured = Measured(like)
     value = Annotated[Quantity, measured]
-    title = f"{family.__name__.removesuffix('Part')} in {like}"
+    title = f"{family.__name__.removesuffix('Value')} in {like}"
     if axes == ONE_VALUE:
         alone = create_model(title, __base__=family, value=(value, ...))
         return Annotated[alone, OrText(measured)]
@@ -295,20 +297,20 @@ def _figure_type(
     return Annotated[whole, OrText(measured)]
 
 
-def _family(line: Source) -> type[Part]:
+def _family(line: Source) -> type[SpecificationValue]:
     """Return what a file may say about a figure of that line."""
     if line.name == "bias_stability":
-        return StabilityPart
+        return StabilityValue
     if line.name in WALKS:
-        return WalkPart
-    return ProcessPart if line.process else ConstantPart
+        return WalkValue
+    return ProcessValue if line.process else ConstantValue
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Axis:
     """One axis of a figure."""
 
-    part: Part
+    part: SpecificationValue
     quantity: Quantity
     u: float  # [SI]
     shape: Distribution
@@ -318,15 +320,15 @@ class _Axis:
     notes: tuple[str, ...]  # what was assumed
 
 
-def _axis(figure: Part, axis: str) -> _Axis:
+def _axis(figure: SpecificationValue, axis: str) -> _Axis:
     """Return what a figure says about one axis."""
     axes = figure.axes if isinstance(figure, Whole) else None
-    own: Part | Quantity | None = getattr(axes, axis, None)
-    part = own if isinstance(own, Part) else figure
+    own: SpecificationValue | Quantity | None = getattr(axes, axis, None)
+    part = own if isinstance(own, SpecificationValue) else figure
     # Whole lets no figure pass that leaves an axis without a value.
     quantity = cast("Quantity", own if isinstance(own, Quantity) else part.value)
     notes: list[str] = []
-    if isinstance(own, Part):
+    if isinstance(own, SpecificationValue):
         stated = {
             *("meaning", "distribution", "definition", "correlation_time", "density"),
         }
@@ -340,7 +342,7 @@ def _axis(figure: Part, axis: str) -> _Axis:
     u = level.u
     notes += level.notes
     definition, correlation_time = "", None
-    if isinstance(part, StabilityPart):
+    if isinstance(part, StabilityValue):
         definition = part.definition if "definition" in part.model_fields_set else ""
         if definition == "allan_minimum":
             u /= ALLAN_MINIMUM
@@ -375,15 +377,15 @@ class _Level:
     notes: list[str]  # what was assumed
 
 
-def _level(part: Part, quantity: Quantity) -> _Level:
+def _level(part: SpecificationValue, quantity: Quantity) -> _Level:
     """Return the standard uncertainty that a value means."""
     notes: list[str] = []
     density = ""
-    if isinstance(part, WalkPart) and per_root_hertz(quantity.unit):
+    if isinstance(part, WalkValue) and per_root_hertz(quantity.unit):
         density = part.density or ONE_SIDED
         if part.density is None:
             notes.append(DENSITY_NOTE)
-    if part.meaning in HALF_WIDTHS and isinstance(part, ProcessPart):
+    if part.meaning in HALF_WIDTHS and isinstance(part, ProcessValue):
         shape = NORMAL
         u = quantity.value * HALF_WIDTHS[part.meaning]
         half = "" if part.meaning == "max" else "half of "

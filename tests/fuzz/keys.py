@@ -75,8 +75,8 @@ def silent(kind, path):
         applies = {
             "every file": path[0] in keys,
             "every file but costs": kind != "costs" and path[0] in keys,
-            "a figure": figure and path[-1] in keys,
-            "a figure of a process": process and path[-1] in keys,
+            "a specification value": figure and path[-1] in keys,
+            "a specification value of a process": process and path[-1] in keys,
             "g sensitivity by axis": "g_sensitivity" in path
             and any(axis in keys for axis in path),
         }.get(where, where == kind and path[0] in keys)

@@ -201,7 +201,7 @@ def test_texts_are_those_of_the_docs():
         "requirement": named | rows["requirement"],
         "costs": every,
     } == TEXTS
-    assert rows["a figure"] == FIGURE_TEXTS
+    assert rows["a specification value"] == FIGURE_TEXTS
 
 
 def test_an_exchange_leaves_the_file_it_was_made_of():
