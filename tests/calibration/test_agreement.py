@@ -28,7 +28,7 @@ HOW = procedure(
     turns=2,
     dwell=60.0,
     pause=7.0,
-    sample_rate=50.0,
+    sample_rate=20.0,
 )
 GYRO = sensor(
     "gyro",
