@@ -18,6 +18,8 @@ from budget import analyze, load_device, load_requirement
 from budget.report.blocks import Cell, Column, RowGroup, Section, Table
 from budget.resources import shipped
 
+pytestmark = pytest.mark.slow
+
 ENOUGH = 4.5  # WCAG 2, 1.4.3: contrast of text with what is behind it
 A4_WIDTH = 673  # what the margins leave of a sheet [px]
 SIZES = (320, 400, 800, 1280, 1600)

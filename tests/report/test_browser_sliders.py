@@ -19,6 +19,8 @@ from budget.report.tables import print_utilisation
 from budget.studies.request import Analysis
 from budget.studies.what_if import what_if
 
+pytestmark = pytest.mark.slow
+
 AGREES = 1e-9  # two programmes add up the same numbers in another order
 TENFOLD = 40  # places of a slider from as it is to ten times
 SOURCES = ("gyro.bias_repeatability", "accelerometer.mounting_repeatability")
