@@ -207,7 +207,7 @@ def _statistics_order(k: int) -> Array:
 
 def _triad(sensor: Sensor, procedure: Procedure, rows: list[_Row]) -> Triad:
     """Set up one triad: its scheme, its lines, the statistics that it needs."""
-    scheme = scheme_of(sensor.kind, procedure)
+    scheme = scheme_of(sensor.kind, procedure, sensor.lines)
     wanted = [
         weights
         for row in rows

@@ -101,7 +101,10 @@ def simulate(
     CallError
         A window holds too many samples to be made one by one.
     """
-    schemes = {sensor.kind: scheme_of(sensor.kind, procedure) for sensor in sensors}
+    schemes = {
+        sensor.kind: scheme_of(sensor.kind, procedure, sensor.lines)
+        for sensor in sensors
+    }
     for kind, scheme in schemes.items():
         _check_samples(kind, scheme, procedure.sample_rate)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import cos, sin
+from math import cos, pi, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +13,17 @@ if TYPE_CHECKING:
     from budget.arrays import Array
 
 
+OUTER, MIDDLE, INNER = 2, 1, 0  # the body axis that each turns about at table zero
+RIGHT = pi / 2.0
+FACES = {  # (axis, sign up or down): how the table holds it, at azimuth zero
+    (2, 1): (0.0, 0.0),  # middle, inner [rad]
+    (2, -1): (0.0, pi),
+    (0, 1): (-RIGHT, 0.0),
+    (0, -1): (RIGHT, 0.0),
+    (1, 1): (0.0, RIGHT),
+    (1, -1): (0.0, -RIGHT),
+}
+# Cosines and sines below this are rounding of a right angle or a whole turn [1].
 ROUNDING = 1e-15
 
 
@@ -35,6 +46,12 @@ class Setting:
     inner: float = 0.0
     turning: int | None = None
     angle: float = 0.0
+
+    @classmethod
+    def face(cls, axis: int, sign: int, azimuth: float = 0.0) -> Setting:
+        """Hold a body axis up (sign +1) or down, the outer axis at an azimuth [rad]."""
+        middle, inner = FACES[axis, sign]
+        return cls(outer=azimuth, middle=middle, inner=inner)
 
     @property
     def to_body(self) -> Array:
@@ -98,6 +115,8 @@ class Window:
         +1 or -1: sense of the turn, or the axis up or down; 0 at an azimuth.
     azimuth : float or None
         Of a gyro dwell [rad].
+    use : str
+        Whose readings are averaged: 'gyro', 'accelerometer' or 'both'.
     """
 
     name: str
@@ -107,6 +126,12 @@ class Window:
     axis: int | None = None
     sign: int = 0
     azimuth: float | None = None
+    use: str = "both"
+
+    @property
+    def end(self) -> float:
+        """When it ends [s]."""
+        return self.start + self.length
 
     @property
     def rate(self) -> Array:
@@ -171,8 +196,3 @@ class Schedule:
             for place, window in enumerate(self.windows)
             if window.azimuth is not None
         )
-
-
-OUTER, MIDDLE, INNER = 2, 1, 0  # the body axis that each turns about at table zero
-
-# Cosines and sines below this are rounding of a right angle or a whole turn [1].

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from math import pi
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
@@ -31,6 +31,7 @@ from budget.spec.records import (
     Procedure,
 )
 from budget.spec.tree import describe
+from budget.spec.windows import WindowLine, lay_out
 from budget.units import Quantity
 
 if TYPE_CHECKING:
@@ -39,10 +40,12 @@ if TYPE_CHECKING:
     from pydantic_core import CoreSchema, core_schema
 
     from budget.model.source import Source
+    from budget.model.windows import Window
     from budget.spec.figures import ReadFigure
     from budget.spec.tree import Document
 
 
+NO_PAPER = ("format", "name", "estimator", "windows", "pause")  # keys it has none of
 MOST_AZIMUTHS = 360  # one for every degree; all windows are correlated with all
 _ROUNDING = 1e-12  # relative; a latitude of 90 deg is no more than that in radians
 
@@ -137,6 +140,18 @@ class ProcedureFile(Strict):
     sample_rate: Annotated[Quantity, Measured("Hz", Sign.POSITIVE, bare=True)] = _paper(
         "100 Hz", "of the sensor outputs"
     )
+    estimator: Literal["paper", "least_squares", "weighted"] | None = Field(
+        default=None,
+        description="paper: its formulas; weighted: by the device's own noise. Unset: "
+        "paper, or least_squares where there are windows",
+    )
+    windows: Annotated[tuple[WindowLine, ...], Field(min_length=1)] | None = Field(
+        default=None,
+        description="dwells and turns, in place of the tests of gyro and accelerometer",
+    )
+    pause: Time | None = Field(
+        default=None, description="between all windows; unset: 0 s"
+    )
     formulas: Literal["corrected", "paper"] = _paper(
         "corrected", "of the gyro bias: corrected, or as the paper prints them"
     )
@@ -157,6 +172,7 @@ class ProcedureFile(Strict):
                 f"found {self.latitude.printed!r}, expected -90 deg to 90 deg"
             )
         turn = 2.0 * pi * self.gyro.turns / self.gyro.rate.value
+        messages |= self._scheme_faults()
         windows: dict[tuple[str, ...], tuple[str, float]] = {
             ("gyro", "rate"): ("a turn", turn),
             ("gyro", "dwell"): ("a dwell", self.gyro.dwell.value),
@@ -170,7 +186,45 @@ class ProcedureFile(Strict):
                 )
         if messages:
             raise faults(messages)
+        self.laid_out  # noqa: B018 - refuses windows that overlap
         return self
+
+    def _scheme_faults(self) -> dict[tuple[str, ...], str]:
+        """Return which keys do not go together."""
+        found: dict[tuple[str, ...], str] = {}
+        given = self.model_fields_set
+        if self.windows is None:
+            if "pause" in given:
+                found["pause",] = "is of windows; the tests of gyro and accelerometer "
+                found["pause",] += "have their own"
+        else:
+            for key in [key for key in SENSORS if key in given]:
+                found[key,] = "stands beside windows, which are the whole test; remove "
+                found[key,] += "one of them"
+            if self.estimator == "paper":
+                found["estimator",] = (
+                    "found 'paper', whose formulas are of its own test; expected "
+                    "least_squares or weighted beside windows"
+                )
+        if "formulas" in given and self.chosen_estimator != "paper":
+            found["formulas",] = (
+                f"is of the estimator paper, and this is {self.chosen_estimator}; "
+                "remove it"
+            )
+        return found
+
+    @property
+    def chosen_estimator(self) -> str:
+        """The estimator, the usual one where none is named."""
+        if self.estimator is not None:
+            return self.estimator
+        return "paper" if self.windows is None else "least_squares"
+
+    @cached_property
+    def laid_out(self) -> tuple[Window, ...]:
+        """The windows on the clock of the file."""
+        pause = 0.0 if self.pause is None else self.pause.value
+        return lay_out(self.windows or (), pause, self.sample_rate.value)
 
 
 def read_procedure(document: Document) -> Procedure:
@@ -183,6 +237,7 @@ def read_procedure(document: Document) -> Procedure:
     """
     model = check(document, ProcedureFile)
     gravity = model.gravity
+    idle = () if model.chosen_estimator == "paper" else ("formulas",)
     gyro, accelerometer = model.gyro, model.accelerometer
     shared = {
         owner: take_surroundings(owner, getattr(model, owner))
@@ -195,7 +250,10 @@ def read_procedure(document: Document) -> Procedure:
         if gravity == "normal"
         else gravity.value,
         sample_rate=model.sample_rate.value,
-        formulas=model.formulas,
+        formulas=model.formulas
+        if model.chosen_estimator == "paper"
+        else model.chosen_estimator,
+        windows=model.laid_out,
         gyro=GyroProcedure(
             rate=gyro.rate.value,
             turns=gyro.turns,
@@ -208,9 +266,10 @@ def read_procedure(document: Document) -> Procedure:
             dwell=accelerometer.dwell.value, pause=accelerometer.pause.value
         ),
         assumptions=(
-            *_assumptions("", model, ("format", "name", *SENSORS, *shared)),
-            *_assumptions("gyro.", gyro),
-            *_assumptions("accelerometer.", accelerometer),
+            *_assumptions("", model, (*NO_PAPER, *SENSORS, *shared, *idle)),
+            *(() if model.windows else _assumptions("gyro.", gyro)),
+            *(() if model.windows else _assumptions("accelerometer.", accelerometer)),
+            *_windows_assumptions(model),
             *(
                 text
                 for taken in shared.values()
@@ -227,6 +286,18 @@ def read_procedure(document: Document) -> Procedure:
         environment=tuple(one.line for one in shared[ENVIRONMENT]),
         origin=Origin(file=document.base_name, sha256=document.sha256),
     )
+
+
+def _windows_assumptions(model: ProcedureFile) -> tuple[str, ...]:
+    """Say what a file with windows leaves open."""
+    if model.windows is None:
+        return ()
+    found = []
+    if model.estimator is None:
+        found.append("estimator: not given, least_squares assumed")
+    if model.pause is None:
+        found.append("pause: not given, 0 s assumed")
+    return tuple(found)
 
 
 def _assumptions(

@@ -11,6 +11,7 @@ from budget.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from budget.arrays import Array
+    from budget.model.windows import Window
 
 __all__ = ["ANGLES", "AXES"]
 
@@ -166,13 +167,14 @@ class Procedure:
     latitude: float  # [rad]
     gravity: float  # at the place [m/s^2]
     sample_rate: float  # [Hz]
-    formulas: str  # 'corrected' or 'paper'
+    formulas: str  # 'corrected', 'paper', 'least_squares' or 'weighted'
     gyro: GyroProcedure
     accelerometer: AccelerometerProcedure
     assumptions: tuple[str, ...]
     origin: Origin
     station: tuple[ErrorLine, ...] = ()
     environment: tuple[ErrorLine, ...] = ()
+    windows: tuple[Window, ...] = ()  # in place of the tests of gyro and accelerometer
 
 
 @dataclass(frozen=True, kw_only=True)

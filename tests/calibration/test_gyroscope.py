@@ -10,7 +10,7 @@ from builders import at_sources, paper_gyro, procedure, sensor
 from numpy.testing import assert_allclose
 
 from budget.calibration.problem import calibration_problem
-from budget.calibration.schemes import schedule_gyro
+from budget.calibration.schemes.zhao_2019 import schedule_gyro
 from budget.earth import ROTATION_RATE
 from budget.methods.gum import propagate
 from budget.model.noise import GaussMarkov

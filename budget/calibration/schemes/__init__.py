@@ -2,10 +2,108 @@
 
 from __future__ import annotations
 
-from budget.calibration.schemes.zhao_2019 import (
-    schedule_accelerometer,
-    schedule_gyro,
-    scheme_of,
-)
+from functools import lru_cache
+from typing import TYPE_CHECKING
 
-__all__ = ["schedule_accelerometer", "schedule_gyro", "scheme_of"]
+import numpy as np
+
+from budget.calibration.schemes import zhao_2019
+from budget.calibration.schemes.least_squares import scheme_by_least_squares
+from budget.errors import CallError
+from budget.model.source import Noise
+from budget.model.sources import source_of
+from budget.model.windows import Schedule
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from budget.arrays import Array
+    from budget.model.scheme import Scheme
+    from budget.model.source import Given
+    from budget.spec.records import Procedure
+
+WEIGHTED, PLAIN = "weighted", "least_squares"  # estimators of any windows
+
+
+def scheme_of(owner: str, procedure: Procedure, lines: Sequence[Given] = ()) -> Scheme:
+    """Return windows and weights of one triad.
+
+    Parameters
+    ----------
+    owner : str
+        'gyro' or 'accelerometer'.
+    procedure : Procedure
+        Windows or the paper's tests, the place, the estimator.
+    lines : sequence of Given
+        Error lines of the triad, whose noise the estimator `weighted` weighs by.
+
+    Raises
+    ------
+    CallError
+        The windows cannot tell some parameters apart.
+    """
+    if procedure.formulas == WEIGHTED:
+        noise = [
+            line
+            for line in lines
+            if line.u.any() and isinstance(source_of(owner, line.name).effect, Noise)
+        ]
+        if noise:
+            schedule = schedule_of(owner, procedure)
+            covariances = [
+                _covariance(owner, noise, axis, schedule, procedure.sample_rate)
+                for axis in range(3)
+            ]
+            return scheme_by_least_squares(owner, schedule, procedure, covariances)
+    return _scheme_of(owner, procedure)
+
+
+@lru_cache(maxsize=64)
+def _scheme_of(owner: str, procedure: Procedure) -> Scheme:
+    """Return a scheme that does not depend on the device; thousands share a few."""
+    if procedure.formulas not in {WEIGHTED, PLAIN}:
+        return zhao_2019.scheme_of(owner, procedure)
+    schedule = schedule_of(owner, procedure)
+    return scheme_by_least_squares(owner, schedule, procedure)
+
+
+@lru_cache(maxsize=64)
+def schedule_of(owner: str, procedure: Procedure) -> Schedule:
+    """Return the windows of one triad, on the clock of the procedure.
+
+    Raises
+    ------
+    CallError
+        No window is the triad's.
+    """
+    if not procedure.windows:
+        if owner == "gyro":
+            return zhao_2019.schedule_gyro(procedure.gyro)
+        return zhao_2019.schedule_accelerometer(procedure.accelerometer)
+    own = tuple(one for one in procedure.windows if one.use in {owner, "both"})
+    if not own:
+        raise CallError(
+            f"{procedure.name}: no window is of the {owner}; let one be used by it "
+            f"(use: {owner}, or both), or give a device without {owner}"
+        )
+    return Schedule(windows=own)
+
+
+def _covariance(
+    owner: str,
+    noise: Sequence[Given],
+    axis: int,
+    schedule: Schedule,
+    sample_rate: float,
+) -> Array:
+    """Return the covariance of the window averages of one axis, shape (n, n)."""
+    C = np.zeros((len(schedule.windows), len(schedule.windows)))
+    for line in noise:
+        effect = source_of(owner, line.name).effect
+        if isinstance(effect, Noise):
+            process = effect.process(line, axis, sample_rate)
+            C += process.reduce(schedule, np.eye(len(C)))
+    return C
+
+
+__all__ = ["schedule_of", "scheme_of"]

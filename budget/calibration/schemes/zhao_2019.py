@@ -13,12 +13,12 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import lru_cache
 from itertools import accumulate
-from math import cos, degrees, pi, sin
+from math import degrees, pi
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.earth import ROTATION_RATE
+from budget.calibration.schemes.least_squares import place_of
 from budget.model.scheme import BIAS, STATISTICS, Scheme
 from budget.model.windows import INNER, MIDDLE, OUTER, Schedule, Setting, Window
 from budget.names import AXES
@@ -31,20 +31,10 @@ if TYPE_CHECKING:
 
 FACE_ORDER = ("z", "x", "y")  # Zhao 2019, section 1.2.3: z up, z down, x up, ...
 TABLE_AXES = (INNER, MIDDLE, OUTER)  # that turn about body x, y, z at table zero
-RIGHT = pi / 2.0
-FACES = {  # (axis, sign up or down): how the table holds it
-    (2, 1): Setting(),
-    (2, -1): Setting(inner=pi),
-    (0, 1): Setting(middle=-RIGHT),
-    (0, -1): Setting(middle=RIGHT),
-    (1, 1): Setting(inner=RIGHT),
-    (1, -1): Setting(inner=-RIGHT),
-}
 # Azimuths that balance leave sums of sines of this size [1], by rounding.
 BALANCED = 1e-14
 
 
-@lru_cache(maxsize=64)
 def scheme_of(owner: str, procedure: Procedure) -> Scheme:
     """Return windows and weights of one triad.
 
@@ -55,9 +45,7 @@ def scheme_of(owner: str, procedure: Procedure) -> Scheme:
     procedure : Procedure
         Turns and dwells, the place, the formulas.
     """
-    gravity = np.array([0.0, 0.0, procedure.gravity])
-    L = procedure.latitude
-    earth = ROTATION_RATE * np.array([0.0, cos(L), sin(L)])
+    earth, gravity = place_of(procedure)
     if owner == "accelerometer":
         schedule = schedule_accelerometer(procedure.accelerometer)
         return Scheme(
@@ -116,13 +104,12 @@ def schedule_accelerometer(procedure: AccelerometerProcedure) -> Schedule:
         for sign in (1, -1):
             for visit in (1, 2):  # the second time turned 180 deg about the vertical
                 place = AXES.index(axis)
-                held = FACES[place, sign]
                 steps.append(
                     Window(
                         name=f"{axis} {'up' if sign > 0 else 'down'} {visit}",
                         start=0.0,
                         length=procedure.dwell,
-                        setting=replace(held, outer=pi * (visit - 1)),
+                        setting=Setting.face(place, sign, pi * (visit - 1)),
                         axis=place,
                         sign=sign,
                     )

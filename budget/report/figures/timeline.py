@@ -7,7 +7,10 @@ from itertools import groupby
 from math import degrees
 from typing import TYPE_CHECKING
 
-from budget.calibration.schemes import schedule_accelerometer, schedule_gyro
+from budget.calibration.schemes.zhao_2019 import (
+    schedule_accelerometer,
+    schedule_gyro,
+)
 from budget.report.blocks import Cell, Column, RowGroup, Table
 from budget.report.figures.rows import (
     Bar,

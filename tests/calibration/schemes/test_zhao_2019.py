@@ -9,7 +9,8 @@ import pytest
 from builders import procedure
 from numpy.testing import assert_allclose
 
-from budget.calibration.schemes import schedule_accelerometer, schedule_gyro, scheme_of
+from budget.calibration.schemes import scheme_of
+from budget.calibration.schemes.zhao_2019 import schedule_accelerometer, schedule_gyro
 from budget.model.response import estimate
 
 K = np.array([2.0, 3.0, 5.0])

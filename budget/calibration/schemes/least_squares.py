@@ -1,0 +1,73 @@
+"""Any windows, by least squares: W = (A^T C^-1 A)^-1 A^T C^-1, PHYSICS of one model.
+
+A has a row (mean input, 1) for each window. Without C every window counts alike; with
+the covariance of the window averages that the device's own noise makes, W is the best
+linear unbiased estimator (Gauss, Markov, Aitken), axis by axis.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.earth import ROTATION_RATE
+from budget.errors import CallError
+from budget.model.scheme import Scheme, least_squares
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from budget.arrays import Array
+    from budget.model.windows import Schedule
+    from budget.spec.records import Procedure
+
+
+def place_of(procedure: Procedure) -> tuple[Array, Array]:
+    """Return earth rate [rad/s] and gravity [m/s^2], east-north-up, each shape (3,)."""
+    L = procedure.latitude
+    earth = ROTATION_RATE * np.array([0.0, np.cos(L), np.sin(L)])
+    return earth, np.array([0.0, 0.0, procedure.gravity])
+
+
+def scheme_by_least_squares(
+    owner: str,
+    schedule: Schedule,
+    procedure: Procedure,
+    covariances: Sequence[Array] | None = None,
+) -> Scheme:
+    """Return windows and weights of one triad.
+
+    Parameters
+    ----------
+    owner : str
+        'gyro' or 'accelerometer'.
+    schedule : Schedule
+        Its windows.
+    procedure : Procedure
+        The place.
+    covariances : sequence of ndarray, shape (n, n), optional
+        Of the window averages of each axis [unit of the input, squared].
+
+    Raises
+    ------
+    CallError
+        The windows cannot tell some parameters apart: which.
+    """
+    earth, gravity = place_of(procedure)
+    turning = schedule.rates if owner == "gyro" else 0.0
+    inputs = turning + schedule.to_body @ (earth if owner == "gyro" else gravity)
+    try:
+        weights = [
+            least_squares(inputs, None if covariances is None else covariances[axis])
+            for axis in range(3)
+        ]
+    except CallError as error:
+        raise CallError(f"{procedure.name}, {owner}: {error}") from None
+    return Scheme(
+        owner=owner,
+        schedule=schedule,
+        earth=earth,
+        gravity=gravity,
+        weights=np.stack(weights),
+    )

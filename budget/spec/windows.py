@@ -1,0 +1,201 @@
+"""The windows of a procedure file: faces or table angles, dwells and turns, in time."""
+
+from __future__ import annotations
+
+from math import degrees, isclose, pi
+from typing import TYPE_CHECKING, Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from budget.model.windows import INNER, MIDDLE, OUTER, Setting, Window
+from budget.names import AXES
+from budget.spec.fields import Measured, Sign, Strict, faults
+from budget.units import Quantity
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+MOST_WINDOWS = 10_000  # all windows are correlated with all
+TABLE_AXES = {"vertical": OUTER, "outer": OUTER, "middle": MIDDLE, "inner": INNER}
+ANGLES = ("outer", "middle", "inner")
+_ROUNDING = 1e-9  # of a time, relative
+
+Angle = Annotated[Quantity, Measured("deg", Sign.ANY)]
+Span = Annotated[Quantity, Measured("s", Sign.POSITIVE, bare=True)]
+Time = Annotated[Quantity, Measured("s", bare=True)]
+Count = Annotated[int, Field(ge=1, le=MOST_WINDOWS)]
+
+
+class WindowLine(Strict):
+    """A dwell or a turn, at a face held up or down or at angles of the table."""
+
+    face: Literal["x up", "x down", "y up", "y down", "z up", "z down"] | None = Field(
+        default=None, description="which body axis is vertical"
+    )
+    azimuth: Angle | None = Field(
+        default=None, description="of the outer axis, beside a face; unset: 0 deg"
+    )
+    outer: Angle | None = Field(default=None, description="table angle, about up")
+    middle: Angle | None = Field(default=None, description="table angle, about y")
+    inner: Angle | None = Field(default=None, description="table angle, about x")
+    dwell: Span | None = Field(default=None, description="how long it stands")
+    turn: Literal["vertical", "outer", "middle", "inner"] | None = Field(
+        default=None, description="axis that turns; vertical is the outer one"
+    )
+    turns: Annotated[int, Field(ge=-1_000_000, le=1_000_000)] | None = Field(
+        default=None, description="whole turns; the sign is the sense"
+    )
+    rate: Annotated[Quantity, Measured("deg/s", Sign.POSITIVE)] | None = Field(
+        default=None, description="of the turn"
+    )
+    repeat: Count = Field(default=1, description="times one after the other")
+    start: Time | None = Field(
+        default=None, description="on the clock of the file; unset: after the last"
+    )
+    use: Literal["gyro", "accelerometer", "both"] = Field(
+        default="both", description="whose readings are averaged"
+    )
+
+    @model_validator(mode="after")
+    def _check_parts(self) -> Self:
+        messages = {**self._attitude_faults(), **self._time_faults()}
+        if messages:
+            raise faults(messages)
+        return self
+
+    def _attitude_faults(self) -> dict[tuple[str, ...], str]:
+        """Return what is wrong with how the table stands."""
+        angles = [key for key in ANGLES if getattr(self, key) is not None]
+        found: dict[tuple[str, ...], str] = {}
+        if self.face is None and not angles:
+            found["face",] = (
+                "is not given, expected a face, as 'face: z up', or table angles, as "
+                "'outer: 0 deg'"
+            )
+        if self.face is not None and angles:
+            found[angles[0],] = "stands beside a face, which says it already; remove it"
+        if self.azimuth is not None and self.face is None:
+            found["azimuth",] = "needs a face beside it; table angles have outer"
+        return found
+
+    def _time_faults(self) -> dict[tuple[str, ...], str]:
+        """Return what is wrong with how long it takes."""
+        found: dict[tuple[str, ...], str] = {}
+        if self.turn is None:
+            if self.dwell is None:
+                found["dwell",] = (
+                    "is not given, expected how long it stands, as 'dwell: 60 s', or "
+                    "a turn"
+                )
+            for key in ("turns", "rate"):
+                if getattr(self, key) is not None:
+                    found[key,] = "needs the axis of a turn, as 'turn: vertical'"
+            return found
+        if self.dwell is not None:
+            found["dwell",] = "stands beside a turn, whose rate says how long it takes"
+        if self.rate is None:
+            found["rate",] = "of the turn is not given, expected such as '10 deg/s'"
+        if not self.turns:
+            found["turns",] = "is no whole turn, expected such as 1 or -1"
+        return found
+
+    @property
+    def setting(self) -> Setting:
+        """How the table stands, and turns [rad]."""
+        turning = None if self.turn is None else TABLE_AXES[self.turn]
+        angle = 2.0 * pi * (self.turns or 0)
+        if self.face is not None:
+            axis, word = self.face.split()
+            azimuth = self.azimuth.value if self.azimuth else 0.0
+            held = Setting.face(AXES.index(axis), 1 if word == "up" else -1, azimuth)
+            angles = (held.outer, held.middle, held.inner)
+        else:
+            outer, middle, inner = (getattr(self, key) for key in ANGLES)
+            values = [one.value if one else 0.0 for one in (outer, middle, inner)]
+            angles = (values[0], values[1], values[2])
+        return Setting(
+            outer=angles[0],
+            middle=angles[1],
+            inner=angles[2],
+            turning=turning,
+            angle=angle,
+        )
+
+    @property
+    def length(self) -> float:
+        """How long one of it takes [s]."""
+        if self.dwell is not None:
+            return self.dwell.value
+        rate = 1.0 if self.rate is None else self.rate.value
+        return abs(2.0 * pi * (self.turns or 0)) / rate
+
+    @property
+    def title(self) -> str:
+        """'z up, azimuth 90 deg', 'turn +1 outer at 0, 90, 0 deg'."""
+        text: str
+        if self.face is not None:
+            text = self.face
+            if self.azimuth is not None:
+                text += f", azimuth {degrees(self.azimuth.value):.6g} deg"
+        else:
+            held = self.setting
+            angles = (held.outer, held.middle, held.inner)
+            text = ", ".join(f"{degrees(angle):.6g}" for angle in angles) + " deg"
+        if self.turn is None:
+            return text
+        return f"turn {self.turns:+d} {self.turn} at {text}"
+
+
+def lay_out(
+    lines: Sequence[WindowLine], pause: float, sample_rate: float
+) -> tuple[Window, ...]:
+    """Put windows on one clock: each after the one before, or when it says.
+
+    Parameters
+    ----------
+    lines : sequence of WindowLine
+    pause : float
+        Before each that does not say its start [s].
+    sample_rate : float
+        [Hz].
+
+    Raises
+    ------
+    pydantic_core.ValidationError
+        Windows overlap, hold no sample, or are too many: which, all at once.
+    """
+    messages: dict[tuple[str, ...], str] = {}
+    number = sum(line.repeat for line in lines)
+    if number > MOST_WINDOWS:
+        raise faults(
+            {("windows",): f"are {number}, expected {MOST_WINDOWS} at the most"}
+        )
+    windows: list[Window] = []
+    for place, line in enumerate(lines):
+        if line.length * sample_rate < 1.0 - _ROUNDING:
+            messages["windows", str(place)] = (
+                f"a window of {line.length:.6g} s holds no sample at "
+                f"{sample_rate:g} Hz, expected one at least"
+            )
+        for visit in range(line.repeat):
+            end = windows[-1].end if windows else 0.0
+            start = end + pause if windows else 0.0
+            if line.start is not None and visit == 0:
+                start = line.start.value
+                if start < end and not isclose(start, end, rel_tol=_ROUNDING):
+                    messages["windows", str(place), "start"] = (
+                        f"begins at {start:.6g} s, before the window before it ends "
+                        f"at {end:.6g} s; windows cannot overlap"
+                    )
+            windows.append(
+                Window(
+                    name=line.title,
+                    start=start,
+                    length=line.length,
+                    setting=line.setting,
+                    use=line.use,
+                )
+            )
+    if messages:
+        raise faults(messages)
+    return tuple(windows)
