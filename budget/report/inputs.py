@@ -10,7 +10,12 @@ from budget.model.sources import ENVIRONMENT, SENSORS, STATION, source_of
 from budget.names import Name
 from budget.report.blocks import Cell, Field, Pairs, Panel, Paragraph, Section, table_of
 from budget.report.figures.rows import chart_picture
-from budget.report.figures.timeline import schedule_chart
+from budget.report.figures.timeline import (
+    made_of,
+    make_tracks,
+    print_time,
+    schedule_chart,
+)
 from budget.report.tables import print_given, words
 from budget.report.wording import capital
 from budget.spec.records import ANGLES, AXES
@@ -184,6 +189,15 @@ def figures_table(device: Device) -> Table:
     )
 
 
+FORMULAS = {
+    "corrected": ("formulas", "corrected"),
+    "paper": (
+        "formulas",
+        "as the paper prints eq. (4) for the gyro bias, all others corrected",
+    ),
+    "least_squares": ("estimator", "least squares, every window alike"),
+    "weighted": ("estimator", "least squares, weighted by the device's own noise"),
+}
 LATITUDE_DIGITS, GRAVITY_DIGITS = 7, 8
 
 
@@ -201,19 +215,21 @@ def procedure_section(procedure: Procedure, sensors: Sequence[str]) -> Section:
         ),
         ("pulses", (f"read at {print_given(procedure.sample_rate)} Hz",)),
     ]
-    if "gyro" in sensors:
+    if procedure.windows:
+        rows += [
+            (track.sensor, (f"{made_of(track)}, in {print_time(track.end)}",))
+            for track in make_tracks(procedure, sensors)
+        ]
+    elif "gyro" in sensors:
         rows += _gyro_rows(procedure)
-    if "accelerometer" in sensors:
+    if "accelerometer" in sensors and not procedure.windows:
         dwell = print_given(procedure.accelerometer.dwell)
         pause = _pause(procedure.accelerometer.pause)
         text = f"twelve positions, {dwell} s each{pause}"
         rows.append(("accelerometer", (text,)))
-    formulas = (
-        "as the paper prints eq. (4) for the gyro bias, all others corrected"
-        if procedure.formulas == "paper"
-        else "corrected"
-    )
-    rows.append(("formulas", (f"{formulas}; they stand under Method",)))
+    name, text = FORMULAS[procedure.formulas]
+    stands = "they stand" if name == "formulas" else "it stands"
+    rows.append((name, (f"{text}; {stands} under Method",)))
     blocks: tuple[Block, ...] = (Pairs(rows=tuple(rows)),)
     schedule = schedule_chart(procedure, sensors)
     if schedule is not None:

@@ -5,17 +5,24 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from budget.calibration.schemes import scheme_of
+from budget.names import AXES
 from budget.report.blocks import (
+    Cell,
     Equation,
     Equations,
+    Field,
     Listing,
     Pairs,
     Panel,
     Paragraph,
     Section,
+    table_of,
 )
 from budget.report.formulas import Math, with_math
-from budget.report.tables import print_count, print_coverage, words
+from budget.report.tables import print_count, print_coverage, print_given, words
 from budget.report.wording import (
     BY_LAW,
     INTERVALS,
@@ -25,12 +32,17 @@ from budget.report.wording import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable
+    from collections.abc import Collection, Iterable, Iterator
     from collections.abc import Set as AbstractSet
 
-    from budget.report.blocks import Block, Words
+    from budget.arrays import Array
+    from budget.model.scheme import Scheme
+    from budget.report.blocks import Block, Table, Words
     from budget.results import Settings
     from budget.spec.records import Device, Procedure
+
+    # A row of the weights: its axis, window, mean input, weights.
+    Record = tuple[str, str, Array, Array]
 
 PAPER = (
     "X. Zhao, L. Zhang, S. Li, Metrology & Measurement Technology 39 (3), 2019, 34-40, "
@@ -127,10 +139,13 @@ def method_section(
         Pairs(rows=_settings_rows(settings, trials)),
         Paragraph(words=with_math(NOTATION)),
     ]
-    if "gyro" in sensors:
-        panels += [_turns_panel(), _gyro_bias_panel(procedure.formulas)]
-    if "accelerometer" in sensors:
-        panels.append(_accelerometer_panel())
+    if procedure.formulas in {"least_squares", "weighted"}:
+        panels += _estimator_panels(procedure, devices)
+    else:
+        if "gyro" in sensors:
+            panels += [_turns_panel(), _gyro_bias_panel(procedure.formulas)]
+        if "accelerometer" in sensors:
+            panels.append(_accelerometer_panel())
     lines = {
         line.name
         for device in devices
@@ -211,6 +226,76 @@ def _formulas(
                 )
             ),
         ),
+    )
+
+
+def _estimator_panels(
+    procedure: Procedure, devices: Collection[Device]
+) -> Iterator[Panel]:
+    """Yield the estimator, and the weights that it gave each triad."""
+    weighted = procedure.formulas == "weighted"
+    inverse = "(A^upright(T) C^(-1) A)^(-1) A^upright(T) C^(-1)"
+    yield _formulas(
+        "Estimator: least squares" + (", weighted" if weighted else ""),
+        "$A$ has a row for each window: its mean input $u$ in body axes, and 1. "
+        "$macron(n)_i$ are the mean counts a second of axis i in the windows; the "
+        "weights are unbiased, $W A = I$."
+        + (
+            " $C$ is the covariance of the window averages by the device's own noise."
+            if weighted
+            else ""
+        ),
+        [
+            f"W = {inverse if weighted else '(A^upright(T) A)^(-1) A^upright(T)'}",
+            "(K_i (I + Delta T)_i, K_i b_i) = W macron(n)_i",
+        ],
+    )
+    for device in devices:
+        for sensor in device.sensors:
+            scheme = scheme_of(sensor.kind, procedure, sensor.lines)
+            yield Panel(
+                title=f"Weights of the {sensor.kind}",
+                blocks=(_weights_table(scheme),),
+            )
+
+
+def _weights_table(scheme: Scheme) -> Table:
+    """Return W, a row for each window; of each axis where they differ."""
+    unit = "rad/s" if scheme.owner == "gyro" else "m/s^2"
+    inputs = scheme.turn + scheme.standing
+    W = scheme.weights
+    alike = bool(np.array_equal(W[0], W[1]) and np.array_equal(W[0], W[2]))
+    groups = (
+        [("", 0)] if alike else [(f"axis {axis}", k) for k, axis in enumerate(AXES)]
+    )
+    records = [
+        (title, window.name, inputs[k], W[axis, :, k])
+        for title, axis in groups
+        for k, window in enumerate(scheme.schedule.windows)
+    ]
+
+    def number(head: str, part: int, place: int) -> Field[Record]:
+        def cell(record: Record) -> Cell:
+            value = float((record[2], record[3])[part][place])
+            return Cell(text=print_given(value, digits=5), exact=value)
+
+        return Field(head=head, kind="number", cell=cell)
+
+    fields: list[Field[Record]] = [Field(head="window", cell=lambda record: record[1])]
+    for k, axis in enumerate(AXES):
+        fields.append(number(f"u {axis} [{unit}]", 0, k))
+    for k, axis in enumerate((*AXES, "bias")):
+        head = "W bias" if axis == "bias" else f"W {axis} [1/({unit})]"
+        fields.append(number(head, 1, k))
+    return table_of(
+        records,
+        fields,
+        name=f"weights-{scheme.owner}",
+        caption=f"Mean inputs and weights of the windows of the {scheme.owner}",
+        by=lambda record: record[0],
+        titled=True,
+        is_wide=True,
+        searchable=True,
     )
 
 

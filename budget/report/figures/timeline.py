@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from itertools import groupby
+from itertools import groupby, pairwise
 from math import degrees
 from typing import TYPE_CHECKING
 
+from budget.calibration.schemes import schedule_of
 from budget.calibration.schemes.zhao_2019 import (
     schedule_accelerometer,
     schedule_gyro,
@@ -44,6 +45,7 @@ FACES = {  # j of N(j): Zhao 2019, eq. (5)
     for sign in (1, -1)
 }
 COUNTED_TURNS = {"z": 1, "x": 2, "y": 3}  # j of n_ij: Zhao 2019, eq. (3)
+BY_NAME = {"corrected", "paper"}  # formulas with an average for each of their letters
 SIGNS = {1: "+", -1: "\N{MINUS SIGN}"}
 
 
@@ -64,10 +66,8 @@ class Track:
 
     @property
     def turns(self) -> tuple[int, ...]:
-        """Places of the turns; a gyro turns where its axis is named."""
-        if self.sensor != "gyro":
-            return ()
-        return tuple(k for k, window in enumerate(self.windows) if window.sign)
+        """Places of the turns."""
+        return tuple(k for k, window in enumerate(self.windows) if window.sense)
 
 
 def schedule_chart(procedure: Procedure, sensors: Sequence[str]) -> Chart | None:
@@ -255,6 +255,8 @@ def _data(tracks: Sequence[Track]) -> Table:
 def make_tracks(procedure: Procedure, sensors: Sequence[str]) -> tuple[Track, ...]:
     """Lay out the triads that there are, gyro first."""
     makers = {"gyro": _gyro_track, "accelerometer": _accelerometer_track}
+    if procedure.windows or procedure.formulas not in BY_NAME:
+        return tuple(_any_track(name, procedure) for name in makers if name in sensors)
     return tuple(make(procedure) for name, make in makers.items() if name in sensors)
 
 
@@ -272,21 +274,43 @@ def made_of(track: Track) -> str:
     turns = [track.windows[k] for k in track.turns]
     dwells = [w for k, w in enumerate(track.windows) if k not in set(track.turns)]
     parts = [
-        f"{len(windows)} {word} of {print_time(windows[0].length)}"
+        f"{len(windows)} {word if len(windows) > 1 else word.removesuffix('s')} of "
+        f"{_lengths(windows)}"
         for windows, word in ((turns, "turns"), (dwells, "dwells"))
         if windows
     ]
     return " and ".join(parts)
 
 
+def _lengths(windows: Sequence[Window]) -> str:
+    """Say how long windows are: '18 s', '18 s to 5 min'."""
+    texts = [print_time(end(window.length for window in windows)) for end in (min, max)]
+    return " to ".join(dict.fromkeys(texts))
+
+
 def window_name(track: Track, place: int) -> str:
     """Name one window in words: 'turn about z+'."""
     window = track.windows[place]
+    if window.axis is None and window.azimuth is None:
+        return window.name if window.sense else f"dwell with {window.name}"
     if window.azimuth is not None:
         return f"dwell at azimuth {degrees(window.azimuth):.6g} deg"
     if track.sensor == "gyro":
         return f"turn about {window.name.removeprefix('turn ')}"
     return f"dwell with {window.name}"
+
+
+def _any_track(sensor: str, procedure: Procedure) -> Track:
+    """Lay out windows that all go into one estimate, by least squares."""
+    windows = schedule_of(sensor, procedure).windows
+    gaps = [b.start - a.end for a, b in pairwise(windows)]
+    return Track(
+        sensor=sensor,
+        windows=windows,
+        labels=tuple(window.name.partition(",")[0] for window in windows),
+        averages=(("all, by least squares", 0, len(windows) - 1),),
+        pause=min(gaps, default=0.0),
+    )
 
 
 def _gyro_track(procedure: Procedure) -> Track:

@@ -85,7 +85,9 @@ def find_longer_tests(
 
 
 def _growing(sensor: Sensor, procedure: Procedure) -> tuple[_Trials, ...]:
-    """Return what of the procedure may grow for a sensor."""
+    """Return what of the procedure may grow for a sensor; windows are the user's."""
+    if procedure.windows:
+        return ()
     if sensor.kind != "gyro":
         own = procedure.accelerometer
         return (
