@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 BIAS = 3  # row of the weights, after the responses to x, y, z
 STATISTICS = 4
 UNBIASED = 1e-9  # what W A may miss I by [1]
+ROUNDING = 1e-14  # a weight below this part of the largest in its row is rounding [1]
 RANK = 1e-9  # a singular value below this part of the largest is none [1]
 
 
@@ -180,6 +181,7 @@ def least_squares(inputs: Array, covariance: Array | None = None) -> Array:
         W = np.linalg.pinv(whiten @ A) @ whiten
     else:
         W = np.linalg.pinv(A)
+    W[np.abs(W) < ROUNDING * np.abs(W).max(axis=1, keepdims=True)] = 0.0
     W[:BIAS] /= size
     return np.asarray(W)
 

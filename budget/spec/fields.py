@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model
 from pydantic_core import (
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from pydantic.json_schema import JsonSchemaValue
 
 
+Path = TypeVar("Path", bound=tuple[str | int, ...])  # keys and places in a list
 _BREAK = re.compile(r"[\t\n\r]")
 
 
@@ -47,7 +48,7 @@ def fault(message: str) -> PydanticCustomError:
     return PydanticCustomError("budget", "{message}", {"message": message})
 
 
-def faults(messages: Mapping[tuple[str, ...], str]) -> ValidationError:
+def faults(messages: Mapping[Path, str]) -> ValidationError:
     """Return the errors of several values, named by their path in the mapping."""
     return ValidationError.from_exception_data(
         "budget",

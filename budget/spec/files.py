@@ -95,7 +95,7 @@ def open_file(file: NamedFile, kind: str | None = None) -> Document:
     else:
         message = (
             "is of no known kind, expected limits (in a requirement), costs (costs), "
-            "latitude or sample_rate (procedure), gyro or accelerometer (device)"
+            "latitude or windows (procedure), gyro or accelerometer (device)"
         )
         issue = document.issue(root, message)
     raise all_of([*document.issues, issue])
@@ -149,7 +149,11 @@ def _signs(root: Node) -> Iterator[_Sign]:
     places = [
         ("requirement", root, ("limits",)),
         ("costs", root, ("costs",)),
-        ("procedure", root, ("latitude", "gravity", "formulas", "sample_rate")),
+        (
+            "procedure",
+            root,
+            ("latitude", "gravity", "formulas", "sample_rate", "windows", "estimator"),
+        ),
         *(("procedure", sensor, inside) for sensor in sensors),
         ("device", root, ("gyro", "accelerometer")),
     ]

@@ -145,7 +145,7 @@ class ProcedureFile(Strict):
         description="paper: its formulas; weighted: by the device's own noise. Unset: "
         "paper, or least_squares where there are windows",
     )
-    windows: Annotated[tuple[WindowLine, ...], Field(min_length=1)] | None = Field(
+    windows: tuple[WindowLine, ...] | None = Field(
         default=None,
         description="dwells and turns, in place of the tests of gyro and accelerometer",
     )
@@ -198,6 +198,8 @@ class ProcedureFile(Strict):
                 found["pause",] = "is of windows; the tests of gyro and accelerometer "
                 found["pause",] += "have their own"
         else:
+            if not self.windows:
+                found["windows",] = "names no window, expected one at least"
             for key in [key for key in SENSORS if key in given]:
                 found[key,] = "stands beside windows, which are the whole test; remove "
                 found[key,] += "one of them"

@@ -69,8 +69,8 @@ class WindowLine(Strict):
         found: dict[tuple[str, ...], str] = {}
         if self.face is None and not angles:
             found["face",] = (
-                "is not given, expected a face, as 'face: z up', or table angles, as "
-                "'outer: 0 deg'"
+                "says not how the table stands, expected a face, as 'face: z up', or "
+                "table angles, as 'outer: 0 deg'"
             )
         if self.face is not None and angles:
             found[angles[0],] = "stands beside a face, which says it already; remove it"
@@ -84,8 +84,7 @@ class WindowLine(Strict):
         if self.turn is None:
             if self.dwell is None:
                 found["dwell",] = (
-                    "is not given, expected how long it stands, as 'dwell: 60 s', or "
-                    "a turn"
+                    "says not how long, expected a dwell, as 'dwell: 60 s', or a turn"
                 )
             for key in ("turns", "rate"):
                 if getattr(self, key) is not None:
@@ -94,9 +93,11 @@ class WindowLine(Strict):
         if self.dwell is not None:
             found["dwell",] = "stands beside a turn, whose rate says how long it takes"
         if self.rate is None:
-            found["rate",] = "of the turn is not given, expected such as '10 deg/s'"
+            found["rate",] = (
+                "has a turn without rate, expected such as 'rate: 10 deg/s'"
+            )
         if not self.turns:
-            found["turns",] = "is no whole turn, expected such as 1 or -1"
+            found["turns",] = "makes no whole turn, expected such as turns: 1 or -1"
         return found
 
     @property
@@ -164,7 +165,7 @@ def lay_out(
     pydantic_core.ValidationError
         Windows overlap, hold no sample, or are too many: which, all at once.
     """
-    messages: dict[tuple[str, ...], str] = {}
+    messages: dict[tuple[str | int, ...], str] = {}
     number = sum(line.repeat for line in lines)
     if number > MOST_WINDOWS:
         raise faults(
@@ -173,7 +174,7 @@ def lay_out(
     windows: list[Window] = []
     for place, line in enumerate(lines):
         if line.length * sample_rate < 1.0 - _ROUNDING:
-            messages["windows", str(place)] = (
+            messages["windows", place] = (
                 f"a window of {line.length:.6g} s holds no sample at "
                 f"{sample_rate:g} Hz, expected one at least"
             )
@@ -183,7 +184,7 @@ def lay_out(
             if line.start is not None and visit == 0:
                 start = line.start.value
                 if start < end and not isclose(start, end, rel_tol=_ROUNDING):
-                    messages["windows", str(place), "start"] = (
+                    messages["windows", place, "start"] = (
                         f"begins at {start:.6g} s, before the window before it ends "
                         f"at {end:.6g} s; windows cannot overlap"
                     )

@@ -43,6 +43,7 @@ from budget.studies.request import (
     Analysis,
     check_settings,
     choose_sources,
+    not_calibrated,
     sensors_of,
 )
 
@@ -195,9 +196,10 @@ def analyze_as(
     """
     engine = Engine() if engine is None else engine
     procedure = load_procedure(None) if procedure is None else procedure
-    sensors = sensors_of(devices)
+    sensors = sensors_of(devices, procedure)
     check_settings(settings, workers=engine.workers)
     chosen, warnings = choose_sources(sensors, procedure, settings.only)
+    warnings = (*not_calibrated(devices, procedure), *warnings)
     analysis = Analysis(
         devices=devices,
         procedure=procedure,

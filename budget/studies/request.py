@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Self
 
 from budget.calibration.problem import REFERENCES, calibration_problem
+from budget.calibration.schemes import calibrates
 from budget.distributions import COVERAGES, is_coverage
 from budget.errors import CallError
 from budget.methods.gum import propagate
@@ -124,7 +125,7 @@ class Analysis:
         basis = choose_basis(requirement, coverage=coverage, reference=reference)
         check_words(method="gum", interval="symmetric", reference=basis.reference)
         check_numbers(basis.coverage, {})
-        chosen, _ = choose_sources(sensors_of(devices), procedure, only)
+        chosen, _ = choose_sources(sensors_of(devices, procedure), procedure, only)
         return cls(
             devices=devices,
             procedure=procedure,
@@ -141,7 +142,8 @@ class Analysis:
     @cached_property
     def sensors(self) -> tuple[Sensor, ...]:
         """The triads, gyro first."""
-        return tuple(s for s in sensors_of(self.devices) if s.kind in self.kinds)
+        there = sensors_of(self.devices, self.procedure)
+        return tuple(sensor for sensor in there if sensor.kind in self.kinds)
 
     @cached_property
     def problem(self) -> Problem:
@@ -176,13 +178,15 @@ def analysis_of(budget: Budget) -> Analysis:
     return budget.analysis
 
 
-def sensors_of(devices: Sequence[Device]) -> tuple[Sensor, ...]:
-    """Return the triads of all devices, gyro first.
+def sensors_of(
+    devices: Sequence[Device], procedure: Procedure | None = None
+) -> tuple[Sensor, ...]:
+    """Return the triads of all devices, gyro first; those that a procedure calibrates.
 
     Raises
     ------
     CallError
-        There is no sensor, or two of one kind.
+        There is no such sensor, or two of one kind.
     """
     strangers = [device for device in devices if not isinstance(device, Device)]
     if strangers:
@@ -202,7 +206,28 @@ def sensors_of(devices: Sequence[Device]) -> tuple[Sensor, ...]:
         found.extend(of_kind)
     if not found:
         raise CallError("no device with a gyro or an accelerometer was given")
-    return tuple(found)
+    if procedure is None:
+        return tuple(found)
+    kept = tuple(one for one in found if calibrates(one.kind, procedure))
+    if not kept:
+        kinds = " and ".join(one.kind for one in found)
+        raise CallError(
+            f"{procedure.name} has no window of the {kinds}; let one be used by it "
+            "(use: both), or give another device"
+        )
+    return kept
+
+
+def not_calibrated(devices: Sequence[Device], procedure: Procedure) -> tuple[str, ...]:
+    """Say of which triads that are there a procedure finds nothing."""
+    present = dict.fromkeys(
+        sensor.kind for device in devices for sensor in device.sensors
+    )
+    return tuple(
+        f"{procedure.name} does not calibrate the {kind}: nothing is said of it"
+        for kind in present
+        if not calibrates(kind, procedure)
+    )
 
 
 def source_names(

@@ -89,6 +89,13 @@ def schedule_of(owner: str, procedure: Procedure) -> Schedule:
     return Schedule(windows=own)
 
 
+def calibrates(owner: str, procedure: Procedure) -> bool:
+    """Whether any window is of that triad; the paper's tests are of both."""
+    return not procedure.windows or any(
+        window.use in {owner, "both"} for window in procedure.windows
+    )
+
+
 def _covariance(
     owner: str,
     noise: Sequence[Given],
@@ -106,4 +113,4 @@ def _covariance(
     return C
 
 
-__all__ = ["schedule_of", "scheme_of"]
+__all__ = ["calibrates", "schedule_of", "scheme_of"]

@@ -47,6 +47,7 @@ if TYPE_CHECKING:
 
 
 PAIRS_SHOWN = 20
+NOT_CALIBRATED = "not calibrated"  # a sensor under a procedure that leaves it out
 MOST_FACTOR = 1000.0  # beyond, a line does not limit anything in any case
 SURE = 5e-4  # of a utilisation [1]: half a unit in the third digit
 
@@ -83,6 +84,8 @@ class Ranking:
         """'2 meet, 1 undecided, 3 fail'."""
         verdicts = [row.of.verdict for row in self.rows]
         verdicts += ["undecidable"] * len(self.nothing_known)
+        if not verdicts:
+            return NOT_CALIBRATED
         plural = {"meets": "meet", "fails": "fail"}
         return ", ".join(
             f"{verdicts.count(word)} {plural.get(word, word)}"
@@ -137,9 +140,12 @@ def side_by_side(found: Sequence[Ranking], sensor: str) -> tuple[SideRow, ...]:
     return tuple(
         SideRow(
             device=row.device,
-            cells=tuple(cells[row.of.place, table.procedure] for table in own),
+            cells=tuple(
+                cells.get((row.of.place, table.procedure), NOT_CALIBRATED)
+                for table in own
+            ),
         )
-        for row in own[0].rows
+        for row in next((table for table in own if table.rows), own[0]).rows
     )
 
 

@@ -107,7 +107,7 @@ def allocate(
     """
     strategy = _choose_strategy(strategy, costs)
     procedure = load_procedure(None) if procedure is None else procedure
-    sensors = sensors_of(devices)
+    sensors = sensors_of(devices, procedure)
     warnings: tuple[str, ...] = ()
     if catalogue is None:
         catalogue, warnings = load_catalogue()

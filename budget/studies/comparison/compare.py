@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING
 
+from budget.calibration.schemes import calibrates
 from budget.errors import CallError
 from budget.methods.execution import local_executor
 from budget.results import InputFile, Settings
@@ -21,6 +22,7 @@ from budget.studies.comparison.records import (
 from budget.studies.figures_of_merit import MERITS, is_known, over_cap
 from budget.studies.judgement import MAX_TRIALS, TRIALS
 from budget.studies.progress import stage
+from budget.studies.request import not_calibrated
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -101,7 +103,8 @@ def compare(
         for procedure in procedures
         for place, device in enumerate(devices)
         for sensor in device.sensors
-        if (
+        if calibrates(sensor.kind, procedure)
+        and (
             one := Candidate(
                 device=device,
                 place=place,
@@ -166,7 +169,14 @@ def compare(
                 for text in device.assumptions
             )
         ),
-        warnings=_warnings(devices, requirement, judged, findings),
+        warnings=(
+            *dict.fromkeys(
+                text
+                for procedure in procedures
+                for text in not_calibrated(devices, procedure)
+            ),
+            *_warnings(devices, requirement, judged, findings),
+        ),
     )
 
 

@@ -1,0 +1,227 @@
+"""Any windows by least squares: closed forms, published numbers, and pulses."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from math import pi, radians, sqrt
+
+import numpy as np
+import pytest
+from builders import (
+    PAPER_ACCELEROMETER,
+    PAPER_GYRO,
+    paper_accelerometer,
+    paper_gyro,
+    procedure,
+    sensor,
+)
+from numpy.testing import assert_allclose
+from scipy.special import ndtri
+
+from budget.calibration.problem import calibration_problem
+from budget.calibration.schemes import scheme_of
+from budget.calibration.simulation import simulate
+from budget.errors import CallError
+from budget.methods.gum import propagate
+from budget.model.noise import GaussMarkov, White
+from budget.model.windows import OUTER, Setting, Window
+from budget.spec import load_procedure
+from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
+
+G = 9.7966933092
+SHIPPED = ("six-positions", "six-positions-and-turns", "twenty-four-positions")
+SIX = [(axis, sign) for axis in range(3) for sign in (1, -1)]
+RUNS, FALSE_ALARM = 100, 1e-4
+
+
+def how(settings, *, length=300.0, formulas="least_squares", use="both"):
+    """Return a procedure whose windows follow each other, by their settings."""
+    windows, start = [], 0.0
+    for number, setting in enumerate(settings):
+        took = abs(setting.angle) / radians(20.0) if setting.angle else length
+        windows.append(
+            Window(name=str(number), start=start, length=took, setting=setting, use=use)
+        )
+        start += took
+    return replace(procedure(), windows=tuple(windows), formulas=formulas)
+
+
+def turn(axis, sense, turns=1):
+    """Return a turn about the vertical, with a body axis up."""
+    held = Setting.face(axis, 1)
+    return replace(held, turning=OUTER, angle=2.0 * pi * turns * sense)
+
+
+def standard(device, plan, reference="as_tested", only=None):
+    """Return the law's standard uncertainties by the name of the output [SI]."""
+    problem = calibration_problem((device,), plan, reference=reference, only=only)
+    law = propagate(problem)
+    names = [output.name for output in problem.outputs]
+    return dict(zip(names, law.standard_uncertainty, strict=True))
+
+
+def test_six_positions_have_the_closed_forms_of_white_noise():
+    """N/(g sqrt(2 L)) of scale factors and angles, N/sqrt(6 L) of biases."""
+    N, L = 5e-4, 120.0
+    device = sensor("accelerometer", {"velocity_random_walk": N})
+    u = standard(device, how([Setting.face(*face) for face in SIX], length=L))
+
+    for name, value in u.items():
+        expected = N / sqrt(6.0 * L) if "bias" in name else N / (G * sqrt(2.0 * L))
+        assert_allclose(value, expected, rtol=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("order", "ppm"),
+    [
+        (((1, 0), (1, 1), (-1, 0), (-1, 1)), 8.7365),
+        (((1, 0), (-1, 0), (1, 1), (-1, 1)), 5.0703),
+        (((1, 0), (-1, 0), (-1, 1), (1, 1)), 6.4581),
+    ],
+)
+def test_the_order_of_twelve_dwells_counts(order, ppm):
+    """Scale factor of the paper's accelerometer: paired, alternating, there and back.
+
+    Closed forms of a Gauss-Markov process over four adjacent windows of 300 s.
+    """
+    dwells = [
+        Setting.face(axis, sign, pi * half)
+        for axis in (2, 0, 1)
+        for sign, half in order
+    ]
+    u = standard(paper_accelerometer(), how(dwells))
+
+    for axis in "xyz":
+        assert_allclose(1e6 * u[f"accelerometer.scale_factor.{axis}"], ppm, atol=6e-5)
+
+
+@pytest.mark.parametrize(
+    ("senses", "ppm"), [((1, -1, 1, -1), 0.49392), ((1, 1, -1, -1), 0.50241)]
+)
+def test_alternating_turns_beat_blocks(senses, ppm):
+    """Four turns of 18 s of the paper's gyro; dwells see what turns do not."""
+    settings = [turn(axis, sense) for axis in (2, 0, 1) for sense in senses]
+    settings += [Setting.face(*face) for face in SIX]
+    u = standard(paper_gyro(), how(settings))
+
+    for axis in "xyz":  # the dwells have a part of 1e-3 in the response
+        assert_allclose(1e6 * u[f"gyro.scale_factor.{axis}"], ppm, rtol=1e-3)
+
+
+def test_responses_are_those_of_the_paper_where_the_windows_are():
+    """Eq. (5) is least squares for the responses; its bias uses a third of them."""
+    paper = procedure()
+    squares = replace(paper, formulas="least_squares")
+    ours, theirs = (scheme_of("accelerometer", one).weights for one in (squares, paper))
+
+    assert_allclose(ours[:, :3], theirs[:, :3], rtol=1e-12, atol=1e-16)
+    assert_allclose(ours[:, 3], 1.0 / 12.0, rtol=1e-12)
+
+
+@pytest.mark.parametrize("owner", ["gyro", "accelerometer"])
+@pytest.mark.parametrize("name", SHIPPED[1:])
+def test_weighted_is_the_best_linear_unbiased_estimator(owner, name):
+    """W A = I, W C W^T = (A^T C^-1 A)^-1, and plain least squares is never better."""
+    plan = replace(load_procedure(name), formulas="weighted")
+    device = paper_gyro() if owner == "gyro" else paper_accelerometer()
+    best = scheme_of(owner, plan, device.lines)
+    plain = scheme_of(owner, replace(plan, formulas="least_squares"))
+    inputs = best.turn + best.standing
+    size = np.abs(inputs).max()
+    A = np.column_stack([inputs / size, np.ones(len(inputs))])
+    scale = np.array([size, size, size, 1.0])[:, None]
+    tau = 300.0
+    if owner == "gyro":
+        parts = (
+            White(density=PAPER_GYRO["angle_random_walk"]),
+            GaussMarkov(sigma=PAPER_GYRO["bias_stability"], correlation_time=tau),
+        )
+    else:
+        white = PAPER_ACCELEROMETER["sample_noise"] / sqrt(100.0)
+        parts = (
+            White(density=white),
+            GaussMarkov(sigma=PAPER_ACCELEROMETER["bias_stability"], correlation_time=tau),
+        )
+    C = sum(part.reduce(best.schedule, np.eye(len(A))) for part in parts)
+    bound = np.linalg.inv(A.T @ np.linalg.solve(C, A))
+    for axis in range(3):
+        W, V = best.weights[axis] * scale, plain.weights[axis] * scale
+        assert_allclose(W @ A, np.eye(4), rtol=0, atol=1e-12)
+        assert_allclose(W @ C @ W.T, bound, rtol=1e-9, atol=1e-9 * bound.max())
+        excess = np.linalg.eigvalsh(V @ C @ V.T - bound)
+        assert excess.min() > -1e-9 * bound.max()
+        assert excess.max() > 1e-3 * bound.max()  # and is not the same
+
+
+def test_what_windows_do_not_see_is_said():
+    """Without a face down, bias and response along it cannot be told apart."""
+    seen = how([Setting.face(*face) for face in SIX if face != (2, -1)])
+    with pytest.raises(CallError, match="accelerometer") as caught:
+        scheme_of("accelerometer", replace(seen, windows=seen.windows[:4]))
+
+    assert "test procedure" in str(caught.value)
+    assert "the response to z" in str(caught.value)
+
+
+def test_a_triad_without_a_window_is_refused_in_words():
+    """Dwells of the accelerometer alone say nothing of a gyro."""
+    plan = how([Setting.face(*face) for face in SIX], use="accelerometer")
+    with pytest.raises(CallError, match="use: gyro"):
+        scheme_of("gyro", plan)
+
+
+def test_weighted_without_noise_is_plain():
+    """A device without a noise line has nothing to weigh by."""
+    plan = load_procedure("six-positions")
+    weighted = scheme_of("accelerometer", replace(plan, formulas="weighted"), ())
+
+    assert_allclose(weighted.weights, scheme_of("accelerometer", plan).weights)
+
+
+BOTH = (
+    sensor(
+        "gyro",
+        {**PAPER_GYRO, "rate_random_walk": 1e-9, "scale_factor_asymmetry": 400e-6},
+        bias=np.array([1.0, -2.0, 3.0]) * DEG_PER_HOUR,
+        angle=np.array([10.0, -20.0, 30.0, 40.0, -50.0, 60.0]) * ARCSEC,
+        tau=120.0,
+    ),
+    sensor(
+        "accelerometer",
+        {**PAPER_ACCELEROMETER, "velocity_random_walk": 5e-4},
+        bias=np.array([1000.0, -2000.0, 3000.0]) * MICRO_G,
+        angle=np.array([-15.0, 25.0, 35.0, -45.0, 55.0, 5.0]) * ARCSEC,
+        tau=120.0,
+    ),
+)
+
+
+@cache
+def runs_of(name, formulas, reference):
+    """Return devices, plan and errors of simulated runs, shape (RUNS, outputs)."""
+    plan = replace(load_procedure(name), formulas=formulas, sample_rate=20.0)
+    devices = BOTH if name != "six-positions" else BOTH[1:]
+    errors = [
+        simulate(devices, plan, run=run, seed=5, reference=reference)
+        for run in range(RUNS)
+    ]
+    return devices, plan, np.array(errors)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("reference", ["nominal", "as_tested", "next_turn_on"])
+@pytest.mark.parametrize("formulas", ["least_squares", "weighted"])
+@pytest.mark.parametrize("name", SHIPPED)
+def test_pulses_agree_with_the_law_on_every_shipped_scheme(name, formulas, reference):
+    """Sample by sample, every u is the law's within chance; 1.5 times it is not."""
+    devices, plan, errors = runs_of(name, formulas, reference)
+    law = propagate(calibration_problem(devices, plan, reference=reference))
+    u = errors.std(axis=0, ddof=1)
+    allowed = ndtri(1.0 - FALSE_ALARM / (2.0 * u.size)) / sqrt(2.0 * (RUNS - 1))
+    off = np.abs(u / law.standard_uncertainty - 1.0)
+
+    assert off.max() < allowed
+    assert np.abs(u / (1.5 * law.standard_uncertainty) - 1.0).max() > allowed
+    mean = np.abs(errors.mean(axis=0) - law.mean) / law.standard_uncertainty
+    assert mean.max() * sqrt(RUNS) < ndtri(1.0 - FALSE_ALARM / (2.0 * u.size))
