@@ -270,9 +270,28 @@ def test_a_key_that_can_say_one_thing_only_says_the_default(kind, key):
     assert not allowed.is_valid(MARK)
 
 
+DWELLS = [
+    {"face": f"{axis} {word}", "dwell": "60 s"}
+    for axis in AXES
+    for word in ("up", "down")
+]
+TURN = {"face": "z up", "turn": "vertical", "turns": 1, "rate": "20 deg/s"}
+# The first window that a key is tried in; else a dwell at a face.
+WINDOW = {
+    **{key: {**TURN, "use": "gyro"} for key in ("turn", "turns", "rate")},
+    **{
+        key: {"outer": "1 deg", "dwell": "60 s"} for key in ("outer", "middle", "inner")
+    },
+}
+ESTIMATED = {"estimator": "weighted", "pause": "7 s"}
+
+
 def place_of(key):
     """Return a procedure in which a key of a figure stands beside its value."""
     tree = {"latitude": "34.2394 deg"}
+    if key.path[0] in {"windows", "pause"}:
+        first = WINDOW.get(key.path[-1], {"face": "x up", "dwell": "60 s"})
+        tree["windows"] = [first, *DWELLS]
     if key.path[0] in {"station", "environment"} and key.path[-1] in FIGURE_KEYS:
         *folders, name = key.path[:-1]
         (line,) = (
@@ -304,8 +323,11 @@ def test_a_key_of_a_procedure_moves_a_number(key, load):
         errors["sample_noise"] = noise
         tree[sensor] = {"nominal": {"mounting_angle": "1 deg"}, "errors": errors}
     one = load(load_device, tree)
-    own = replaced(place_of(key), key.path, example(key))
-    procedures = [load(budget.load_procedure, said) for said in ({"name": "x"}, own)]
+    place = place_of(key)
+    steps = tuple(0 if step == "[]" else step for step in key.path)
+    value = place["windows"][1:] if key.path == ("windows",) else example(key)
+    own = replaced(place, steps, ESTIMATED.get(key.path[0], value))
+    procedures = [load(budget.load_procedure, said) for said in (place, own)]
     assert differ(*(analyzed(one, procedure) for procedure in procedures))
 
 

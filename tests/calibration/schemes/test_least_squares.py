@@ -141,7 +141,9 @@ def test_weighted_is_the_best_linear_unbiased_estimator(owner, name):
         white = PAPER_ACCELEROMETER["sample_noise"] / sqrt(100.0)
         parts = (
             White(density=white),
-            GaussMarkov(sigma=PAPER_ACCELEROMETER["bias_stability"], correlation_time=tau),
+            GaussMarkov(
+                sigma=PAPER_ACCELEROMETER["bias_stability"], correlation_time=tau
+            ),
         )
     C = sum(part.reduce(best.schedule, np.eye(len(A))) for part in parts)
     bound = np.linalg.inv(A.T @ np.linalg.solve(C, A))
