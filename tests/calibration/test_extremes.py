@@ -29,6 +29,8 @@ from budget.errors import CallError
 from budget.methods.gum import propagate
 from budget.units import ARCSEC, DEG_PER_HOUR, DEGREE, STANDARD_GRAVITY
 
+pytestmark = pytest.mark.slow
+
 # Some 10 operations on doubles lie between a figure and a result: 1e-12 leaves room
 # for 1000 times their rounding, and is 1000 times closer than anyone can ask for.
 CLOSE = 1e-12

@@ -142,6 +142,7 @@ def test_the_written_device_keeps_what_was_not_allocated(odd, tmp_path):
     assert call("validate", path).code == 0
 
 
+@pytest.mark.slow
 def test_a_corrected_device_meets_by_monte_carlo(odd, tmp_path):
     """Where shapes are not normal the trials end at the limit, the law beyond it."""
     path = tmp_path / "allocated.yaml"

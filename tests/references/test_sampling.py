@@ -118,6 +118,7 @@ def test_standard_errors_fall_with_the_root_of_trials(problem):
         assert_allclose(getattr(few, name), 2.0 * getattr(many, name), rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_standard_errors_of_indices_are_what_seeds_do():
     """Sobol' indices of a gyro with asymmetry vary as their scrambles say."""
     device, how = parts_of()

@@ -41,6 +41,7 @@ def on_terminal(*args, cwd):
     return shown.decode()
 
 
+@pytest.mark.slow
 def test_long_work_says_what_it_is_doing(tmp_path):
     """A report shows a bar with the names of its tasks, and takes it away after."""
     shown = on_terminal(*REPORT, cwd=tmp_path)

@@ -229,6 +229,7 @@ def test_figures_of_the_pdf_have_words(pdf):
     assert len(set(re.findall(rb"/Alt *\(Figure ([1-4]):", pdf))) == 4
 
 
+@pytest.mark.slow
 def test_same_bytes_every_time_and_the_date_is_the_given_one(tmp_path):
     """With SOURCE_DATE_EPOCH two processes write the same bytes, both kinds."""
     written = []
