@@ -17,6 +17,8 @@ from budget.methods.gum import propagate
 from budget.methods.monte_carlo import sample
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
 
+pytestmark = pytest.mark.slow
+
 RUNS = 200
 TRIALS = 1_000_000
 FALSE_ALARM = 1e-4  # for all 24 outputs together

@@ -110,6 +110,7 @@ def test_the_figure_is_the_tools(tmp_path):
     assert f"](docs/{drawn.name})" in README
 
 
+@pytest.mark.slow
 @pytest.mark.kernels
 def test_the_example_report_is_the_tools(tmp_path):
     """Verdict, headings and every number of the committed page are those of today."""
@@ -139,6 +140,7 @@ def test_the_example_report_is_the_tools(tmp_path):
         assert f"docs/example/{name}" in README
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("line", CONSOLE)
 def test_examples_run(folder, line):
     """Each example of the README is exit 0 in a folder with its device file."""

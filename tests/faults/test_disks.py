@@ -41,6 +41,7 @@ def small_files(most):
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", WRITING)
 def test_a_limit_on_the_size_of_files(name, tmp_path):
     """A disk that takes 2 kB of a file: exit 2, the old files whole, no scraps."""
@@ -74,6 +75,7 @@ def small_disk(folder, options):
         subprocess.run(["umount", str(folder)], check=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", WRITING)
 def test_a_full_disk(name, tmp_path):
     """A disk of 8 kB: exit 2, the message names the file, old files are whole."""
@@ -205,6 +207,7 @@ print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)
 """
 
 
+@pytest.mark.slow
 def test_more_trials_than_are_kept_take_no_more_memory():
     """Three million trials, counted in bins, stay under 300 MB."""
     # Through a small process: a child starts with the memory of its parent.

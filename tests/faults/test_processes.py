@@ -63,6 +63,7 @@ def test_two_runs_that_write_one_file(tmp_path):
     assert contents(tmp_path).keys() == {"a.json"}
 
 
+@pytest.mark.slow
 def test_files_from_the_future(tmp_path):
     """A clock set back: inputs and outputs that are newer than now do no harm."""
     shutil.copy(DEVICE, tmp_path / "d.yaml")
@@ -80,6 +81,7 @@ def test_files_from_the_future(tmp_path):
     assert json.loads(first)["schema"] == "budget/1"
 
 
+@pytest.mark.slow
 def test_a_clock_that_runs_backwards(monkeypatch, tmp_path):
     """The wall clock is not asked how long something takes."""
     times = iter(range(10**9, 0, -1000))
@@ -90,6 +92,7 @@ def test_a_clock_that_runs_backwards(monkeypatch, tmp_path):
     assert_whole(result)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("epoch", ["0", "4102444800", "-1", "253402300800", "now", ""])
 def test_any_source_date_epoch(epoch, tmp_path):
     """A date that can be is taken, another is exit 2 before anything is computed."""
@@ -197,6 +200,7 @@ def test_a_signal_to_the_main_process(number, code, word, start, tmp_path):
     assert contents(tmp_path) == {}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("workers", ["1", "2"])
 def test_ctrl_c_leaves_no_process_and_no_file(workers, start, tmp_path):
     """Interrupted as a terminal does, all of them at once: 130, and nothing is left."""

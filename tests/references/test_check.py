@@ -195,6 +195,7 @@ def test_unchanged_references_hold(specs, references, device):
         assert not [change for change in found.changes if change.where != "tool"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "figure", [f for device in REFERENCED for f in model_figures(device)], ids=str
 )

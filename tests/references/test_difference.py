@@ -51,6 +51,7 @@ def seeds():
     ]
 
 
+@pytest.mark.slow
 class TestSeeds:
     """Another seed is no move."""
 

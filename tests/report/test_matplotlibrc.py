@@ -53,6 +53,7 @@ REPORT = (
 PAPER = ("paper", "-o", "out.html")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("command", "place"), [(REPORT, "here"), (PAPER, "home")])
 def test_a_matplotlibrc_changes_no_byte(command, place, tmp_path):
     """The page is that of a folder without one; a control in the second test."""
