@@ -124,6 +124,7 @@ def assert_same(here, there, *, where="document"):
         assert here == there, where
 
 
+@pytest.mark.slow
 def test_documents_agree(elsewhere):
     """Every number of a document is the same to 1e-12, every word exactly.
 
@@ -140,6 +141,7 @@ def test_documents_agree(elsewhere):
         assert_same(mine, theirs, where=" ".join(words))
 
 
+@pytest.mark.slow
 def test_what_is_printed_is_the_same(elsewhere):
     """Verdicts, ranks and digits of the terminal are the same characters."""
     for words in PRINTED:
