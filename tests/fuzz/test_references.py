@@ -99,6 +99,7 @@ def test_damage_is_noticed(path, start, length, put):
         assert json.loads(damaged) == CONTENT
 
 
+@pytest.mark.slow
 @given(way=st.integers(0, 2**40), value=VALUES)
 @examples(400)
 def test_forged_values_are_read_or_refused(path, way, value):

@@ -126,6 +126,7 @@ def test_wheel_runs_the_main_job(python, tmp_path):
     assert there.document == here.document
 
 
+@pytest.mark.slow
 def test_wheel_writes_the_report(python, tmp_path):
     """From the wheel, the report is the same bytes as from the checkout."""
     pages = []
@@ -155,6 +156,7 @@ def test_wheel_computes_the_paper_again(python, tmp_path):
     assert there.document == here.document
 
 
+@pytest.mark.slow
 def test_wheel_checks_its_references(python, tmp_path):
     """From the wheel, every shipped reference holds, by its own copy of the inputs."""
     run = start("check", cwd=tmp_path, python=python)

@@ -59,6 +59,7 @@ def problem():
     return calibration_problem((paper_gyro(),), procedure())
 
 
+@pytest.mark.slow
 def test_cluster_gives_the_same_bits(cluster):
     """Monte Carlo, fixed and adaptive, and Sobol' indices equal one process' bits."""
     with connect(cluster.scheduler_address) as c:
