@@ -324,8 +324,23 @@ def validate(
             tell(f"{in_line(name)}: {found.kind}, valid\n")
             for text in found.assumptions:
                 tell(f"  assumed: {text}\n")
+            if found.kind == "procedure":
+                _show_schedule(name)
     if issues:
         raise SpecError(tuple(issues))
+
+
+def _show_schedule(name: str) -> None:
+    """Draw what a procedure does when."""
+    from budget.calibration.schemes import calibrates
+    from budget.model.sources import SENSORS
+    from budget.report.figures.timeline import schedule_sections
+    from budget.report.terminal import Page, print_sections
+    from budget.spec import load_procedure
+
+    procedure = load_procedure(name)
+    there = [kind for kind in SENSORS if calibrates(kind, procedure)]
+    print_sections(schedule_sections(procedure, there), Page(console()))
 
 
 def schema(

@@ -71,7 +71,8 @@ class Column:
     head : str
     kind : str
         'text', 'number' (decimal points in line, sorted by the exact value), 'unit'
-        (beside a number) or 'code' (a hash, in fixed width).
+        (beside a number), 'code' (a hash, in fixed width) or 'drawing' (of characters,
+        on a terminal alone).
     weight : float
         Share of the width that a text column asks for beside other text columns.
     """

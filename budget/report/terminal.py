@@ -227,6 +227,8 @@ def _set(table: Table, place: int, widest: int) -> SetColumn:
         own = [row[place].text.translate(SIGNS) for row in group.rows]
         if column.kind == "number":
             cells += [[text] for text in align_decimals(own)]
+        elif column.kind == "drawing":
+            cells += [[text] for text in own]
         else:
             cells += [_break(text, widest) for text in own]
     longest = max(len(line) for cell in cells for line in cell)

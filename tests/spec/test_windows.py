@@ -6,6 +6,7 @@ from math import pi, radians
 
 import numpy as np
 import pytest
+from command_line import call
 from numpy.testing import assert_allclose
 
 from budget.errors import SpecError
@@ -172,3 +173,21 @@ def test_the_papers_windows_go_through_another_estimator(tmp_path, estimator):
     assert found.gyro == paper.gyro
     assert_allclose(found.latitude, paper.latitude, rtol=1e-15)
     assert pi / 2 > found.latitude > 0.0
+
+
+def test_validate_draws_the_schedule(tmp_path):
+    """A row for each window, at its time: turns and dwells look different."""
+    path = tmp_path / "mine.yaml"
+    path.write_text(
+        "latitude: 34 deg\nwindows:\n  - {face: z up, dwell: 300 s}\n"
+        "  - {face: z up, turn: vertical, turns: 10, rate: 12 deg/s, use: gyro}\n"
+    )
+    run = call("validate", path)
+    rows = [line.split() for line in run.out.splitlines()]
+
+    assert run.code == 0
+    assert "Gyro: 1 turn of 5 min and 1 dwell of 5 min, in 10 min" in run.out
+    assert ["dwell", "with", "z", "up", "0", "300", "=" * 19] in rows
+    assert rows[-1] == ["dwell", "with", "z", "up", "0", "300", "=" * 19]
+    (turn,) = (line for line in run.out.splitlines() if line.startswith("turn +10"))
+    assert turn.endswith("  " + " " * 19 + "#" * 19)

@@ -12,7 +12,15 @@ from budget.calibration.schemes.zhao_2019 import (
     schedule_accelerometer,
     schedule_gyro,
 )
-from budget.report.blocks import Cell, Column, RowGroup, Table
+from budget.report.blocks import (
+    Cell,
+    Column,
+    Field,
+    RowGroup,
+    Section,
+    Table,
+    table_of,
+)
 from budget.report.figures.rows import (
     Bar,
     Chart,
@@ -249,6 +257,58 @@ def _data(tracks: Sequence[Track]) -> Table:
             Column(head="average"),
         ),
         groups=tuple(groups),
+    )
+
+
+TEXT_TRACK = 38  # characters that the longest test is drawn with
+MOST_DRAWN = 100  # windows that are drawn one by one
+
+
+def schedule_sections(
+    procedure: Procedure, sensors: Sequence[str]
+) -> tuple[Section, ...]:
+    """Draw the schedule of each triad as text: '#' turns, '=' stands."""
+    tracks = make_tracks(procedure, sensors)
+    longest = max((track.end for track in tracks), default=0.0)
+    return tuple(_drawn_as_text(track, TEXT_TRACK / longest) for track in tracks)
+
+
+def _drawn_as_text(track: Track, scale: float) -> Section:
+    """Return the windows of a triad with their times; `scale` is in characters/s."""
+
+    def bar(place: int) -> str:
+        window = track.windows[place]
+        sign = "#" if window.sense else "="
+        start = int(window.start * scale)
+        return " " * start + sign * max(1, int(window.end * scale) - start)
+
+    fields: tuple[Field[int], ...] = (
+        Field(head="window", cell=lambda place: window_name(track, place)),
+        Field(
+            head="start [s]",
+            kind="number",
+            cell=lambda place: print_given(track.windows[place].start, digits=7),
+        ),
+        Field(
+            head="length [s]",
+            kind="number",
+            cell=lambda place: print_given(track.windows[place].length, digits=7),
+        ),
+        Field(head=f"0 to {print_time(track.end)}", kind="drawing", cell=bar),
+    )
+    title = f"{capital(track.sensor)}: {made_of(track)}, in {print_time(track.end)}"
+    return Section(
+        name=f"schedule-{track.sensor}",
+        title=title,
+        in_brief=title if len(track.windows) > MOST_DRAWN else None,
+        blocks=(
+            table_of(
+                range(len(track.windows)),
+                fields,
+                name=f"schedule-{track.sensor}-table",
+                caption=f"Windows of the {track.sensor}",
+            ),
+        ),
     )
 
 
