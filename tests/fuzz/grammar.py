@@ -46,6 +46,9 @@ class Page:
         return (line.count("\n") + 2 if "\n" in self.text else 1, len(tail) + 1)
 
 
+PROCEDURE = "procedure"
+
+
 def trees(kind):
     """Return a strategy of trees that the schema of a kind of file allows."""
     schema = json_schema(kind)
@@ -53,7 +56,11 @@ def trees(kind):
         lambda seed, share: _value(schema, schema, random_of(seed), "", share),
         st.integers(0, 2**32 - 1),
         st.sampled_from([0.1, 0.3, 0.7]),  # of the optional keys
-    ).map(_keep_rules)
+    ).map(
+        lambda tree: (
+            _keep_windows(_keep_rules(tree)) if kind == PROCEDURE else _keep_rules(tree)
+        )
+    )
 
 
 def random_of(seed):
@@ -128,6 +135,38 @@ def _keep_rules(tree):
     if "latitude" in tree:
         tree["latitude"] = "-12.5 deg"
     return tree
+
+
+def _keep_windows(tree):
+    """Mend a procedure: windows or the paper's tests, each window one that can be."""
+    if "windows" not in tree:
+        tree.pop("pause", None)
+        if tree.get("estimator") in {"least_squares", "weighted"}:
+            tree.pop("formulas", None)
+        return tree
+    for key in ("gyro", "accelerometer", "formulas"):
+        tree.pop(key, None)
+    if tree.get("estimator") == "paper":
+        del tree["estimator"]
+    tree["windows"] = [_window(one) for one in tree["windows"]]
+    return tree
+
+
+def _window(one):
+    """Return a window with one attitude and one length."""
+    one = {key: value for key, value in one.items() if key not in {"start", "repeat"}}
+    if "face" in one or not one.keys() & {"outer", "middle", "inner"}:
+        one = {"face": "z up"} | one
+        drop = {"outer", "middle", "inner"}
+    else:
+        drop = {"azimuth"}
+    if "turn" in one:
+        one |= {"turns": Raw("-2"), "rate": "20 deg/s"}
+        drop |= {"dwell"}
+    else:
+        one = {"dwell": "60 s"} | one
+        drop |= {"turns", "rate"}
+    return {key: value for key, value in one.items() if key not in drop}
 
 
 def leaves(tree, path=()):
