@@ -40,8 +40,6 @@ TEXT_WIDTH = 78  # running text is no wider, however wide the terminal
 NARROWEST_BAR, WIDEST_BAR = 4, 40  # [columns]
 WIDEST_CELL = (32, 24)  # columns of a text beside others, where room is scarce
 GAP = 2  # columns between columns
-SETTING = len("reference") + GAP  # room for the names of the settings
-NARROWEST_NAME = len("repeatability")  # a longer word is not in any source
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
 ASCII = {

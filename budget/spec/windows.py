@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import degrees, isclose, pi
 from typing import TYPE_CHECKING, Annotated, Literal, Self
 
@@ -178,6 +179,13 @@ def lay_out(
                 f"a window of {line.length:.6g} s holds no sample at "
                 f"{sample_rate:g} Hz, expected one at least"
             )
+        one = Window(
+            name=line.title,
+            start=0.0,
+            length=line.length,
+            setting=line.setting,
+            use=line.use,
+        )
         for visit in range(line.repeat):
             end = windows[-1].end if windows else 0.0
             start = end + pause if windows else 0.0
@@ -188,15 +196,7 @@ def lay_out(
                         f"begins at {start:.6g} s, before the window before it ends "
                         f"at {end:.6g} s; windows cannot overlap"
                     )
-            windows.append(
-                Window(
-                    name=line.title,
-                    start=start,
-                    length=line.length,
-                    setting=line.setting,
-                    use=line.use,
-                )
-            )
+            windows.append(replace(one, start=start))
     if messages:
         raise faults(messages)
     return tuple(windows)

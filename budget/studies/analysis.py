@@ -44,6 +44,7 @@ from budget.studies.request import (
     check_settings,
     choose_sources,
     not_calibrated,
+    not_weighted,
     sensors_of,
 )
 
@@ -255,6 +256,7 @@ def analyze_as(
         assumptions=(
             *(text for device in devices for text in device.assumptions),
             *procedure.assumptions,
+            *not_weighted(sensors, procedure),
             *cautions.shared_constants(sensors, settings.reference),
         ),
         warnings=warnings,

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Self
 
 from budget.calibration.problem import REFERENCES, calibration_problem
-from budget.calibration.schemes import calibrates
+from budget.calibration.schemes import WEIGHTED, calibrates, noise_of
 from budget.distributions import COVERAGES, is_coverage
 from budget.errors import CallError
 from budget.methods.gum import propagate
@@ -227,6 +227,17 @@ def not_calibrated(devices: Sequence[Device], procedure: Procedure) -> tuple[str
         f"{procedure.name} does not calibrate the {kind}: nothing is said of it"
         for kind in present
         if not calibrates(kind, procedure)
+    )
+
+
+def not_weighted(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[str, ...]:
+    """Say for which triads there is no noise that an estimator could weigh by."""
+    if procedure.formulas != WEIGHTED:
+        return ()
+    return tuple(
+        f"{sensor.kind}: no noise line is given to weigh by, every window counts alike"
+        for sensor in sensors
+        if not noise_of(sensor.kind, sensor.lines)
     )
 
 

@@ -76,7 +76,9 @@ def test_windows_follow_each_other_on_one_clock(procedure):
         more="pause: 10 s\nestimator: weighted\n",
     )
 
-    assert_allclose([w.start for w in found.windows], [0.0, 70.0, 500.0, 570.0])
+    assert_allclose(
+        [w.start for w in found.windows], [0.0, 70.0, 500.0, 570.0], rtol=1e-14
+    )
     assert [w.use for w in found.windows] == ["both", "both", "accelerometer", "gyro"]
     assert found.formulas == "weighted"
 

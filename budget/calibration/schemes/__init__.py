@@ -42,19 +42,13 @@ def scheme_of(owner: str, procedure: Procedure, lines: Sequence[Given] = ()) -> 
     CallError
         The windows cannot tell some parameters apart.
     """
-    if procedure.formulas == WEIGHTED:
-        noise = [
-            line
-            for line in lines
-            if line.u.any() and isinstance(source_of(owner, line.name).effect, Noise)
+    if procedure.formulas == WEIGHTED and (noise := noise_of(owner, lines)):
+        schedule = schedule_of(owner, procedure)
+        covariances = [
+            _covariance(owner, noise, axis, schedule, procedure.sample_rate)
+            for axis in range(3)
         ]
-        if noise:
-            schedule = schedule_of(owner, procedure)
-            covariances = [
-                _covariance(owner, noise, axis, schedule, procedure.sample_rate)
-                for axis in range(3)
-            ]
-            return scheme_by_least_squares(owner, schedule, procedure, covariances)
+        return scheme_by_least_squares(owner, schedule, procedure, covariances)
     return _scheme_of(owner, procedure)
 
 
@@ -89,6 +83,15 @@ def schedule_of(owner: str, procedure: Procedure) -> Schedule:
     return Schedule(windows=own)
 
 
+def noise_of(owner: str, lines: Sequence[Given]) -> list[Given]:
+    """Return the lines that `weighted` weighs a triad by; without any it is plain."""
+    return [
+        line
+        for line in lines
+        if line.u.any() and isinstance(source_of(owner, line.name).effect, Noise)
+    ]
+
+
 def calibrates(owner: str, procedure: Procedure) -> bool:
     """Whether any window is of that triad; the paper's tests are of both."""
     return not procedure.windows or any(
@@ -113,4 +116,4 @@ def _covariance(
     return C
 
 
-__all__ = ["calibrates", "schedule_of", "scheme_of"]
+__all__ = ["calibrates", "noise_of", "schedule_of", "scheme_of"]

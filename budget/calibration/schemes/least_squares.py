@@ -1,4 +1,4 @@
-"""Any windows, by least squares: W = (A^T C^-1 A)^-1 A^T C^-1, PHYSICS of one model.
+"""Calibration scheme of any windows, by least squares: W = (A^T C^-1 A)^-1 A^T C^-1.
 
 A has a row (mean input, 1) for each window. Without C every window counts alike; with
 the covariance of the window averages that the device's own noise makes, W is the best

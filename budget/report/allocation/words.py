@@ -41,16 +41,6 @@ def print_value(value: float, unit: str) -> str:
     return f"{print_given(value, digits=DIGITS)} {unit}"
 
 
-def print_change(row: SourceAllotment) -> str:
-    """Print how much a source changes: '-93 %', 'x 49', 'as it is'."""
-    factor = row.factor
-    if row.status != FREE or row.allowed is None:
-        return "as it is"
-    if factor >= 2.0:  # noqa: PLR2004 - from here on a factor reads better
-        return f"x {print_given(factor, digits=DIGITS)}"
-    return f"{100.0 * (factor - 1.0):+.{1 if factor > 0.9 else 0}f} %"  # noqa: PLR2004
-
-
 def print_headroom(row: SourceAllotment) -> tuple[str, str]:
     """Print how far a source may go alone in the unit of its file, and what stops it.
 

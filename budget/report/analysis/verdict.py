@@ -86,7 +86,7 @@ def summary(budget: Budget, assessment: Assessment | None) -> Words:
     if assessment is not None and assessment.not_there:
         text = (
             f"Nothing is said of the {' and '.join(assessment.not_there)}, which the "
-            "requirement limits too: no device with one was given. "
+            "requirement limits too: no device with one was calibrated. "
         )
         absent = (text,)
     return (*_left_out(budget.settings), *absent, *_margin(budget, assessment))

@@ -377,6 +377,10 @@ def ranking_note(found: Sequence[Ranking]) -> str:
         "source alone would bring the worst output to its limit, by the law; "
         f"{DASH}: it alone cannot."
     )
+    if any(row.interval for devices in found for row in devices.rows):
+        text += (
+            " Sampling interval: 95 %, of the sampling, and what the law can be off by."
+        )
     if any(row.missing for devices in found for row in devices.rows):
         text += (
             " Missing: expected lines that the data sheet does not give; they count as "

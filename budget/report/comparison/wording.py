@@ -152,14 +152,6 @@ def missing_effects(comparison: Comparison) -> tuple[MissingEffect, ...]:
     return tuple(found)
 
 
-def missing_lines(comparison: Comparison) -> tuple[str, ...]:
-    """Say the same in lines: 'gyro, NAME: bias stability 24 deg/h (of OTHER)'."""
-    return tuple(
-        f"{row.sensor}, {', '.join(row.devices)}: {row.effect}"
-        for row in missing_effects(comparison)
-    )
-
-
 def advice_lines(comparison: Comparison) -> tuple[str, ...]:
     """Return the advice there is, each once, with the devices that it is for."""
     names: dict[str, list[str]] = {}

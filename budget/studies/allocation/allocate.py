@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.calibration.problem import calibration_problem
+from budget.calibration.schemes import calibrates
 from budget.errors import CallError
 from budget.methods.allocation import TOUCHES
 from budget.methods.gum import propagate
@@ -36,7 +37,7 @@ from budget.studies.allocation.rows import (
     source_allotments,
 )
 from budget.studies.judgement import judge, limit_problem
-from budget.studies.request import sensors_of
+from budget.studies.request import not_weighted, sensors_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -187,17 +188,21 @@ def allocate(
         devices=devices,
         sensors=allotted,
         not_given=tuple(name for sensor in sensors for name in sensor.not_given),
-        assumptions=tuple(
-            text
-            for record in (*devices, procedure, requirement, costs)
-            if record is not None
-            for text in record.assumptions
+        assumptions=(
+            *(
+                text
+                for record in (*devices, procedure, requirement, costs)
+                if record is not None
+                for text in record.assumptions
+            ),
+            *not_weighted(sensors, procedure),
         ),
         warnings=(
             *warnings,
             *(
-                f"the requirement limits the {kind}, which is not given: nothing is "
-                "allocated for it"
+                f"the requirement limits the {kind}, which is not "
+                f"{'given' if calibrates(kind, procedure) else 'calibrated'}: nothing "
+                "is allocated for it"
                 for kind in missing
             ),
             *_warnings(sensors, cases, bounds, costs),

@@ -22,7 +22,7 @@ from budget.studies.comparison.records import (
 from budget.studies.figures_of_merit import MERITS, is_known, over_cap
 from budget.studies.judgement import MAX_TRIALS, TRIALS
 from budget.studies.progress import stage
-from budget.studies.request import not_calibrated
+from budget.studies.request import not_calibrated, not_weighted
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -166,7 +166,14 @@ def compare(
             dict.fromkeys(
                 f"{device.name}: {text}"
                 for device in devices
-                for text in device.assumptions
+                for text in (
+                    *device.assumptions,
+                    *(
+                        text
+                        for procedure in procedures
+                        for text in not_weighted(device.sensors, procedure)
+                    ),
+                )
             )
         ),
         warnings=(

@@ -27,6 +27,7 @@ from budget.methods.gum import propagate
 from budget.model.noise import GaussMarkov, White
 from budget.model.windows import OUTER, Setting, Window
 from budget.spec import load_procedure
+from budget.studies.request import not_weighted
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
 
 G = 9.7966933092
@@ -93,7 +94,9 @@ def test_the_order_of_twelve_dwells_counts(order, ppm):
     u = standard(paper_accelerometer(), how(dwells))
 
     for axis in "xyz":
-        assert_allclose(1e6 * u[f"accelerometer.scale_factor.{axis}"], ppm, atol=6e-5)
+        assert_allclose(
+            1e6 * u[f"accelerometer.scale_factor.{axis}"], ppm, rtol=0, atol=6e-5
+        )
 
 
 @pytest.mark.parametrize(
@@ -178,7 +181,15 @@ def test_weighted_without_noise_is_plain():
     plan = load_procedure("six-positions")
     weighted = scheme_of("accelerometer", replace(plan, formulas="weighted"), ())
 
-    assert_allclose(weighted.weights, scheme_of("accelerometer", plan).weights)
+    plain = scheme_of("accelerometer", plan)
+    assert_allclose(weighted.weights, plain.weights, rtol=1e-15)
+    bare = paper_gyro()
+    (said,) = not_weighted(
+        [replace(bare, lines=bare.lines[:1])], replace(plan, formulas="weighted")
+    )
+    assert "gyro" in said
+    assert "every window counts alike" in said
+    assert not_weighted([bare], replace(plan, formulas="weighted")) == ()
 
 
 BOTH = (
