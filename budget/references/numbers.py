@@ -101,7 +101,7 @@ class Certainty:
         return replace(
             number,
             standard_error=float(getattr(self.errors, spread)[place]) / per,
-            degrees_of_freedom=self.errors.freedom(spread, place[0]),
+            degrees_of_freedom=self.errors.freedom(spread),
         )
 
 

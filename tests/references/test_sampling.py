@@ -12,7 +12,7 @@ from budget.distributions import UNIFORM
 from budget.methods.monte_carlo import sample
 from budget.methods.sobol import sobol
 from budget.problem import Group, Output, Problem
-from budget.references.sampling import SHAPE_TRIALS, standard_errors
+from budget.references.sampling import BATCHES, standard_errors
 from budget.spec.device import read_device
 from budget.spec.procedure import read_procedure
 
@@ -71,15 +71,16 @@ def test_standard_errors_of_moments_are_what_seeds_do(problem, runs):
     assert normal[1] < 0.6 * spread(u)[1]
 
 
-def test_heavy_tails_have_few_degrees_of_freedom(problem):
-    """A normal's u is sure, m/3; a product's is not, for its kurtosis is not."""
-    told = standard_errors(problem, trials=10**6, coverage=0.95)
-    flat, product, square = told.u_degrees_of_freedom
+def test_an_end_beyond_which_lies_next_to_nothing_is_hardly_known(problem):
+    """At 99.99 % two halves of the trials tell: one degree of freedom, no false alarm.
 
-    # Of a product of two normals, k = 9, the influence has the variance
-    # 105^2 - 9^2 - 4 k (225 - 9) + 4 k^2 8 = 5760 from its moments 9, 225, 11025.
-    assert_allclose(product, 2.0 * 64.0 * SHAPE_TRIALS / 5760.0, rtol=0.8)
-    assert square < product < flat
+    An end of 512 trials would be their extreme, and four times too sure.
+    """
+    usual = standard_errors(problem, trials=TRIALS, coverage=0.95)
+    rare = standard_errors(problem, trials=TRIALS, coverage=0.9999)
+
+    assert (usual.freedom("end"), rare.freedom("end")) == (BATCHES - 1.0, 1.0)
+    assert rare.freedom("u") == usual.freedom("u") == BATCHES - 1.0
 
 
 def test_standard_errors_of_correlations_are_what_seeds_do(problem, runs):

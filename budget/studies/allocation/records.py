@@ -57,6 +57,7 @@ class LimitedOutput:
         return {
             "output": self.output.name,
             "unit": self.output.unit,
+            "resolution": self.output.resolution / self.output.si_per_unit,
             "limit": self.limit / self.output.si_per_unit,
             "utilisation_now": self.now,
             "utilisation_allowed": self.allowed,
