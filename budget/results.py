@@ -22,6 +22,12 @@ SCHEMA = "budget/1"
 INTERACTION = Name("interaction")  # the row of products of two sources
 TOTAL = Name("total")
 TINY = 1e-300  # in the place of a utilisation of 0 [1]
+KEY = ("sensor", "parameter", "axis", "unit")  # of an output in every record
+COLUMNS = (  # of the flat records
+    *KEY,
+    *("source", "standard_uncertainty", "share", "mean"),
+    *("interval_low", "interval_high", "interval_by", "lower_bound"),
+)
 BY_LAW = "law"  # an interval mean +- k u
 BY_TRIALS = "monte-carlo"  # an interval of trials
 
@@ -269,36 +275,14 @@ class Budget:
         sources they are None.
         """
         for row in self.outputs:
-            scale = row.output.si_per_unit
-            key = {
-                "sensor": row.sensor,
-                "parameter": row.parameter,
-                "axis": row.axis,
-                "unit": row.output.unit,
-            }
-            for part in row.contributions:
-                yield {
-                    **key,
-                    "source": part.source,
-                    "standard_uncertainty": part.standard_uncertainty / scale,
-                    "share": part.share,
-                    "mean": None,
-                    "interval_low": None,
-                    "interval_high": None,
-                    "interval_by": None,
-                    "lower_bound": part.lower_bound,
-                }
-            yield {
-                **key,
-                "source": TOTAL,
-                "standard_uncertainty": row.standard_uncertainty / scale,
-                "share": sum(part.share for part in row.contributions),
-                "mean": row.mean / scale,
-                "interval_low": row.interval[0] / scale,
-                "interval_high": row.interval[1] / scale,
-                "interval_by": row.interval_by,
-                "lower_bound": row.lower_bound,
-            }
+            total = _output_document(row)
+            key = {name: total[name] for name in KEY}
+            low, high = total["interval"]
+            parts = total["contributions"]
+            total |= {"source": TOTAL, "share": sum(part["share"] for part in parts)}
+            total |= {"interval_low": low, "interval_high": high}
+            for record in (*({**key, **part} for part in parts), total):
+                yield {name: record.get(name) for name in COLUMNS}
 
     def to_frame(self) -> pd.DataFrame:
         """Return `rows()` as a tidy pandas frame, in printed units."""

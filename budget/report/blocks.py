@@ -224,7 +224,10 @@ def table_of(
     return Table(
         name=name,
         caption=caption,
-        columns=tuple(field for _, field in kept),
+        columns=tuple(
+            Column(head=field.head, kind=field.kind, weight=field.weight)
+            for _, field in kept
+        ),
         groups=tuple(
             RowGroup(
                 title=str(key) if titled else "",

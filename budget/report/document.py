@@ -7,26 +7,12 @@ import io
 import json
 from typing import TYPE_CHECKING, Any
 
+from budget.results import COLUMNS
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from budget.results import Budget
-
-
-COLUMNS = (
-    "sensor",
-    "parameter",
-    "axis",
-    "unit",
-    "source",
-    "standard_uncertainty",
-    "share",
-    "mean",
-    "interval_low",
-    "interval_high",
-    "interval_by",
-    "lower_bound",
-)
 
 
 def to_json(

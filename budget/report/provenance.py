@@ -4,15 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from budget.report.blocks import (
-    Cell,
-    Column,
-    Pairs,
-    Paragraph,
-    RowGroup,
-    Section,
-    Table,
-)
+from budget.report.blocks import Cell, Field, Pairs, Paragraph, Section, table_of
 from budget.report.tables import print_count
 
 if TYPE_CHECKING:
@@ -47,22 +39,17 @@ def provenance_section(
         rows.append(("seed", (str(settings.seed),)))
     if settings is not None and settings.trials is not None:
         rows.append(("trials", (print_count(settings.trials),)))
-    files = Table(
-        name="input-files",
-        caption="Input files and their SHA-256",
-        columns=(
-            Column(head="input"),
-            Column(head="file"),
-            Column(head="SHA-256", kind="code", weight=3.0),
-        ),
-        groups=(
-            RowGroup(
-                rows=tuple(
-                    (Cell(text=f.role), Cell(text=f.name), Cell(text=f.sha256))
-                    for f in inputs
-                )
+    files = table_of(
+        inputs,
+        (
+            Field(head="input", cell=lambda file: file.role),
+            Field(head="file", cell=lambda file: file.name),
+            Field(
+                head="SHA-256", kind="code", weight=3.0, cell=lambda file: file.sha256
             ),
         ),
+        name="input-files",
+        caption="Input files and their SHA-256",
     )
     return Section(
         name="provenance",
@@ -78,23 +65,16 @@ def provenance_section(
 def sign_off_section() -> Section:
     """Return the lines on which those who answer for a report sign it."""
     blank = Cell(text="\N{NO-BREAK SPACE}", note="\N{NO-BREAK SPACE}")
-    table = Table(
+    table = table_of(
+        ("prepared", "checked", "approved"),
+        (
+            Field(head="", weight=0.6, cell=lambda role: role),
+            Field(head="name", weight=1.5, cell=lambda _: blank),
+            Field(head="date", weight=0.7, cell=lambda _: blank),
+            Field(head="signature", weight=1.8, cell=lambda _: blank),
+        ),
         name="signatures",
         caption="Lines to be signed: prepared, checked, approved",
-        columns=(
-            Column(head="", weight=0.6),
-            Column(head="name", weight=1.5),
-            Column(head="date", weight=0.7),
-            Column(head="signature", weight=1.8),
-        ),
-        groups=(
-            RowGroup(
-                rows=tuple(
-                    (Cell(text=role), blank, blank, blank)
-                    for role in ("prepared", "checked", "approved")
-                )
-            ),
-        ),
         is_wide=True,
     )
     return Section(name="sign-off", title="Sign-off", blocks=(table,))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from budget.report.blocks import Cell, Run
-from budget.report.tables import words
+from budget.report.tables import print_share, words
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -61,6 +61,11 @@ def value(number: Number, unit: str = "") -> Run:
 def cell(number: Number, *, strong: bool = False) -> Cell:
     """Return a rounded number in a table."""
     return Cell(text=number.text, exact=number.exact, strong=strong)
+
+
+def share_cell(share: float) -> Cell:
+    """Return a share of a variance in per cent, with a bar behind it."""
+    return Cell(text=print_share(share).removesuffix(" %"), exact=share, share=share)
 
 
 def points(lines: Iterable[str]) -> tuple[Words, ...]:

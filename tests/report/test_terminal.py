@@ -129,7 +129,7 @@ def test_lopsided_interval_shows_both_ends():
     """An interval that is not mean +- U is printed by its ends."""
     text = render(make_budget(outputs=make_outputs("gyro", GYRO, skew=0.3)))
 
-    assert "95 % from" in text
+    assert "95 % interval from" in text
     assert "U95" not in text
 
 

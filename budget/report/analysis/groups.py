@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 from budget.report.blocks import (
     Abreast,
     Cell,
-    Column,
     Field,
     Listing,
     Pairs,
     Panel,
     Paragraph,
-    RowGroup,
+    R,
     Section,
-    Table,
     table_of,
 )
 from budget.report.figures.rows import chart_picture
 from budget.report.figures.shares import share_chart
 from budget.report.tables import (
+    CheckCell,
     IndexRow,
     OutputRow,
     SourceRow,
@@ -29,22 +30,14 @@ from budget.report.tables import (
     print_coverage,
     settings_lines,
 )
-from budget.report.wording import capital, cell, not_given_lines, points
+from budget.report.wording import capital, cell, not_given_lines, points, share_cell
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
-    from budget.report.blocks import Block
-    from budget.report.tables import (
-        CheckCell,
-        GroupTable,
-        IndexTable,
-        Number,
-        SourceCell,
-    )
+    from budget.report.blocks import Block, Table
+    from budget.report.tables import GroupTable, IndexTable, Number
     from budget.results import Budget
-
-TINY_BAR = 0.005  # a share below this is no bar [1]
 
 
 def budget_answer(budget: Budget) -> tuple[Section, ...]:
@@ -80,50 +73,50 @@ def _listed(title: str, lines: Sequence[str]) -> Section:
 
 def _group_section(group: GroupTable, *, checked: bool) -> Section:
     """Return the outputs of one group, an axis a row, then its sources."""
-    coverage = print_coverage(group.coverage)
     centred = all(row.is_centred for row in group.rows)
 
-    def number(
-        head: str, pick: Callable[[OutputRow], Number], *, shown: bool = True
-    ) -> Field[OutputRow]:
-        return Field(
-            head=head,
-            kind="number",
-            optional=True,
-            cell=lambda row: cell(pick(row)) if shown else "",
-        )
-
+    mean, u, expanded, low, high = _errors(group)
+    # Where it is not mean +- U, the two ends must be seen.
+    interval = (expanded,) if centred else (low, high)
     outputs = table_of(
         group.rows,
-        (
-            Field[OutputRow](head="axis", cell=lambda row: row.axis),
-            number("mean", lambda row: row.mean),
-            number("u", lambda row: row.u),
-            number(f"U{coverage}", lambda row: row.expanded, shown=centred),
-            # Not mean +- U: the two ends must be seen.
-            number(f"{coverage} % from", lambda row: row.low, shown=not centred),
-            number("to", lambda row: row.high, shown=not centred),
-        ),
+        (Field(head="axis", cell=lambda row: row.axis), mean, u, *interval),
         name=f"outputs-{group.sensor}-{group.parameter}",
         caption=f"Errors of the {group.title} by axis",
     )
-    blocks: list[Block] = [outputs]
-    if group.gaps:
-        blocks.append(Paragraph(words=(group.gaps,)))
+    blocks: list[Block] = [outputs, *_gaps(group)]
     known = " that is known" if group.gaps else ""
     acting = [source for source in group.sources if not source.is_idle]
-    shown: list[Block] = [_sources_table(group, acting)] if acting else []
-    if idle := ", ".join(row.title for row in group.sources if row.is_idle):
-        shown.append(Paragraph(words=(f"no effect: {idle}",)))
+    sources = (_sources_table(group, acting),) if acting else ()
     title = f"Contributions, by share of the variance{known}"
-    blocks.append(Panel(title=title, blocks=tuple(shown)))
-    if checked and group.validation:
-        blocks.append(Paragraph(words=(f"Checked {group.validation}",)))
+    blocks.append(Panel(title=title, blocks=(*sources, *_idle(group))))
+    if checked:
+        blocks += _checked(group)
     return Section(
         name=f"group-{group.sensor}-{group.parameter}",
         title=f"{capital(group.title)} [{group.unit}]",
         blocks=tuple(blocks),
     )
+
+
+def _gaps(group: GroupTable) -> Iterator[Paragraph]:
+    """Yield what the numbers of a group lack."""
+    if group.gaps:
+        yield Paragraph(words=(f"{capital(group.gaps)}.",), small=True)
+
+
+def _idle(group: GroupTable) -> Iterator[Paragraph]:
+    """Yield which sources change nothing in a group."""
+    if idle := ", ".join(row.title for row in group.sources if row.is_idle):
+        text = f"Without effect, to rounding: {idle}."
+        yield Paragraph(words=(text,), small=True)
+
+
+def _checked(group: GroupTable) -> Iterator[Paragraph]:
+    """Yield how the law fared against Monte Carlo."""
+    if group.validation:
+        text = f"The law checked {group.validation}."
+        yield Paragraph(words=(text,), small=True)
 
 
 def _sources_table(group: GroupTable, acting: Sequence[SourceRow]) -> Table:
@@ -137,11 +130,7 @@ def _sources_table(group: GroupTable, acting: Sequence[SourceRow]) -> Table:
             Field[SourceRow](
                 head="share [%]",
                 kind="number",
-                cell=lambda source: Cell(
-                    text=source.share.text.removesuffix(" %"),
-                    exact=source.share.exact,
-                    share=source.share.exact,
-                ),
+                cell=lambda source: share_cell(source.share.exact),
             ),
             Field[SourceRow](
                 head="u, worst axis" if differ else "u alone",
@@ -223,92 +212,101 @@ def _panel(group: GroupTable) -> Panel:
     """Return figure, table and remarks of one group."""
     has_spread = any(row.share.exact for row in group.sources)
     blocks: list[Block] = [chart_picture(share_chart(group))] if has_spread else []
-    blocks.append(_table(group))
-    if group.gaps:
-        blocks.append(Paragraph(words=(f"{group.gaps}.",), small=True))
-    idle = [row.title for row in group.sources if row.is_idle]
-    if idle:
-        text = f"Without effect, to rounding: {', '.join(idle)}."
-        blocks.append(Paragraph(words=(text,), small=True))
-    if group.validation:
-        text = f"The law checked {group.validation}."
-        blocks.append(Paragraph(words=(text,), small=True))
+    blocks += [_table(group), *_gaps(group), *_idle(group), *_checked(group)]
     return Panel(title=capital(group.title), blocks=tuple(blocks))
+
+
+def _errors(group: GroupTable) -> tuple[Field[OutputRow], ...]:
+    """Return what is said of each output: mean, u, U, both ends of its interval."""
+    coverage = print_coverage(group.coverage)
+
+    def number(head: str, pick: Callable[[OutputRow], Number]) -> Field[OutputRow]:
+        return Field(head=head, kind="number", cell=lambda row: cell(pick(row)))
+
+    return (
+        number("mean", lambda row: row.mean),
+        number("u", lambda row: row.u),
+        number(f"U{coverage}", lambda row: row.expanded),
+        number(f"{coverage} % interval from", lambda row: row.low),
+        number("to", lambda row: row.high),
+    )
+
+
+CHECKS: tuple[Field[CheckCell], ...] = (  # the law against Monte Carlo
+    Field(head="lower ends differ by", cell=lambda check: cell(check.low)),
+    Field(head="upper ends differ by", cell=lambda check: cell(check.high)),
+    Field(head="tolerance", cell=lambda check: cell(check.tolerance)),
+    Field(
+        head="the law",
+        cell=lambda check: Cell(text=check.word, strong=check.word != "holds"),
+    ),
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Line:
+    """One line of a table with an axis a column."""
+
+    title: str  # of the lines that it stands among
+    head: str
+    cells: Sequence[Cell | str]
 
 
 def _table(group: GroupTable) -> Table:
     """Return the numbers of one group, an axis a column."""
-    coverage = print_coverage(group.coverage)
     unit = group.unit
-
-    def over_rows(head: str, pick: Callable[[OutputRow], Number]) -> tuple[Cell, ...]:
-        return (Cell(text=head), *(cell(pick(row)) for row in group.rows))
-
-    row_groups = [
-        RowGroup(
-            title=f"error [{unit}]",
-            rows=(
-                over_rows("mean", lambda row: row.mean),
-                over_rows("u", lambda row: row.u),
-                over_rows(f"U{coverage}", lambda row: row.expanded),
-                over_rows(f"{coverage} % interval from", lambda row: row.low),
-                over_rows("to", lambda row: row.high),
-            ),
-        )
-    ]
     acting = [source for source in group.sources if not source.is_idle]
-    if acting:
-        row_groups += [
-            RowGroup(
-                title=f"u of each source alone [{unit}]",
-                rows=tuple(
-                    (Cell(text=source.title), *(cell(part.u) for part in source.cells))
-                    for source in acting
-                ),
-            ),
-            RowGroup(
-                title="share of the variance [%]",
-                rows=tuple(
-                    (Cell(text=source.title), *map(_share_cell, source.cells))
-                    for source in acting
-                ),
-            ),
-        ]
     checks = [row.check for row in group.rows if row.check is not None]
-    if checks:
-        row_groups.append(_check_rows(checks, unit))
-    return Table(
+    lines = [
+        *_turned(f"error [{unit}]", _errors(group), group.rows),
+        *(
+            Line(
+                title=f"u of each source alone [{unit}]",
+                head=source.title,
+                cells=[cell(part.u) for part in source.cells],
+            )
+            for source in acting
+        ),
+        *(
+            Line(
+                title="share of the variance [%]",
+                head=source.title,
+                cells=[share_cell(part.share.exact) for part in source.cells],
+            )
+            for source in acting
+        ),
+        *(
+            _turned(f"law against Monte Carlo [{unit}]", CHECKS, checks)
+            if checks
+            else ()
+        ),
+    ]
+    return table_of(
+        lines,
+        (
+            Field(head="", cell=lambda line: line.head),
+            *(
+                Field(head=row.axis, kind="number", cell=partial(_of_axis, place))
+                for place, row in enumerate(group.rows)
+            ),
+        ),
         name=f"budget-{group.sensor}-{group.parameter}".replace("_", "-"),
         caption=f"Budget of the {group.title} by axis",
-        columns=(
-            Column(head=""),
-            *(Column(head=row.axis, kind="number") for row in group.rows),
-        ),
-        groups=tuple(row_groups),
+        by=lambda line: line.title,
+        titled=True,
     )
 
 
-def _share_cell(part: SourceCell) -> Cell:
-    """Return a share in per cent, with a bar behind it where one can be seen."""
-    share = part.share
-    return Cell(
-        text=share.text.removesuffix(" %"),
-        exact=share.exact,
-        share=share.exact if share.exact > TINY_BAR else None,
-    )
+def _turned(
+    title: str, fields: Iterable[Field[R]], rows: Sequence[R]
+) -> Iterator[Line]:
+    """Yield a line for each field, a cell for each row."""
+    for field in fields:
+        yield Line(
+            title=title, head=field.head, cells=[field.cell(row) for row in rows]
+        )
 
 
-def _check_rows(checks: Sequence[CheckCell], unit: str) -> RowGroup:
-    """Return the law against Monte Carlo, output by output."""
-    return RowGroup(
-        title=f"law against Monte Carlo [{unit}]",
-        rows=(
-            (Cell(text="lower ends differ by"), *(cell(c.low) for c in checks)),
-            (Cell(text="upper ends differ by"), *(cell(c.high) for c in checks)),
-            (Cell(text="tolerance"), *(cell(c.tolerance) for c in checks)),
-            (
-                Cell(text="the law"),
-                *(Cell(text=c.word, strong=c.word != "holds") for c in checks),
-            ),
-        ),
-    )
+def _of_axis(place: int, line: Line) -> Cell | str:
+    """Return what a line has in a column."""
+    return line.cells[place]

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import groupby
 from typing import TYPE_CHECKING
 
 from budget.report.blocks import (
     Card,
     Cell,
-    Column,
+    Field,
     Paragraph,
-    RowGroup,
     Run,
     Section,
-    Table,
+    table_of,
 )
 from budget.report.tables import (
     SMALL_SHARE,
@@ -38,16 +36,17 @@ from budget.report.wording import (
     SEVERITY,
     VERDICTS,
     capital,
+    cell,
     value,
 )
 from budget.studies.request import given_lines, sensors_of
 from budget.ties import first_largest, from_largest, settle
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from budget.names import Name
-    from budget.report.blocks import Block, Words
+    from budget.report.blocks import Block, Table, Words
     from budget.report.tables import GroupTable
     from budget.results import (
         Assessment,
@@ -59,7 +58,7 @@ if TYPE_CHECKING:
     from budget.spec.records import Device, ErrorLine, Procedure
 
 
-CAP_HEADS = ("cap, which decides no verdict", "at most", "device", "given", "")
+NOT_KNOWN = "not known"
 SPARE = 0.01  # of the limit [1]; a margin below it is no margin to speak of
 
 
@@ -109,37 +108,12 @@ def group_cards(groups: Sequence[GroupTable]) -> tuple[Card, ...]:
 def limits_section(budget: Budget, assessment: Assessment) -> Section:
     """Return every required output against its limit, as a table."""
     coverage = print_coverage(budget.settings.coverage)
-    groups = tuple(
-        RowGroup(
-            title=output_title(name),
-            rows=tuple(
-                _limit_row(row, word=_outcome(assessment, row)) for row in outputs
-            ),
-        )
-        for name, outputs in groupby(
-            assessment.outputs, key=lambda row: row.output.name.group
-        )
-    )
-    table = Table(
-        name="limits-table",
-        caption=f"Largest errors against the limits of {assessment.requirement}",
-        columns=(
-            Column(head="axis"),
-            Column(head="largest error", kind="number"),
-            Column(head="", kind="unit"),
-            Column(head="limit", kind="text"),
-            Column(head="of the limit [%]", kind="number"),
-            Column(head="verdict"),
-        ),
-        groups=groups,
-        searchable=True,
-    )
     text = (
         f"{capital(assessment.requirement)}. A limit is on the absolute error: the "
         f"largest absolute end of the {coverage} % interval of each output is held "
         f"against it. {_jointly(assessment)}".rstrip()
     )
-    blocks: tuple[Block, ...] = (Paragraph(words=(text,)), table)
+    blocks: tuple[Block, ...] = (Paragraph(words=(text,)), _limits_table(assessment))
     if assessment.caps:
         blocks += (_caps_table(assessment),)
     return Section(name="limits", title="Limits", blocks=blocks)
@@ -148,54 +122,69 @@ def limits_section(budget: Budget, assessment: Assessment) -> Section:
 def _outcome(assessment: Assessment, row: OutputAssessment) -> str:
     """Say on which side of its limit an output is, if anybody knows."""
     if row not in assessment.judged:
-        return "not known"
+        return NOT_KNOWN
     word = assessment.outcome(row)
     if row.lower_bound and row.is_within:
         return "open: lines missing"
     return f"{word}, by Monte Carlo" if row.by_monte_carlo else word
 
 
-def _limit_row(row: OutputAssessment, *, word: str) -> tuple[Cell, ...]:
-    """Return one required output against its limit."""
-    error = _error(row)
-    used = _used(row)
-    strong = not row.is_within
-    return (
-        Cell(text=row.output.name.axis, strong=strong),
-        Cell(text=error.text, exact=error.exact, strong=strong),
-        Cell(text=row.output.unit, strong=strong),
-        Cell(text=row.printed_limit, strong=strong),
-        Cell(
-            text=used.text.removesuffix(" %"),
-            exact=used.exact,
-            strong=strong,
-            share=None if word == "not known" else min(row.utilisation, 1.0),
+def _limits_table(assessment: Assessment) -> Table:
+    """Return every required output against its limit; in bold what exceeds it."""
+
+    def text(pick: Callable[[OutputAssessment], str]) -> Callable[..., Cell]:
+        return lambda row: Cell(text=pick(row), strong=not row.is_within)
+
+    def used(row: OutputAssessment) -> Cell:
+        number, known = _used(row), _outcome(assessment, row) != NOT_KNOWN
+        return Cell(
+            text=number.text.removesuffix(" %"),
+            exact=number.exact,
+            strong=not row.is_within,
+            share=min(row.utilisation, 1.0) if known else None,
+        )
+
+    return table_of(
+        assessment.outputs,
+        (
+            Field(head="axis", cell=text(lambda row: row.output.name.axis)),
+            Field(
+                head="largest error",
+                kind="number",
+                cell=lambda row: cell(_error(row), strong=not row.is_within),
+            ),
+            Field(head="", kind="unit", cell=text(lambda row: row.output.unit)),
+            Field(head="limit", cell=text(lambda row: row.printed_limit)),
+            Field(head="of the limit [%]", kind="number", cell=used),
+            Field(head="verdict", cell=text(lambda row: _outcome(assessment, row))),
         ),
-        Cell(text=word, strong=strong),
+        name="limits-table",
+        caption=f"Largest errors against the limits of {assessment.requirement}",
+        by=lambda row: output_title(row.output.name.group),
+        titled=True,
+        searchable=True,
     )
 
 
 def _caps_table(assessment: Assessment) -> Table:
     """Return what the devices cost, weigh and draw against the caps."""
-    words = {True: "within", False: "beyond", None: "not known"}
-    return Table(
-        name="caps",
-        caption="Price, mass and power against their caps; they decide no verdict",
-        columns=tuple(Column(head=head) for head in CAP_HEADS),
-        groups=(
-            RowGroup(
-                rows=tuple(
-                    (
-                        Cell(text=cap.merit),
-                        Cell(text=cap.cap),
-                        Cell(text=cap.device),
-                        Cell(text=cap.given or "not given"),
-                        Cell(text=words[cap.is_within], strong=cap.is_within is False),
-                    )
-                    for cap in assessment.caps
-                )
+    words = {True: "within", False: "beyond", None: NOT_KNOWN}
+    return table_of(
+        assessment.caps,
+        (
+            Field(head="cap, which decides no verdict", cell=lambda cap: cap.merit),
+            Field(head="at most", cell=lambda cap: cap.cap),
+            Field(head="device", cell=lambda cap: cap.device),
+            Field(head="given", cell=lambda cap: cap.given or "not given"),
+            Field(
+                head="",
+                cell=lambda cap: Cell(
+                    text=words[cap.is_within], strong=cap.is_within is False
+                ),
             ),
         ),
+        name="caps",
+        caption="Price, mass and power against their caps; they decide no verdict",
     )
 
 

@@ -2,36 +2,35 @@
 
 from __future__ import annotations
 
-from itertools import groupby
+from functools import partial
 from typing import TYPE_CHECKING
 
 from budget.report.blocks import (
     Cell,
-    Column,
+    Field,
     Paragraph,
-    RowGroup,
     Section,
     Sliders,
-    Table,
+    table_of,
 )
 from budget.report.tables import (
     Number,
     bound_number,
     output_title,
     print_coverage,
-    print_share,
     print_utilisation,
     round_error,
     source_title,
 )
-from budget.report.wording import VERDICTS, cell
+from budget.report.wording import VERDICTS, cell, share_cell
 from budget.results import BY_LAW
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from budget.report.blocks import Table
     from budget.results import Budget
-    from budget.studies.what_if import SourceSteps, Step, WhatIf
+    from budget.studies.what_if import SourceSteps, WhatIf
 
 HEADS = {0.0: "without it", 0.5: "at half", 1.0: "now", 2.0: "at twice"}
 
@@ -50,42 +49,14 @@ def what_if_section(
     if required:
         text += " The part of the limit is the largest of the sensor's outputs."
     text += _departures(budget, required=required)
-    heads = [HEADS[step.factor] for step in rows[0].steps] if rows else []
-    columns = (
-        Column(head="source", weight=2.0),
-        Column(head="printed"),
-        Column(head="output", weight=1.6),
-        Column(head="its share [%]", kind="number"),
-        *(Column(head=f"U{coverage} {head}", kind="number") for head in heads),
-        Column(head="", kind="unit"),
-        *(
-            Column(head=f"of the limit {head} [%]", kind="number")
-            for head in (heads if required else ())
-        ),
-        *((Column(head="verdict then"),) if required else ()),
-    )
-    table = Table(
-        name="one-at-a-time",
-        caption="What one source more or less would do",
-        columns=columns,
-        groups=tuple(
-            RowGroup(
-                title=sensor,
-                rows=tuple(_row(row, required=required) for row in of_sensor),
-            )
-            for sensor, of_sensor in groupby(
-                rows, key=lambda row: row.source.name.owner
-            )
-        ),
-        is_wide=True,
-        searchable=True,
-    )
     return Section(
         name="what-if",
         title="What a better line would change",
         blocks=(
             Paragraph(words=(text,)),
-            Sliders(model=model.to_dict(), table=table),
+            Sliders(
+                model=model.to_dict(), table=_table(rows, coverage, required=required)
+            ),
         ),
     )
 
@@ -122,32 +93,65 @@ def _departures(budget: Budget, *, required: bool) -> str:
     return text
 
 
-def _row(row: SourceSteps, *, required: bool) -> tuple[Cell, ...]:
-    """Return one source in several sizes."""
-    share = Number(text=print_share(row.share), exact=row.share)
-    cells = [
-        Cell(text=source_title(row.source.name)),
-        Cell(text=row.source.printed),
-        Cell(text=output_title(row.output.name.without_owner)),
-        Cell(text=share.text.removesuffix(" %"), exact=share.exact, share=share.exact),
-        *(_expanded(row, step) for step in row.steps),
-        Cell(text=row.output.unit),
+def _table(rows: Sequence[SourceSteps], coverage: str, *, required: bool) -> Table:
+    """Return one source after the other in several sizes."""
+    steps = list(
+        enumerate(HEADS[step.factor] for step in rows[0].steps) if rows else ()
+    )
+    expanded = [
+        Field(head=f"U{coverage} {head}", kind="number", cell=partial(_expanded, place))
+        for place, head in steps
     ]
-    if required:
-        cells += [_used(row, step) for step in row.steps]
-        cells.append(_verdicts(row.steps))
-    return tuple(cells)
+    used = [
+        Field(
+            head=f"of the limit {head} [%]", kind="number", cell=partial(_used, place)
+        )
+        for place, head in steps
+    ]
+    against = (*used, Field(head="verdict then", cell=_verdicts))
+    return table_of(
+        rows,
+        (
+            Field(
+                head="source",
+                weight=2.0,
+                cell=lambda row: source_title(row.source.name),
+            ),
+            Field(head="printed", cell=lambda row: row.source.printed),
+            Field(
+                head="output",
+                weight=1.6,
+                cell=lambda row: output_title(row.output.name.without_owner),
+            ),
+            Field(
+                head="its share [%]",
+                kind="number",
+                cell=lambda row: share_cell(row.share),
+            ),
+            *expanded,
+            Field(head="", kind="unit", cell=lambda row: row.output.unit),
+            *(against if required else ()),
+        ),
+        name="one-at-a-time",
+        caption="What one source more or less would do",
+        by=lambda row: row.source.name.owner,
+        titled=True,
+        is_wide=True,
+        searchable=True,
+    )
 
 
-def _expanded(row: SourceSteps, step: Step) -> Cell:
+def _expanded(place: int, row: SourceSteps) -> Cell:
     """Round U like its standard uncertainty."""
+    step = row.steps[place]
     number = round_error(step.expanded, step.u, row.output)
     unknown = row.lower_bound and step.u <= row.output.resolution
     return cell(bound_number(number, lower_bound=row.lower_bound, unknown=unknown))
 
 
-def _used(row: SourceSteps, step: Step) -> Cell:
+def _used(place: int, row: SourceSteps) -> Cell:
     """Return the part of the limit that the sensor uses."""
+    step = row.steps[place]
     if step.utilisation is None:
         return Cell(text="")
     number = Number(
@@ -158,12 +162,12 @@ def _used(row: SourceSteps, step: Step) -> Cell:
     return cell(marked, strong=step.utilisation > 1.0)
 
 
-def _verdicts(steps: Sequence[Step]) -> Cell:
+def _verdicts(row: SourceSteps) -> str:
     """Say what the verdict would become, where it is another one than now."""
-    now = next(step.verdict for step in steps if step.factor == 1.0)
+    now = next(step.verdict for step in row.steps if step.factor == 1.0)
     changed = [
         f"{VERDICTS[step.verdict]} {HEADS[step.factor]}"
-        for step in steps
+        for step in row.steps
         if step.verdict != now
     ]
-    return Cell(text="; ".join(changed) or "unchanged" if now else "")
+    return "; ".join(changed) or "unchanged" if now else ""

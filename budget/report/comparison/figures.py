@@ -209,7 +209,7 @@ def map_chart(table: Ranking, name: str, data: DataTable) -> Chart:
         ),
         heads=tuple(_output_heads([output.output.name for output in outputs])),
         pitch=16.0,
-        numbers=data,
+        data=data,
         width=WIDE,
     )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from budget.model.sources import SENSORS
-from budget.report.blocks import Cell, Column
+from budget.report.blocks import Cell, Field, table_of
 from budget.report.figures.rows import (
     Bar,
     Chart,
@@ -51,10 +51,19 @@ def coupling_chart(table: CouplingTable, sensor: str) -> Chart | None:
     groups = [group for group in table.groups if group.owner == sensor]
     own = [s for s in table.sources if s.owner == sensor]
     shared = [s for s in table.sources if s.owner not in SENSORS]
+    sources = (*in_order(own), *in_order(shared))
     rows = tuple(
         _row(source, [table.cell(source, group) for group in groups], sensor)
-        for source in (*in_order(own), *in_order(shared))
+        for source in sources
     )
+
+    def column(group: Name) -> Field[Name]:
+        return Field(
+            head=f"{words(group.quantity)} [%]",
+            kind="number",
+            cell=lambda source: _part_cell(table.cell(source, group)),
+        )
+
     return Chart(
         name=f"coupling-{sensor}",
         title=_title(cells, sensor),
@@ -77,15 +86,24 @@ def coupling_chart(table: CouplingTable, sensor: str) -> Chart | None:
             for x, group in enumerate(groups)
         ),
         pitch=18.0,
-        what=f"u of each {sensor} source over u of all, in per cent",
-        columns=(
-            Column(head="source"),
-            *(
-                Column(head=f"{words(group.quantity)} [%]", kind="number")
-                for group in groups
+        data=table_of(
+            sources,
+            (
+                Field(head="source", cell=lambda name: source_title(name, of=sensor)),
+                *map(column, groups),
             ),
+            name=f"coupling-{sensor}-data",
+            caption=f"u of each {sensor} source over u of all, in per cent",
         ),
     )
+
+
+def _part_cell(cell: Coupling) -> Cell:
+    """Return the part of u that a source makes of a group."""
+    if not cell.reaches:
+        return Cell(text=NOTHING)
+    exact = 100.0 * cell.size
+    return Cell(text=_per_cent(cell.size), exact=exact, strong=cell.is_own)
 
 
 def print_part(size: float) -> str:
@@ -141,12 +159,6 @@ def _row(source: Name, cells: list[Coupling], sensor: str) -> Row:
         label=title,
         marks=tuple(marks),
         said=f"{title}: {', '.join(said)}" if said else "",
-        cells=tuple(
-            Cell(text=_per_cent(cell.size), exact=100.0 * cell.size, strong=cell.is_own)
-            if cell.reaches
-            else Cell(text=NOTHING)
-            for cell in cells
-        ),
     )
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.report.blocks import Cell, Column, RowGroup, Table
+from budget.report.blocks import Field, table_of
 from budget.report.figures.style import (
     BLUE,
     INK,
@@ -16,6 +16,7 @@ from budget.report.figures.style import (
     as_picture,
     canvas,
     house_style,
+    kebab,
     text_width,
     write,
 )
@@ -32,13 +33,13 @@ from budget.report.tables import (
     round_error,
     source_title,
 )
-from budget.report.wording import capital
+from budget.report.wording import capital, cell
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from budget.report.blocks import Picture
+    from budget.report.blocks import Picture, Table
     from budget.studies.densities import Density
 
 LEFT, RIGHT, TOP, BELOW = 12.0, 12.0, 16.0, 34.0  # [pt]
@@ -263,20 +264,20 @@ def _data(density: Density, *, coverage: float) -> Table:
         (f"{share} % interval by Monte Carlo, from", density.interval_mc[0], AT_MOST),
         ("to", density.interval_mc[1], AT_LEAST),
     ]
-    rows = [
-        (Cell(text=name), Cell(text=number.text, exact=number.exact))
-        for name, x, sign in named
-        for number in [_marked(density, x, sign)]
-    ]
+    rows = [(name, _marked(density, x, sign)) for name, x, sign in named]
     if density.limit is not None:
-        limit = Cell(text=_limit(density), exact=density.limit / scale)
-        rows.append((Cell(text="limit on the absolute error"), limit))
-    return Table(
-        name=f"density-{density.output.name}-data".replace("_", "-").replace(".", "-"),
-        caption=f"Distribution of the {output_title(density.output.name)}",
-        columns=(
-            Column(head=""),
-            Column(head=f"error [{density.output.unit}]", kind="number"),
+        limit = Number(text=_limit(density), exact=density.limit / scale)
+        rows.append(("limit on the absolute error", limit))
+    return table_of(
+        rows,
+        (
+            Field(head="", cell=lambda row: row[0]),
+            Field(
+                head=f"error [{density.output.unit}]",
+                kind="number",
+                cell=lambda row: cell(row[1]),
+            ),
         ),
-        groups=(RowGroup(rows=tuple(rows)),),
+        name=kebab(f"density-{density.output.name}-data"),
+        caption=f"Distribution of the {output_title(density.output.name)}",
     )

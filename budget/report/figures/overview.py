@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from budget.report.blocks import Cell, Column
+from budget.report.blocks import Field, table_of
 from budget.report.figures.rows import (
     Chart,
     Dot,
@@ -16,6 +16,7 @@ from budget.report.figures.rows import (
     Stroke,
 )
 from budget.report.tables import UNKNOWN, print_coverage, words
+from budget.report.wording import capital, cell
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -43,13 +44,28 @@ def overview_chart(groups: Sequence[GroupTable]) -> Chart | None:
         lead=f"U{coverage}. ",
         caption="Each group of parameters has an axis of its own, from zero.",
         foot=f"U{coverage}, half the width of the {coverage} % interval",
-        what=f"U{coverage} of every output",
-        columns=(
-            Column(head="output"),
-            Column(head=f"U{coverage}", kind="number"),
-            Column(head="", kind="unit"),
+        data=table_of(
+            [(group, row) for group in groups for row in group.rows],
+            (
+                Field(head="output", cell=lambda one: one[1].axis),
+                Field(
+                    head=f"U{coverage}",
+                    kind="number",
+                    cell=lambda one: cell(one[1].expanded),
+                ),
+                Field(head="", kind="unit", cell=lambda one: one[0].unit),
+            ),
+            name="overview-data",
+            caption=f"U{coverage} of every output",
+            by=lambda one: capital(_in_unit(one[0])),
+            titled=True,
         ),
     )
+
+
+def _in_unit(group: GroupTable) -> str:
+    """Name a group with its unit: 'gyro bias in deg/h'."""
+    return f"{group.title} in {group.unit}"
 
 
 def _title(groups: Sequence[GroupTable], coverage: str) -> str:
@@ -72,7 +88,7 @@ def _panel(group: GroupTable) -> Panel:
         groups=(
             Group(
                 title=f"{words(group.parameter)} [{group.unit}]",
-                said=f"{group.title} in {group.unit}",
+                said=_in_unit(group),
                 rows=tuple(_row(group, row) for row in group.rows),
             ),
         ),
@@ -88,5 +104,4 @@ def _row(group: GroupTable, row: OutputRow) -> Row:
         marks=(Stroke(start=0.0, end=x), Dot(at=x, size=4.5, tip=tip)),
         beside=(text,),
         said=f"{row.axis} {text}",
-        cells=(Cell(text=text, exact=x), Cell(text=group.unit)),
     )

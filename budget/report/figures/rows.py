@@ -1,8 +1,8 @@
 """Named rows with marks: the one drawing of every figure that is a list of rows.
 
-A figure says what each row is called, what is drawn on it, what is written beside it,
-what is said of it, and what its numbers are. Drawing, tooltips, alternative text and
-the table of the numbers are made of that here. Heights are in points.
+A figure says what each row is called, what is drawn on it, what is written beside it
+and what is said of it. Drawing, tooltips and alternative text are made of that here.
+Heights are in points.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from budget.report.blocks import Cell, Column, RowGroup, Table
 from budget.report.figures.style import (
     GRID,
     INK,
@@ -24,20 +23,18 @@ from budget.report.figures.style import (
     blank,
     fits,
     house_style,
-    kebab,
     log_ticks,
     shorten,
     text_width,
     write,
     write_on,
 )
-from budget.report.wording import capital
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from budget.report.blocks import Picture
+    from budget.report.blocks import Picture, Table
 
 HEAD = 14.0  # height of the title of a group [pt]
 EDGE = 4.0  # air at the edges of the figure [pt]
@@ -117,8 +114,6 @@ class Row:
         Whether that is bold.
     said : str
         The row in words with its numbers; '' where nothing is said of it.
-    cells : tuple of Cell
-        Its numbers, behind its label in the table of the figure.
     """
 
     label: str
@@ -126,12 +121,11 @@ class Row:
     beside: tuple[str, ...] = ()
     strong: bool = False
     said: str = ""
-    cells: tuple[Cell, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
 class Group:
-    """Rows under a title, '' for none; `said` is that title in words and tables."""
+    """Rows under a title, '' for none; `said` is that title in words."""
 
     rows: tuple[Row, ...]
     title: str = ""
@@ -220,12 +214,8 @@ class Chart:
         What the axes are of, where there are several.
     legend : tuple of (str, str, str)
         Colour, hatch and name of what no text names in the figure.
-    what : str
-        What the table of the numbers shows.
-    columns : tuple of Column
-        Its columns, the names of the rows first; () for no table.
-    numbers : Table or None
-        That table, where somebody else makes it.
+    data : Table or None
+        The numbers behind the figure; None where a table beside it has them.
     width : float
         That of a column or of the page [pt].
     """
@@ -242,9 +232,7 @@ class Chart:
     pitch: float = 13.0
     foot: str = ""
     legend: tuple[tuple[str, str, str], ...] = ()
-    what: str = ""
-    columns: tuple[Column, ...] = ()
-    numbers: Table | None = None
+    data: Table | None = None
     width: float = WIDTH
 
     @property
@@ -276,29 +264,6 @@ class Chart:
             for m, mark in enumerate(row.marks)
             if mark.tip
         }
-
-    @property
-    def data(self) -> Table | None:
-        """The numbers behind the figure."""
-        if not self.columns:
-            return self.numbers
-        return Table(
-            name=f"{kebab(self.name)}-data",
-            caption=self.what,
-            columns=self.columns,
-            groups=tuple(
-                RowGroup(
-                    title=capital(group.said or group.title),
-                    rows=tuple(
-                        (Cell(text=row.label), *row.cells)
-                        for row in group.rows
-                        if row.cells
-                    ),
-                )
-                for group in self.groups
-                if any(row.cells for row in group.rows)
-            ),
-        )
 
 
 def chart_picture(chart: Chart) -> Picture:

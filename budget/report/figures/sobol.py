@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from budget.report.blocks import Cell, Column
+from budget.report.blocks import Cell, Field, table_of
 from budget.report.figures.rows import (
     Bar,
     Chart,
@@ -82,13 +82,27 @@ def sobol_chart(budget: Budget, sensor: str) -> Chart | None:
         ),
         beside=("first, total",),
         pitch=20.0,
-        what=f"Sobol' indices of the widest {sensor} outputs",
-        columns=(
-            Column(head="source"),
-            Column(head="first order", kind="number"),
-            Column(head="interval"),
-            Column(head="total", kind="number"),
-            Column(head="interval"),
+        data=table_of(
+            [(one.row, *pair) for one in found for pair in one.shown],
+            (
+                Field(head="source", cell=lambda one: source_title(one[1], of=sensor)),
+                Field(
+                    head="first order",
+                    kind="number",
+                    cell=lambda one: Cell(text=_first(one[2])[0], exact=one[2].first),
+                ),
+                Field(head="interval", cell=lambda one: _first(one[2])[1]),
+                Field(
+                    head="total",
+                    kind="number",
+                    cell=lambda one: Cell(text=_total(one[2])[0], exact=one[2].total),
+                ),
+                Field(head="interval", cell=lambda one: _total(one[2])[1]),
+            ),
+            name=f"sobol-{sensor}-data",
+            caption=f"Sobol' indices of the widest {sensor} outputs",
+            by=lambda one: capital(output_title(one[0].output.name)),
+            titled=True,
         ),
     )
 
@@ -101,7 +115,7 @@ def _title(found: tuple[Indices, ...], sensor: str) -> str:
         row, source, index = seen[
             first_largest([index.total - index.first for _, _, index in seen])
         ]
-        first, total = _texts(index)
+        first, total = _first(index)[0], _total(index)[0]
         return (
             f"{capital(source_title(source, of=sensor))} interacts in the "
             f"{output_title(row.output.name)}: first order {first}, total {total}"
@@ -127,7 +141,7 @@ def _widest(budget: Budget, sensor: str) -> tuple[Indices, ...]:
     found = []
     for row in widest_of_each(with_indices):
         own = {p.source: p.sobol for p in row.contributions if p.sobol is not None}
-        shown = [name for name in in_order(own) if float(_texts(own[name])[1]) > 0.0]
+        shown = [name for name in in_order(own) if float(_total(own[name])[0]) > 0.0]
         found.append(
             Indices(
                 row=row,
@@ -141,8 +155,7 @@ def _widest(budget: Budget, sensor: str) -> tuple[Indices, ...]:
 def _row(output: OutputBudget, source: Name, index: SobolIndex, sensor: str) -> Row:
     """Return one source: dot above, ring below, whiskers, and the gap between."""
     colour, title = look_of(source)[0], source_title(source, of=sensor)
-    first = print_index(index.first, index.first_interval)
-    total = print_index(index.total, index.total_interval)
+    first, total = _first(index), _total(index)
     said = f"{title} first order {' '.join(first)} and total {' '.join(total)}" + (
         " (interacts)" if index.interacts else ""
     )
@@ -171,24 +184,19 @@ def _row(output: OutputBudget, source: Name, index: SobolIndex, sensor: str) -> 
         beside=(f"{first[0]}, {total[0]}",),
         strong=_can_be_seen(index),
         said=said,
-        cells=(
-            Cell(text=first[0], exact=index.first),
-            Cell(text=first[1]),
-            Cell(text=total[0], exact=index.total),
-            Cell(text=total[1]),
-        ),
     )
 
 
 def _can_be_seen(index: SobolIndex) -> bool:
     """Whether an interaction is beyond chance and beyond the digits printed."""
-    first, total = _texts(index)
-    return index.interacts and first != total
+    return index.interacts and _first(index)[0] != _total(index)[0]
 
 
-def _texts(index: SobolIndex) -> tuple[str, str]:
-    """Return first-order and total index to the digits that are sure."""
-    return (
-        print_index(index.first, index.first_interval)[0],
-        print_index(index.total, index.total_interval)[0],
-    )
+def _first(index: SobolIndex) -> tuple[str, str]:
+    """Print the first-order index and its interval."""
+    return print_index(index.first, index.first_interval)
+
+
+def _total(index: SobolIndex) -> tuple[str, str]:
+    """Print the total index and its interval."""
+    return print_index(index.total, index.total_interval)

@@ -12,15 +12,7 @@ from budget.calibration.schemes.zhao_2019 import (
     schedule_accelerometer,
     schedule_gyro,
 )
-from budget.report.blocks import (
-    Cell,
-    Column,
-    Field,
-    RowGroup,
-    Section,
-    Table,
-    table_of,
-)
+from budget.report.blocks import Cell, Field, Section, table_of
 from budget.report.figures.rows import (
     Bar,
     Chart,
@@ -40,6 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.model.windows import Window
+    from budget.report.blocks import Table
     from budget.report.figures.rows import Mark
     from budget.spec.records import Procedure
 
@@ -117,7 +110,7 @@ def schedule_chart(procedure: Procedure, sensors: Sequence[str]) -> Chart | None
             "full colour, dwells faint. Below them the averages as formulas name them."
         ),
         pitch=20.0,
-        numbers=_data(tracks),
+        data=_data(tracks),
         width=WIDE,
     )
 
@@ -230,34 +223,40 @@ def _window(track: Track, place: int, size: float, scale: float) -> Bar:
 
 def _data(tracks: Sequence[Track]) -> Table:
     """Return the windows with their times."""
-    groups = []
-    for track in tracks:
-        used = {
-            place: name
-            for name, first, last in track.averages
-            for place in range(first, last + 1)
-        }
-        rows = tuple(
-            (
-                Cell(text=window_name(track, place)),
-                Cell(text=print_given(window.start, digits=7), exact=window.start),
-                Cell(text=print_given(window.length, digits=7), exact=window.length),
-                Cell(text=used[place]),
-            )
-            for place, window in enumerate(track.windows)
-        )
-        groups.append(RowGroup(title=track.sensor, rows=rows))
-    return Table(
+    return table_of(
+        [(track, place) for track in tracks for place in range(len(track.windows))],
+        (*TIMES, Field(head="average", cell=_average)),
         name="schedule-data",
         caption="Turns and dwells with their times",
-        columns=(
-            Column(head="window"),
-            Column(head="start [s]", kind="number"),
-            Column(head="length [s]", kind="number"),
-            Column(head="average"),
-        ),
-        groups=tuple(groups),
+        by=lambda one: one[0].sensor,
+        titled=True,
     )
+
+
+def _average(one: tuple[Track, int]) -> str:
+    """Name the average that a window goes into."""
+    track, place = one
+    return next(name for name, low, high in track.averages if low <= place <= high)
+
+
+def _given(value: float) -> Cell:
+    """Print a time of a procedure [s]."""
+    return Cell(text=print_given(value, digits=7), exact=value)
+
+
+TIMES: tuple[Field[tuple[Track, int]], ...] = (  # of a window, by track and place
+    Field(head="window", cell=lambda one: window_name(*one)),
+    Field(
+        head="start [s]",
+        kind="number",
+        cell=lambda one: _given(one[0].windows[one[1]].start),
+    ),
+    Field(
+        head="length [s]",
+        kind="number",
+        cell=lambda one: _given(one[0].windows[one[1]].length),
+    ),
+)
 
 
 TEXT_TRACK = 38  # characters that the longest test is drawn with
@@ -276,26 +275,13 @@ def schedule_sections(
 def _drawn_as_text(track: Track, scale: float) -> Section:
     """Return the windows of a triad with their times; `scale` is in characters/s."""
 
-    def bar(place: int) -> str:
-        window = track.windows[place]
+    def bar(one: tuple[Track, int]) -> str:
+        window = track.windows[one[1]]
         sign = "#" if window.sense else "="
         start = int(window.start * scale)
         return " " * start + sign * max(1, int(window.end * scale) - start)
 
-    fields: tuple[Field[int], ...] = (
-        Field(head="window", cell=lambda place: window_name(track, place)),
-        Field(
-            head="start [s]",
-            kind="number",
-            cell=lambda place: print_given(track.windows[place].start, digits=7),
-        ),
-        Field(
-            head="length [s]",
-            kind="number",
-            cell=lambda place: print_given(track.windows[place].length, digits=7),
-        ),
-        Field(head=f"0 to {print_time(track.end)}", kind="drawing", cell=bar),
-    )
+    drawing = Field(head=f"0 to {print_time(track.end)}", kind="drawing", cell=bar)
     title = f"{capital(track.sensor)}: {made_of(track)}, in {print_time(track.end)}"
     return Section(
         name=f"schedule-{track.sensor}",
@@ -303,8 +289,8 @@ def _drawn_as_text(track: Track, scale: float) -> Section:
         in_brief=title if len(track.windows) > MOST_DRAWN else None,
         blocks=(
             table_of(
-                range(len(track.windows)),
-                fields,
+                [(track, place) for place in range(len(track.windows))],
+                (*TIMES, drawing),
                 name=f"schedule-{track.sensor}-table",
                 caption=f"Windows of the {track.sensor}",
             ),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from budget.report.blocks import Cell, Column
+from budget.report.blocks import Cell, Field, table_of
 from budget.report.figures.rows import (
     Chart,
     Dot,
@@ -25,6 +25,7 @@ from budget.report.tables import (
     print_utilisation,
     round_error,
 )
+from budget.report.wording import capital
 from budget.results import worst_of
 from budget.ties import from_largest, largest
 
@@ -32,6 +33,21 @@ if TYPE_CHECKING:
     from budget.results import Assessment, OutputAssessment
 
 LINEAR_BELOW = 4.0  # utilisations beyond need a logarithmic axis [1]
+
+
+FIELDS = (
+    Field["OutputAssessment"](head="output", cell=lambda row: row.output.name.axis),
+    Field["OutputAssessment"](
+        head="largest error [% of the limit]",
+        kind="number",
+        cell=lambda row: Cell(
+            text=_used(row).removesuffix(" %"),
+            exact=100.0 * row.utilisation,
+            strong=not row.is_within,
+        ),
+    ),
+    Field["OutputAssessment"](head="limit", cell=lambda row: row.printed_limit),
+)
 
 
 def utilisation_chart(assessment: Assessment) -> Chart:
@@ -59,11 +75,18 @@ def utilisation_chart(assessment: Assessment) -> Chart:
         ),
         lead="Largest errors in per cent of the limit. ",
         foot="largest error [% of the limit]; filled: beyond it",
-        what="Largest error of each output in per cent of its limit",
-        columns=(
-            Column(head="output"),
-            Column(head="largest error [% of the limit]", kind="number"),
-            Column(head="limit"),
+        data=table_of(
+            [
+                row
+                for sensor in sensors
+                for own in _ranked(assessment, sensor)
+                for row in own
+            ],
+            FIELDS,
+            name="utilisation-data",
+            caption="Largest error of each output in per cent of its limit",
+            by=lambda row: capital(output_title(row.output.name.group)),
+            titled=True,
         ),
     )
 
@@ -90,24 +113,29 @@ def utilisation_title(assessment: Assessment) -> str:
     return f"All {total} outputs stay within their limits, the nearest is {part}"
 
 
-def _groups(assessment: Assessment, sensor: str, start: float) -> tuple[Group, ...]:
+def _ranked(assessment: Assessment, sensor: str) -> list[list[OutputAssessment]]:
     """Return the outputs of a sensor by parameter, the worst group first.
 
     Axes keep their order, which noise would change otherwise.
     """
     own = [row for row in assessment.outputs if row.output.name.owner == sensor]
     groups = [
-        (name, list(outputs))
-        for name, outputs in groupby(own, key=lambda output: output.output.name.group)
+        list(outputs)
+        for _, outputs in groupby(own, key=lambda output: output.output.name.group)
     ]
-    used = [worst_of(outputs).utilisation for _, outputs in groups]
+    order = from_largest([worst_of(outputs).utilisation for outputs in groups])
+    return [groups[k] for k in order]
+
+
+def _groups(assessment: Assessment, sensor: str, start: float) -> tuple[Group, ...]:
+    """Return the rows of the outputs of a sensor, the worst group first."""
     return tuple(
         Group(
-            title=output_title(name.without_owner),
-            said=output_title(name),
+            title=output_title(outputs[0].output.name.group.without_owner),
+            said=output_title(outputs[0].output.name.group),
             rows=tuple(_row(output, start) for output in outputs),
         )
-        for name, outputs in (groups[k] for k in from_largest(used))
+        for outputs in _ranked(assessment, sensor)
     )
 
 
@@ -136,14 +164,6 @@ def _row(output: OutputAssessment, start: float) -> Row:
         beside=(used,),
         strong=not output.is_within,
         said=f"{axis} {used}",
-        cells=(
-            Cell(
-                text=used.removesuffix(" %"),
-                exact=100.0 * output.utilisation,
-                strong=not output.is_within,
-            ),
-            Cell(text=output.printed_limit),
-        ),
     )
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from budget.report.blocks import Cell, Column
+from budget.report.blocks import Cell, Field, table_of
 from budget.report.figures.rows import (
     Chart,
     Dot,
@@ -19,6 +19,7 @@ from budget.report.figures.rows import (
 )
 from budget.report.figures.style import INK, MUTED, PAPER
 from budget.report.tables import output_title, print_count, words
+from budget.report.wording import capital
 from budget.ties import first_largest
 
 if TYPE_CHECKING:
@@ -41,6 +42,27 @@ class Check:
     def worst(self) -> float:
         """The larger one in size [1]."""
         return max(abs(self.low), abs(self.high))
+
+
+FIELDS = (
+    Field[Check](head="output", cell=lambda check: check.row.axis),
+    Field[Check](
+        head="lower end [tolerances]",
+        kind="number",
+        cell=lambda check: Cell(text=_signed(check.low), exact=check.low),
+    ),
+    Field[Check](
+        head="upper end [tolerances]",
+        kind="number",
+        cell=lambda check: Cell(text=_signed(check.high), exact=check.high),
+    ),
+    Field[Check](
+        head="the law",
+        cell=lambda check: Cell(
+            text=check.validation.word, strong=not check.validation.holds
+        ),
+    ),
+)
 
 
 def validity_chart(budget: Budget, sensor: str) -> Chart | None:
@@ -75,12 +97,13 @@ def validity_chart(budget: Budget, sensor: str) -> Chart | None:
             f"Monte Carlo: {trials} trials. Triangles point to the end that they are "
             "of; in the band the law holds."
         ),
-        what=f"The law less Monte Carlo for the {sensor}, in tolerances",
-        columns=(
-            Column(head="output"),
-            Column(head="lower end [tolerances]", kind="number"),
-            Column(head="upper end [tolerances]", kind="number"),
-            Column(head="the law"),
+        data=table_of(
+            checks,
+            FIELDS,
+            name=f"validity-{sensor}-data",
+            caption=f"The law less Monte Carlo for the {sensor}, in tolerances",
+            by=lambda check: capital(words(check.row.parameter)),
+            titled=True,
         ),
     )
 
@@ -135,11 +158,6 @@ def _row(check: Check) -> Row:
         beside=({"holds": size, "fails": f"fails {size}"}.get(word, word),),
         strong=not holds,
         said=f"{axis} {low} and {high}" + ("" if holds else f" ({word})"),
-        cells=(
-            Cell(text=low, exact=check.low),
-            Cell(text=high, exact=check.high),
-            Cell(text=word, strong=not holds),
-        ),
     )
 
 

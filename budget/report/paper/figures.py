@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from itertools import groupby
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.report.blocks import Cell, Column, RowGroup, Table
+from budget.report.blocks import Cell, Field, table_of
 from budget.report.figures.rows import (
     Chart,
     Dot,
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from budget.arrays import Array
-    from budget.report.blocks import Picture
+    from budget.report.blocks import Picture, Table
     from budget.studies.paper.orders import Sweep
     from budget.studies.paper.study import PaperStudy
 
@@ -123,16 +124,19 @@ def _ends(names: Sequence[str], curve: Array) -> str:
 def _steps(sweep: Sweep, name: str) -> Table:
     """Return the relative error of every axis or angle at every step."""
     heads = (f"{_cause(sweep)} [ppm]", *sweep.names)
-    numbers = np.vstack([sweep.size / PPM, sweep.errors]).T.tolist()
-    rows = tuple(
-        tuple(Cell(text=print_given(number), exact=number) for number in row)
-        for row in numbers
-    )
-    return Table(
+    rows: list[list[float]] = np.vstack([sweep.size / PPM, sweep.errors]).T.tolist()
+
+    def cell(place: int, row: list[float]) -> Cell:
+        return Cell(text=print_given(row[place]), exact=row[place])
+
+    return table_of(
+        rows,
+        [
+            Field(head=head, kind="number", cell=partial(cell, place))
+            for place, head in enumerate(heads)
+        ],
         name=name,
         caption=f"Relative errors at each step of {sweep.figure}",
-        columns=tuple(Column(head=head, kind="number") for head in heads),
-        groups=(RowGroup(rows=rows),),
     )
 
 
