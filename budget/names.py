@@ -81,6 +81,19 @@ def meant(text: str, known: Iterable[Name]) -> tuple[Name, ...]:
     return tuple(name for name in known if text in {name, name.without_owner})
 
 
+def by_group(names: Iterable[Name]) -> tuple[str, ...]:
+    """Return parameters with those of one quantity in one: 'gyro.bias', '... x, y'."""
+    axes: dict[Name, list[str]] = {}
+    for name in names:
+        axes.setdefault(name.group, []).append(name.axis)
+    return tuple(
+        group
+        if len(found) == len(PARAMETERS[group.quantity])
+        else f"{group} {', '.join(found)}"
+        for group, found in axes.items()
+    )
+
+
 @cache
 def parameters_of(owner: str) -> tuple[Name, ...]:
     """Return the names of the 12 outputs of a triad, in their order."""

@@ -456,6 +456,7 @@ class SensorAssessment:
     trials: int | None  # that were made; None by the law alone
     expected_missing: tuple[Name, ...]  # lines that a 'meets' cannot do without
     nothing_known: bool = False  # no error line is given: a 0 is no good news
+    not_estimated: tuple[Name, ...] = ()  # parameters with limits, held in the test
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -518,6 +519,11 @@ class Assessment:
                     "trials": one.trials,
                     "expected_missing": list(one.expected_missing),
                     "nothing_known": one.nothing_known,
+                    **(
+                        {"not_estimated": names}
+                        if (names := list(one.not_estimated))
+                        else {}
+                    ),
                 }
                 for one in self.sensors
             ],

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.calibration.schemes import scheme_of
+from budget.calibration.schemes import estimated, scheme_of
 from budget.distributions import NORMAL
 from budget.earth import ROTATION_RATE
 from budget.model.response import Truth, read_errors
@@ -71,8 +71,8 @@ def calibration_problem(
     Returns
     -------
     Problem
-        Sources as groups, 12 outputs for each triad; errors, calibrated value minus
-        reference [1, rad, rad/s, m/s^2].
+        Sources as groups, an output for each parameter estimated: its error, calibrated
+        value minus reference [1, rad, rad/s, m/s^2].
 
     Raises
     ------
@@ -97,9 +97,7 @@ def calibration_problem(
     return Problem(
         groups=groups,
         outputs=tuple(
-            output
-            for sensor in sensors
-            for output in _outputs(sensor.kind, _natural_bias(sensor, procedure))
+            output for sensor in sensors for output in outputs_of(sensor, procedure)
         ),
         function=Calibration(
             triads=tuple(
@@ -207,7 +205,7 @@ def _statistics_order(k: int) -> Array:
 
 def _triad(sensor: Sensor, procedure: Procedure, rows: list[_Row]) -> Triad:
     """Set up one triad: its scheme, its lines, the statistics that it needs."""
-    scheme = scheme_of(sensor.kind, procedure, sensor.lines)
+    scheme = scheme_of(sensor.kind, procedure, sensor)
     wanted = [
         weights
         for row in rows
@@ -247,7 +245,7 @@ class _Constant:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TriadCalibration:
-    """The 12 outputs of one triad as a function of all inputs.
+    """The outputs of one triad as a function of all inputs: 12 less those held.
 
     Attributes
     ----------
@@ -278,13 +276,16 @@ class TriadCalibration:
     reference: str
 
     def __call__(self, x: Array) -> Array:
-        """Return the errors, shape (12, trials), for inputs x, (n, trials) [SI].
+        """Return the errors, shape (n_outputs, trials), for inputs x, (n, trials) [SI].
 
         Scale factors [1], mounting angles [rad], biases [unit of the input].
         """
         truth = Truth(
             angle=self._add(self.angle, x, "mounting_angle"),
             bias=self._add(self.bias, x, "bias"),
+            scale_factor=self._add(np.zeros(3), x, "scale_factor")
+            if self.scheme.held is not None
+            else None,
         )
         noise = self._noise(x)
         epsilon = noise[:, :STATISTICS]
@@ -294,13 +295,15 @@ class TriadCalibration:
         # Error = (calibrated - true during the test) + (that - reference); relative
         # errors of the scale factor multiply: (1 + r)(1 + e) - 1.
         r = self._scale_factor_deviation(x)
-        return np.concatenate(
+        errors = np.concatenate(
             [
                 r + found.scale_factor * (1.0 + r),
                 found.mounting_angle + self._deviation(x, "mounting_angle"),
                 found.bias + self._deviation(x, "bias"),
             ]
         )
+        held = self.scheme.held
+        return errors if held is None else errors[held.estimated]
 
     def _add(self, nominal: Array, x: Array, target: str) -> Array:
         """Return nominal values plus their offsets, (n, trials)."""
@@ -395,6 +398,13 @@ def _natural_bias(sensor: Sensor, procedure: Procedure) -> float:
     """Return what a bias of that triad is measured beside, with its own [SI]."""
     beside = ROTATION_RATE if sensor.kind == "gyro" else procedure.gravity
     return beside + float(np.abs(sensor.nominal_bias).max())
+
+
+def outputs_of(sensor: Sensor, procedure: Procedure) -> tuple[Output, ...]:
+    """Return what a procedure estimates of a triad, with units."""
+    names = estimated(sensor.kind, procedure)
+    every = _outputs(sensor.kind, _natural_bias(sensor, procedure))
+    return tuple(output for output in every if output.name in names)
 
 
 @lru_cache(maxsize=64)  # thousands of devices share a few

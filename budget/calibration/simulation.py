@@ -92,7 +92,7 @@ def simulate(
 
     Returns
     -------
-    ndarray, shape (12 times the number of sensors,)
+    ndarray, shape (n_outputs,)
         Errors of scale factors (relative), mounting angles and biases, triad by triad
         [1, rad, rad/s or m/s^2].
 
@@ -102,8 +102,7 @@ def simulate(
         A window holds too many samples to be made one by one.
     """
     schemes = {
-        sensor.kind: scheme_of(sensor.kind, procedure, sensor.lines)
-        for sensor in sensors
+        sensor.kind: scheme_of(sensor.kind, procedure, sensor) for sensor in sensors
     }
     for kind, scheme in schemes.items():
         _check_samples(kind, scheme, procedure.sample_rate)
@@ -191,22 +190,23 @@ def _simulate_triad(
     sample_rate: float,
     reference: str,
 ) -> Array:
-    """Simulate one triad; shape (12,)."""
+    """Simulate one triad; shape (n_outputs,): 12 less those held."""
     during = {one.given.name: one.value for one in drawn}
     tested = _turn_on(sensor, drawn, during)
-    held = {
+    true = {
         "nominal": _turn_on(sensor, drawn, {}),
         "as_tested": tested,
         "next_turn_on": _turn_on(sensor, drawn, {o.given.name: o.later for o in drawn}),
     }[reference]
     found = _calibrate(sensor, scheme, tested, drawn, sample_rate)
-    return np.concatenate(
+    errors = np.concatenate(
         [
-            (found.scale_factor - (1.0 + held.k)) / (1.0 + held.k),
-            found.mounting_angle - held.angle,
-            found.bias - held.bias,
+            (found.scale_factor - (1.0 + true.k)) / (1.0 + true.k),
+            found.mounting_angle - true.angle,
+            found.bias - true.bias,
         ]
     )
+    return errors if scheme.held is None else errors[scheme.held.estimated]
 
 
 def _turn_on(

@@ -12,17 +12,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.model.scheme import BIAS
+from budget.model.scheme import BIAS, COLUMN, ROW, SIGN
 
 if TYPE_CHECKING:
     from budget.arrays import Array
-    from budget.model.scheme import Scheme
-
-# dT of Zhao 2019, eq. (1): element (ROW, COLUMN) is SIGN times the angle, for the
-# angles in the order of ANGLES: xy, xz, yx, yz, zx, zy.
-ROW = np.array([0, 0, 1, 1, 2, 2])
-COLUMN = np.array([2, 1, 2, 0, 1, 0])
-SIGN = np.array([-1.0, 1.0, 1.0, -1.0, -1.0, 1.0])
+    from budget.model.scheme import Held, Scheme
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -35,10 +29,13 @@ class Truth:
         Mounting angles in the order of ANGLES [rad].
     bias : ndarray, shape (3, trials)
         [unit of the input].
+    scale_factor : ndarray, shape (3, trials), or None
+        k of K = K0 (1 + k) [1]; nobody asks for it where nothing is held.
     """
 
     angle: Array
     bias: Array
+    scale_factor: Array | None = None
 
     def see(self, vectors: Array) -> Array:
         """Return M_i v_ik, shape (3, k, trials): what each axis shows of vectors.
@@ -57,6 +54,21 @@ class Truth:
             :, None
         ]
         return np.asarray(part[0::2] + part[1::2])  # ROW is 0, 0, 1, 1, 2, 2
+
+
+def statistics_of(own: Array, cross: Array, bias: Array) -> Array:
+    """Put what belongs to parameters where their statistics stand, shape (3, 4, ...).
+
+    Parameters
+    ----------
+    own, cross, bias : ndarray, shape (3, ...), (6, ...), (3, ...)
+        Of scale factors, of mounting angles in the order of ANGLES, of biases.
+    """
+    table = np.empty((3, BIAS + 1, *own.shape[1:]), dtype=np.result_type(own, cross))
+    table[[0, 1, 2], [0, 1, 2]] = own
+    table[ROW, COLUMN] = cross
+    table[:, BIAS] = bias
+    return table
 
 
 def tilt(angle: Array, u: Array) -> Array:
@@ -116,6 +128,8 @@ def read_errors(scheme: Scheme, truth: Truth, epsilon: Array) -> Errors:
     -------
     Errors
     """
+    if scheme.held is not None:
+        epsilon = epsilon + _from_held(scheme, scheme.held, truth)
     own = epsilon[[0, 1, 2], [0, 1, 2]]
     cross = epsilon[ROW, COLUMN] * SIGN[:, None]
     angle = (cross - truth.angle * own[ROW]) / (1.0 + own[ROW])
@@ -126,6 +140,25 @@ def read_errors(scheme: Scheme, truth: Truth, epsilon: Array) -> Errors:
         v = truth.bias + bias + scheme.rotated[:, None] + through
         bias = bias + through + tilt_transposed(found, v)
     return Errors(scale_factor=own, mounting_angle=angle, bias=bias)
+
+
+def _from_held(scheme: Scheme, held: Held, truth: Truth) -> Array:
+    """Return what held parameters add to epsilon, shape (3, 4, trials).
+
+    A column that is held at h0 and truly is h leaves h - (1 + e) h0 in the averages,
+    e = K0/K - 1 where the scale factor is held, else 0 (it is estimated with the held
+    column in it). Of the own column both are 1. W sees it as it sees that column, and
+    the statistic of a held scale factor is off by e itself.
+    """
+    is_own = held.which[[0, 1, 2], [0, 1, 2]][:, None]
+    k = np.zeros_like(truth.bias) if truth.scale_factor is None else truth.scale_factor
+    e = -1.0 * is_own * k / (1.0 + k)
+    true = statistics_of(np.ones_like(e), SIGN[:, None] * truth.angle, truth.bias)
+    taken = held.value[..., None]
+    left = 1.0 * held.which[..., None] * (true - taken - e[:, None] * taken)
+    found = (scheme.seen[..., None] * left[:, None]).sum(axis=2)
+    found[[0, 1, 2], [0, 1, 2]] += e
+    return np.asarray(found)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -151,6 +184,8 @@ def estimate(scheme: Scheme, readings: Array) -> CalibratedTriad:
     CalibratedTriad
     """
     statistics = np.einsum("ikw,iw->ik", scheme.weights, readings)
+    if scheme.held is not None:
+        statistics -= _known(scheme, scheme.held)
     K = statistics[[0, 1, 2], [0, 1, 2]]
     angle = SIGN * statistics[ROW, COLUMN] / K[ROW]
     bias = statistics[:, BIAS] / K
@@ -159,3 +194,12 @@ def estimate(scheme: Scheme, readings: Array) -> CalibratedTriad:
         v = bias + w + tilt(angle[:, None], w)[:, 0]
         bias = v + tilt_transposed(angle[:, None], v[:, None])[:, 0] - w
     return CalibratedTriad(scale_factor=K, mounting_angle=angle, bias=bias)
+
+
+def _known(scheme: Scheme, held: Held) -> Array:
+    """Return what held scale factors of 1 leave to take off the statistics, (3, 4)."""
+    is_own = held.which[[0, 1, 2], [0, 1, 2]]
+    own = held.join(scheme.seen)[[0, 1, 2], :, [0, 1, 2]]
+    known = np.where(is_own[:, None], own, 0.0)
+    known[[0, 1, 2], [0, 1, 2]] -= is_own
+    return np.asarray(known)

@@ -152,7 +152,10 @@ def _signs(root: Node) -> Iterator[_Sign]:
         (
             "procedure",
             root,
-            ("latitude", "gravity", "formulas", "sample_rate", "windows", "estimator"),
+            (
+                *("latitude", "gravity", "formulas", "sample_rate"),
+                *("windows", "estimator", "estimate"),
+            ),
         ),
         *(("procedure", sensor, inside) for sensor in sensors),
         ("device", root, ("gyro", "accelerometer")),

@@ -7,11 +7,11 @@ from functools import cache, cached_property
 from math import pi
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from budget.earth import normal_gravity
 from budget.model.sources import ENVIRONMENT, SENSORS, STATION, lines_of
-from budget.names import Name, keys_of
+from budget.names import PARAMETERS, Name, by_group, keys_of, parameters_of
 from budget.spec.checking import check
 from budget.spec.fields import (
     Measured,
@@ -45,7 +45,14 @@ if TYPE_CHECKING:
     from budget.spec.tree import Document
 
 
-NO_PAPER = ("format", "name", "estimator", "windows", "pause")  # keys it has none of
+NO_PAPER = (
+    "format",
+    "name",
+    "estimator",
+    "estimate",
+    "windows",
+    "pause",
+)  # keys it has none of
 MOST_AZIMUTHS = 360  # one for every degree; all windows are correlated with all
 _ROUNDING = 1e-12  # relative; a latitude of 90 deg is no more than that in radians
 
@@ -126,6 +133,59 @@ class AccelerometerTest(Strict):
     pause: Time = _paper("0 s", "between all windows")
 
 
+# What can be estimated: a quantity on all its axes, or on one.
+PARAMETER_WORDS = (
+    *PARAMETERS,
+    *(str(name.without_owner) for name in parameters_of(SENSORS[0])),
+)
+ParameterWord: Any = Literal[PARAMETER_WORDS]
+
+
+def _every(value: object) -> object:
+    """Return all quantities in the place of the word 'all'."""
+    return tuple(PARAMETERS) if value == "all" else value
+
+
+def _some(value: tuple[str, ...]) -> tuple[str, ...]:
+    """Refuse a test that finds nothing of a sensor."""
+    if not value:
+        message = (
+            "names no parameter, expected one at least; to leave the sensor out give "
+            "the windows to the other (use:)"
+        )
+        raise fault(message)
+    return value
+
+
+Estimated = Annotated[
+    tuple[ParameterWord, ...],
+    BeforeValidator(
+        _every, json_schema_input_type=Literal["all"] | tuple[ParameterWord, ...]
+    ),
+    AfterValidator(_some),
+]
+
+
+class Estimate(Strict):
+    """What the estimator finds; all else is held at the device's nominal values."""
+
+    gyro: Estimated = Field(
+        default=tuple(PARAMETERS), description="all, or such as [scale_factor, bias]"
+    )
+    accelerometer: Estimated = Field(
+        default=tuple(PARAMETERS), description="all, or as [bias, mounting_angle.xy]"
+    )
+
+    def held(self) -> tuple[Name, ...]:
+        """Return the parameters that are not named, 'gyro.bias.x'."""
+        return tuple(
+            name
+            for owner in SENSORS
+            for name in parameters_of(owner)
+            if not {name.quantity, name.without_owner} & {*getattr(self, owner)}
+        )
+
+
 class ProcedureFile(Strict):
     """A calibration procedure; an unset key takes the value of Zhao 2019."""
 
@@ -144,6 +204,11 @@ class ProcedureFile(Strict):
         default=None,
         description="paper: its formulas; weighted: by the device's own noise. Unset: "
         "paper, or least_squares where there are windows",
+    )
+    estimate: Estimate | None = Field(
+        default=None,
+        description="parameters that are found; unset: all. The others are held at "
+        "the device's nominal values, and what they truly are is an error source",
     )
     windows: tuple[WindowLine, ...] | None = Field(
         default=None,
@@ -208,6 +273,11 @@ class ProcedureFile(Strict):
                     "found 'paper', whose formulas are of its own test; expected "
                     "least_squares or weighted beside windows"
                 )
+        if self.estimate is not None and self.chosen_estimator == "paper":
+            found["estimate",] = (
+                "is of the estimators least_squares and weighted, and this is paper, "
+                "whose formulas find all; name another estimator, or remove it"
+            )
         if "formulas" in given and self.chosen_estimator != "paper":
             found["formulas",] = (
                 f"is of the estimator paper, and this is {self.chosen_estimator}; "
@@ -256,6 +326,7 @@ def read_procedure(document: Document) -> Procedure:
         if model.chosen_estimator == "paper"
         else model.chosen_estimator,
         windows=model.laid_out,
+        held=() if model.estimate is None else model.estimate.held(),
         gyro=GyroProcedure(
             rate=gyro.rate.value,
             turns=gyro.turns,
@@ -272,6 +343,7 @@ def read_procedure(document: Document) -> Procedure:
             *(() if model.windows else _assumptions("gyro.", gyro)),
             *(() if model.windows else _assumptions("accelerometer.", accelerometer)),
             *_windows_assumptions(model),
+            *_held_assumptions(model),
             *(
                 text
                 for taken in shared.values()
@@ -300,6 +372,15 @@ def _windows_assumptions(model: ProcedureFile) -> tuple[str, ...]:
     if model.pause is None:
         found.append("pause: not given, 0 s assumed")
     return tuple(found)
+
+
+def _held_assumptions(model: ProcedureFile) -> tuple[str, ...]:
+    """Say what is not estimated."""
+    held = () if model.estimate is None else model.estimate.held()
+    return tuple(
+        f"{parameters}: not estimated, held at the nominal value of the device"
+        for parameters in by_group(held)
+    )
 
 
 def _assumptions(

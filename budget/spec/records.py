@@ -175,6 +175,7 @@ class Procedure:
     station: tuple[ErrorLine, ...] = ()
     environment: tuple[ErrorLine, ...] = ()
     windows: tuple[Window, ...] = ()  # in place of the tests of gyro and accelerometer
+    held: tuple[Name, ...] = ()  # parameters that are not estimated, 'gyro.bias.x'
 
 
 @dataclass(frozen=True, kw_only=True)

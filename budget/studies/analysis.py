@@ -44,6 +44,7 @@ from budget.studies.request import (
     check_settings,
     choose_sources,
     not_calibrated,
+    not_estimated,
     not_weighted,
     sensors_of,
 )
@@ -200,7 +201,11 @@ def analyze_as(
     sensors = sensors_of(devices, procedure)
     check_settings(settings, workers=engine.workers)
     chosen, warnings = choose_sources(sensors, procedure, settings.only)
-    warnings = (*not_calibrated(devices, procedure), *warnings)
+    warnings = (
+        *not_calibrated(devices, procedure),
+        *not_estimated(devices, procedure, requirement),
+        *warnings,
+    )
     analysis = Analysis(
         devices=devices,
         procedure=procedure,

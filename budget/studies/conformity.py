@@ -93,8 +93,9 @@ def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Asses
     if not verdicts:
         kinds = sorted(sensor.kind for sensor in analysis.sensors)
         raise CallError(
-            f"{requirement.name} sets no limit for a sensor that is there "
-            f"({', '.join(kinds)}); add limits for it, or leave the requirement out"
+            f"{requirement.name} sets no limit for what is estimated of a sensor that "
+            f"is there ({', '.join(kinds)}); add limits for it, or leave the "
+            "requirement out"
         )
     order = {limit.output: place for place, limit in enumerate(requirement.limits)}
     return Assessment(
@@ -102,7 +103,7 @@ def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Asses
         outputs=tuple(sorted(outputs, key=lambda row: order[row.output.name])),
         sensors=tuple(verdicts),
         conformance=together(found) if found else None,
-        not_there=limited_but_absent(requirement, analysis.sensors),
+        not_there=limited_but_absent(requirement, [one.sensor for one in verdicts]),
         caps=tuple(
             _cap(device, merit, cap)
             for merit, cap in requirement.caps
@@ -112,12 +113,11 @@ def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Asses
 
 
 def limited_but_absent(
-    requirement: Requirement, sensors: Sequence[Sensor]
+    requirement: Requirement, judged: Sequence[str]
 ) -> tuple[str, ...]:
-    """Return the kinds of sensor that a requirement limits and no device has."""
-    limited = dict.fromkeys(r.output.owner for r in requirement.limits)
-    present = {sensor.kind for sensor in sensors}
-    return tuple(kind for kind in limited if kind not in present)
+    """Return the kinds of sensor that a requirement limits and that are not judged."""
+    limited = dict.fromkeys(limit.output.owner for limit in requirement.limits)
+    return tuple(kind for kind in limited if kind not in judged)
 
 
 def _cap(device: Device, merit: str, cap: str) -> CapAssessment:
@@ -143,7 +143,7 @@ def _verdict(
     limiting = held.problem.groups[first_largest(parts)].name if parts else INTERACTION
     return SensorAssessment(
         sensor=sensor.kind,
-        verdict=judged.verdict(sensor.expected_missing),
+        verdict=judged.verdict((*sensor.expected_missing, *held.absent)),
         utilisation=judged.utilisation,
         utilisation_interval=judged.utilisation_interval,
         worst_output=held.outputs[judged.worst].name,
@@ -153,4 +153,5 @@ def _verdict(
         trials=judged.trials,
         expected_missing=sensor.expected_missing,
         nothing_known=not sensor.lines,
+        not_estimated=held.absent,
     )

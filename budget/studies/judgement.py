@@ -67,12 +67,15 @@ class Limited:
         On their absolute errors [SI].
     printed : tuple of str
         The limits as the requirement file gives them.
+    absent : tuple of Name
+        Parameters with a limit that the calibration does not estimate.
     """
 
     problem: Problem
     rows: Array
     limits: Array
     printed: tuple[str, ...]
+    absent: tuple[Name, ...] = ()
 
     @property
     def outputs(self) -> tuple[Output, ...]:
@@ -91,6 +94,12 @@ def limit_problem(problem: Problem, requirement: Requirement) -> Limited | None:
         rows=np.array([places[limit.output] for limit in required]),
         limits=np.array([limit.limit for limit in required]),
         printed=tuple(limit.printed for limit in required),
+        absent=tuple(
+            limit.output
+            for limit in requirement.limits
+            if limit.output not in places
+            and limit.output.owner in {name.owner for name in places}
+        ),
     )
 
 
@@ -186,7 +195,8 @@ class Judged:
         Parameters
         ----------
         missing : sequence of str
-            Expected lines that are not given: they stop a `meets`, nothing else.
+            Expected lines that are not given, limited parameters that are not
+            estimated: they stop a `meets`, nothing else.
         """
         if self.is_open:
             return "undecided"

@@ -14,13 +14,13 @@ from budget.errors import CallError
 from budget.methods.gum import propagate
 from budget.methods.intervals import KINDS as INTERVALS
 from budget.model.sources import ENVIRONMENT, SENSORS, STATION, lines_of
-from budget.names import Name, meant, parameters_of
+from budget.names import Name, by_group, meant, parameters_of
 from budget.spec import load_procedure
 from budget.spec.records import Device
 from budget.studies.lower_bounds import lacking
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Container, Mapping, Sequence
 
     from budget.methods.gum import Propagation
     from budget.problem import Problem
@@ -227,6 +227,29 @@ def not_calibrated(devices: Sequence[Device], procedure: Procedure) -> tuple[str
         f"{procedure.name} does not calibrate the {kind}: nothing is said of it"
         for kind in present
         if not calibrates(kind, procedure)
+    )
+
+
+def limited_but_held(
+    kind: str, procedure: Procedure, limits: Container[Name]
+) -> tuple[Name, ...]:
+    """Return what has a limit and is not estimated of a triad that is calibrated."""
+    held = procedure.held if calibrates(kind, procedure) else ()
+    return tuple(name for name in held if name.owner == kind and name in limits)
+
+
+def not_estimated(
+    devices: Sequence[Device], procedure: Procedure, requirement: Requirement | None
+) -> tuple[str, ...]:
+    """Say which limits a procedure says nothing of, as it holds what they are on."""
+    limits = () if requirement is None else [one.output for one in requirement.limits]
+    kinds = dict.fromkeys(sensor.kind for one in devices for sensor in one.sensors)
+    return tuple(
+        f"{procedure.name} does not estimate {parameters}, which the requirement "
+        "limits: whether that limit is kept is not known, and nothing meets it by "
+        "this test"
+        for kind in kinds
+        for parameters in by_group(limited_but_held(kind, procedure, limits))
     )
 
 

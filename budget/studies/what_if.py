@@ -27,7 +27,7 @@ from budget.errors import CallError
 from budget.methods.scaling import scaled_law
 from budget.model.sources import SENSORS
 from budget.results import BY_LAW
-from budget.studies.request import given_lines
+from budget.studies.request import given_lines, limited_but_held
 from budget.ties import first_largest, settle
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ class WhatIfSensor:
     """A triad that is there, and what a verdict on it cannot do without."""
 
     name: str  # 'gyro' or 'accelerometer'
-    missing: tuple[Name, ...]  # expected lines that are not given, 'gyro.noise'
+    missing: tuple[Name, ...]  # lines not given, limited parameters not estimated
     doubt: tuple[float, float] = (1.0, 1.0)  # interval of the utilisation over it [1]
 
 
@@ -314,7 +314,10 @@ def what_if(analysis: Analysis, *, budget: Budget | None = None) -> WhatIf:
         sensors=tuple(
             WhatIfSensor(
                 name=sensor.kind,
-                missing=sensor.expected_missing,
+                missing=(
+                    *sensor.expected_missing,
+                    *limited_but_held(sensor.kind, analysis.procedure, limits),
+                ),
                 doubt=doubts.get(sensor.kind, (1.0, 1.0)),
             )
             for sensor in analysis.sensors

@@ -143,6 +143,8 @@ def _keep_windows(tree):
         tree.pop("pause", None)
         if tree.get("estimator") in {"least_squares", "weighted"}:
             tree.pop("formulas", None)
+        else:
+            tree.pop("estimate", None)
         return tree
     for key in ("gyro", "accelerometer", "formulas"):
         tree.pop(key, None)

@@ -43,9 +43,8 @@ def example(key):
         fixed = {"m/s^2": "9.81 m/s^2", "%": "80 %"}
         return fixed.get(unit, f"7 {unit}")
     if schema.get("type") == "array":
-        return {"order": ["x", "y", "z"], "azimuths": ["10 deg", "100 deg"]}[
-            key.path[-1]
-        ]
+        lists = {"order": ["x", "y", "z"], "azimuths": ["10 deg", "100 deg"]}
+        return lists.get(key.path[-1], ["scale_factor"])  # of what is estimated
     if key.path[-1] == "distribution" and "arcsine" in schema.get("enum", ()):
         return "arcsine"  # the last words of the list are other words for uniform
     if "enum" in schema:
@@ -292,6 +291,8 @@ def place_of(key):
     if key.path[0] in {"windows", "pause"}:
         first = WINDOW.get(key.path[-1], {"face": "x up", "dwell": "60 s"})
         tree["windows"] = [first, *DWELLS]
+    if key.path[0] == "estimate":
+        tree["estimator"] = "least_squares"
     if key.path[0] in {"station", "environment"} and key.path[-1] in FIGURE_KEYS:
         *folders, name = key.path[:-1]
         (line,) = (

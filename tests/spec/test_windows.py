@@ -145,6 +145,12 @@ def test_what_makes_no_window_is_refused(procedure, window, words):
         ),
         (("face: z up, dwell: 60 s",), "formulas: paper\n", ("formulas", "remove")),
         ((), "", ("windows",)),
+        (
+            ("face: z up, dwell: 60 s",),
+            "estimate: {gyro: [biases, scale_factor], accelerometer: []}\n",
+            ("estimate.gyro[0]", "'bias'", "estimate.accelerometer", "use:"),
+        ),
+        (("face: z up, dwell: 60 s",), "estimate: bias\n", ("estimate", "mapping")),
     ],
 )
 def test_what_makes_no_test_is_refused(procedure, windows, more, words):
@@ -161,6 +167,34 @@ def test_a_pause_of_the_file_belongs_to_windows(tmp_path):
     path = tmp_path / "mine.yaml"
     path.write_text("pause: 10 s\n")
     with pytest.raises(SpecError, match="pause"):
+        load_procedure(path)
+
+
+def test_what_is_not_named_is_held(procedure):
+    """Quantities on all their axes, or one; what a file does not speak of is found."""
+    found = procedure(
+        "face: z up, dwell: 60 s",
+        more="estimate: {gyro: [scale_factor, mounting_angle.xy, bias.z]}\n",
+    )
+    both = procedure(
+        "face: z up, dwell: 60 s", more="estimate: {gyro: all, accelerometer: all}\n"
+    )
+
+    assert found.held == (
+        *(f"gyro.mounting_angle.{pair}" for pair in ("xz", "yx", "yz", "zx", "zy")),
+        *(f"gyro.bias.{axis}" for axis in "xy"),
+    )
+    words = "not estimated, held at the nominal value of the device"
+    assert f"gyro.mounting_angle xz, yx, yz, zx, zy: {words}" in found.assumptions
+    assert f"gyro.bias x, y: {words}" in found.assumptions
+    assert both.held == ()
+
+
+def test_the_papers_estimator_holds_nothing(tmp_path):
+    """Its formulas find every parameter: `estimate` beside them is refused."""
+    path = tmp_path / "mine.yaml"
+    path.write_text("estimate: {gyro: [bias]}\n")
+    with pytest.raises(SpecError, match="another estimator"):
         load_procedure(path)
 
 

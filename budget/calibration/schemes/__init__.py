@@ -10,9 +10,12 @@ import numpy as np
 from budget.calibration.schemes import zhao_2019
 from budget.calibration.schemes.least_squares import scheme_by_least_squares
 from budget.errors import CallError
+from budget.model.response import statistics_of
+from budget.model.scheme import SIGN, Held
 from budget.model.source import Noise
 from budget.model.sources import source_of
 from budget.model.windows import Schedule
+from budget.names import Name, parameters_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -20,12 +23,12 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.model.scheme import Scheme
     from budget.model.source import Given
-    from budget.spec.records import Procedure
+    from budget.spec.records import Procedure, Sensor
 
 WEIGHTED, PLAIN = "weighted", "least_squares"  # estimators of any windows
 
 
-def scheme_of(owner: str, procedure: Procedure, lines: Sequence[Given] = ()) -> Scheme:
+def scheme_of(owner: str, procedure: Procedure, sensor: Sensor | None = None) -> Scheme:
     """Return windows and weights of one triad.
 
     Parameters
@@ -34,22 +37,28 @@ def scheme_of(owner: str, procedure: Procedure, lines: Sequence[Given] = ()) -> 
         'gyro' or 'accelerometer'.
     procedure : Procedure
         Windows or the paper's tests, the place, the estimator.
-    lines : sequence of Given
-        Error lines of the triad, whose noise the estimator `weighted` weighs by.
+    sensor : Sensor, optional
+        Whose noise the estimator `weighted` weighs by, and whose nominal values stand
+        for parameters that are held; without it there is no noise, and they are 0.
 
     Raises
     ------
     CallError
         The windows cannot tell some parameters apart.
     """
-    if procedure.formulas == WEIGHTED and (noise := noise_of(owner, lines)):
-        schedule = schedule_of(owner, procedure)
-        covariances = [
-            _covariance(owner, noise, axis, schedule, procedure.sample_rate)
-            for axis in range(3)
-        ]
-        return scheme_by_least_squares(owner, schedule, procedure, covariances)
-    return _scheme_of(owner, procedure)
+    noise = noise_of(owner, sensor.lines if sensor else ())
+    is_weighted = procedure.formulas == WEIGHTED and bool(noise)
+    held = _held(owner, procedure, sensor)
+    if not is_weighted and held is None:
+        return _scheme_of(owner, procedure)
+    schedule = schedule_of(owner, procedure)
+    covariances = [
+        _covariance(owner, noise, axis, schedule, procedure.sample_rate)
+        for axis in range(3)
+    ]
+    return scheme_by_least_squares(
+        owner, schedule, procedure, covariances if is_weighted else None, held
+    )
 
 
 @lru_cache(maxsize=64)
@@ -92,10 +101,31 @@ def noise_of(owner: str, lines: Sequence[Given]) -> list[Given]:
     ]
 
 
+def estimated(owner: str, procedure: Procedure) -> tuple[Name, ...]:
+    """Return the parameters of a triad that a procedure estimates; () without any."""
+    if not calibrates(owner, procedure):
+        return ()
+    return tuple(name for name in parameters_of(owner) if name not in procedure.held)
+
+
 def calibrates(owner: str, procedure: Procedure) -> bool:
     """Whether any window is of that triad; the paper's tests are of both."""
     return not procedure.windows or any(
         window.use in {owner, "both"} for window in procedure.windows
+    )
+
+
+def _held(owner: str, procedure: Procedure, sensor: Sensor | None) -> Held | None:
+    """Return what a procedure holds of a triad, at the nominal values of a sensor."""
+    names = parameters_of(owner)
+    held = np.array([name in procedure.held for name in names])
+    if not held.any():
+        return None
+    angle = np.zeros(6) if sensor is None else sensor.nominal_mounting_angle
+    bias = np.zeros(3) if sensor is None else sensor.nominal_bias
+    return Held(
+        which=statistics_of(held[:3], held[3:9], held[9:]) != 0.0,
+        value=statistics_of(np.ones(3), SIGN * angle, bias),
     )
 
 
@@ -116,4 +146,4 @@ def _covariance(
     return C
 
 
-__all__ = ["calibrates", "noise_of", "schedule_of", "scheme_of"]
+__all__ = ["calibrates", "estimated", "noise_of", "schedule_of", "scheme_of"]

@@ -2,7 +2,8 @@
 
 A has a row (mean input, 1) for each window. Without C every window counts alike; with
 the covariance of the window averages that the device's own noise makes, W is the best
-linear unbiased estimator (Gauss, Markov, Aitken), axis by axis.
+linear unbiased estimator (Gauss, Markov, Aitken), axis by axis. Parameters that are
+held have no column of their own.
 """
 
 from __future__ import annotations
@@ -13,12 +14,13 @@ import numpy as np
 
 from budget.earth import ROTATION_RATE
 from budget.errors import CallError
-from budget.model.scheme import Scheme, least_squares
+from budget.model.scheme import BIAS, Scheme, least_squares
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.arrays import Array
+    from budget.model.scheme import Held
     from budget.model.windows import Schedule
     from budget.spec.records import Procedure
 
@@ -35,6 +37,7 @@ def scheme_by_least_squares(
     schedule: Schedule,
     procedure: Procedure,
     covariances: Sequence[Array] | None = None,
+    held: Held | None = None,
 ) -> Scheme:
     """Return windows and weights of one triad.
 
@@ -48,6 +51,8 @@ def scheme_by_least_squares(
         The place.
     covariances : sequence of ndarray, shape (n, n), optional
         Of the window averages of each axis [unit of the input, squared].
+    held : Held, optional
+        What is not estimated.
 
     Raises
     ------
@@ -57,9 +62,16 @@ def scheme_by_least_squares(
     earth, gravity = place_of(procedure)
     turning = schedule.rates if owner == "gyro" else 0.0
     inputs = turning + schedule.to_body @ (earth if owner == "gyro" else gravity)
+    columns = np.tile(np.column_stack([inputs, np.ones(len(inputs))]), (3, 1, 1))
+    if held is not None:
+        columns = held.join(columns)
     try:
         weights = [
-            least_squares(inputs, None if covariances is None else covariances[axis])
+            least_squares(
+                columns[axis, :, :BIAS],
+                None if covariances is None else covariances[axis],
+                None if held is None else held.which[axis],
+            )
             for axis in range(3)
         ]
     except CallError as error:
@@ -70,4 +82,5 @@ def scheme_by_least_squares(
         earth=earth,
         gravity=gravity,
         weights=np.stack(weights),
+        held=held,
     )

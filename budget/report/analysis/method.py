@@ -30,6 +30,7 @@ from budget.report.wording import (
     REFERENCES,
     points,
 )
+from budget.studies.request import sensors_of
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator
@@ -250,13 +251,12 @@ def _estimator_panels(
             "(K_i (I + Delta T)_i, K_i b_i) = W macron(n)_i",
         ],
     )
-    for device in devices:
-        for sensor in device.sensors:
-            scheme = scheme_of(sensor.kind, procedure, sensor.lines)
-            yield Panel(
-                title=f"Weights of the {sensor.kind}",
-                blocks=(_weights_table(scheme),),
-            )
+    for sensor in sensors_of(tuple(devices), procedure):
+        scheme = scheme_of(sensor.kind, procedure, sensor)
+        yield Panel(
+            title=f"Weights of the {sensor.kind}",
+            blocks=(_weights_table(scheme),),
+        )
 
 
 def _weights_table(scheme: Scheme) -> Table:

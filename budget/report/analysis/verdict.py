@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from budget.names import by_group
 from budget.report.blocks import (
     Card,
     Cell,
@@ -252,7 +253,9 @@ def _jointly(assessment: Assessment) -> str:
         return ""
     total = len(assessment.judged)
     what = "That it is" if total == 1 else f"That all {total} are within together"
-    most = any(sensor.expected_missing for sensor in assessment.sensors)
+    most = any(
+        sensor.expected_missing or sensor.not_estimated for sensor in assessment.sensors
+    )
     return (
         f"{what} has a probability of {'at the most ' if most else ''}"
         f"{print_probability(assessment.conformance)} %. "
@@ -274,9 +277,14 @@ def _verdict_card(
             lines=tuple(lines),
         )
     if sensor.verdict == "undecidable":
-        lines.append(
-            (f"It would meet, but the data sheet does not give {missing}.",),
-        )
+        reasons = [
+            *([f"the data sheet does not give {missing}"] if missing else []),
+            *(
+                f"the test does not estimate {parameters}, which is limited"
+                for parameters in by_group(sensor.not_estimated)
+            ),
+        ]
+        lines.append((f"It would meet, but {' and '.join(reasons)}.",))
     elif sensor.verdict == "undecided":
         low, high = (print_utilisation(end) for end in sensor.utilisation_interval)
         text = f"It uses {low} to {high} of the limit: on which side is not decided."
@@ -296,7 +304,8 @@ def _verdict_card(
     if worst.by_monte_carlo:
         lines.append(("By Monte Carlo: the law is not sure enough there.",))
     if sensor.conformance is not None:
-        most = "at the most " if sensor.expected_missing else ""
+        is_open = sensor.expected_missing or sensor.not_estimated
+        most = "at the most " if is_open else ""
         used = print_probability(sensor.conformance)
         lines.append(
             (

@@ -109,7 +109,7 @@ def undecidable_lines(comparison: Comparison) -> Iterator[str]:
         names = {
             one.name
             for one in comparison.devices
-            if one.sensor == sensor and one.verdict == "undecidable"
+            if one.sensor == sensor and one.verdict == "undecidable" and one.missing
         }
         if names:
             verb = "lacks a line" if len(names) == 1 else "lack lines"

@@ -37,7 +37,7 @@ from budget.studies.allocation.rows import (
     source_allotments,
 )
 from budget.studies.judgement import judge, limit_problem
-from budget.studies.request import not_weighted, sensors_of
+from budget.studies.request import not_estimated, not_weighted, sensors_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -125,7 +125,8 @@ def allocate(
     ]
     if not cases:
         raise CallError(
-            f"{requirement.name} sets no limit for a sensor that is there "
+            f"{requirement.name} sets no limit for what is estimated of a sensor "
+            "that is there "
             f"({', '.join(sensor.kind for sensor in sensors)}); add limits for it"
         )
     feasible = all(case.task.is_feasible for case in cases)
@@ -199,6 +200,7 @@ def allocate(
         ),
         warnings=(
             *warnings,
+            *not_estimated(devices, procedure, requirement),
             *(
                 f"the requirement limits the {kind}, which is not "
                 f"{'given' if calibrates(kind, procedure) else 'calibrated'}: nothing "

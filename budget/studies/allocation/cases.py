@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.calibration.problem import calibration_problem
+from budget.calibration.schemes import estimated
 from budget.errors import CallError
 from budget.methods.allocation import Task, equal, proportional
 from budget.methods.least_cost import LeastCost, Prices, least_cost
@@ -98,9 +99,8 @@ def set_up(
     """Return the task of one sensor, None where nothing is required of it."""
     from scipy.special import ndtri
 
-    limits = [
-        limit for limit in requirement.limits if limit.output.owner == sensor.kind
-    ]
+    names = estimated(sensor.kind, procedure)
+    limits = [limit for limit in requirement.limits if limit.output in names]
     if not limits:
         return None
     problem = calibration_problem((sensor,), procedure, reference=requirement.reference)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.calibration.problem import calibration_problem
+from budget.calibration.schemes import estimated
 from budget.errors import CallError
 from budget.methods.gum import propagate
 from budget.model.sources import lines_of
@@ -49,9 +50,9 @@ class Candidate:
 
     @property
     def is_limited(self) -> bool:
-        """Whether anything is required of it."""
-        kinds = {limit.output.owner for limit in self.requirement.limits}
-        return self.sensor.kind in kinds
+        """Whether anything is required of what is estimated of it."""
+        names = estimated(self.sensor.kind, self.procedure)
+        return any(limit.output in names for limit in self.requirement.limits)
 
     def limited(self) -> Limited:
         """Return its Problem with the limits on it.

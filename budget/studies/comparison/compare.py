@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING
 
-from budget.calibration.schemes import calibrates
 from budget.errors import CallError
 from budget.methods.execution import local_executor
 from budget.results import InputFile, Settings
@@ -22,7 +21,7 @@ from budget.studies.comparison.records import (
 from budget.studies.figures_of_merit import MERITS, is_known, over_cap
 from budget.studies.judgement import MAX_TRIALS, TRIALS
 from budget.studies.progress import stage
-from budget.studies.request import not_calibrated, not_weighted
+from budget.studies.request import not_calibrated, not_estimated, not_weighted
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -103,8 +102,7 @@ def compare(
         for procedure in procedures
         for place, device in enumerate(devices)
         for sensor in device.sensors
-        if calibrates(sensor.kind, procedure)
-        and (
+        if (
             one := Candidate(
                 device=device,
                 place=place,
@@ -180,7 +178,10 @@ def compare(
             *dict.fromkeys(
                 text
                 for procedure in procedures
-                for text in not_calibrated(devices, procedure)
+                for text in (
+                    *not_calibrated(devices, procedure),
+                    *not_estimated(devices, procedure, requirement),
+                )
             ),
             *_warnings(devices, requirement, judged, findings),
         ),

@@ -172,7 +172,7 @@ def _judge(task: tuple[Candidate, None], *, judging: Judging) -> JudgedCandidate
     return JudgedCandidate(
         judged=judged,
         closer=judged,
-        verdict=judged.verdict(one.sensor.expected_missing),
+        verdict=judged.verdict((*one.sensor.expected_missing, *held.absent)),
         outputs=assess_outputs(held, judged, lacks),
         worst=names[judged.worst],
         all_worst=tuple(names[place] for place in judged.all_worst),

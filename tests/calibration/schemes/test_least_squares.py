@@ -19,19 +19,29 @@ from builders import (
 from numpy.testing import assert_allclose
 from scipy.special import ndtri
 
-from budget.calibration.problem import calibration_problem
-from budget.calibration.schemes import scheme_of
+from budget.calibration.problem import calibration_problem, outputs_of
+from budget.calibration.schemes import calibrates, scheme_of
 from budget.calibration.simulation import simulate
 from budget.errors import CallError
 from budget.methods.gum import propagate
 from budget.model.noise import GaussMarkov, White
+from budget.model.response import Truth, estimate, read_errors
 from budget.model.windows import OUTER, Setting, Window
+from budget.names import parameters_of
 from budget.spec import load_procedure
 from budget.studies.request import not_weighted
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
 
 G = 9.7966933092
-SHIPPED = ("six-positions", "six-positions-and-turns", "twenty-four-positions")
+SHIPPED = (
+    "six-positions",
+    "six-positions-and-turns",
+    "twelve-positions",
+    "twenty-four-positions",
+    "hand-turns",
+    "one-axis-rate-table",
+)
+OF_BOTH = ("six-positions-and-turns", "twenty-four-positions", "hand-turns")
 SIX = [(axis, sign) for axis in range(3) for sign in (1, -1)]
 RUNS, FALSE_ALARM = 100, 1e-4
 
@@ -123,12 +133,12 @@ def test_responses_are_those_of_the_paper_where_the_windows_are():
 
 
 @pytest.mark.parametrize("owner", ["gyro", "accelerometer"])
-@pytest.mark.parametrize("name", SHIPPED[1:])
+@pytest.mark.parametrize("name", OF_BOTH)
 def test_weighted_is_the_best_linear_unbiased_estimator(owner, name):
     """W A = I, W C W^T = (A^T C^-1 A)^-1, and plain least squares is never better."""
     plan = replace(load_procedure(name), formulas="weighted")
     device = paper_gyro() if owner == "gyro" else paper_accelerometer()
-    best = scheme_of(owner, plan, device.lines)
+    best = scheme_of(owner, plan, device)
     plain = scheme_of(owner, replace(plan, formulas="least_squares"))
     inputs = best.turn + best.standing
     size = np.abs(inputs).max()
@@ -179,7 +189,7 @@ def test_a_triad_without_a_window_is_refused_in_words():
 def test_weighted_without_noise_is_plain():
     """A device without a noise line has nothing to weigh by."""
     plan = load_procedure("six-positions")
-    weighted = scheme_of("accelerometer", replace(plan, formulas="weighted"), ())
+    weighted = scheme_of("accelerometer", replace(plan, formulas="weighted"))
 
     plain = scheme_of("accelerometer", plan)
     assert_allclose(weighted.weights, plain.weights, rtol=1e-15)
@@ -190,6 +200,95 @@ def test_weighted_without_noise_is_plain():
     assert "gyro" in said
     assert "every window counts alike" in said
     assert not_weighted([bare], replace(plan, formulas="weighted")) == ()
+
+
+def design(scheme):
+    """Return the rows (mean input, 1) of a scheme, shape (n, 4)."""
+    inputs = scheme.turn + scheme.standing
+    return np.column_stack([inputs, np.ones(len(inputs))])
+
+
+HELD = {  # by their group or by their own names
+    "biases": ("bias",),
+    "scale factors": ("scale_factor",),
+    "angles": ("mounting_angle",),
+    "all but scale factors": ("bias", "mounting_angle"),
+    "triangular": ("mounting_angle.xy", "mounting_angle.xz", "mounting_angle.yz"),
+    "mixed": ("scale_factor.y", "mounting_angle.xz", "bias.x"),
+}
+
+
+@pytest.mark.parametrize("owner", ["gyro", "accelerometer"])
+@pytest.mark.parametrize("which", HELD)
+def test_held_parameters_are_error_sources_exactly(owner, which):
+    """What the estimator reads off counts is what the Problem says, to rounding.
+
+    Large errors, and counts of windows made by hand: K ((I + dT) u + b).
+    """
+    rng = np.random.default_rng(3)
+    size = DEG_PER_HOUR if owner == "gyro" else MICRO_G
+    angle, bias = rng.normal(0.0, 0.02, 6), rng.normal(0.0, 500.0, 3) * size
+    device = sensor(owner, {}, bias=bias, angle=angle)
+    names = parameters_of(owner)
+    held = tuple(
+        name for name in names if {name.quantity, name.without_owner} & {*HELD[which]}
+    )
+    plan = replace(load_procedure("six-positions-and-turns"), held=held)
+    scheme = scheme_of(owner, plan, device)
+    true = Truth(
+        scale_factor=rng.normal(0.0, 0.01, (3, 1)),
+        angle=angle[:, None] + rng.normal(0.0, 0.01, (6, 1)),
+        bias=bias[:, None] + rng.normal(0.0, 100.0, (3, 1)) * size,
+    )
+    xy, xz, yx, yz, zx, zy = true.angle[:, 0]
+    M = np.array([[1.0, xz, -xy], [-yz, 1.0, yx], [zy, -zx, 1.0]])
+    K = 1.0 + true.scale_factor
+    found = estimate(scheme, K * (np.column_stack([M, true.bias]) @ design(scheme).T))
+
+    errors = read_errors(scheme, true, np.zeros((3, 4, 1)))
+    expected = np.concatenate(
+        [
+            (found.scale_factor[:, None] - K) / K,
+            found.mounting_angle[:, None] - true.angle,
+            found.bias[:, None] - true.bias,
+        ]
+    )
+    ours = np.concatenate([errors.scale_factor, errors.mounting_angle, errors.bias])
+    estimates = [k for k, name in enumerate(names) if name not in held]
+    scale = np.r_[np.ones(9), np.full(3, np.abs(design(scheme)[:, :3]).max())][:, None]
+    difference = np.abs(ours - expected) / scale
+    assert difference[estimates].max() < 1e-12
+    assert (np.abs(ours) / scale)[estimates].max() > 1e-8  # of what is held
+    assert [output.name for output in outputs_of(device, plan)] == [
+        names[k] for k in estimates
+    ]
+
+
+def test_a_bias_held_in_a_test_of_one_sense_is_its_scale_factor():
+    """One turn: K is off by b/Omega, and by K0 where nothing tells it."""
+    plan = how([turn(axis, 1) for axis in range(3)], use="gyro")
+    held = tuple(n for n in parameters_of("gyro") if n.quantity != "scale_factor")
+    u_b = 2.0 * DEG_PER_HOUR
+    device = sensor("gyro", {"bias_repeatability": u_b})
+    u = standard(device, replace(plan, held=held))
+
+    for value in u.values():
+        assert_allclose(
+            value, u_b / (radians(20.0) + 8.462886 * DEG_PER_HOUR), rtol=1e-6
+        )
+    with pytest.raises(CallError, match="hold a parameter"):
+        scheme_of("gyro", plan)
+
+
+def test_hand_turns_have_the_error_of_the_hand():
+    """A turn that stops within 1 deg: its scale factor is off by 1 deg/sqrt(3)/360."""
+    plan = load_procedure("hand-turns")
+    u = standard(sensor("gyro", {"angle_random_walk": 0.0}), plan)
+
+    for axis in "xyz":
+        assert_allclose(
+            u[f"gyro.scale_factor.{axis}"], 1.0 / sqrt(3.0) / 360.0, rtol=2e-3
+        )
 
 
 BOTH = (
@@ -214,7 +313,7 @@ BOTH = (
 def runs_of(name, formulas, reference):
     """Return devices, plan and errors of simulated runs, shape (RUNS, outputs)."""
     plan = replace(load_procedure(name), formulas=formulas, sample_rate=20.0)
-    devices = BOTH if name != "six-positions" else BOTH[1:]
+    devices = tuple(one for one in BOTH if calibrates(one.kind, plan))
     errors = [
         simulate(devices, plan, run=run, seed=5, reference=reference)
         for run in range(RUNS)
