@@ -177,7 +177,7 @@ class Settings:
     interval : str
         'symmetric' or 'shortest'; by the law both are mean +- k u.
     reference : str
-        What errors are counted from: 'nominal', 'as_tested', 'next_turn_on'.
+        Error reference: 'nominal', 'as_tested', 'next_turn_on'.
     formulas : str
         Of the calibration: those of the procedure.
     only : tuple of Name
@@ -492,14 +492,17 @@ class Assessment:
         )
 
     def outcome(self, row: OutputAssessment) -> str:
-        """Return 'within', 'beyond', or 'open' where its sensor's limit is."""
+        """Return 'conforms', 'does not conform', or 'open' where its sensor's limit is.
+
+        JCGM 106:2012, 3.3; with the largest error as what is held against the limit.
+        """
         for sensor in self.sensors:
             if row.output.name.owner == sensor.sensor:
                 low, high = sensor.utilisation_interval
                 part = row.utilisation / max(sensor.utilisation, TINY)
                 if sensor.verdict == "undecided" and low * part <= 1.0 < high * part:
                     return "open"
-        return "within" if row.is_within else "beyond"
+        return "conforms" if row.is_within else "does not conform"
 
     def to_dict(self) -> dict[str, Any]:
         """Return what documents say of it, in printed units."""

@@ -38,15 +38,15 @@ _TERM = rf"(?:{_FACTOR}|\({_PRODUCT}\))"
 _UNIT = re.compile(rf"{_TERM}(?:[/*]{_TERM})*")
 _QUANTITY = re.compile(rf"((?>{NUMBER}))\s*([^\s\d.,:_+-]\S*(?: \S+)*)")
 # Sizes a quantity may have, beside 0 [SI]. The law of propagation takes fourth powers
-# of figures and products of them, which must neither overflow nor vanish.
+# of values and products of them, which must neither overflow nor vanish.
 _SMALLEST, _LARGEST = 1e-30, 1e30
-_LONGEST = 100  # characters; the longest figure on a data sheet has about 20
+_LONGEST = 100  # characters; the longest value on a data sheet has about 20
 _SAME = 1e-12  # relative difference of two sizes of one unit that is rounding
 
 # Random walk over noise density, by what the maker's spectrum counts. A one-sided
 # density D holds all power at positive frequencies: rms in a band B is D sqrt(B), and
 # the random walk coefficient is N = D / sqrt(2); the two-sided density is N itself,
-# and '' is a figure that is the random walk, no density.
+# and '' is a value that is the random walk, no density.
 ONE_SIDED = "one-sided"
 WALK_PER_DENSITY = {ONE_SIDED: 1.0 / sqrt(2.0), "two-sided": 1.0, "": 1.0}  # [1]
 
@@ -194,7 +194,7 @@ _RESPELL = (
     (r"\bmicro[ -]?(?=[a-z])", "u"),
     (r"\bnano[ -]?(?=[a-z])", "n"),
 )
-# What a maker means, where it stands behind or before the figure and not as 'meaning'.
+# What a maker means, where it stands behind or before the value and not as 'meaning'.
 _BEHIND = re.compile(
     r"[\s,(]*(?:(?P<max>max(?:imum|\.)?)|(?P<typical>typ(?:ical|\.)?)|(?P<rms>rms)"
     r"|(?P<peak_to_peak>p-p|pk-pk|peak[ -]to[ -]peak)"
@@ -211,7 +211,7 @@ _FOREIGN = re.compile(
     r"(?<![A-Za-z])(?:degC|C|K|FS|span|cross-axis|mA|A|mV|V|mW|W|LSB|pulse|count|bit|"
     r"Gauss|kg|grams?|lb|cc|[cm]m|in|MTBF|FIT|EUR|USD|CNY)(?![A-Za-z])"
 )
-_FIGURES = "a value that no model uses goes under 'figures' of its device, as text"
+_UNUSED = "a value that no model uses goes under 'figures' of its device, as text"
 
 
 def parse_quantity(
@@ -382,7 +382,7 @@ def _explain_unit(
         part = plain.startswith(tuple(f"{u}/" for u in kind.units))
         odd = why.endswith("does not fit")
         foreign = size is None and (part or _FOREIGN.search(plain))
-        advice = f"; {_FIGURES}" if odd or foreign else ""
+        advice = f"; {_UNUSED}" if odd or foreign else ""
     return f"found {text!r}, {why}, {allowed}{advice}"
 
 
@@ -397,7 +397,7 @@ def _with_unit(number: str, kind: Kind, bare: str) -> str:
 
 
 def _as_mapping(rest: str, words: re.Match[str], kind: Kind) -> str:
-    """Say how a figure is written whose meaning stands in its text."""
+    """Say how a value is written whose meaning stands in its text."""
     readable = _readable(rest.strip(), kind)
     if not readable:
         return ""

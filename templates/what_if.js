@@ -282,7 +282,7 @@ function makeResults(model, base) {
     set(cells.mean, likeUncertainty(now.mean, now.u, resolution), now.mean);
     setUsed(cells.used, now, model.outputs[k]);
     const beyond = now.utilisation !== null && settled(now.utilisation) > 1;
-    cells.word.textContent = beyond ? "beyond" : "";
+    cells.word.textContent = beyond ? "does not conform" : "";
     row.classList.toggle("beyond", beyond);
     row.classList.toggle("changed", now.expanded !== base.outputs[k].expanded);
     drawShares(model, now.shares, cells.bar);

@@ -31,10 +31,10 @@ from budget.spec.records import (
     Device,
     ErrorLine,
     GyroProcedure,
-    MakerFigure,
     Origin,
     Procedure,
     Sensor,
+    UnusedValue,
 )
 from budget.studies.coupling import Coupling, CouplingTable
 from budget.studies.densities import Density
@@ -312,7 +312,7 @@ def make_device(name="Zhao 2019 optical IMU"):
         gyro=gyro,
         accelerometer=accelerometer,
         figures=(
-            MakerFigure(
+            UnusedValue(
                 name="bandwidth", value="200 Hz", meaning="-3 dB", source="table 1"
             ),
         ),

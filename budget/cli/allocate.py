@@ -23,7 +23,8 @@ def allocate(
     requirement: Annotated[
         Path,
         typer.Option(
-            metavar="FILE", help="Requirement file; its coverage and reference rule."
+            metavar="FILE",
+            help="Requirement file; its coverage and error reference rule.",
         ),
     ],
     procedure: options.ProcedureFile = None,
@@ -158,14 +159,14 @@ def _values(
     """Read SOURCE=VALUE [SI]; every unit of the line will do."""
     from budget.errors import CallError, UnitError
     from budget.model.sources import source_of
-    from budget.spec.figures import standard_size
+    from budget.spec.specification import standard_size
     from budget.studies.request import find_sources, source_names
     from budget.units import parse_quantity
 
     kinds = {sensor.kind: sensor for sensor in sensors}
     values: dict[Name, float] = {}
     for text in texts:
-        name, sign, figure = text.partition("=")
+        name, sign, printed = text.partition("=")
         if not sign:
             raise CallError(
                 f"{option}: found {text!r}, expected SOURCE=VALUE, as "
@@ -176,13 +177,13 @@ def _values(
             unit = source_of(full.owner, full.quantity).like(full.owner)
             try:
                 gravity = kinds[full.owner].gravity_unit
-                quantity = parse_quantity(figure, unit, gravity=gravity)
+                quantity = parse_quantity(printed, unit, gravity=gravity)
                 value = standard_size(quantity, given.density if given else "")
             except UnitError as error:
                 raise CallError(f"{option} {name.strip()}: {error}") from None
             if value <= 0.0:
                 raise CallError(
-                    f"{option} {name.strip()}: found {figure.strip()!r}, expected a "
+                    f"{option} {name.strip()}: found {printed.strip()!r}, expected a "
                     "value above 0; to take a line out, leave it out of the device"
                 )
             values[full] = value

@@ -35,7 +35,7 @@ def compare(
         typer.Option(
             "--requirement",
             metavar="FILE",
-            help="Requirement file; its coverage and reference rule.",
+            help="Requirement file; its coverage and error reference rule.",
         ),
     ],
     procedure: Annotated[

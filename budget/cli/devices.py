@@ -28,7 +28,7 @@ def devices(
     *,
     json: options.JsonFile = None,
 ) -> None:
-    """List the devices that ship, or show every figure of one.
+    """List the devices that ship, or show every specification value of one.
 
     A file with variants shows each of them.
     """

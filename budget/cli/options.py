@@ -95,7 +95,7 @@ RequirementFile = Annotated[
     typer.Option(
         "--requirement",
         metavar="FILE",
-        help="Requirement file; its coverage and reference rule.",
+        help="Requirement file; its coverage and error reference rule.",
     ),
 ]
 Method = Annotated[
@@ -180,7 +180,10 @@ Interval = Annotated[
 ]
 Reference = Annotated[
     Literal["nominal", "as_tested", "next_turn_on"] | None,
-    typer.Option(help="What errors are counted from (nominal).", show_default=False),
+    typer.Option(
+        help="Error reference: what errors are counted from (nominal).",
+        show_default=False,
+    ),
 ]
 Only = Annotated[
     list[str] | None,

@@ -1,4 +1,4 @@
-"""The standard streams as they may be found: closed, full, or of few characters."""
+"""Standard streams: closed, full, or of few characters."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.methods.scaling import FELT
+from budget.methods.scaling import NEGLIGIBLE
 from budget.ties import first_largest, largest
 
 if TYPE_CHECKING:
@@ -106,9 +106,9 @@ def equal(task: Task) -> Array:
     """Share the limits equally, then use up what is left.
 
     Each free source starts with 1/n of the squared limit at the output where it now
-    uses most of it, n being the free sources that are felt there. One common factor
+    uses most of it, n being the free sources that count there. One common factor
     then brings the first output to its limit; sources that no output at its limit
-    feels grow on; a last factor takes back what their second-order terms added.
+    limits grow on; a last factor takes back what their second-order terms added.
 
     Returns
     -------
@@ -119,9 +119,9 @@ def equal(task: Task) -> Array:
     s = grow(task, s, task.free)
     for _ in range(len(task.law.outputs)):
         bound = task.binding(s)
-        felt = (task.part(s)[bound] >= FELT).any(axis=0)
+        counted = (task.part(s)[bound] >= NEGLIGIBLE).any(axis=0)
         at_ceiling = s >= task.high * (1.0 - TOUCHES)
-        loose = task.free & ~felt & ~at_ceiling
+        loose = task.free & ~counted & ~at_ceiling
         if not loose.any() or bound.all():
             break
         # Outputs at their limits now may be passed by a little: see the last factor.
@@ -135,8 +135,8 @@ def headroom(task: Task, s: Array) -> tuple[Headroom, ...]:
     """Return how far each source may go alone, the others staying as they are at s.
 
     A factor counts from the present size; below 1 the source must shrink, 0 says that
-    an output that feels it passes its limit even without it. Outputs that fail and
-    feel nothing of a source do not stop it. Ceilings do not count here.
+    an output that it reaches passes its limit even without it. Outputs that fail and
+    that a source does not reach do not stop it. Ceilings do not count here.
     """
     found = []
     for g in range(len(task.law.sources)):
@@ -207,12 +207,12 @@ def grow(
 def _equal_start(task: Task) -> Array:
     """Return the factors that give each free source its equal part of one limit."""
     part = task.part(task.now)
-    felt = (part >= FELT) & task.free
-    n = felt.sum(axis=1)
+    counted = (part >= NEGLIGIBLE) & task.free
+    n = counted.sum(axis=1)
     s = task.now.copy()
     for g in np.flatnonzero(task.free):
-        if not felt[:, g].any():
-            continue  # felt nowhere: the common factors move it to its ceiling
+        if not counted[:, g].any():
+            continue  # counts nowhere: the common factors move it to its ceiling
         k = first_largest(part[:, g].tolist())
         a = task.law.first[k, g]
         b = task.law.second[k, g, g]
@@ -227,7 +227,7 @@ def _headroom(task: Task, s: Array, g: int) -> Headroom:
     without = s.copy()
     without[g] = 0.0
     over = task.utilisation(without)
-    hopeless = (over > TARGET) & (task.part(s)[:, g] >= FELT)
+    hopeless = (over > TARGET) & (task.part(s)[:, g] >= NEGLIGIBLE)
     if hopeless.any():
         places = largest(np.where(hopeless, over, 0.0).tolist())
         return Headroom(factor=0.0, stopped_by=places)

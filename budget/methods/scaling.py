@@ -33,9 +33,9 @@ if TYPE_CHECKING:
     from budget.names import Name
     from budget.problem import Problem
 
-# A source is nowhere felt at an output where its variance alone is below this part of
+# A source does not count at an output where its variance alone is below this part of
 # the squared limit [1].
-FELT = 1e-12
+NEGLIGIBLE = 1e-12
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -115,7 +115,7 @@ class Scheme:
 
     @property
     def senses(self) -> Array:
-        """Signs of the turns as the input feels them, 0 of dwells, shape (n,) [1]."""
+        """Signs of the turns as seen by the input, 0 of dwells, shape (n,) [1]."""
         return self.schedule.senses * self.turn.any(axis=1)
 
     def weigh(self, values: Array, weights: Array | None = None) -> Array:

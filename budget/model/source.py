@@ -135,10 +135,10 @@ class Effect:
     Attributes
     ----------
     needs : str
-        What has to be there, besides the source, for anything to feel it.
+        What has to be there, besides the source, for it to reach anything.
     """
 
-    needs: ClassVar[str] = "windows that feel it"
+    needs: ClassVar[str] = "windows that it reaches"
 
 
 @dataclass(frozen=True)
@@ -279,7 +279,7 @@ class Source:
     name : str
         The key; with dots where the file nests it.
     units : mapping of str to str
-        Owner and most usual unit of the figure there.
+        Owner and most usual unit of its value there.
     model : str
         What it is, in words.
     effect : Effect
@@ -312,7 +312,7 @@ class Source:
 
     @property
     def process(self) -> bool:
-        """Whether a figure is a size as it stands: of a process, or a coefficient.
+        """Whether a value is a size as it stands: of a process, or a coefficient.
 
         Else it is the spread of a constant, whose shape matters.
         """

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from budget.report.blocks import Field, Listing, Pairs, Paragraph, Section, table_of
 from budget.report.document import json_text
-from budget.report.inputs import figures_table, sensor_blocks
+from budget.report.inputs import sensor_blocks, unused_table
 from budget.report.tables import words
 from budget.results import SCHEMA
 from budget.studies.grades import completeness, grade, kind_of_device
@@ -54,7 +54,7 @@ def list_sections(devices: Sequence[Device]) -> tuple[Section, ...]:
 
 
 def device_sections(device: Device) -> tuple[Section, ...]:
-    """Return every figure of a device with what it means and where it is from."""
+    """Return every specification value of a device: meaning and source."""
     said = [("file", device.origin.file)]
     said += [(name, " ".join(getattr(device, name).split())) for name in TEXTS]
     assumed = tuple((text,) for text in device.assumptions)
@@ -68,7 +68,7 @@ def device_sections(device: Device) -> tuple[Section, ...]:
         Section(
             name="figures",
             title="Printed, not budgeted",
-            blocks=(figures_table(device),) if device.figures else (),
+            blocks=(unused_table(device),) if device.figures else (),
             in_brief=None if device.figures else "Printed, not budgeted: none",
         ),
         Section(
@@ -108,7 +108,7 @@ def list_to_json(devices: Sequence[Device]) -> str:
 
 
 def device_to_json(device: Device) -> str:
-    """Write one device as JSON: figures as printed and as standard uncertainties."""
+    """Write one device as JSON: values as printed and as standard uncertainties."""
     return _dump(
         {
             "device": {
@@ -119,13 +119,13 @@ def device_to_json(device: Device) -> str:
                 "sensors": [_sensor(sensor) for sensor in device.sensors],
                 "figures": [
                     {
-                        "name": figure.name,
-                        "value": figure.value,
-                        "condition": figure.condition,
-                        "meaning": figure.meaning,
-                        "source": figure.source,
+                        "name": value.name,
+                        "value": value.value,
+                        "condition": value.condition,
+                        "meaning": value.meaning,
+                        "source": value.source,
                     }
-                    for figure in device.figures
+                    for value in device.figures
                 ],
                 "assumptions": list(device.assumptions),
             }

@@ -1,4 +1,4 @@
-"""Which font shows which character of a PDF, and what becomes of those that none has.
+"""Fonts of a PDF, character by character; code points where none has a glyph.
 
 Text is set in DejaVu Sans, which matplotlib carries: the figures use it too, its digits
 are of one width, and it is there on every machine. Only for characters that it lacks

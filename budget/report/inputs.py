@@ -1,4 +1,4 @@
-"""What a budget is made of: the figures of the data sheets, and the procedure."""
+"""Inputs section: specification values of the data sheets, and the procedure."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.report.blocks import Block, Table, Words
-    from budget.spec.records import Device, ErrorLine, MakerFigure, Procedure, Sensor
+    from budget.spec.records import Device, ErrorLine, Procedure, Sensor, UnusedValue
 
 
 NOMINAL_BIAS = {"gyro": ("deg/h", DEG_PER_HOUR), "accelerometer": ("ug", MICRO_G)}
@@ -34,7 +34,7 @@ ABOUT = ("vendor", "technology", "range", "price", "mass", "power", "notes", "so
 
 
 def inputs_section(devices: Sequence[Device], procedure: Procedure) -> Section:
-    """Return every figure that the budget is made of, and those that it is not."""
+    """Return every value that the budget is made of, and those that it is not."""
     panels = [
         Panel(
             title=f"{sensor.device}: {sensor.kind}",
@@ -113,7 +113,7 @@ def lines_table(
 
 
 def _printed(line: ErrorLine) -> Cell:
-    """Return a figure as it is printed, and what it means."""
+    """Return a value as it is printed, and what it means."""
     meaning = line.meaning
     if line.definition:
         meaning += f", {words(line.definition)}"
@@ -130,7 +130,7 @@ def _standard(line: ErrorLine) -> Cell:
 
 
 def _conditions(line: ErrorLine) -> str:
-    """Return under which conditions a figure holds."""
+    """Return under which conditions a value holds."""
     conditions = [
         line.condition,
         f"includes {line.includes}" if line.includes else "",
@@ -157,10 +157,10 @@ def _assumed(
 
 
 def _about(device: Device) -> Iterator[Panel]:
-    """Yield what moves no number: figures no model uses, what the device is."""
+    """Yield what moves no number: values no model uses, what the device is."""
     blocks: list[Block] = []
     if device.figures:
-        blocks.append(figures_table(device))
+        blocks.append(unused_table(device))
     said = [(label, getattr(device, label).rstrip(" .")) for label in ABOUT]
     lines = "; ".join(f"{label} {text}" for label, text in said if text)
     if lines:
@@ -170,20 +170,20 @@ def _about(device: Device) -> Iterator[Panel]:
         yield Panel(title=f"{device.name}: {title}", blocks=tuple(blocks))
 
 
-def figures_table(device: Device) -> Table:
+def unused_table(device: Device) -> Table:
     """Return what the maker prints and no model uses."""
-    fields: tuple[Field[MakerFigure], ...] = (
-        Field(head="figure", cell=lambda figure: words(figure.name)),
-        Field(head="as printed", cell=lambda figure: figure.value),
-        Field(head="meaning", cell=lambda figure: figure.meaning),
-        Field(head="condition", cell=lambda figure: figure.condition),
-        Field(head="source", cell=lambda figure: figure.source),
+    fields: tuple[Field[UnusedValue], ...] = (
+        Field(head="specification", cell=lambda value: words(value.name)),
+        Field(head="as printed", cell=lambda value: value.value),
+        Field(head="meaning", cell=lambda value: value.meaning),
+        Field(head="condition", cell=lambda value: value.condition),
+        Field(head="source", cell=lambda value: value.source),
     )
     return table_of(
         device.figures,
         [replace(field, optional=True) for field in fields],
         name=f"not-budgeted-{device.origin.sha256[:8]}",
-        caption=f"Figures of {device.name} that no model uses",
+        caption=f"Specification values of {device.name} that no model uses",
         is_wide=True,
         searchable=True,
     )

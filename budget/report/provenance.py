@@ -1,4 +1,4 @@
-"""Where the numbers come from: version, command, seed, and every input by its hash."""
+"""Provenance section: version, command, seed, hashes of inputs; sign-off."""
 
 from __future__ import annotations
 

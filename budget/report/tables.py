@@ -209,7 +209,7 @@ def bound_number(
 
 
 def print_given(value: float, *, digits: int = 4) -> str:
-    """Print a figure that was given, not computed: '0.0125', no zeros added."""
+    """Print a value that was given, not computed: '0.0125', no zeros added."""
     text = f"{settle(value):.{digits - 1}e}"
     return _print_decimal(Decimal(text).normalize(EXACT))
 
@@ -338,7 +338,7 @@ def settings_lines(settings: Settings) -> tuple[tuple[str, str], ...]:
         ("seed", str(settings.seed)),
         ("coverage", f"{print_coverage(settings.coverage)} %"),
         ("interval", settings.interval),
-        ("reference", settings.reference),
+        ("error reference", settings.reference),
         ("formulas", settings.formulas),
     )
     return (*lines, ("only", ", ".join(settings.only))) if settings.only else lines

@@ -25,7 +25,7 @@ INTERVALS = {
     "shortest": "the shortest that holds the coverage",
 }
 BY_LAW = "mean \N{PLUS-MINUS SIGN} U, by the normal law"
-REFERENCES = {
+ERROR_REFERENCES = {
     "nominal": (
         "errors are counted from the nominal values: a repeatability counts in full"
     ),
@@ -78,7 +78,7 @@ PLURALS = {
     "mounting_angle": "mounting angles",
     "bias": "biases",
 }
-NOTHING = "changes nothing under this reference"
+NOTHING = "changes nothing under this error reference"
 
 
 def not_given_lines(reach: Mapping[Name, tuple[Name, ...]]) -> tuple[str, ...]:

@@ -10,8 +10,8 @@ from budget.model.sources import SENSORS, lines_of
 from budget.names import Name
 from budget.spec.checking import check
 from budget.spec.fields import Measured, Sign, Strict, mapping_of
-from budget.spec.figures import DENSITY_NOTE, standard_size
 from budget.spec.records import Cost, Costs, Origin
+from budget.spec.specification import DENSITY_NOTE, standard_size
 from budget.units import Quantity, per_root_hertz
 
 if TYPE_CHECKING:

@@ -30,8 +30,8 @@ from budget.spec.fields import (
     mapping_of,
     per_axis,
 )
-from budget.spec.figures import figure_type, read_figure
-from budget.spec.records import ANGLES, AXES, Device, MakerFigure, Origin, Sensor
+from budget.spec.records import ANGLES, AXES, Device, Origin, Sensor, UnusedValue
+from budget.spec.specification import read_value, value_type
 from budget.spec.tree import all_of, describe, merge
 from budget.units import STANDARD_GRAVITY, Quantity, parse_quantity
 
@@ -43,8 +43,8 @@ MOST_VARIANTS = 50  # each is checked as a device of its own
 _BASE_ONLY = ("format", "abstract", "variants")
 
 
-class FigureEntry(Strict):
-    """A figure that the maker prints and no model uses."""
+class UnusedEntry(Strict):
+    """A value that the maker prints and no model uses."""
 
     name: ShortText
     value: ShortText = Field(description="as printed, with its unit")
@@ -92,7 +92,7 @@ def _sensor_type(sensor: str) -> Any:  # noqa: ANN401
     )
     errors = mapping_of(
         f"{sensor} errors",
-        {line.name: figure_type(line, sensor) for line in lines},
+        {line.name: value_type(line, sensor) for line in lines},
         {line.name: line.model for line in lines},
     )
     types: dict[str, Any] = {
@@ -121,8 +121,8 @@ class Sheet(Strict):
     )
     gyro: SensorPart | None = None
     accelerometer: SensorPart | None = None
-    figures: tuple[FigureEntry, ...] = Field(
-        default=(), description="printed by the maker, used by no model"
+    figures: tuple[UnusedEntry, ...] = Field(
+        default=(), description="specification values that no model uses, as text"
     )
 
     @model_validator(mode="after")
@@ -207,7 +207,7 @@ def read_device(document: Document, variant: str = "") -> Device:
         name=name,
         gyro=read[GYRO].sensor if GYRO in read else None,
         accelerometer=read[ACCELEROMETER].sensor if ACCELEROMETER in read else None,
-        figures=tuple(MakerFigure(**vars(figure)) for figure in sheet.figures),
+        figures=tuple(UnusedValue(**vars(entry)) for entry in sheet.figures),
         assumptions=tuple(text for one in read.values() for text in one.assumptions),
         origin=Origin(
             file=f"{document.base_name}#{variant}" if variant else document.base_name,
@@ -309,10 +309,8 @@ def _read_sensor(
 ) -> _ReadSensor:
     """Turn one sensor of a file into its record."""
     model_lines = lines_of(kind)
-    figures = {line: getattr(part.errors, line.name, None) for line in model_lines}
-    read = [
-        read_figure(line, kind, figure) for line, figure in figures.items() if figure
-    ]
+    values = {line: getattr(part.errors, line.name, None) for line in model_lines}
+    read = [read_value(line, kind, value) for line, value in values.items() if value]
     given = {one.line.name for one in read}
     met = {line.expected for line in model_lines if line.name in given} - {""}
     expected = dict.fromkeys(line.expected for line in model_lines if line.expected)

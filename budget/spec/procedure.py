@@ -22,7 +22,6 @@ from budget.spec.fields import (
     faults,
     mapping_of,
 )
-from budget.spec.figures import figure_type, read_figure
 from budget.spec.records import (
     AXES,
     AccelerometerProcedure,
@@ -30,6 +29,7 @@ from budget.spec.records import (
     Origin,
     Procedure,
 )
+from budget.spec.specification import read_value, value_type
 from budget.spec.tree import describe
 from budget.spec.windows import WindowLine, lay_out
 from budget.units import Quantity
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
     from budget.model.source import Source
     from budget.model.windows import Window
-    from budget.spec.figures import ReadFigure
+    from budget.spec.specification import ReadValue
     from budget.spec.tree import Document
 
 
@@ -416,7 +416,7 @@ def surroundings_type(owner: str) -> Any:  # noqa: ANN401
     return _mapping(owner, owner, tree)
 
 
-def take_surroundings(owner: str, mapping: Strict | None) -> tuple[ReadFigure, ...]:
+def take_surroundings(owner: str, mapping: Strict | None) -> tuple[ReadValue, ...]:
     """Return the sources that a mapping of that owner names, in the table's order."""
     taken = []
     for source in lines_of(owner):
@@ -424,11 +424,11 @@ def take_surroundings(owner: str, mapping: Strict | None) -> tuple[ReadFigure, .
         for key in keys_of(source.name):
             figure = getattr(figure, key, None)
         if figure is not None:
-            taken.append(read_figure(source, owner, figure))
+            taken.append(read_value(source, owner, figure))
     return tuple(taken)
 
 
-def describe_surroundings(owner: str, taken: tuple[ReadFigure, ...]) -> tuple[str, ...]:
+def describe_surroundings(owner: str, taken: tuple[ReadValue, ...]) -> tuple[str, ...]:
     """Say which figures of that owner count, with the words that stand beside them."""
     return tuple(
         f"{Name(line.name, owner=owner)}: {line.printed}, "
@@ -449,5 +449,5 @@ def _mapping(title: str, owner: str, tree: dict[str, Any]) -> Any:  # noqa: ANN4
             fields[key] = _mapping(f"{title} {key}", owner, branch)
         else:
             source: Source = branch
-            fields[key], meanings[key] = figure_type(source, owner), source.model
+            fields[key], meanings[key] = value_type(source, owner), source.model
     return mapping_of(title, fields, meanings)

@@ -18,12 +18,12 @@ __all__ = ["ANGLES", "AXES"]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ErrorLine(Given):
-    """One figure of a file that an error model uses, and how the file prints it.
+    """One specification value that an error model uses, and how the file prints it.
 
     Attributes
     ----------
     printed : str
-        The figure as the file gives it, for people: '0.04 deg/h' or
+        The value as the file gives it, for people: '0.04 deg/h' or
         'x 0.02 deg/h, y 0.03 deg/h, z 0.02 deg/h'.
     unit : str
         Its unit as the file gives it (of the first axis).
@@ -54,8 +54,8 @@ class ErrorLine(Given):
 
 
 @dataclass(frozen=True, kw_only=True)
-class MakerFigure:
-    """A figure that the maker prints and no model uses: shown, not budgeted."""
+class UnusedValue:
+    """A value that the maker prints and no model uses: shown, not budgeted."""
 
     name: str
     value: str
@@ -86,7 +86,7 @@ class Sensor:
         Those of them that a verdict 'meets' cannot do without; 'gyro.noise' stands
         for the one noise line.
     gravity_unit : float
-        What g means in figures of the device [m/s^2].
+        What g means in values of the device [m/s^2].
     """
 
     kind: str
@@ -121,7 +121,7 @@ class Device:
     name: str
     gyro: Sensor | None
     accelerometer: Sensor | None
-    figures: tuple[MakerFigure, ...]
+    figures: tuple[UnusedValue, ...]
     assumptions: tuple[str, ...]
     origin: Origin
     source: str = ""

@@ -66,7 +66,9 @@ class RequirementBase(Strict):
         default=None, description=f"of the intervals; unset: {COVERAGE}"
     )
     reference: Literal["nominal", "as_tested", "next_turn_on"] | None = Field(
-        default=None, description=f"what an error is relative to; unset: {REFERENCE}"
+        default=None,
+        description="error reference, what errors are counted from; unset: "
+        f"{REFERENCE}",
     )
     limits: Strict = Field(description="largest absolute errors allowed")
     caps: Caps = Caps()

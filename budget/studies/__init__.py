@@ -1,1 +1,1 @@
-"""Questions a user asks, answered with the methods."""
+"""Studies: questions of a user, answered by the methods on a Problem."""

@@ -133,7 +133,7 @@ def analyze(
     interval : str
         'symmetric' or 'shortest'; by the law both are mean +- k u.
     reference : str
-        What errors are counted from: 'nominal', 'as_tested', 'next_turn_on'.
+        Error reference: 'nominal', 'as_tested', 'next_turn_on'.
     samples : int, optional
         Points in one of eight scrambles for Sobol' indices; without it there are none.
     only : sequence of str

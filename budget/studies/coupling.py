@@ -104,7 +104,7 @@ def coupling(
     method : str
         'gum', 'monte-carlo' (4096 trials a source) or 'simulation' (4 runs a source).
     reference : str
-        What errors are counted from.
+        Error reference.
     only : frozenset of str, optional
         Full names of the sources that count, all others 0; all without it.
     seed : int

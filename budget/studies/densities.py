@@ -1,4 +1,4 @@
-"""How the errors of the critical outputs are distributed, by Monte Carlo trials.
+"""Densities of the errors of the critical outputs, by Monte Carlo trials.
 
 The density of a bin is the part of all trials in it over its width: what a histogram
 shows, scaled so that it integrates to 1 and a normal density can stand beside it.

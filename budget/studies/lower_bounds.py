@@ -44,7 +44,7 @@ def lacking(
     procedure : Procedure
         Turns, dwells and formulas: they decide what a line reaches.
     reference : str
-        What errors are counted from; a line that cancels there reaches nothing.
+        Error reference; a line that cancels there reaches nothing.
     only : frozenset of str, optional
         Full names of the sources that count; a line that is left out on purpose is not
         missing.
@@ -80,7 +80,7 @@ def could_widen(
     Returns
     -------
     mapping of Name to tuple of Name
-        By the name of the line; () where it changes nothing under this reference.
+        By the name of the line; () where it changes nothing under this error reference.
     """
     found: dict[Name, tuple[Name, ...]] = {}
     for sensor in sensors:

@@ -87,7 +87,7 @@ class Analysis:
     coverage : float
         Probability of the intervals [1].
     reference : str
-        What errors are counted from.
+        Error reference.
     only : frozenset of Name or None
         Sources that count, all others 0; None: all.
     requirement : Requirement or None

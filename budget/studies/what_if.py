@@ -10,7 +10,7 @@ sources (budget.methods.scaling), of every output
     share of g = (f_g^2 A_g + f_g^4 Q_g) / u^2 .
 
 It is the law, not near it: the calibration is expanded about values that no factor
-moves. Multiplying a figure of the device file by f_g and analysing again by gum gives
+moves. Multiplying a value of the device file by f_g and analysing again by gum gives
 the same numbers. Where the interval of the budget is not the law's, k and d are those
 of that interval, (U_p/u, JCGM 100:2008, annex G): its shape is kept, which is exact
 at factors of 1 and an approximation elsewhere.
@@ -51,7 +51,7 @@ class WhatIfSource:
     u: float  # present standard uncertainty, of the largest axis [SI]
     unit: str  # as the device file gives it
     si_per_unit: float
-    printed: str  # the figure as the file gives it
+    printed: str  # the value as the file gives it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,7 +108,7 @@ class WhatIf:
     coverage : float
         Probability of the intervals [1].
     reference : str
-        What errors are counted from.
+        Error reference.
     sensors : tuple of WhatIfSensor
     sources : tuple of WhatIfSource
         Those that are not 0 in this run; a factor on 0 changes nothing.
@@ -181,7 +181,7 @@ class WhatIf:
         """Return what a page computes from, as JSON, in printed units.
 
         `mean`, `first` and `second` are m, A and Q by source, then by output; `pairs`
-        has P of two sources, where one output at least feels it.
+        has P of two sources, where it reaches one output at least.
         """
         unit = np.array([output.si_per_unit for output in self.outputs])
         law, n = self.law, len(self.sources)

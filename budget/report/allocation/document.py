@@ -53,8 +53,8 @@ def allocated_device(allocation: Allocation) -> str:
     notes = (
         f"Allocated by budget allocate, strategy {allocation.strategy}, to meet "
         f"{allocation.requirement} at coverage {print_coverage(allocation.coverage)} %,"
-        f" reference {allocation.reference}, by procedure {allocation.procedure}, "
-        f"formulas {allocation.formulas}. Made from {basis}."
+        f" error reference {allocation.reference}, by procedure {allocation.procedure},"
+        f" formulas {allocation.formulas}. Made from {basis}."
     )
     if any(check.is_corrected for check in allocation.checks):
         notes += (

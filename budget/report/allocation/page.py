@@ -93,7 +93,7 @@ def allocation_section(allocation: Allocation) -> Section:
     coverage = print_coverage(allocation.coverage)
     settings = (
         f"Strategy {allocation.strategy}: {STRATEGIES[allocation.strategy]}. Coverage "
-        f"{coverage} %, reference {words(allocation.reference)}, procedure "
+        f"{coverage} %, error reference {words(allocation.reference)}, procedure "
         f"{allocation.procedure}. Values are standard uncertainties of the largest "
         "axis."
     )

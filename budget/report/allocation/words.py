@@ -66,8 +66,8 @@ def explain_idle(rows: Sequence[SourceAllotment]) -> str:
     if not names:
         return ""
     return (
-        f"{IDLE}: {names} (under this reference, the other lines as now, less than "
-        "0.1 % of every squared limit even at its ceiling)"
+        f"{IDLE}: {names} (under this error reference, the other lines as now, less "
+        "than 0.1 % of every squared limit even at its ceiling)"
     )
 
 
@@ -76,7 +76,7 @@ def print_part(part: float | None) -> str:
     if part is None:
         return "-"
     if part == 0.0 or part < 0.5e-3:  # noqa: PLR2004
-        return "0" if part <= 1e-12 else "<0.1"  # noqa: PLR2004 - not felt
+        return "0" if part <= 1e-12 else "<0.1"  # noqa: PLR2004 - rounding
     return f"{100.0 * part:.{1 if part < 0.1 else 0}f}"  # noqa: PLR2004
 
 

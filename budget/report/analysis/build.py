@@ -1,4 +1,4 @@
-"""The whole report as one document, the answer first, then what it stands on."""
+"""Report on a budget as one document, from verdict to provenance."""
 
 from __future__ import annotations
 

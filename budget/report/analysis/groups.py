@@ -1,4 +1,4 @@
-"""The budget of each group of parameters: errors, contributions, its check."""
+"""Budgets of parameter groups: errors, contributions, check of the law."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How the numbers were made: settings, formulas, the documents they are from."""
+"""Method section of a report: settings, formulas, references."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ from budget.report.formulas import Math, with_math
 from budget.report.tables import print_count, print_coverage, print_given, words
 from budget.report.wording import (
     BY_LAW,
+    ERROR_REFERENCES,
     INTERVALS,
     METHODS,
-    REFERENCES,
     points,
 )
 from budget.studies.request import sensors_of
@@ -177,8 +177,8 @@ def _settings_rows(settings: Settings, trials: Trials) -> tuple[tuple[str, Words
         ("coverage", f"{print_coverage(settings.coverage)} %"),
         ("interval", f"{settings.interval}: {kind}"),
         (
-            "reference",
-            f"{words(settings.reference)}: {REFERENCES[settings.reference]}",
+            "error reference",
+            f"{words(settings.reference)}: {ERROR_REFERENCES[settings.reference]}",
         ),
     ]
     if settings.sobol_samples is not None:

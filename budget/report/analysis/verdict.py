@@ -1,4 +1,4 @@
-"""The answer: which sensor meets, by what margin, because of what; the limits."""
+"""Verdict and limits of a report: margins, contributions, cards of page one."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ from budget.report.tables import (
     source_title,
 )
 from budget.report.wording import (
+    ERROR_REFERENCES,
     MISSING,
-    REFERENCES,
     SEVERITY,
     VERDICTS,
     capital,
@@ -205,7 +205,7 @@ def _margin(budget: Budget, assessment: Assessment | None) -> Words:
     """Return by how much limits are held or exceeded, and what errors are."""
     basis = _basis(budget.settings)
     if assessment is None:
-        counted = capital(REFERENCES[budget.settings.reference])
+        counted = capital(ERROR_REFERENCES[budget.settings.reference])
         left = "No requirement was given: this is what the calibration leaves."
         return (f"{left} {counted}.",)
     unknown = [sensor.sensor for sensor in assessment.sensors if sensor.nothing_known]
@@ -219,7 +219,7 @@ def _margin(budget: Budget, assessment: Assessment | None) -> Words:
         return (*nothing, basis)
     total = len(judged)
     outcomes = [assessment.outcome(row) for row in judged]
-    beyond, unsure = outcomes.count("beyond"), outcomes.count("open")
+    beyond, unsure = outcomes.count("does not conform"), outcomes.count("open")
     worst = max(row.utilisation for row in judged)
     if beyond:
         by = _print_excess(worst - 1.0)
@@ -375,7 +375,7 @@ def _error(row: OutputAssessment) -> Number:
 def _basis(settings: Settings) -> str:
     """Say at which coverage errors are given, and from what they are counted."""
     coverage = print_coverage(settings.coverage)
-    return f"Errors at {coverage} % coverage; {REFERENCES[settings.reference]}."
+    return f"Errors at {coverage} % coverage; {ERROR_REFERENCES[settings.reference]}."
 
 
 SIGMAS = ("1 sigma", "2 sigma", "3 sigma", "rms", "typical")
@@ -467,7 +467,7 @@ def _weights(
 
 
 def _as_meant(line: ErrorLine) -> str:
-    """'0.06 deg/h, 3 sigma': a figure with its meaning, where not 1 sigma.
+    """'0.06 deg/h, 3 sigma': a value with its meaning, where not 1 sigma.
 
     With its distribution, where that is not the one that the meaning says already.
     """

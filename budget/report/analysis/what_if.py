@@ -1,4 +1,4 @@
-"""What a better or worse line would change: a table, and a model for sliders."""
+"""What-if section of a report: sources one at a time, a model for sliders."""
 
 from __future__ import annotations
 

@@ -411,7 +411,7 @@ def _method(comparison: Comparison) -> Section:
     """Return what the numbers depend on besides the files."""
     rows = []
     for name, value in settings_lines(comparison.settings):
-        text = words(value) if name == "reference" else value
+        text = words(value) if name == "error reference" else value
         if name == "method":
             text = f"{value}: {METHODS[value]}"
         rows.append((name, (text,)))

@@ -516,7 +516,7 @@ def procedures_table(
 def assumptions_table(comparison: Comparison, name: str) -> Table:
     """Return what the files leave to be assumed, alike ones in one row.
 
-    An assumption reads 'device: figure: what is assumed'; those of a procedure or of
+    An assumption reads 'device: line: what is assumed'; those of a procedure or of
     the requirement name no device.
     """
     names = sorted({one.name for one in comparison.devices}, key=len, reverse=True)
@@ -524,16 +524,16 @@ def assumptions_table(comparison: Comparison, name: str) -> Table:
     for text in comparison.assumptions:
         device = next((name for name in names if text.startswith(f"{name}: ")), "")
         rest = text.removeprefix(f"{device}: ") if device else text
-        figure, _, assumed = rest.partition(": ")
-        gathered.setdefault((figure, assumed), []).append(device)
+        line, _, assumed = rest.partition(": ")
+        gathered.setdefault((line, assumed), []).append(device)
     alike: dict[tuple[str, tuple[str, ...]], list[str]] = {}
-    for (figure, assumed), devices in gathered.items():
-        alike.setdefault((assumed, tuple(devices)), []).append(figure)
+    for (line, assumed), devices in gathered.items():
+        alike.setdefault((assumed, tuple(devices)), []).append(line)
     return table_of(
         alike.items(),
         (
             Field(
-                head="figure",
+                head="line",
                 weight=1.2,
                 cell=lambda item: ", ".join(map(key_title, item[1])),
             ),

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from budget.report.comparison.tables import MissingEffect
 from budget.report.tables import print_count, print_coverage, source_title
-from budget.report.wording import REFERENCES
+from budget.report.wording import ERROR_REFERENCES
 from budget.studies.comparison.records import rank_number
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def basis(comparison: Comparison) -> str:
     """Say what the errors are."""
     settings = comparison.settings
     coverage = print_coverage(settings.coverage)
-    return f"Errors at {coverage} % coverage; {REFERENCES[settings.reference]}."
+    return f"Errors at {coverage} % coverage; {ERROR_REFERENCES[settings.reference]}."
 
 
 def computed_apart(comparison: Comparison) -> str:
@@ -79,7 +79,7 @@ def verdict_lines(found: Sequence[Ranking]) -> tuple[str, ...]:
 
 
 def nothing_known_line(table: Ranking) -> str:
-    """Name the devices that no figure can be given for; '' where there are none."""
+    """Name the devices that no number can be given for; '' where there are none."""
     if not table.nothing_known:
         return ""
     names = ", ".join(dict.fromkeys(table.nothing_known))

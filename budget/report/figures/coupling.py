@@ -1,4 +1,4 @@
-"""Coupling map: what reaches what, and how far."""
+"""Coupling map: part of the u of each parameter group that a source makes."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The paper beside ours: terminal text, JSON, CSV, and a document of blocks."""
+"""Reproduction of the paper: terminal text, JSON, CSV and a document."""

@@ -1,4 +1,4 @@
-"""The paper beside ours as a document: verdicts first, then every number and claim."""
+"""Reproduction of the paper as a document: verdicts, then every number and claim."""
 
 from __future__ import annotations
 

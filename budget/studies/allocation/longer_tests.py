@@ -64,7 +64,7 @@ def find_longer_tests(
     s : ndarray, shape (n_src,)
         Factors on its sources.
     reference : str
-        What errors are counted from.
+        Error reference.
     goal : str
         AS_THEY_ARE or FLOOR: what `s` stands for.
 

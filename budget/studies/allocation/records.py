@@ -1,4 +1,4 @@
-"""What an allocation says: frozen records, SI inside, and their JSON document."""
+"""Records of an allocation: frozen, SI inside, and their JSON document."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class LimitedOutput:
 class Headroom:
     """How far one source may go alone, the others as they are."""
 
-    value: float  # [SI]; 0: an output that feels it fails even without it
+    value: float  # [SI]; 0: an output that it reaches fails even without it
     stopped_by: tuple[Name, ...]  # outputs; (): its ceiling, no limit before that
 
 
@@ -110,7 +110,7 @@ class SourceAllotment:
 
     @property
     def is_idle(self) -> bool:
-        """Whether its sensor has limits, and none of them feels it."""
+        """Whether its sensor has limits, and it reaches none of them."""
         return not self.is_significant and self.status in {FREE, HELD, SHARED}
 
     @property

@@ -1,4 +1,4 @@
-"""From factors to what people read: sources, limits and costs of an allocation."""
+"""Records of an allocation from its factors: sources, limits and costs."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.methods.allocation import TOUCHES, headroom
-from budget.methods.scaling import FELT
+from budget.methods.scaling import NEGLIGIBLE
 from budget.model.sources import SENSORS
 from budget.names import Name
 from budget.results import INTERACTION, TINY
@@ -253,9 +253,11 @@ def _headroom(task: Task, room: Room, g: int, now: float) -> Headroom:
 
 
 def _binding_outputs(task: Task, s: Array, g: int) -> tuple[Name, ...]:
-    """Return the outputs at their limits of which a source takes most, if it is felt.
+    """Return the outputs at their limits of which a source takes most, if it counts.
 
     Equal ones are all named.
     """
     part = np.where(task.binding(s), task.part(s)[:, g], 0.0)
-    return tuple(task.law.outputs[k] for k in largest(part.tolist()) if part[k] >= FELT)
+    return tuple(
+        task.law.outputs[k] for k in largest(part.tolist()) if part[k] >= NEGLIGIBLE
+    )

@@ -1,1 +1,1 @@
-"""Which of these devices meets the requirement, by what margin, and what limits it."""
+"""Comparison of devices against a requirement: verdicts, margins, ranking."""

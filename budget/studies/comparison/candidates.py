@@ -1,4 +1,4 @@
-"""One candidate: a sensor under a procedure, and what its lines would have to be."""
+"""Candidates of a comparison: a sensor under a procedure, and its remedy."""
 
 from __future__ import annotations
 
@@ -150,7 +150,7 @@ def _worst_line(
     """Return the largest such line of the catalogue and whose it is.
 
     Of the same family of technology and the same grade, as a ring laser must not get
-    the figure of an automotive chip; None where no such device gives the line, or
+    the value of an automotive chip; None where no such device gives the line, or
     nobody can tell the grade. 'gyro.noise' stands for the first of the noise lines, a
     random walk.
     """

@@ -1,4 +1,4 @@
-"""Judge every candidate; look closer at neighbours that cannot be told apart."""
+"""Verdicts on every candidate; paired trials for neighbours in the ranking."""
 
 from __future__ import annotations
 

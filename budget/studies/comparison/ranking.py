@@ -1,4 +1,4 @@
-"""Best first, and how sure: order, neighbours, fronts and pairs of judged devices."""
+"""Ranking of judged devices: order, confidence, Pareto fronts, pairs."""
 
 from __future__ import annotations
 

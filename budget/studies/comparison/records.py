@@ -1,4 +1,4 @@
-"""What a comparison finds: frozen records, SI inside, and their JSON documents."""
+"""Records of a comparison: frozen, SI inside, and their JSON documents."""
 
 from __future__ import annotations
 

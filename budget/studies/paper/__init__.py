@@ -1,1 +1,1 @@
-"""Zhao 2019, section 3, computed again: every number and claim beside ours."""
+"""Reproduction of Zhao 2019, section 3: every number and claim beside ours."""

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from budget.spec.records import Procedure, Sensor
     from budget.studies.paper.printed import Paper
 
-DEVICE = "zhao-2019"  # the shipped files hold the paper's figures as printed
+DEVICE = "zhao-2019"  # the shipped files hold the paper's values as printed
 HALF_ULP = 2.0**-53  # spacing of doubles just below 1 [1]
 PLACES = {  # of the parameters among the twelve outputs of a triad
     "scale_factor": slice(0, 3),

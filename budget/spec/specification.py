@@ -57,7 +57,7 @@ CORRELATION_TIME = 300.0  # of a stability that names none [s]
 
 
 class SpecificationValue(Strict):
-    """What a file may say about one figure, or about one axis of it."""
+    """What a file may say about one specification value, or about one axis of it."""
 
     value: Quantity | None = None
     meaning: Annotated[
@@ -68,7 +68,7 @@ class SpecificationValue(Strict):
     ] = Field(default="1 sigma", description="what the maker means by the value")
     distribution: str | None = None
     includes: ShortText | None = Field(
-        default=None, description="what the figure contains"
+        default=None, description="what the value contains"
     )
     horizon: ShortText | None = Field(
         default=None, description="over what time it holds"
@@ -80,7 +80,7 @@ class SpecificationValue(Strict):
 
 
 class ConstantValue(SpecificationValue):
-    """A figure of a random constant."""
+    """Specification value of a random constant."""
 
     distribution: (
         Annotated[
@@ -104,7 +104,7 @@ class ConstantValue(SpecificationValue):
 
 
 class ProcessValue(SpecificationValue):
-    """A figure of a random process."""
+    """Specification value of a random process."""
 
     distribution: Annotated[Literal["normal"], Synonyms(GAUSSIAN)] | None = Field(
         default=None, description="a process is normal"
@@ -112,7 +112,7 @@ class ProcessValue(SpecificationValue):
 
 
 class WalkValue(ProcessValue):
-    """A figure of a random walk, as its coefficient N or as a density of noise."""
+    """Value of a random walk, as its coefficient N or as a density of noise."""
 
     density: Literal["one-sided", "two-sided"] | None = Field(
         default=None,
@@ -135,7 +135,7 @@ class WalkValue(ProcessValue):
 
 
 class StabilityValue(ProcessValue):
-    """A figure of the bias stability."""
+    """Specification value of the bias stability."""
 
     definition: Literal["sigma", "allan_minimum"] = Field(
         default="sigma",
@@ -157,7 +157,7 @@ class StabilityValue(ProcessValue):
 
 
 class Whole(SpecificationValue):
-    """A figure for all axes, some of which may say otherwise."""
+    """Specification value for all axes, some of which may say otherwise."""
 
     axes: Strict | None = None
 
@@ -175,23 +175,23 @@ class Whole(SpecificationValue):
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReadFigure:
+class ReadValue:
     """A line as the models take it, and what had to be assumed for that."""
 
     line: ErrorLine
     assumptions: tuple[str, ...]
 
 
-def figure_type(line: Source, sensor: str) -> Any:  # noqa: ANN401
-    """Return the type of a figure of that line: a text or a mapping."""
+def value_type(line: Source, sensor: str) -> Any:  # noqa: ANN401
+    """Return the type of a value of that line: a text or a mapping."""
     beside = walk_of(sensor) if line.name == SAMPLE_NOISE else ""
-    return _figure_type(line.like(sensor), _family(line), line.axes, beside)
+    return _value_type(line.like(sensor), _family(line), line.axes, beside)
 
 
-def read_figure(
-    line: Source, sensor: str, figure: Quantity | SpecificationValue
-) -> ReadFigure:
-    """Turn a figure as printed into standard uncertainties by axis.
+def read_value(
+    line: Source, sensor: str, given: Quantity | SpecificationValue
+) -> ReadValue:
+    """Turn a value as printed into standard uncertainties by axis.
 
     A text is 1 sigma and normal. A sigma meaning divides the value; `max` and `peak to
     peak` give a half-width, which its shape divides (JCGM 100:2008, 4.3.7 to 4.3.9).
@@ -208,15 +208,15 @@ def read_figure(
         The model line.
     sensor : str
         Whose line it is.
-    figure : Quantity or SpecificationValue
-        A value of the type `figure_type(line, sensor)`.
+    given : Quantity or SpecificationValue
+        A value of the type `value_type(line, sensor)`.
 
     Returns
     -------
-    ReadFigure
+    ReadValue
         The line [SI], and what had to be assumed.
     """
-    part = _family(line)(value=figure) if isinstance(figure, Quantity) else figure
+    part = _family(line)(value=given) if isinstance(given, Quantity) else given
     axes = [_axis(part, axis) for axis in line.axes]
     notes = list(dict.fromkeys(note for a in axes for note in a.notes))
     key = Name(line.name, owner=sensor)
@@ -254,7 +254,7 @@ def read_figure(
         condition=say([a.part.condition or "" for a in axes]),
         source=say([a.part.source or "" for a in axes]),
     )
-    return ReadFigure(line=taken, assumptions=tuple(dict.fromkeys(assumptions)))
+    return ReadValue(line=taken, assumptions=tuple(dict.fromkeys(assumptions)))
 
 
 def standard_size(quantity: Quantity, density: str = "") -> float:
@@ -268,12 +268,12 @@ def standard_size(quantity: Quantity, density: str = "") -> float:
 
 
 @cache
-def _figure_type(
+def _value_type(
     like: str, family: type[SpecificationValue], axes: tuple[str, ...], beside: str
 ) -> Any:  # noqa: ANN401
-    """Return the type of the figures that have this unit and these axes.
+    """Return the type of the values that have this unit and these axes.
 
-    `beside` is a line of which the figure may say that it is no part of it.
+    `beside` is a line of which the value may say that it is no part of it.
     """
     measured = Measured(like)
     value = Annotated[Quantity, measured]
@@ -298,7 +298,7 @@ def _figure_type(
 
 
 def _family(line: Source) -> type[SpecificationValue]:
-    """Return what a file may say about a figure of that line."""
+    """Return what a file may say about a value of that line."""
     if line.name == "bias_stability":
         return StabilityValue
     if line.name in WALKS:
@@ -308,7 +308,7 @@ def _family(line: Source) -> type[SpecificationValue]:
 
 @dataclass(frozen=True, kw_only=True)
 class _Axis:
-    """One axis of a figure."""
+    """One axis of a specification value."""
 
     part: SpecificationValue
     quantity: Quantity
@@ -320,19 +320,19 @@ class _Axis:
     notes: tuple[str, ...]  # what was assumed
 
 
-def _axis(figure: SpecificationValue, axis: str) -> _Axis:
-    """Return what a figure says about one axis."""
-    axes = figure.axes if isinstance(figure, Whole) else None
+def _axis(given: SpecificationValue, axis: str) -> _Axis:
+    """Return what a specification value says about one axis."""
+    axes = given.axes if isinstance(given, Whole) else None
     own: SpecificationValue | Quantity | None = getattr(axes, axis, None)
-    part = own if isinstance(own, SpecificationValue) else figure
-    # Whole lets no figure pass that leaves an axis without a value.
+    part = own if isinstance(own, SpecificationValue) else given
+    # Whole lets no value pass that leaves an axis without a value.
     quantity = cast("Quantity", own if isinstance(own, Quantity) else part.value)
     notes: list[str] = []
     if isinstance(own, SpecificationValue):
         stated = {
             *("meaning", "distribution", "definition", "correlation_time", "density"),
         }
-        lost = sorted((figure.model_fields_set - own.model_fields_set) & stated)
+        lost = sorted((given.model_fields_set - own.model_fields_set) & stated)
         if lost:
             notes.append(
                 f"{', '.join(lost).replace('_', ' ')} of the line not taken, the axis "
