@@ -17,8 +17,7 @@ import numpy as np
 from budget.calibration.schemes import estimated, scheme_of
 from budget.distributions import NORMAL
 from budget.earth import ROTATION_RATE
-from budget.model.response import Truth, read_errors
-from budget.model.scheme import STATISTICS
+from budget.model.response import STATISTICS, Truth
 from budget.model.source import (
     TURN_ON,
     Disturbance,
@@ -291,7 +290,7 @@ class TriadCalibration:
         epsilon = noise[:, :STATISTICS]
         for rows, act in self.acts:
             epsilon = epsilon + act(x[rows], truth, noise)
-        found = read_errors(self.scheme, truth, epsilon)
+        found = self.scheme.read_errors(truth, epsilon)
         # Error = (calibrated - true during the test) + (that - reference); relative
         # errors of the scale factor multiply: (1 + r)(1 + e) - 1.
         r = self._scale_factor_deviation(x)

@@ -20,7 +20,6 @@ import numpy as np
 from budget.calibration.schemes import scheme_of
 from budget.distributions import LEAST
 from budget.errors import CallError
-from budget.model.response import CalibratedTriad, estimate
 from budget.model.source import (
     TURN_ON,
     Disturbance,
@@ -37,6 +36,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from budget.arrays import Array
+    from budget.model.response import CalibratedTriad
     from budget.model.scheme import Scheme
     from budget.model.source import Effect, Given
     from budget.model.windows import Window
@@ -249,7 +249,7 @@ def _calibrate(
         at = Samples(n=n, dt=dt, first=window.start + dt / 2.0)
         pulses = _count(sensor, scheme, tested, drawn, _At(place=place, samples=at))
         rates.append(pulses / window.length)
-    return estimate(scheme, np.array(rates).T)
+    return scheme.estimate(np.array(rates).T)
 
 
 def _count(

@@ -19,22 +19,27 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.errors import CallError
+from budget.model.response import (
+    BIAS,
+    COLUMN,
+    ROW,
+    SIGN,
+    STATISTICS,
+    CalibratedTriad,
+    Errors,
+    statistics_of,
+    tilt,
+    tilt_transposed,
+)
 from budget.names import AXES
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from budget.arrays import Array
+    from budget.model.response import Truth
     from budget.model.windows import Schedule
 
-# dT of Zhao 2019, eq. (1): element (ROW, COLUMN) is SIGN times the angle, for the
-# angles in the order of ANGLES: xy, xz, yx, yz, zx, zy.
-ROW = np.array([0, 0, 1, 1, 2, 2])
-COLUMN = np.array([2, 1, 2, 0, 1, 0])
-SIGN = np.array([-1.0, 1.0, 1.0, -1.0, -1.0, 1.0])
-
-BIAS = 3  # row of the weights, after the responses to x, y, z
-STATISTICS = 4
 UNBIASED = 1e-9  # what W A may miss I by [1]
 ROUNDING = 1e-14  # a weight below this part of the largest in its row is rounding [1]
 RANK = 1e-9  # a singular value below this part of the largest is none [1]
@@ -133,6 +138,94 @@ class Scheme:
         """
         W = self.weights if weights is None else weights
         return np.asarray((W[..., None] * values).sum(axis=2))
+
+    def read_errors(self, truth: Truth, epsilon: Array) -> Errors:
+        """Read scale factors, angles and biases off statistics (M, b) + epsilon.
+
+        K_i = K_true (1 + e_ii); d = s (s d + e_ia) / (1 + e_ii), s the sign of the
+        angle in dT; b = (b + e_ib) / (1 + e_ii): Zhao 2019, eqs. (3) to (5). Written as
+        errors: the difference of two nearly equal values would lose digits.
+
+        With `rotated` w the bias goes through eq. (4) as printed: it rotates v, the
+        mean reading over K, by the transpose, (I + dT^T) v - w, which is right only
+        where dT is antisymmetric and the bias given in body axes.
+
+        Parameters
+        ----------
+        truth : Truth
+        epsilon : ndarray, shape (3, 4, trials)
+            Errors of the statistics of each axis, W (e + M du).
+
+        Returns
+        -------
+        Errors
+        """
+        if self.held is not None:
+            epsilon = epsilon + self._from_held(self.held, truth)
+        own = epsilon[[0, 1, 2], [0, 1, 2]]
+        cross = epsilon[ROW, COLUMN] * SIGN[:, None]
+        angle = (cross - truth.angle * own[ROW]) / (1.0 + own[ROW])
+        bias = (epsilon[:, BIAS] - truth.bias * own) / (1.0 + own)
+        if self.rotated is not None:
+            found = truth.angle + angle
+            through = tilt(found, self.rotated)
+            v = truth.bias + bias + self.rotated[:, None] + through
+            bias = bias + through + tilt_transposed(found, v)
+        return Errors(scale_factor=own, mounting_angle=angle, bias=bias)
+
+    def estimate(self, readings: Array) -> CalibratedTriad:
+        """Calibrate one triad from its readings: the same weights, on real windows.
+
+        Parameters
+        ----------
+        readings : ndarray, shape (3, n)
+            Mean pulses per second of each axis in each window.
+
+        Returns
+        -------
+        CalibratedTriad
+        """
+        statistics = np.einsum("ikw,iw->ik", self.weights, readings)
+        if self.held is not None:
+            statistics -= self._known(self.held)
+        K = statistics[[0, 1, 2], [0, 1, 2]]
+        angle = SIGN * statistics[ROW, COLUMN] / K[ROW]
+        bias = statistics[:, BIAS] / K
+        w = self.rotated
+        if w is not None:
+            v = bias + w + tilt(angle[:, None], w)[:, 0]
+            bias = v + tilt_transposed(angle[:, None], v[:, None])[:, 0] - w
+        return CalibratedTriad(scale_factor=K, mounting_angle=angle, bias=bias)
+
+    def _from_held(self, held: Held, truth: Truth) -> Array:
+        """Return what held parameters add to epsilon, shape (3, 4, trials).
+
+        A column that is held at h0 and truly is h leaves h - (1 + e) h0 in the
+        averages, e = K0/K - 1 where the scale factor is held, else 0 (it is estimated
+        with the held column in it). Of the own column both are 1. W sees it as it sees
+        that column, and the statistic of a held scale factor is off by e itself.
+        """
+        is_own = held.which[[0, 1, 2], [0, 1, 2]][:, None]
+        k = (
+            np.zeros_like(truth.bias)
+            if truth.scale_factor is None
+            else truth.scale_factor
+        )
+        e = -1.0 * is_own * k / (1.0 + k)
+        true = statistics_of(np.ones_like(e), SIGN[:, None] * truth.angle, truth.bias)
+        taken = held.value[..., None]
+        left = 1.0 * held.which[..., None] * (true - taken - e[:, None] * taken)
+        found = (self.seen[..., None] * left[:, None]).sum(axis=2)
+        found[[0, 1, 2], [0, 1, 2]] += e
+        return np.asarray(found)
+
+    def _known(self, held: Held) -> Array:
+        """Return what held scale factors of 1 add to the statistics, shape (3, 4)."""
+        is_own = held.which[[0, 1, 2], [0, 1, 2]]
+        own = held.join(self.seen)[[0, 1, 2], :, [0, 1, 2]]
+        known = np.where(is_own[:, None], own, 0.0)
+        known[[0, 1, 2], [0, 1, 2]] -= is_own
+        return np.asarray(known)
 
 
 def check_unbiased(scheme: Scheme) -> None:

@@ -10,8 +10,8 @@ import numpy as np
 from budget.calibration.schemes import zhao_2019
 from budget.calibration.schemes.least_squares import scheme_by_least_squares
 from budget.errors import CallError
-from budget.model.response import statistics_of
-from budget.model.scheme import SIGN, Held
+from budget.model.response import SIGN, statistics_of
+from budget.model.scheme import Held
 from budget.model.source import Noise
 from budget.model.sources import source_of
 from budget.model.windows import Schedule

@@ -14,7 +14,8 @@ import numpy as np
 
 from budget.earth import ROTATION_RATE
 from budget.errors import CallError
-from budget.model.scheme import BIAS, Scheme, least_squares
+from budget.model.response import BIAS
+from budget.model.scheme import Scheme, least_squares
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -19,7 +19,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.calibration.schemes.least_squares import place_of
-from budget.model.scheme import BIAS, STATISTICS, Scheme
+from budget.model.response import BIAS, STATISTICS
+from budget.model.scheme import Scheme
 from budget.model.windows import INNER, MIDDLE, OUTER, Schedule, Setting, Window
 from budget.names import AXES
 

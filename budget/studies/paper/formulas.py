@@ -15,7 +15,6 @@ import numpy as np
 
 from budget.calibration.schemes import scheme_of
 from budget.earth import ROTATION_RATE
-from budget.model.response import estimate
 from budget.names import ANGLES, AXES
 from budget.studies.paper.printed import Finding, Verdict
 from budget.units import ARCSEC, DEG_PER_HOUR, STANDARD_GRAVITY
@@ -187,7 +186,7 @@ def _pulses(
     """Calibrate a triad from error-free readings, as the package does."""
     scheme = scheme_of(sensor, conditions.corrected)
     inputs = (scheme.turn + scheme.standing).T
-    found = estimate(scheme, K[:, None] * (_mounting() @ inputs + bias[:, None]))
+    found = scheme.estimate(K[:, None] * (_mounting() @ inputs + bias[:, None]))
     ours, truth = (
         _named("K_{}", AXES, factors)
         | _named("d_{}", ANGLES, angles)

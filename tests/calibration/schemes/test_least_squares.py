@@ -25,7 +25,7 @@ from budget.calibration.simulation import simulate
 from budget.errors import CallError
 from budget.methods.gum import propagate
 from budget.model.noise import GaussMarkov, White
-from budget.model.response import Truth, estimate, read_errors
+from budget.model.response import Truth
 from budget.model.windows import OUTER, Setting, Window
 from budget.names import parameters_of
 from budget.spec import load_procedure
@@ -243,9 +243,9 @@ def test_held_parameters_are_error_sources_exactly(owner, which):
     xy, xz, yx, yz, zx, zy = true.angle[:, 0]
     M = np.array([[1.0, xz, -xy], [-yz, 1.0, yx], [zy, -zx, 1.0]])
     K = 1.0 + true.scale_factor
-    found = estimate(scheme, K * (np.column_stack([M, true.bias]) @ design(scheme).T))
+    found = scheme.estimate(K * (np.column_stack([M, true.bias]) @ design(scheme).T))
 
-    errors = read_errors(scheme, true, np.zeros((3, 4, 1)))
+    errors = scheme.read_errors(true, np.zeros((3, 4, 1)))
     expected = np.concatenate(
         [
             (found.scale_factor[:, None] - K) / K,

@@ -11,7 +11,6 @@ from numpy.testing import assert_allclose
 
 from budget.calibration.schemes import scheme_of
 from budget.calibration.schemes.zhao_2019 import schedule_accelerometer, schedule_gyro
-from budget.model.response import estimate
 
 K = np.array([2.0, 3.0, 5.0])
 ANGLE = np.array([1e-5, -2e-5, 3e-5, -4e-5, 5e-5, 6e-5])  # xy xz yx yz zx zy
@@ -36,7 +35,7 @@ def readings(scheme):
 def test_the_estimator_inverts_the_measurement_model(owner, how):
     """Error-free readings return K, the six angles and the bias of eqs. (1), (2)."""
     scheme = scheme_of(owner, procedure(**how))
-    found = estimate(scheme, readings(scheme))
+    found = scheme.estimate(readings(scheme))
     # Angles and biases are differences of readings: rounding of 1e-16 of the inputs.
     assert_allclose(found.scale_factor, K, rtol=1e-13)
     assert_allclose(found.mounting_angle, ANGLE, rtol=1e-9)
@@ -46,7 +45,7 @@ def test_the_estimator_inverts_the_measurement_model(owner, how):
 def test_paper_bias_leaves_the_residual_of_eq_4():
     """Eq. (4) as printed is wrong by (dT + dT^T) w + dT^T b + dT^T dT w."""
     scheme = scheme_of("gyro", procedure(formulas="paper"))
-    found = estimate(scheme, readings(scheme))
+    found = scheme.estimate(readings(scheme))
     dT, w = M - np.eye(3), scheme.rotated
     residual = (dT + dT.T) @ w + dT.T @ BIAS + dT.T @ dT @ w
     assert_allclose(found.bias - BIAS, residual, rtol=1e-6)

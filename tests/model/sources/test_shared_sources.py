@@ -15,7 +15,7 @@ from budget import load_device, load_procedure, load_requirement
 from budget.calibration.problem import calibration_problem
 from budget.distributions import NORMAL
 from budget.methods.gum import propagate
-from budget.model.scheme import BIAS
+from budget.model.response import BIAS
 from budget.model.source import TEST, Disturbance, Source
 from budget.model.sources import SOURCES, STATION
 from budget.names import Name
