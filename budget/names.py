@@ -19,22 +19,15 @@ class Name(str):
 
     It is the text itself wherever one is wanted (keys, documents, messages); whoever
     needs a part reads the attribute, and nobody splits strings.
-
-    Attributes
-    ----------
-    owner : str
-        'gyro', 'accelerometer', 'station', ...; '' of a Problem that knows no owners.
-    quantity : str
-        'bias', 'bias_stability', 'levelling.east'; the text itself without an owner.
-    axis : str
-        'x', 'xy', ...; '' where there is none.
     """
 
     __slots__ = ("axis", "owner", "quantity")
 
+    # 'gyro', 'accelerometer', 'station', ...; '' of a Problem that knows no owners.
     owner: str
+    # 'bias', 'bias_stability', 'levelling.east'; the text itself without an owner.
     quantity: str
-    axis: str
+    axis: str  # 'x', 'xy', ...; '' where there is none
 
     def __new__(cls, quantity: str, *, owner: str = "", axis: str = "") -> Self:
         """Join the parts that are there with dots."""

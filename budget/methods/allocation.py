@@ -33,26 +33,15 @@ TOUCHES = 1e-6  # relative distance at which a bound counts as reached
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Task:
-    """Limits on some outputs of one law, and the room of each source.
+    """Limits on some outputs of one law, and the room of each source."""
 
-    Attributes
-    ----------
-    law : ScaledLaw
-        Of the limited outputs alone.
-    limit : ndarray, shape (n_out,)
-        Largest absolute interval end that is allowed [SI].
-    coverage_factor : ndarray, shape (n_out,)
-        k of the interval mean +- k u of each output [1].
-    free : ndarray of bool, shape (n_src,)
-        Sources that may change; the others stay at s = 1.
-    low, high : ndarray, shape (n_src,)
-        Least and largest factor of each free source [1].
-    """
-
-    law: ScaledLaw
-    limit: Array
+    law: ScaledLaw  # of the limited outputs alone
+    limit: Array  # largest absolute interval end that is allowed, shape (n_out,) [SI]
+    # k of the interval mean +- k u of each output, shape (n_out,) [1].
     coverage_factor: Array
+    # Sources that may change; the others stay at s = 1, shape (n_src,).
     free: NDArray[np.bool_]
+    # Least and largest factor of each free source, shape (n_src,) [1].
     low: Array
     high: Array
 

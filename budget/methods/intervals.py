@@ -43,14 +43,9 @@ def interval_of_values(ordered: Array, coverage: float, kind: str) -> Array:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Grid:
-    """Equal bins for every output; what falls outside counts in the outermost.
+    """Equal bins for every output; what falls outside counts in the outermost."""
 
-    Attributes
-    ----------
-    low, width : ndarray, shape (n_out,)
-        Lower end of the first bin, width of a bin [SI].
-    """
-
+    # Lower end of the first bin, width of a bin, shape (n_out,) [SI].
     low: Array
     width: Array
 
@@ -77,18 +72,11 @@ class Grid:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Histogram:
-    """Counts of all trials of every output, and their extremes.
-
-    Attributes
-    ----------
-    grid : Grid
-    counts : ndarray, shape (n_out, BINS)
-    least, largest : ndarray, shape (n_out,)
-        Smallest and largest trial [SI].
-    """
+    """Counts of all trials of every output, and their extremes."""
 
     grid: Grid
-    counts: Array
+    counts: Array  # shape (n_out, BINS)
+    # Smallest and largest trial, shape (n_out,) [SI].
     least: Array
     largest: Array
 

@@ -423,19 +423,11 @@ def _element(ufunc: np.ufunc, *numbers: Jet | float) -> Jet | float:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Expansion:
-    """A function and its derivatives at one point.
+    """A function and its derivatives at one point."""
 
-    Attributes
-    ----------
-    value : ndarray, shape (n_out,)
-    C : ndarray, shape (n_out, n_in)
-        Sensitivities dy/dx [unit of y / unit of x].
-    H : ndarray, shape (n_out, n_in, n_in)
-        Second derivatives [unit of y / units of both x].
-    """
-
-    value: Array
-    C: Array
+    value: Array  # shape (n_out,)
+    C: Array  # sensitivities dy/dx, shape (n_out, n_in) [unit of y / unit of x]
+    # Second derivatives, shape (n_out, n_in, n_in) [unit of y / units of both x].
     H: Array
 
 

@@ -40,21 +40,14 @@ SPACING = 0.125  # of a tail, to either side, over which a density is taken [1]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Ends:
-    """Ends of coverage intervals over their limits.
+    """Ends of coverage intervals over their limits."""
 
-    Attributes
-    ----------
-    value : ndarray, shape (n,)
-        [1]
-    noise : ndarray, shape (n_batches, n)
-        What each batch of trials moves an end by; times independent unit normals
-        and summed it is the joint noise. 0 where the law gave the end [1].
-    bound : ndarray, shape (n,)
-        What the law can be off by; 0 where trials gave the end [1].
-    """
-
-    value: Array
+    value: Array  # [1], shape (n,)
+    # What each batch of trials moves an end by; times independent unit normals and
+    # summed it is the joint noise, shape (n_batches, n). 0 where the law gave the end
+    # [1].
     noise: Array
+    # What the law can be off by; 0 where trials gave the end, shape (n,) [1].
     bound: Array
 
     @property

@@ -31,18 +31,10 @@ ALIKE = 1e-12  # limits closer than this have one multiplier [1]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Prices:
-    """Cost of each source as a function of its factor: c s^-p.
+    """Cost of each source as a function of its factor: c s^-p."""
 
-    Attributes
-    ----------
-    c : ndarray, shape (n_src,)
-        Cost at the present size, a (u_ref/u)^p [unit of cost].
-    p : ndarray, shape (n_src,)
-        Powers [1].
-    """
-
-    c: Array
-    p: Array
+    c: Array  # cost at the present size, a (u_ref/u)^p, shape (n_src,) [unit of cost]
+    p: Array  # powers, shape (n_src,) [1]
 
     def each(self, s: Array) -> Array:
         """Return the cost of each source, shape (n_src,)."""
@@ -51,32 +43,18 @@ class Prices:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LeastCost:
-    """The cheapest allocation, and what shows that it is one.
+    """The cheapest allocation, and what shows that it is one."""
 
-    Attributes
-    ----------
-    s : ndarray, shape (n_src,)
-        Factors [1].
-    cost : float
-        Of the free sources [unit of cost].
-    multiplier : ndarray, shape (n_out,)
-        Fall of the cost for a relative rise of each limit, - d cost / d log(limit)
-        [unit of cost]. Where several outputs bind in the same way only their sum is
-        determined.
-    residual : float
-        Largest component of the gradient that the multipliers leave, over the cost [1].
-    gap : float
-        The cost is at most this part above the least possible one [1].
-    solver : str
-        What the solver said of itself; it decides nothing.
-    """
-
-    s: Array
-    cost: float
+    s: Array  # factors, shape (n_src,) [1]
+    cost: float  # of the free sources [unit of cost]
+    # Fall of the cost for a relative rise of each limit, - d cost / d log(limit), shape
+    # (n_out,) [unit of cost]. Where several outputs bind in the same way only their sum
+    # is determined.
     multiplier: Array
+    # Largest component of the gradient that the multipliers leave, over the cost [1].
     residual: float
-    gap: float
-    solver: str
+    gap: float  # the cost is at most this part above the least possible one [1]
+    solver: str  # what the solver said of itself; it decides nothing
 
     @property
     def is_optimal(self) -> bool:

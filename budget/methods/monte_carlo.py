@@ -324,19 +324,11 @@ HALVINGS = 12  # of the bracket around r, from above: to 1e-4 of it
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Moments:
-    """Mean and co-moment of a number of trials; two of them add up exactly.
-
-    Attributes
-    ----------
-    n : int
-    mean : ndarray, shape (n_out,)
-    deviations : ndarray, shape (n_out, n_out)
-        Sum over trials of (y - mean)(y - mean)^T.
-    """
+    """Mean and co-moment of a number of trials; two of them add up exactly."""
 
     n: int
-    mean: Array
-    deviations: Array
+    mean: Array  # shape (n_out,)
+    deviations: Array  # sum over trials of (y - mean)(y - mean)^T, shape (n_out, n_out)
 
     @classmethod
     def of(cls, y: Array) -> Moments:
@@ -370,22 +362,15 @@ class Moments:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MacroBlock:
-    """What a worker returns of M trials.
-
-    Attributes
-    ----------
-    moments : Moments
-    values : ndarray, shape (n_out, M), or None
-        The trials, in their order; None where their counts stand instead.
-    histogram : Histogram or None
-    settling : ndarray, shape (4, n_out), or None
-        Mean, standard uncertainty and both interval ends of this block alone; of the
-        macro-blocks of the first stage.
-    """
+    """What a worker returns of M trials."""
 
     moments: Moments
+    # The trials, in their order; None where their counts stand instead, shape (n_out,
+    # M).
     values: Array | None = None
     histogram: Histogram | None = None
+    # Mean, standard uncertainty and both interval ends of this block alone; of the
+    # macro-blocks of the first stage, shape (4, n_out).
     settling: Array | None = None
 
 

@@ -40,27 +40,17 @@ NEGLIGIBLE = 1e-12
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ScaledLaw:
-    """Mean and variance of every output for any factors s on the sources.
+    """Mean and variance of every output for any factors s on the sources."""
 
-    Attributes
-    ----------
-    sources, outputs : tuple of str
-        Names, in the order of the arrays.
-    value : ndarray, shape (n_out,)
-        m_0, the outputs at the best estimates [SI].
-    shift : ndarray, shape (n_out, n_src)
-        d, what each source at its present size adds to the mean [SI].
-    first : ndarray, shape (n_out, n_src)
-        a, variance to first order [SI squared].
-    second : ndarray, shape (n_out, n_src, n_src)
-        P, symmetric; variance to second order [SI squared].
-    """
-
+    # Names, in the order of the arrays.
     sources: tuple[Name, ...]
     outputs: tuple[Name, ...]
-    value: Array
+    value: Array  # m_0, the outputs at the best estimates, shape (n_out,) [SI]
+    # d, what each source at its present size adds to the mean, shape (n_out, n_src)
+    # [SI].
     shift: Array
-    first: Array
+    first: Array  # a, variance to first order, shape (n_out, n_src) [SI squared]
+    # P, symmetric; variance to second order, shape (n_out, n_src, n_src) [SI squared].
     second: Array
 
     def mean(self, s: Array) -> Array:

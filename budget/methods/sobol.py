@@ -47,17 +47,10 @@ EDGE = 2.0**-40
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Indices:
-    """Estimates of one kind of index with their intervals.
+    """Estimates of one kind of index with their intervals."""
 
-    Attributes
-    ----------
-    value : ndarray, shape (n_factors, n_out)
-        [1]; nan where an output has no variance.
-    low, high : ndarray, same shape
-        Ends of the t interval over scrambles [1].
-    """
-
-    value: Array
+    value: Array  # [1]; nan where an output has no variance, shape (n_factors, n_out)
+    # Ends of the t interval over scrambles [1].
     low: Array
     high: Array
 
@@ -205,17 +198,11 @@ def sobol(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _LinearPart:
-    """The tangent of the model at the mean, and what is known of it exactly.
+    """The tangent of the model at the mean, and what is known of it exactly."""
 
-    Attributes
-    ----------
-    C : ndarray, shape (n_out, n_in)
-        Sensitivities; zero rows where the tangent is no help.
-    variance : ndarray, shape (n_factors, n_out)
-        Variance of the tangent from each factor.
-    """
-
+    # Sensitivities; zero rows where the tangent is no help, shape (n_out, n_in).
     C: Array
+    # Variance of the tangent from each factor, shape (n_factors, n_out).
     variance: Array
 
 

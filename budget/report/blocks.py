@@ -64,47 +64,27 @@ class Pairs:
 
 @dataclass(frozen=True, kw_only=True)
 class Column:
-    """A column of a table: its head, with the unit of all its numbers in it.
-
-    Attributes
-    ----------
-    head : str
-    kind : str
-        'text', 'number' (decimal points in line, sorted by the exact value), 'unit'
-        (beside a number), 'code' (a hash, in fixed width) or 'drawing' (of characters,
-        on a terminal alone).
-    weight : float
-        Share of the width that a text column asks for beside other text columns.
-    """
+    """A column of a table: its head, with the unit of all its numbers in it."""
 
     head: str
+    # 'text', 'number' (decimal points in line, sorted by the exact value), 'unit'
+    # (beside a number), 'code' (a hash, in fixed width) or 'drawing' (of characters, on
+    # a terminal alone).
     kind: str = "text"
+    # Share of the width that a text column asks for beside other text columns.
     weight: float = 1.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class Cell:
-    """One cell: its text, rounded, and what it is exactly.
+    """One cell: its text, rounded, and what it is exactly."""
 
-    Attributes
-    ----------
-    text : str
-        As it is printed.
-    exact : float or None
-        In full precision, where it is a number: tooltips and sorting.
-    share : float or None
-        Part of the cell that a bar behind the text fills [1].
-    strong : bool
-        Bold: what the reader must not miss.
-    note : str
-        A second line, small.
-    """
-
-    text: str
+    text: str  # as it is printed
+    # In full precision, where it is a number: tooltips and sorting.
     exact: float | None = None
-    share: float | None = None
-    strong: bool = False
-    note: str = ""
+    share: float | None = None  # part of the cell that a bar behind the text fills [1]
+    strong: bool = False  # bold: what the reader must not miss
+    note: str = ""  # a second line, small
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,32 +102,19 @@ class RowGroup:
 class Table:
     """A table with a head that repeats on every printed page.
 
-    Attributes
-    ----------
-    name : str
-        One word for a link, unique in the document: 'inputs-gyro'.
-    caption : str
-        What it shows, for those who hear the page; printed in the PDF's tags only.
-    columns : tuple of Column
-    groups : tuple of RowGroup
-        Every row has as many cells as there are columns.
-    is_wide : bool
-        Whether it needs the width of the page.
-    searchable : bool
-        Whether it is long enough to be searched and sorted.
-
     Raises
     ------
     ValueError
         A row has more or fewer cells than there are columns.
     """
 
-    name: str
+    name: str  # one word for a link, unique in the document: 'inputs-gyro'
+    # What it shows, for those who hear the page; printed in the PDF's tags only.
     caption: str
     columns: tuple[Column, ...]
-    groups: tuple[RowGroup, ...]
-    is_wide: bool = False
-    searchable: bool = False
+    groups: tuple[RowGroup, ...]  # every row has as many cells as there are columns
+    is_wide: bool = False  # whether it needs the width of the page
+    searchable: bool = False  # whether it is long enough to be searched and sorted
 
     def __post_init__(self) -> None:
         """Hold every row to the number of columns."""
@@ -165,21 +132,12 @@ R = TypeVar("R")
 
 @dataclass(frozen=True, kw_only=True)
 class Field(Column, Generic[R]):
-    """A column that knows what stands in it: declared once, for every form of a table.
+    """A column with what stands in it of a record, for every form of a table."""
 
-    Attributes
-    ----------
-    cell : callable
-        What stands in it of a record; plain text may come as it is.
-    optional : bool
-        Whether the column goes where nothing stands in it.
-    key : str
-        Its name for a program, where it has one.
-    """
-
+    # What stands in it of a record; plain text may come as it is.
     cell: Callable[[R], Cell | str]
-    optional: bool = False
-    key: str = ""
+    optional: bool = False  # whether the column goes where nothing stands in it
+    key: str = ""  # its name for a program, where it has one
 
 
 def table_of(
@@ -247,36 +205,19 @@ def _cell(found: Cell | str) -> Cell:
 
 @dataclass(frozen=True, kw_only=True)
 class Picture:
-    """A figure: title with the finding, the same in words with numbers, its data.
+    """A figure: title with the finding, the same in words with numbers, its data."""
 
-    Attributes
-    ----------
-    name : str
-        One word, unique in the document: 'shares-gyro-bias'.
-    title : str
-        The finding: 'Bias repeatability makes 97 % of the gyro bias variance'.
-    alt : str
-        The finding with the numbers, for those who cannot see it.
-    svg : str
-        From `budget.report.figures.style.to_svg`, with texts as text.
-    tips : mapping of str to str
-        Tooltips by the gid of the element that they belong to.
-    caption : str
-        How to read it; '' where the axes say it all.
-    data : Table or None
-        The numbers behind it; None where a table beside it has them.
-    is_wide : bool
-        Whether it needs the width of the page.
-    """
-
-    name: str
-    title: str
-    alt: str
+    name: str  # one word, unique in the document: 'shares-gyro-bias'
+    title: str  # the finding: 'Bias repeatability makes 97 % of the gyro bias variance'
+    alt: str  # the finding with the numbers, for those who cannot see it
+    # From `budget.report.figures.style.to_svg`, with texts as text.
     svg: str = field(repr=False)
+    # Tooltips by the gid of the element that they belong to.
     tips: Mapping[str, str] = field(default_factory=dict, repr=False)
-    caption: str = ""
+    caption: str = ""  # how to read it; '' where the axes say it all
+    # The numbers behind it; None where a table beside it has them.
     data: Table | None = None
-    is_wide: bool = False
+    is_wide: bool = False  # whether it needs the width of the page
 
 
 @dataclass(frozen=True)
@@ -308,18 +249,11 @@ class Equations:
 
 @dataclass(frozen=True, kw_only=True)
 class Sliders:
-    """What one source more or less would do: a table; in HTML, sliders above it.
+    """What one source more or less would do: a table; in HTML, sliders above it."""
 
-    Attributes
-    ----------
-    model : mapping
-        What the page computes from, as JSON: `budget.studies.what_if`.
-    table : Table
-        The same for a few fixed changes, for paper.
-    """
-
+    # What the page computes from, as JSON: `budget.studies.what_if`.
     model: Mapping[str, object] = field(repr=False)
-    table: Table
+    table: Table  # the same for a few fixed changes, for paper
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -357,24 +291,14 @@ Block = (
 
 @dataclass(frozen=True, kw_only=True)
 class Section:
-    """A part of a document that its contents name.
+    """A part of a document that its contents name."""
 
-    Attributes
-    ----------
-    name : str
-        One word for a link, unique in the document: 'inputs'.
-    title : str
-    blocks : tuple of Block
-    on_first_page : bool
-        Whether it belongs to the answer on page one; those sections come first.
-    in_brief : str or None
-        What a terminal prints in its place, '' for nothing; None for its blocks.
-    """
-
-    name: str
+    name: str  # one word for a link, unique in the document: 'inputs'
     title: str
     blocks: tuple[Block, ...]
+    # Whether it belongs to the answer on page one; those sections come first.
     on_first_page: bool = False
+    # What a terminal prints in its place, '' for nothing; None for its blocks.
     in_brief: str | None = None
 
 
@@ -388,42 +312,20 @@ class Card:
 
 @dataclass(frozen=True, kw_only=True)
 class Document:
-    """A whole report.
+    """A whole report."""
 
-    Attributes
-    ----------
-    kind : str
-        'report', 'comparison', 'allocation' or 'paper': names the embedded JSON.
-    title : str
-        What it is of: the devices.
-    facts : tuple of str
-        Procedure, place; the date and the version stand beside them.
-    headline : str
-        The answer in one line: 'FAILS navigation grade'.
-    summary : Words
-        The answer in a sentence or two.
-    cards : tuple of Card
-        The answer in parts.
-    sections : tuple of Section
-        Those of page one first.
-    json : str
-        All numbers in full precision.
-    date : str
-        Year-month-day.
-    version : str
-        Of the tool.
-    """
-
+    # 'report', 'comparison', 'allocation' or 'paper': names the embedded JSON.
     kind: str
-    title: str
+    title: str  # what it is of: the devices
+    # Procedure, place; the date and the version stand beside them.
     facts: tuple[str, ...]
-    headline: str
-    summary: Words
-    cards: tuple[Card, ...]
-    sections: tuple[Section, ...]
-    json: str = field(repr=False)
-    date: str
-    version: str
+    headline: str  # the answer in one line: 'FAILS navigation grade'
+    summary: Words  # the answer in a sentence or two
+    cards: tuple[Card, ...]  # the answer in parts
+    sections: tuple[Section, ...]  # those of page one first
+    json: str = field(repr=False)  # all numbers in full precision
+    date: str  # year-month-day
+    version: str  # of the tool
 
     @property
     def running_head(self) -> str:

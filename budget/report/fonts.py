@@ -62,40 +62,22 @@ class Face:
 
 @dataclass(frozen=True, kw_only=True)
 class Piece:
-    """A part of a text as it is printed.
+    """A part of a text as it is printed."""
 
-    Attributes
-    ----------
-    text : str
-        As it was, or code points.
-    family : int
-        Place of its font among the families.
-    lost : str
-        What the code points stand for.
-    """
-
-    text: str
-    family: int = 0
-    lost: str = ""
+    text: str  # as it was, or code points
+    family: int = 0  # place of its font among the families
+    lost: str = ""  # what the code points stand for
 
 
 @dataclass(frozen=True, kw_only=True)
 class FontSet:
-    """The fonts of a document, and how to write what they do not have.
+    """The fonts of a document, and how to write what they do not have."""
 
-    Attributes
-    ----------
-    families : tuple of str
-        Names of the text fonts, in the order in which typst tries them.
-    faces : tuple of Face
-        Fonts of this machine that it takes besides the bundled ones.
-    coverage : tuple of frozenset of int
-        Code points of each family.
-    """
-
+    # Names of the text fonts, in the order in which typst tries them.
     families: tuple[str, ...]
+    # Fonts of this machine that it takes besides the bundled ones.
     faces: tuple[Face, ...]
-    coverage: tuple[frozenset[int], ...]
+    coverage: tuple[frozenset[int], ...]  # code points of each family
 
     def printable(self, text: str) -> str:
         """Write what cannot be shown as code points: 'U+8D75'."""

@@ -84,16 +84,10 @@ UNBROKEN = 12  # characters of a long one between places where a line may end
 
 @dataclass(frozen=True, kw_only=True)
 class Typeset:
-    """A PDF, and the characters in it that no font has.
-
-    Attributes
-    ----------
-    pdf : bytes
-    replaced : tuple of str
-        Code points that stand in the place of their characters: 'U+8D75'.
-    """
+    """A PDF, and the characters in it that no font has."""
 
     pdf: bytes
+    # Code points that stand in the place of their characters: 'U+8D75'.
     replaced: tuple[str, ...]
 
 

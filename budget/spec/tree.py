@@ -26,24 +26,14 @@ MOST_ISSUES = 100  # that one error says: more help nobody, and cost time
 
 @dataclass(frozen=True, kw_only=True)
 class Node:
-    """A value in a file.
+    """A value in a file."""
 
-    Attributes
-    ----------
-    value : scalar, tuple of Node, or dict of Node
-        None where the file has something that is no value (nothing, or an alias);
-        that is an issue of the document already.
-    written : str
-        A scalar as the file spells it; '' for the others.
-    path : str
-        Dotted path in the file.
-    at, key : Mark
-        Where the value starts, and its key; the same where it has none.
-    """
-
+    # None where the file has something that is no value (nothing, or an alias); that is
+    # an issue of the document already.
     value: str | float | bool | tuple[Node, ...] | dict[str, Node] | None
-    written: str = ""
-    path: str
+    written: str = ""  # a scalar as the file spells it; '' for the others
+    path: str  # dotted path in the file
+    # Where the value starts, and its key; the same where it has none.
     at: Mark
     key: Mark
 

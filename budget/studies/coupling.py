@@ -31,28 +31,16 @@ PULSE_ROUNDING = 100.0  # [1]
 
 @dataclass(frozen=True, kw_only=True)
 class Coupling:
-    """What one source alone does to one group of parameters.
+    """What one source alone does to one group of parameters."""
 
-    Attributes
-    ----------
-    source : str
-        'gyro.bias_stability'.
-    group : str
-        'gyro.scale_factor': the outputs of that name on all axes.
-    u : float
-        Largest standard uncertainty over the group [SI unit of the outputs].
-    size : float
-        Standard uncertainty over that from all sources together, largest over the
-        group [1]; 0 where nothing reaches it.
-    reaches : bool
-        Whether any output of the group has more spread than the rounding of the
-        computation (Output.resolution).
-    """
-
-    source: Name
-    group: Name
-    u: float
+    source: Name  # 'gyro.bias_stability'
+    group: Name  # 'gyro.scale_factor': the outputs of that name on all axes
+    u: float  # largest standard uncertainty over the group [SI unit of the outputs]
+    # Standard uncertainty over that from all sources together, largest over the group
+    # [1]; 0 where nothing reaches it.
     size: float
+    # Whether any output of the group has more spread than the rounding of the
+    # computation (Output.resolution).
     reaches: bool
 
     @property

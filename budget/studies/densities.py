@@ -31,39 +31,21 @@ BINS = 120
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Density:
-    """The distribution of the error of one output, and what the law says of it.
-
-    Attributes
-    ----------
-    output : Output
-    trials : int
-        Of Monte Carlo.
-    edges : ndarray, shape (BINS + 1,)
-        Ends of the bins, from the smallest trial to the largest [SI].
-    density : ndarray, shape (BINS,)
-        Probability density in each bin [1/SI].
-    mean, u : float
-        Of the law, so of its normal distribution [SI].
-    interval : tuple of float
-        Coverage interval of the law [SI].
-    interval_mc : tuple of float
-        Coverage interval of the trials [SI].
-    limit : float or None
-        On the absolute error [SI]; None where nothing is required.
-    lacks : tuple of Name
-        Expected lines that are not given and would widen it.
-    """
+    """The distribution of the error of one output, and what the law says of it."""
 
     output: Output
-    trials: int
+    trials: int  # of Monte Carlo
+    # Ends of the bins, from the smallest trial to the largest, shape (BINS + 1,) [SI].
     edges: Array = field(repr=False)
+    # Probability density in each bin, shape (BINS,) [1/SI].
     density: Array = field(repr=False)
+    # Of the law, so of its normal distribution [SI].
     mean: float
     u: float
-    interval: tuple[float, float]
-    interval_mc: tuple[float, float]
-    limit: float | None
-    lacks: tuple[Name, ...] = ()
+    interval: tuple[float, float]  # coverage interval of the law [SI]
+    interval_mc: tuple[float, float]  # coverage interval of the trials [SI]
+    limit: float | None  # on the absolute error [SI]; None where nothing is required
+    lacks: tuple[Name, ...] = ()  # expected lines that are not given and would widen it
 
 
 def critical_densities(

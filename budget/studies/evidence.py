@@ -19,21 +19,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Evidence:
-    """What stands behind a budget.
+    """What stands behind a budget."""
 
-    Attributes
-    ----------
-    coupling : CouplingTable
-        Which source reaches what, by the law.
-    densities : tuple of Density
-        How the errors of the critical outputs are distributed; by Monte Carlo.
-    what_if : WhatIf
-        The budget as a function of the sizes of its sources.
-    """
-
-    coupling: CouplingTable
+    coupling: CouplingTable  # which source reaches what, by the law
+    # How the errors of the critical outputs are distributed; by Monte Carlo.
     densities: tuple[Density, ...]
-    what_if: WhatIf
+    what_if: WhatIf  # the budget as a function of the sizes of its sources
 
 
 def gather_evidence(

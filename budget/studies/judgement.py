@@ -56,25 +56,13 @@ NORMAL_TRIALS = 16_384  # of the joint normal law, where there are no others
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Limited:
-    """What is judged: the Problem of one sensor, and limits on its outputs.
-
-    Attributes
-    ----------
-    problem : Problem
-    rows : ndarray of int, shape (n_required,)
-        Required outputs among those of the Problem.
-    limits : ndarray, shape (n_required,)
-        On their absolute errors [SI].
-    printed : tuple of str
-        The limits as the requirement file gives them.
-    absent : tuple of Name
-        Parameters with a limit that the calibration does not estimate.
-    """
+    """What is judged: the Problem of one sensor, and limits on its outputs."""
 
     problem: Problem
-    rows: Array
-    limits: Array
-    printed: tuple[str, ...]
+    rows: Array  # required outputs among those of the Problem, shape (n_required,)
+    limits: Array  # on their absolute errors, shape (n_required,) [SI]
+    printed: tuple[str, ...]  # the limits as the requirement file gives them
+    # Parameters with a limit that the calibration does not estimate.
     absent: tuple[Name, ...] = ()
 
     @property
@@ -122,51 +110,33 @@ class Marks:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Judged:
-    """How the required outputs of one Problem stand against their limits.
+    """How the required outputs of one Problem stand against their limits."""
 
-    Attributes
-    ----------
-    interval : ndarray, shape (n_required, 2)
-        Coverage intervals [SI].
-    by_trials : ndarray of bool, shape (n_required,)
-        Whether an interval is of the trials, else it is the law's.
-    factor : ndarray, shape (n_required,)
-        Coverage factors: what times u gives the largest end from |mean| on [1].
-    u : ndarray, shape (n_required,)
-        Standard uncertainties, by the law [SI].
-    used : ndarray, shape (n_required,)
-        Utilisations: largest absolute end over limit [1].
-    used_by_law : ndarray, shape (n_required,)
-        The same by the law, which knows of equal axes that they are equal [1].
-    utilisation_interval : tuple of float
-        Of the largest: sampling at 95 %, and what the law can be off by [1].
-    within : ndarray, shape (n_required,)
-        Probability of each error to be within its limit [1].
-    conformance : Probability
-        Of all together.
-    inside : Marks
-        In which trials all are within; of the joint normal law where `trials` is None.
-    ends : Ends
-        What the interval of the utilisation was taken from.
-    sampled : ndarray, shape (n_required,)
-        Half the 95 % sampling interval of each utilisation, were it of the trials [1].
-    trials : int or None
-        None: by the law alone.
-    """
-
-    interval: Array
+    interval: Array  # coverage intervals, shape (n_required, 2) [SI]
+    # Whether an interval is of the trials, else it is the law's, shape (n_required,).
     by_trials: Array
+    # Coverage factors: what times u gives the largest end from |mean| on, shape
+    # (n_required,) [1].
     factor: Array
-    u: Array
+    u: Array  # standard uncertainties, by the law, shape (n_required,) [SI]
+    # Utilisations: largest absolute end over limit, shape (n_required,) [1].
     used: Array
+    # The same by the law, which knows of equal axes that they are equal, shape
+    # (n_required,) [1].
     used_by_law: Array = field(repr=False)
+    # Of the largest: sampling at 95 %, and what the law can be off by [1].
     utilisation_interval: tuple[float, float]
+    # Probability of each error to be within its limit, shape (n_required,) [1].
     within: Array
-    conformance: Probability
+    conformance: Probability  # of all together
+    # In which trials all are within; of the joint normal law where `trials` is None.
     inside: Marks = field(repr=False)
+    # What the interval of the utilisation was taken from.
     ends: Ends = field(repr=False)
+    # Half the 95 % sampling interval of each utilisation, were it of the trials, shape
+    # (n_required,) [1].
     sampled: Array = field(repr=False)
-    trials: int | None
+    trials: int | None  # none: by the law alone
 
     @property
     def worst(self) -> int:

@@ -28,23 +28,13 @@ def stage(progress: Progress | None, what: str) -> Callable[[int, int], None] | 
 
 @dataclass(frozen=True, kw_only=True)
 class Engine:
-    """Who does the work, and how it is talked about; nothing of it changes a number.
+    """Who does the work, and how it is talked about; nothing of it changes a number."""
 
-    Attributes
-    ----------
-    workers : int
-        Processes.
-    executor : concurrent.futures.Executor or None
-        Does the work in place of local processes.
-    progress : callable or None
-        Called with what is being done, steps done and steps in all.
-    talk : callable or None
-        Called with a line for people before work that may take long.
-    """
-
-    workers: int = 1
-    executor: Executor | None = None
+    workers: int = 1  # processes
+    executor: Executor | None = None  # does the work in place of local processes
+    # Called with what is being done, steps done and steps in all.
     progress: Progress | None = None
+    # Called with a line for people before work that may take long.
     talk: Callable[[str], None] | None = None
 
     def stage(self, what: str) -> Callable[[int, int], None] | None:

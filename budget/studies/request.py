@@ -78,30 +78,15 @@ class Analysis:
 
     The Problem and its law are made when they are first asked for, once: whatever
     looks at the same calibration is given this.
-
-    Attributes
-    ----------
-    devices : tuple of Device
-        Together at most one gyro and one accelerometer.
-    procedure : Procedure
-    coverage : float
-        Probability of the intervals [1].
-    reference : str
-        Error reference.
-    only : frozenset of Name or None
-        Sources that count, all others 0; None: all.
-    requirement : Requirement or None
-        Limits on the errors.
-    kinds : tuple of str
-        Triads that are looked at, of those that are there.
     """
 
-    devices: tuple[Device, ...]
+    devices: tuple[Device, ...]  # together at most one gyro and one accelerometer
     procedure: Procedure
-    coverage: float = DEFAULT_COVERAGE
-    reference: str = DEFAULT_REFERENCE
-    only: frozenset[Name] | None = None
-    requirement: Requirement | None = None
+    coverage: float = DEFAULT_COVERAGE  # probability of the intervals [1]
+    reference: str = DEFAULT_REFERENCE  # error reference
+    only: frozenset[Name] | None = None  # sources that count, all others 0; None: all
+    requirement: Requirement | None = None  # limits on the errors
+    # Triads that are looked at, of those that are there.
     kinds: tuple[str, ...] = SENSORS
 
     @classmethod

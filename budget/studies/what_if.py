@@ -75,66 +75,39 @@ class SensorOutlook:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Outlook:
-    """What the law says at changed sources.
+    """What the law says at changed sources."""
 
-    Attributes
-    ----------
-    mean, u : ndarray, shape (n_out,)
-        Expected errors and standard uncertainties [SI].
-    interval : ndarray, shape (n_out, 2)
-        Coverage intervals [SI].
-    share : ndarray, shape (n_out, n_src)
-        Of each source alone in the variance; 0 where the variance is 0 [1].
-    utilisation : tuple of float or None
-        Of each output; None where nothing is required [1].
-    sensors : tuple of SensorOutlook
-        Of the sensors of which something is required.
-    """
-
+    # Expected errors and standard uncertainties, shape (n_out,) [SI].
     mean: Array
     u: Array
-    interval: Array
+    interval: Array  # coverage intervals, shape (n_out, 2) [SI]
+    # Of each source alone in the variance; 0 where the variance is 0, shape (n_out,
+    # n_src) [1].
     share: Array
+    # Of each output; None where nothing is required [1].
     utilisation: tuple[float | None, ...]
-    sensors: tuple[SensorOutlook, ...]
+    sensors: tuple[SensorOutlook, ...]  # of the sensors of which something is required
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class WhatIf:
-    """A budget as a function of the sizes of its sources.
+    """A budget as a function of the sizes of its sources."""
 
-    Attributes
-    ----------
-    coverage : float
-        Probability of the intervals [1].
-    reference : str
-        Error reference.
-    sensors : tuple of WhatIfSensor
-    sources : tuple of WhatIfSource
-        Those that are not 0 in this run; a factor on 0 changes nothing.
-    outputs : tuple of Output
-    coverage_factor : ndarray, shape (n_out,)
-        Coverage factors k: half an interval over u [1].
-    shift : ndarray, shape (n_out,)
-        d: the middle of an interval less the mean, over u [1].
-    limit : tuple of float or None
-        On the absolute error of each output; None where there is none [SI].
-    lower_bound : tuple of bool
-        Of each output: whether a line that is not given would widen it.
-    law : ScaledLaw
-        In the order of `sources` and `outputs` [SI].
-    """
-
-    coverage: float
-    reference: str
+    coverage: float  # probability of the intervals [1]
+    reference: str  # error reference
     sensors: tuple[WhatIfSensor, ...]
+    # Those that are not 0 in this run; a factor on 0 changes nothing.
     sources: tuple[WhatIfSource, ...]
     outputs: tuple[Output, ...]
+    # Coverage factors k: half an interval over u, shape (n_out,) [1].
     coverage_factor: Array = field(repr=False)
+    # d: the middle of an interval less the mean, over u, shape (n_out,) [1].
     shift: Array = field(repr=False)
+    # On the absolute error of each output; None where there is none [SI].
     limit: tuple[float | None, ...]
+    # Of each output: whether a line that is not given would widen it.
     lower_bound: tuple[bool, ...]
-    law: ScaledLaw = field(repr=False)
+    law: ScaledLaw = field(repr=False)  # in the order of `sources` and `outputs` [SI]
 
     def evaluate(self, factors: Mapping[str, float]) -> Outlook:
         """Return the budget with sources multiplied.

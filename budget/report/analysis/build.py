@@ -60,26 +60,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class Extra:
-    """What another study adds to a report.
+    """What another study adds to a report."""
 
-    Attributes
-    ----------
-    key : str
-        Of its numbers in the JSON document: 'allocation'.
-    content : mapping
-        Those numbers.
-    sections : tuple of Section
-    inputs : tuple of InputFile
-        What it depends on; the device of the report is called so, others by the key.
-    warnings : tuple of str
-        What a reader of page one must know of it.
-    """
-
-    key: str
-    content: Mapping[str, Any]
+    key: str  # of its numbers in the JSON document: 'allocation'
+    content: Mapping[str, Any]  # those numbers
     sections: tuple[Section, ...]
+    # What it depends on; the device of the report is called so, others by the key.
     inputs: tuple[InputFile, ...]
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()  # what a reader of page one must know of it
 
 
 def report_document(

@@ -101,26 +101,13 @@ Mark = Bar | Stroke | Dot
 
 @dataclass(frozen=True, kw_only=True)
 class Row:
-    """One row of a figure.
+    """One row of a figure."""
 
-    Attributes
-    ----------
-    label : str
-        Its name on the left.
-    marks : tuple of Mark
-    beside : tuple of str
-        What stands on the right, a text a column.
-    strong : bool
-        Whether that is bold.
-    said : str
-        The row in words with its numbers; '' where nothing is said of it.
-    """
-
-    label: str
+    label: str  # its name on the left
     marks: tuple[Mark, ...]
-    beside: tuple[str, ...] = ()
-    strong: bool = False
-    said: str = ""
+    beside: tuple[str, ...] = ()  # what stands on the right, a text a column
+    strong: bool = False  # whether that is bold
+    said: str = ""  # the row in words with its numbers; '' where nothing is said of it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,31 +121,18 @@ class Group:
 
 @dataclass(frozen=True, kw_only=True)
 class Scale:
-    """The axis that rows share.
+    """The axis that rows share."""
 
-    Attributes
-    ----------
-    low, high : float
-        Its ends.
-    kind : str
-        'linear', 'log', or 'symlog' (linear between -1 and 1).
-    ticks : tuple of (float, str), or None
-        Where its numbers stand, and as what; None for round ones.
-    lines : tuple of (float, str)
-        Lines across all rows, a limit or a zero, with a word above; '' for none.
-    band : (float, float) or None
-        What is shaded behind the rows.
-    label : str
-        Quantity and unit.
-    """
-
+    # Its ends.
     low: float
     high: float
-    kind: str = "linear"
+    kind: str = "linear"  # 'linear', 'log', or 'symlog' (linear between -1 and 1)
+    # Where its numbers stand, and as what; None for round ones.
     ticks: tuple[tuple[float, str], ...] | None = None
+    # Lines across all rows, a limit or a zero, with a word above; '' for none.
     lines: tuple[tuple[float, str], ...] = ()
-    band: tuple[float, float] | None = None
-    label: str = ""
+    band: tuple[float, float] | None = None  # what is shaded behind the rows
+    label: str = ""  # quantity and unit
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -190,50 +164,26 @@ class Head:
 
 @dataclass(frozen=True, kw_only=True)
 class Chart:
-    """A figure of rows, before it is drawn.
+    """A figure of rows, before it is drawn."""
 
-    Attributes
-    ----------
-    name : str
-        As in `Picture`; so are `title` (the finding) and `caption`.
-    sides : tuple of Side
-        Beside each other.
-    lead : str
-        What the numbers are, before those of the rows are said.
-    after : str
-        What is said after them.
-    heads : tuple of Head
-        Words above the first panel.
-    beside : tuple of str
-        Heads of the columns of texts on the right; '' for none.
-    flush : str
-        The side on which those texts are in line, 'right' for numbers.
-    pitch : float
-        From row to row [pt].
-    foot : str
-        What the axes are of, where there are several.
-    legend : tuple of (str, str, str)
-        Colour, hatch and name of what no text names in the figure.
-    data : Table or None
-        The numbers behind the figure; None where a table beside it has them.
-    width : float
-        That of a column or of the page [pt].
-    """
-
-    name: str
+    name: str  # as in `Picture`; so are `title` (the finding) and `caption`
     title: str
-    sides: tuple[Side, ...]
-    lead: str = ""
-    after: str = ""
+    sides: tuple[Side, ...]  # beside each other
+    lead: str = ""  # what the numbers are, before those of the rows are said
+    after: str = ""  # what is said after them
     caption: str = ""
-    heads: tuple[Head, ...] = ()
+    heads: tuple[Head, ...] = ()  # words above the first panel
+    # Heads of the columns of texts on the right; '' for none.
     beside: tuple[str, ...] = ()
+    # The side on which those texts are in line, 'right' for numbers.
     flush: str = "right"
-    pitch: float = 13.0
-    foot: str = ""
+    pitch: float = 13.0  # from row to row [pt]
+    foot: str = ""  # what the axes are of, where there are several
+    # Colour, hatch and name of what no text names in the figure.
     legend: tuple[tuple[str, str, str], ...] = ()
+    # The numbers behind the figure; None where a table beside it has them.
     data: Table | None = None
-    width: float = WIDTH
+    width: float = WIDTH  # that of a column or of the page [pt]
 
     @property
     def groups(self) -> tuple[Group, ...]:

@@ -160,20 +160,12 @@ def _cause(sweep: Sweep) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class Entry:
-    """All random entries of one parameter in one row of Table 1.
+    """All random entries of one parameter in one row of Table 1."""
 
-    Attributes
-    ----------
-    group, parameter : str
-        'Angle random walk', 'bias'.
-    ratio : float
-        u over the root mean square of the printed entries [1].
-    verdict : Verdict
-    """
-
+    # 'Angle random walk', 'bias'.
     group: str
     parameter: str
-    ratio: float
+    ratio: float  # u over the root mean square of the printed entries [1]
     verdict: Verdict
 
     @property

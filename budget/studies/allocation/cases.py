@@ -51,33 +51,19 @@ NO_BOUNDS = Bounds(held=frozenset(), most={}, least={})
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SensorCase:
-    """One required sensor: its task, and what became of it.
-
-    Attributes
-    ----------
-    given : mapping of Name to ErrorLine
-        The lines of the sensor, then those that all triads share.
-    lacks : mapping of Name to tuple of Name
-        Expected lines that are not given and would widen an output.
-    task : Task
-        With the coverage factors that were allocated with in the end.
-    outputs : mapping of str to Output
-        Of this sensor, by name.
-    statuses : tuple of str
-        Of each source.
-    s : ndarray, shape (n_src,), or None
-        Factors; None where the limits cannot be met.
-    by_law : ndarray, shape (n_src,), or None
-        Factors before Monte Carlo corrected them; None where it did not.
-    """
+    """One required sensor: its task, and what became of it."""
 
     sensor: Sensor
+    # The lines of the sensor, then those that all triads share.
     given: Mapping[Name, ErrorLine]
+    # Expected lines that are not given and would widen an output.
     lacks: Mapping[Name, tuple[Name, ...]]
-    task: Task
-    outputs: Mapping[Name, Output]
-    statuses: tuple[str, ...]
+    task: Task  # with the coverage factors that were allocated with in the end
+    outputs: Mapping[Name, Output]  # of this sensor, by name
+    statuses: tuple[str, ...]  # of each source
+    # Factors; None where the limits cannot be met, shape (n_src,).
     s: Array | None = None
+    # Factors before Monte Carlo corrected them; None where it did not, shape (n_src,).
     by_law: Array | None = None
     prices: Prices | None = None
     solution: LeastCost | None = None

@@ -35,15 +35,10 @@ class Candidate:
     """What is judged: one sensor of a device under a procedure.
 
     Its Problem is made where it is judged and not kept: there may be thousands.
-
-    Attributes
-    ----------
-    place : int
-        Of the device among those compared.
     """
 
     device: Device
-    place: int
+    place: int  # of the device among those compared
     sensor: Sensor
     procedure: Procedure
     requirement: Requirement

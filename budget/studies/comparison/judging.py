@@ -36,63 +36,33 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class Judging:
-    """What every judgement of one comparison shares.
+    """What every judgement of one comparison shares."""
 
-    Attributes
-    ----------
-    method : str
-        'gum' or 'monte-carlo'.
-    coverage : float
-        Of the intervals that are held against the limits.
-    seed : int
-    trials, max_trials : int
-        Of a candidate at first and at most.
-    validate : bool
-        Whether Monte Carlo checks the law, by gum.
-    """
-
-    method: str
-    coverage: float
+    method: str  # 'gum' or 'monte-carlo'
+    coverage: float  # of the intervals that are held against the limits
     seed: int
+    # Of a candidate at first and at most.
     trials: int
     max_trials: int
-    validate: bool
+    validate: bool  # whether Monte Carlo checks the law, by gum
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class JudgedCandidate:
-    """What is kept of one candidate; its law and its trials are not.
+    """What is kept of one candidate; its law and its trials are not."""
 
-    Attributes
-    ----------
-    judged : Judged
-        With as many trials as the verdict took: what every command says of it.
-    closer : Judged
-        With as many as its rank took, for nothing but the rank.
-    verdict : str
-    outputs : tuple of OutputAssessment
-        The required ones.
-    worst, all_worst : Name, tuple of Name
-        That which uses most of its limit; that and all that are equal by the law.
-    remedy : Remedy
-    normals : int
-        That a trial of its Problem draws.
-    impossible : tuple of str
-        Outputs beyond their limits without any source.
-    doubtful : tuple of str
-        Outputs for which Monte Carlo does not confirm the law.
-    """
-
+    # With as many trials as the verdict took: what every command says of it.
     judged: Judged
-    closer: Judged
+    closer: Judged  # with as many as its rank took, for nothing but the rank
     verdict: str
-    outputs: tuple[OutputAssessment, ...]
+    outputs: tuple[OutputAssessment, ...]  # the required ones
+    # That which uses most of its limit; that and all that are equal by the law.
     worst: Name
     all_worst: tuple[Name, ...]
     remedy: Remedy
-    normals: int
-    impossible: tuple[str, ...]
-    doubtful: tuple[str, ...]
+    normals: int  # that a trial of its Problem draws
+    impossible: tuple[str, ...]  # outputs beyond their limits without any source
+    doubtful: tuple[str, ...]  # outputs for which Monte Carlo does not confirm the law
 
 
 def judge_all(

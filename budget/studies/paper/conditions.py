@@ -60,21 +60,12 @@ class Conditions:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Expectation:
-    """What the twelve relative errors of one run should be.
+    """What the twelve relative errors of one run should be."""
 
-    Attributes
-    ----------
-    mean : ndarray, shape (12,)
-        [1]
-    covariance : ndarray, shape (12, 12)
-        Of one run; of the mean over n runs it is the n-th part [1].
-    resolution : ndarray, shape (12,)
-        Rounding of the computation [1].
-    """
-
-    mean: Array
+    mean: Array  # [1], shape (12,)
+    # Of one run; of the mean over n runs it is the n-th part, shape (12, 12) [1].
     covariance: Array
-    resolution: Array
+    resolution: Array  # rounding of the computation, shape (12,) [1]
 
     @property
     def u(self) -> Array:

@@ -55,40 +55,24 @@ QUOTIENT = re.compile(
 
 @dataclass(frozen=True, kw_only=True)
 class Pulses:
-    """Error-free pulses of one test, and what they must return.
+    """Error-free pulses of one test, and what they must return."""
 
-    Attributes
-    ----------
-    counts : dict
-        Counts and factors by the names that they have in the formulas [SI].
-    ours, truth : dict
-        Each parameter by its name, as the package finds it and as it is [SI].
-    printed : dict
-        What those printed formulas return that are no quotients of counts [SI].
-    """
-
+    # Counts and factors by the names that they have in the formulas [SI].
     counts: dict[str, float] = field(default_factory=dict)
+    # Each parameter by its name, as the package finds it and as it is [SI].
     ours: dict[str, float]
     truth: dict[str, float]
+    # What those printed formulas return that are no quotients of counts [SI].
     printed: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Formula:
-    """One formula for one parameter.
+    """One formula for one parameter."""
 
-    Attributes
-    ----------
-    name : str
-        'd_yx'.
-    given : PrintedFormula
-        The formula in words of the paper, and ours.
-    returns_printed, returns_ours, truth : float
-        In the unit of the formula.
-    """
-
-    name: str
-    given: PrintedFormula
+    name: str  # 'd_yx'
+    given: PrintedFormula  # the formula in words of the paper, and ours
+    # In the unit of the formula.
     returns_printed: float
     returns_ours: float
     truth: float

@@ -208,28 +208,15 @@ def _probabilities(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sweep:
-    """One of the four figures, computed: relative errors against the step.
+    """One of the four figures, computed: relative errors against the step."""
 
-    Attributes
-    ----------
-    figure, source : str
-        'figure 3', 'gyro.scale_factor_asymmetry'.
-    given : PrintedFigure
-        What is stepped, and what the paper reads off its figure.
-    size : ndarray, shape (25,)
-        Nonlinearity or asymmetry at i = 1 to 25 [1].
-    errors : ndarray, shape (n, 25)
-        Relative errors of the axes or angles [1].
-    slopes : ndarray, shape (n,)
-        Closed form of d error / d size [1].
-    """
-
+    # 'figure 3', 'gyro.scale_factor_asymmetry'.
     figure: str
     source: Name
-    given: PrintedFigure
-    size: Array
-    errors: Array
-    slopes: Array
+    given: PrintedFigure  # what is stepped, and what the paper reads off its figure
+    size: Array  # nonlinearity or asymmetry at i = 1 to 25, shape (25,) [1]
+    errors: Array  # relative errors of the axes or angles, shape (n, 25) [1]
+    slopes: Array  # closed form of d error / d size, shape (n,) [1]
 
     @property
     def names(self) -> tuple[str, ...]:

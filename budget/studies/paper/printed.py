@@ -54,51 +54,32 @@ WORD = "word"
 
 @dataclass(frozen=True, kw_only=True)
 class Finding:
-    """One row.
+    """One row."""
 
-    Attributes
-    ----------
-    section : str
-        Part of the study: a key of Paper.sections.
-    where : str
-        Where the number stands in the paper.
-    place : tuple of str
-        The same in a table: group of rows ('bias stability'), head of the row ('bias
-        x'), and what is special about it ('from its angles'), if anything.
-    printed : str
-        As printed, or the root mean square of printed entries where `where` says so.
-    ours : float or str
-        A number where the paper prints one, a word or formula where it prints one
-        [same unit as printed].
-    quantity : str
-        What a number of ours is: VALUE, or the standard uncertainty that a random
-        entry is held against.
-    ratio : float or None
-        Ours over printed, of absolute values [1]; None where one of them is no number
-        or zero.
-    verdict : Verdict
-    why : str
-        In words.
-    p_single, p_mean : float or None
-        Probability of values at least as extreme as the printed one, two-sided, if it
-        is a single run or a mean over 25; of an order of magnitude, the probability of
-        that order [1]. None where nothing is random.
-    is_summary : bool
-        Whether the row speaks of several entries together.
-    """
-
-    section: str
-    where: str
+    section: str  # part of the study: a key of Paper.sections
+    where: str  # where the number stands in the paper
+    # The same in a table: group of rows ('bias stability'), head of the row ('bias x'),
+    # and what is special about it ('from its angles'), if anything.
     place: tuple[str, ...]
+    # As printed, or the root mean square of printed entries where `where` says so.
     printed: str
+    # A number where the paper prints one, a word or formula where it prints one [same
+    # unit as printed].
     ours: float | str
+    # What a number of ours is: VALUE, or the standard uncertainty that a random entry
+    # is held against.
     quantity: str = VALUE
+    # Ours over printed, of absolute values [1]; None where one of them is no number or
+    # zero.
     ratio: float | None = None
     verdict: Verdict
-    why: str
+    why: str  # in words
+    # Probability of values at least as extreme as the printed one, two-sided, if it is
+    # a single run or a mean over 25; of an order of magnitude, the probability of that
+    # order [1]. None where nothing is random.
     p_single: float | None = None
     p_mean: float | None = None
-    is_summary: bool = False
+    is_summary: bool = False  # whether the row speaks of several entries together
 
 
 def _check_digits(text: str) -> str:

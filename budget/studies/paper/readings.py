@@ -42,28 +42,15 @@ MOUNTING = Name("mounting_repeatability", owner=GYRO)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Fit:
-    """Printed entries against an expectation.
+    """Printed entries against an expectation."""
 
-    Attributes
-    ----------
-    chi_square : float
-        Deviations squared in the metric of their joint covariance [1].
-    entries : int
-        Its degrees of freedom.
-    p : float
-        Two-sided: twice the smaller tail; too good a fit counts as well. Where the
-        scatter about a common shift was tested too, twice the smaller of both p [1].
-    p_entries : ndarray
-        Two-sided normal p of each entry by itself [1].
-    u_rms : float
-        Root mean square of the standard uncertainties [1].
-    """
-
-    chi_square: float
-    entries: int
+    chi_square: float  # deviations squared in the metric of their joint covariance [1]
+    entries: int  # its degrees of freedom
+    # Two-sided: twice the smaller tail; too good a fit counts as well. Where the
+    # scatter about a common shift was tested too, twice the smaller of both p [1].
     p: float
-    p_entries: Array
-    u_rms: float
+    p_entries: Array  # two-sided normal p of each entry by itself [1]
+    u_rms: float  # root mean square of the standard uncertainties [1]
 
     @property
     def fits(self) -> bool:
@@ -147,33 +134,15 @@ def order_probability(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Reading:
-    """One way to understand the inputs of one row of Table 1, and its entries.
+    """One way to understand the inputs of one row of Table 1, and its entries."""
 
-    Attributes
-    ----------
-    source : Name
-        Of the row.
-    name : str
-        What is read so; '' for the inputs as stated.
-    sources : tuple of Name
-        What varies under it.
-    texts : tuple of str
-        The twelve entries of the row as printed.
-    printed : ndarray, shape (12,)
-        Their values [1].
-    expectation : Expectation
-        Of one run.
-    runs : int
-        How many runs each entry is a mean over; 1 for a single run.
-    """
-
-    source: Name
-    name: str = ""
-    sources: tuple[Name, ...]
-    texts: tuple[str, ...]
-    printed: Array
-    expectation: Expectation
-    runs: int = 1
+    source: Name  # of the row
+    name: str = ""  # what is read so; '' for the inputs as stated
+    sources: tuple[Name, ...]  # what varies under it
+    texts: tuple[str, ...]  # the twelve entries of the row as printed
+    printed: Array  # their values, shape (12,) [1]
+    expectation: Expectation  # of one run
+    runs: int = 1  # how many runs each entry is a mean over; 1 for a single run
 
     @property
     def of_mean(self) -> Reading:

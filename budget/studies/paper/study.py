@@ -42,27 +42,13 @@ SAMPLE_RATE, DWELL = 10.0, 20.0  # [Hz], [s]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PaperStudy:
-    """Everything the paper prints in section 3, beside ours.
+    """Everything the paper prints in section 3, beside ours."""
 
-    Attributes
-    ----------
-    paper : Paper
-        What it prints.
-    findings : tuple of Finding
-        In the order of its sections.
-    sweeps : tuple of Sweep
-        Figures 1 to 4.
-    table : CouplingTable
-        Who couples to whom, by the law with eq. (4) as printed.
-    inputs : tuple of InputFile
-        The shipped files that hold the paper's conditions.
-    """
-
-    paper: Paper
-    findings: tuple[Finding, ...]
-    sweeps: tuple[Sweep, ...]
-    table: CouplingTable
-    inputs: tuple[InputFile, ...]
+    paper: Paper  # what it prints
+    findings: tuple[Finding, ...]  # in the order of its sections
+    sweeps: tuple[Sweep, ...]  # figures 1 to 4
+    table: CouplingTable  # who couples to whom, by the law with eq. (4) as printed.
+    inputs: tuple[InputFile, ...]  # the shipped files that hold the paper's conditions
 
     def of_section(self, section: str) -> tuple[Finding, ...]:
         """Return the findings of one section."""
@@ -138,21 +124,15 @@ def reproduce() -> PaperStudy:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Couplings:
-    """Who couples to whom, by both methods and formulas, and what explains it.
+    """Who couples to whom, by both methods and formulas, and what explains it."""
 
-    Attributes
-    ----------
-    by_law, by_simulation : tuple of CouplingTable
-        With eq. (4) as printed, and corrected.
-    as_tested : CouplingTable
-        By the law, corrected, counted from the values during the test.
-    sensitivity : tuple of ndarray, shape (3, 6)
-        d bias / d angle of the gyro, printed and corrected [(deg/h)/arcsec].
-    """
-
+    # With eq. (4) as printed, and corrected.
     by_law: tuple[CouplingTable, ...]
     by_simulation: tuple[CouplingTable, ...]
+    # By the law, corrected, counted from the values during the test.
     as_tested: CouplingTable
+    # d bias / d angle of the gyro, printed and corrected, shape (3, 6)
+    # [(deg/h)/arcsec].
     sensitivity: tuple[Array, ...]
 
     def answers(self, source: Name, group: Name) -> dict[str, str]:

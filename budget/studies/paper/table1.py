@@ -360,30 +360,17 @@ def _log_density(reading: Reading) -> float:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class BiasesFromAngles:
-    """What the printed angles make of the biases.
+    """What the printed angles make of the biases."""
 
-    Attributes
-    ----------
-    order : tuple of str
-        The order of the printed angles that fits best.
-    bias : ndarray, shape (3,)
-        Relative bias errors from the angles in that order [1].
-    products : ndarray, shape (3,)
-        Part of `bias` that products of angles add in a mean over 25 runs [1].
-    u_products : ndarray, shape (3,)
-        Standard uncertainty of that part [1].
-    rounding : ndarray, shape (3,)
-        What the rounding of the printed angles may change [1].
-    misfit, next_misfit : float
-        Largest deviation from a printed bias over its tolerance, of that order and of
-        the next best one [1].
-    """
-
-    order: tuple[str, ...]
-    bias: Array
+    order: tuple[str, ...]  # the order of the printed angles that fits best
+    bias: Array  # relative bias errors from the angles in that order, shape (3,) [1]
+    # Part of `bias` that products of angles add in a mean over 25 runs, shape (3,) [1].
     products: Array
-    u_products: Array
+    u_products: Array  # standard uncertainty of that part, shape (3,) [1]
+    # What the rounding of the printed angles may change, shape (3,) [1].
     rounding: Array
+    # Largest deviation from a printed bias over its tolerance, of that order and of the
+    # next best one [1].
     misfit: float
     next_misfit: float
 
