@@ -11,7 +11,8 @@ from budget.cli import options
 from budget.cli.streams import console, in_line, say, tell
 
 if TYPE_CHECKING:
-    from budget.references.records import Difference, Job, Role, StoredInput
+    from budget.references.difference import Difference
+    from budget.references.records import Job, Role, StoredInput
     from budget.spec.files import NamedFile
 
 

@@ -6,37 +6,33 @@ the inputs, by exchanging them one key at a time.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from budget.errors import BudgetError, CallError
-from budget.references.difference import count_compared, find_moves
-from budget.references.exchange import input_changes
-from budget.references.files import present_documents, stored_documents
-from budget.references.jobs import by_law, check_asked, compute
-from budget.references.records import (
+from budget.references.difference import (
     EXACT,
     TOOL,
     Cause,
     Change,
     Difference,
-    ReferenceBudget,
+    compared,
+    find_moves,
     finite,
+    tolerance_of,
 )
+from budget.references.exchange import input_changes
+from budget.references.files import present_documents, stored_documents
+from budget.references.jobs import by_law, check_asked, compute
+from budget.references.records import QuantityValue, ReferenceBudget
 from budget.references.store import present_versions
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from budget.references.records import (
-        Asked,
-        Job,
-        Key,
-        Move,
-        Snapshot,
-        StoredInput,
-    )
+    from budget.references.difference import Move
+    from budget.references.records import Asked, Item, Job, Snapshot, StoredInput
     from budget.spec.tree import Document
 
 MOST_CHANGES = 200  # keys that are exchanged one by one; more is another file
@@ -215,45 +211,73 @@ def explain(
         The same with their causes.
     """
     law = before.law()
-    changes: list[Change] = []
-    causes: dict[Key, list[Cause]] = {move.key: [] for move in moves}
+    effects: list[_Effect] = []
     for change, side in _exchanges(before, after):
         alone = side.law() if law is not None and side is not None else None
-        acts = None
-        if law is not None and alone is not None:
-            acts = _note(causes, len(changes), find_moves(law, alone))
-        changes.append(replace(change, acts=acts))
-    together = _together(causes, law, after.law())
-    versions = list(_version_changes(before.budget.versions, after.budget.versions))
-    by_law_already = before.budget.settings == by_law(before.budget.settings)
-    again = law if by_law_already else before.again()
-    if again is not None:
-        acts = _note(causes, len(changes), find_moves(before.budget, again))
-        if acts and not versions:
-            versions = [
-                Change(where=TOOL, key="code", before="as stored", after="as it is")
-            ]
-        # Versions cannot be exchanged: what they moved, they moved together.
-        versions = [replace(one, acts=None if acts else False) for one in versions]
-    changes += versions
-    # What acts comes first, so that a reader meets the numbers that moves refer to;
-    # what by design never does comes last.
-    order = sorted(
-        range(len(changes)),
-        key=lambda k: (changes[k].acts is False, changes[k].is_text),
-    )
+        if law is None or alone is None:
+            effects.append(_Effect(change=change))
+        else:
+            effects.append(_Effect.of(change, find_moves(law, alone)))
+    together = _together(moves, effects, law, after.law())
+    effects += _effects_of_tool(before, after, law)
     told = (
         replace(
             move,
             causes=tuple(
-                replace(cause, change=order.index(cause.change))
-                for cause in causes[move.key]
+                Cause(change=effect.change, amount=effect.amounts[move.item])
+                for effect in effects
+                if move.item in effect.amounts
             ),
-            together=together.get(move.key),
+            together=together.get(move.item),
         )
         for move in moves
     )
-    return tuple(changes[k] for k in order), tuple(told)
+    changes = [effect.change for effect in effects]
+    # What acts comes first, so that a reader meets the numbers that moves refer to;
+    # what by design never does comes last.
+    changes.sort(key=lambda one: (one.acts is False, one.is_text))
+    return tuple(changes), tuple(told)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Effect:
+    """One change, and by how much it alone moves each number [its unit]."""
+
+    change: Change
+    amounts: Mapping[Item, float] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, change: Change, moves: Sequence[Move]) -> _Effect:
+        """Return that of a change with which these numbers and words moved."""
+        return cls(
+            change=replace(change, acts=bool(moves)),
+            amounts={
+                move.item: move.difference
+                for move in moves
+                if move.difference is not None
+            },
+        )
+
+
+def _effects_of_tool(
+    before: Side, after: Side, law: Snapshot | None
+) -> Iterator[_Effect]:
+    """Yield what the tool as it is does to the side before.
+
+    Versions cannot be exchanged: what they moved, they moved together.
+    """
+    versions = _version_changes(before.budget.versions, after.budget.versions)
+    asked = before.budget.settings
+    again = law if asked == by_law(asked) else before.again()
+    moves = () if again is None else find_moves(before.budget, again)
+    if moves and not versions:
+        versions = (
+            Change(where=TOOL, key="code", before="as stored", after="as it is"),
+        )
+    for place, one in enumerate(versions):
+        effect = _Effect.of(one, moves if place == 0 else ())
+        acts = None if moves or again is None else False
+        yield replace(effect, change=replace(one, acts=acts))
 
 
 def _version_changes(
@@ -288,34 +312,26 @@ def _exchanges(before: Side, after: Side) -> Iterator[tuple[Change, Side | None]
             yield change, before.asking(replace(asked, **{name: new[name]}))
 
 
-def _note(causes: Mapping[Key, list[Cause]], place: int, found: Sequence[Move]) -> bool:
-    """Note what moved with one change as its doing; say whether anything did."""
-    for move in found:
-        if move.key in causes and move.difference is not None:
-            causes[move.key].append(Cause(change=place, amount=move.difference))
-    return bool(found)
-
-
 def _together(
-    causes: Mapping[Key, Sequence[Cause]], law: Snapshot | None, both: Snapshot | None
-) -> dict[Key, float]:
+    moves: Sequence[Move],
+    effects: Sequence[_Effect],
+    law: Snapshot | None,
+    both: Snapshot | None,
+) -> dict[Item, float]:
     """Return what all changes do at once beyond the sum of their parts, by the law."""
     if law is None or both is None:
         return {}
-    old, new = law.by_key(), both.by_key()
-    found: dict[Key, float] = {}
-    for key, own in causes.items():
-        if key not in old or key not in new or old[key].unit != new[key].unit:
+    pairs = compared(law, both)
+    found: dict[Item, float] = {}
+    for item in (move.item for move in moves):
+        one, other = pairs.get(item, (None, None))
+        if not isinstance(one, QuantityValue) or not isinstance(other, QuantityValue):
             continue
-        one, other = old[key], new[key]
-        parts = sum(cause.amount for cause in own)
+        parts = sum(effect.amounts.get(item, 0.0) for effect in effects)
         rest = finite(other.value - one.value - parts)
-        rounding = max(
-            EXACT * max(abs(one.value), abs(other.value), abs(parts)),
-            *(one.floor, other.floor),
-        )
-        if rest is not None and abs(rest) > rounding:
-            found[key] = rest
+        rounding = max(tolerance_of(one, other), EXACT * abs(parts))
+        if one.unit == other.unit and rest is not None and abs(rest) > rounding:
+            found[item] = rest
     return found
 
 
@@ -338,7 +354,7 @@ def _difference(
         first=names[0],
         second=names[1],
         job=before.job,
-        compared=count_compared(before, after),
+        compared=len(compared(before, after)),
         sampled=sum(number.is_sampled for number in before.numbers),
         moves=moves,
         changes=changes,

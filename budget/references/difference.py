@@ -1,32 +1,142 @@
-"""Differences of two budgets: beyond rounding, and beyond what two seeds may give."""
+"""Differences of two budgets: what changed, what moved beyond its tolerance, and why.
+
+The tolerance of a number follows from what it is. By the law it is 1e-9 of the number,
+or the rounding of its computation; by trials, what two seeds may give.
+"""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from math import inf, isinf, sqrt
-from typing import TYPE_CHECKING, TypeVar
+from dataclasses import dataclass, replace
+from math import inf, isfinite, isinf, sqrt
+from typing import TYPE_CHECKING
 
-from budget.references.records import (
-    EXACT,
-    Key,
-    Move,
-    Number,
-    Snapshot,
-    Word,
-    finite,
-)
+from budget.references.records import Item, NominalProperty, QuantityValue
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
 
+    from budget.references.records import Snapshot
+
+# Relative difference at which a number that no trial touches has moved [1].
+EXACT = 1e-9
 # Probability that the numbers of one reference differ between two seeds by so much
 # that one of them counts as moved, at the most.
 FALSE_ALARM = 1e-4
+TOOL = "tool"  # where a change is that no file made
 
 SPREAD = "standard_uncertainty"
 NOT_GIVEN = "not_given"
 
-One = TypeVar("One", Number, Word)
+Stated = QuantityValue | NominalProperty
+
+
+@dataclass(frozen=True, kw_only=True)
+class Change:
+    """One thing that is not what it was: a key of a file, a file, a version."""
+
+    where: str  # 'device imu.yaml', or 'tool'
+    key: str  # 'gyro.errors.bias_stability', or 'numpy'
+    before: str  # as the file spells it; '' where it was not there
+    after: str
+    acts: bool | None = None  # on any number, alone; None: it cannot be tried alone
+    is_text: bool = False  # a key that by design moves no number
+
+    def __str__(self) -> str:
+        """Say it in one line."""
+        return (
+            f"{self.where}: {self.key}: {self.before or '(not there)'} -> "
+            f"{self.after or '(not there)'}"
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cause:
+    """How much of a move one change explains."""
+
+    change: Change
+    amount: float  # [unit of the number], by the law
+
+
+@dataclass(frozen=True, kw_only=True)
+class Move:
+    """One number or word that is not what it was.
+
+    Attributes
+    ----------
+    before, after : float, str or None
+        None where there is none.
+    times : float or None
+        Its difference over its tolerance or, of a sampled number, over the standard
+        error of a difference; None for a word and what is gone or new.
+    scale : float or None
+        What the size of a difference is measured by, as it was before: the standard
+        uncertainty of the output, of what has none the number itself [unit].
+    bounds : (bool, bool)
+        Whether the number before, and after, is this or worse; see QuantityValue.
+    together : float or None
+        What all changes do at once beyond the sum of what each does alone, by the law
+        [unit]; None where that is nothing, or not known.
+    """
+
+    item: Item
+    unit: str
+    before: float | str | None
+    after: float | str | None
+    is_sampled: bool = False
+    times: float | None = None
+    scale: float | None = None
+    bounds: tuple[bool, bool] = (False, False)
+    causes: tuple[Cause, ...] = ()
+    together: float | None = None
+
+    @property
+    def difference(self) -> float | None:
+        """After minus before [unit]; None where one of them is no number."""
+        if isinstance(self.before, float) and isinstance(self.after, float):
+            return finite(self.after - self.before)
+        return None
+
+    @property
+    def relative(self) -> float | None:
+        """Difference over the value before [1]; None where that is 0 or no number."""
+        if self.difference is None or not self.before or isinstance(self.before, str):
+            return None
+        return finite(self.difference / abs(self.before))
+
+    @property
+    def size(self) -> float:
+        """Absolute difference over `scale`; infinite for a word, gone or new [1]."""
+        if self.difference is None or not self.scale:
+            return inf
+        return abs(self.difference) / self.scale
+
+
+@dataclass(frozen=True, kw_only=True)
+class Difference:
+    """Two budgets side by side: a reference and what it is now, or any two.
+
+    Attributes
+    ----------
+    first, second : str
+        How they are called.
+    compared : int
+        Numbers and words.
+    sampled : int
+        Of those of the first, numbers that trials made.
+    """
+
+    first: str
+    second: str
+    job: str
+    compared: int
+    sampled: int
+    moves: tuple[Move, ...]
+    changes: tuple[Change, ...]
+
+    @property
+    def holds(self) -> bool:
+        """Whether nothing moved."""
+        return not self.moves
 
 
 def find_moves(
@@ -37,7 +147,8 @@ def find_moves(
     A number that no trial touches has moved beyond a relative difference of 1e-9 and
     its floor. A sampled one has moved where a difference that large has a probability
     below `false_alarm` over the number of sampled numbers (Bonferroni): by Student's t
-    on the standard errors of both, or, for a proportion, exactly on the counts.
+    on the standard errors of both, or, for a proportion, exactly on the
+    counts (Fisher).
 
     Parameters
     ----------
@@ -51,159 +162,168 @@ def find_moves(
     tuple of Move
         In the order of the results; what is gone or new counts as moved.
     """
-    old, new = before.by_key(), after.by_key()
+    pairs = compared(before, after)
     number = sum(
-        old[key].is_sampled or new[key].is_sampled for key in old.keys() & new.keys()
+        one is not None and other is not None and (one.is_sampled or other.is_sampled)
+        for one, other in pairs.values()
     )
     level = false_alarm / max(number, 1)
-    moves = [
-        move
-        for one, other in _pairs(before.numbers, after.numbers, before)
-        if (move := _number_move(one, other, level, old, new))
-    ]
-    moved = {move.key for move in moves}
-    moves += [
-        move
-        for word, later in _pairs(before.words, after.words, before)
-        if (move := _word_move(word, later, before, moved))
-    ]
-    return tuple(moves)
+    moves: dict[Item, Move] = {}
+    for item, (one, other) in pairs.items():
+        move = Move(
+            item=item,
+            unit=next(_unit(side) for side in (other, one) if side is not None),
+            before=_value(one),
+            after=_value(other),
+            scale=_scale(item, pairs),
+            bounds=(_is_bound(one), _is_bound(other)),
+        )
+        if isinstance(one, QuantityValue) and isinstance(other, QuantityValue):
+            if is_within(one, other, level):
+                continue
+            moves[item] = replace(
+                move,
+                is_sampled=one.is_sampled or other.is_sampled,
+                times=_times(one, other),
+            )
+        elif isinstance(one, NominalProperty) and isinstance(other, NominalProperty):
+            text = other.text
+            if item.quantity == NOT_GIVEN:
+                text = before.known_part(text)
+            # Where a number that has not moved decides it, it fell so by chance.
+            decided = Item(subject=item.subject, quantity=one.rests_on)
+            if text != one.text and (not one.rests_on or decided in moves):
+                moves[item] = replace(move, after=text)
+        else:
+            moves[item] = move
+    return tuple(moves.values())
 
 
-def count_compared(before: Snapshot, after: Snapshot) -> int:
-    """Return how many numbers and words `find_moves` compares, of either side."""
-    return len(_pairs(before.numbers, after.numbers, before)) + len(
-        _pairs(before.words, after.words, before)
+def compared(
+    before: Snapshot, after: Snapshot
+) -> dict[Item, tuple[Stated | None, Stated | None]]:
+    """Return what is compared, as it is on both sides, numbers first.
+
+    What a later version states beside what was stored is not compared.
+    """
+    old, new = before.by_item(), after.by_item()
+    quantities = {item.quantity for item in old}
+    stated = [*old, *new]
+    stated.sort(
+        key=lambda item: isinstance(old.get(item, new.get(item)), NominalProperty)
     )
+    return {
+        item: (old.get(item), new.get(item))
+        for item in dict.fromkeys(stated)
+        if item in old or (item.quantity in quantities and before.knows(item))
+    }
 
 
-def probability_of(before: Number, after: Number) -> float:
+def is_within(before: QuantityValue, after: QuantityValue, level: float) -> bool:
+    """Whether a number stays: within rounding, or as seeds at that level differ."""
+    if before.unit != after.unit:
+        return False
+    if abs(after.value - before.value) <= tolerance_of(before, after):
+        return True
+    is_sampled = before.is_sampled or after.is_sampled
+    return is_sampled and probability_of(before, after) >= level
+
+
+def tolerance_of(before: QuantityValue, after: QuantityValue) -> float:
+    """Return what may differ without a trial: 1e-9 of the larger, or rounding."""
+    largest = max(abs(before.value), abs(after.value))
+    return max(EXACT * largest, before.floor, after.floor)
+
+
+def probability_of(before: QuantityValue, after: QuantityValue) -> float:
     """Return how probable a difference as large is between two seeds, two-sided [1].
 
     1 for numbers that trials do not touch.
     """
     if not (before.is_sampled or after.is_sampled):
         return 1.0
-    if before.trials is not None and after.trials is not None:
-        return _of_counts(before, after)
-    spread = _spread(before, after)
+    if before.trials and after.trials:
+        import numpy as np
+        from scipy.stats import fisher_exact
+
+        first, second = (
+            round(before.value * before.trials),
+            round(after.value * after.trials),
+        )
+        table = [[first, before.trials - first], [second, after.trials - second]]
+        return float(fisher_exact(np.array(table)).pvalue)
+    spread = _standard_error(before, after)
     difference = abs(after.value - before.value)
     if spread == 0.0 or isinf(difference):
         return 1.0 if difference == 0.0 else 0.0
     if isinf(spread):
         return 1.0
-    return _two_sided(difference / spread, _freedom(before, after))
+    from scipy.special import stdtr
+
+    tail = float(stdtr(_freedom(before, after), -difference / spread))
+    return min(2.0 * tail, 1.0)
 
 
-def _pairs(
-    before: Sequence[One], after: Sequence[One], stored: Snapshot
-) -> list[tuple[One | None, One | None]]:
-    """Return what is compared, as it is on both sides.
-
-    What a later version computes beside what was `stored` is not compared.
-    """
-    old: dict[Key, One] = {one.key: one for one in before}
-    new: dict[Key, One] = {one.key: one for one in after}
-    quantities = {key.quantity for key in old}
-    return [
-        (old.get(key), new.get(key))
-        for key in dict.fromkeys((*old, *new))
-        if key in old or (key.quantity in quantities and stored.knows(key))
-    ]
+def finite(value: float) -> float | None:
+    """Return a number, or None where it overflowed: a file may hold any double."""
+    return value if isfinite(value) else None
 
 
-def _number_move(
-    before: Number | None,
-    after: Number | None,
-    level: float,
-    old: Mapping[Key, Number],
-    new: Mapping[Key, Number],
-) -> Move | None:
-    """Return the move of one number, None where it stays."""
-    one = before or after
-    if one is None:
-        return None
-    move = Move(
-        key=one.key,
-        unit=(after or one).unit,
-        before=None if before is None else before.value,
-        after=None if after is None else after.value,
-        scale=_scale(one, old, new),
-        bounds=(
-            before is not None and before.lower_bound,
-            after is not None and after.lower_bound,
-        ),
-    )
-    if before is None or after is None:
-        return move
-    difference = abs(after.value - before.value)
-    tolerance = max(
-        EXACT * max(abs(before.value), abs(after.value)), before.floor, after.floor
-    )
-    sampled = before.is_sampled or after.is_sampled
-    same_unit = before.unit == after.unit
-    if same_unit and difference <= tolerance:
-        return None
-    if same_unit and sampled and probability_of(before, after) >= level:
-        return None
-    spread = _spread(before, after) if sampled else tolerance
-    times = finite(difference / spread) if spread > 0.0 else None
-    return replace(move, is_sampled=sampled, times=times)
+def _value(stated: Stated | None) -> float | str | None:
+    """Return what is stated of an item; None where nothing is."""
+    if isinstance(stated, NominalProperty):
+        return stated.text
+    return None if stated is None else stated.value
 
 
-def _word_move(
-    before: Word | None, after: Word | None, stored: Snapshot, moved: set[Key]
-) -> Move | None:
-    """Return the move of one word, None where it stays.
+def _unit(stated: Stated) -> str:
+    """Return a unit; '' of a word."""
+    return stated.unit if isinstance(stated, QuantityValue) else ""
 
-    Where a number that has not moved decides it, it fell the other way by chance.
-    """
-    one = before or after
-    if one is None:
-        return None
-    if before is not None and after is not None:
-        text = after.text
-        if one.quantity == NOT_GIVEN:
-            text = stored.known_part(text)
-        decided = Key(subject=one.subject, quantity=before.rests_on)
-        if text == before.text or (before.rests_on and decided not in moved):
-            return None
-        after = replace(after, text=text)
-    return Move(
-        key=one.key,
-        unit="",
-        before=None if before is None else before.text,
-        after=None if after is None else after.text,
-    )
+
+def _is_bound(stated: Stated | None) -> bool:
+    """Whether it is a number that is this or worse."""
+    return isinstance(stated, QuantityValue) and stated.lower_bound
 
 
 def _scale(
-    one: Number, old: Mapping[Key, Number], new: Mapping[Key, Number]
+    item: Item, pairs: Mapping[Item, tuple[Stated | None, Stated | None]]
 ) -> float | None:
     """Return what the size of a difference is measured by [unit of the number]."""
-    spread = Key(subject=one.key.subject, quantity=SPREAD)
-    for key in (spread, one.key):
-        own = [numbers[key] for numbers in (old, new) if key in numbers]
-        if own and own[0].unit == one.unit and own[0].value != 0.0:
-            return abs(own[0].value)
+    unit = next(_unit(one) for one in pairs[item] if one is not None)
+    for key in (Item(subject=item.subject, quantity=SPREAD), item):
+        for one in pairs.get(key, ()):
+            if isinstance(one, QuantityValue):
+                if one.unit == unit and one.value != 0.0:
+                    return abs(one.value)
+                break
     return None
 
 
-def _spread(before: Number, after: Number) -> float:
+def _times(before: QuantityValue, after: QuantityValue) -> float | None:
+    """Return a difference over its tolerance or, sampled, its standard error [1]."""
+    is_sampled = before.is_sampled or after.is_sampled
+    unit = (_standard_error if is_sampled else tolerance_of)(before, after)
+    difference = abs(after.value - before.value)
+    return finite(difference / unit) if unit > 0.0 else None
+
+
+def _standard_error(before: QuantityValue, after: QuantityValue) -> float:
     """Return the standard error of a difference [unit of the number]."""
-    counted = [one for one in (before, after) if one.trials is not None]
-    trials = sum(one.trials or 0 for one in counted)
-    p = sum(one.value * (one.trials or 0) for one in counted) / max(trials, 1)
-    variance = 0.0
-    for one in (before, after):
-        if one.trials is not None:
-            variance += max(p * (1.0 - p), 0.0) / one.trials
-        elif one.standard_error is not None:
-            variance += one.standard_error * one.standard_error
-    return sqrt(variance)
+    counted = [(one.value, one.trials) for one in (before, after) if one.trials]
+    trials = sum(n for _, n in counted)
+    p = sum(value * n for value, n in counted) / max(trials, 1)
+    return sqrt(
+        sum(
+            max(p * (1.0 - p), 0.0) / one.trials
+            if one.trials
+            else (one.standard_error or 0.0) * (one.standard_error or 0.0)
+            for one in (before, after)
+        )
+    )
 
 
-def _freedom(before: Number, after: Number) -> float:
+def _freedom(before: QuantityValue, after: QuantityValue) -> float:
     """Return the degrees of freedom of a difference (Welch and Satterthwaite)."""
     # As parts of the larger one: a file may hold errors whose squares overflow.
     errors = [(one, one.standard_error or 0.0) for one in (before, after)]
@@ -214,25 +334,3 @@ def _freedom(before: Number, after: Number) -> float:
         total += variance
         parts += variance**2 / (one.degrees_of_freedom or inf)
     return total**2 / parts if parts > 0.0 else inf
-
-
-def _two_sided(t: float, freedom: float) -> float:
-    """Return the probability beyond +-t of Student's law, of the normal at infinity."""
-    from scipy.special import ndtr, stdtr
-
-    tail = ndtr(-t) if freedom == inf else stdtr(freedom, -t)
-    return min(2.0 * float(tail), 1.0)
-
-
-def _of_counts(before: Number, after: Number) -> float:
-    """Return how probable two counts as different are, given their sum (Fisher)."""
-    from scipy.stats import hypergeom
-
-    n, m = before.trials or 0, after.trials or 0
-    first, second = round(before.value * n), round(after.value * m)
-    # Counted from the rarer side: the law is the same, the numbers are small.
-    if first + second > (n + m) / 2:
-        first, second = n - first, m - second
-    law = hypergeom(n + m, first + second, n)
-    tail = min(float(law.cdf(first)), float(law.sf(first - 1)))
-    return min(2.0 * tail, 1.0)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from budget.references.records import Change
+from budget.references.difference import Change
 from budget.spec.device import root_of
 from budget.spec.tree import Document, Node, plain
 

@@ -1,19 +1,15 @@
-"""Compute what a reference is about: inputs and settings in, numbers and words out."""
+"""What a reference is of: an analysis, a comparison, an allocation; computed anew."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from budget.errors import CallError
 from budget.methods.execution import one_blas_thread
-from budget.methods.monte_carlo import MAX_TRIALS
-from budget.references.numbers import (
-    allocation_numbers,
-    budget_numbers,
-    comparison_numbers,
-)
+from budget.references.quantities import snapshot_of, subject_of
 from budget.references.records import JOBS, Asked, files_fault
+from budget.references.sampling import standard_errors
 from budget.spec.costs import read_costs
 from budget.spec.device import read_device
 from budget.spec.procedure import read_procedure
@@ -22,8 +18,9 @@ from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.cases import Bounds
 from budget.studies.analysis import analyze
 from budget.studies.comparison.compare import compare
-from budget.studies.judgement import TRIALS
 from budget.studies.request import (
+    Analysis,
+    analysis_of,
     choose_basis,
     find_sources,
     sensors_of,
@@ -98,10 +95,13 @@ def compute(
     CallError, SpecError
         Inputs or settings do not fit together, or a file is not sound.
     """
-    devices = [read_device(one) for one in _of("device", inputs)]
-    procedures = [read_procedure(one) for one in _of("procedure", inputs)]
-    limits = [read_requirement(one) for one in _of("requirement", inputs)]
-    costs = [read_costs(one) for one in _of("costs", inputs)]
+    by_role = {
+        one.kind: [own for own in inputs if own.kind == one.kind] for one in inputs
+    }
+    devices = [read_device(one) for one in _told_apart(by_role.get("device", []))]
+    procedures = [read_procedure(one) for one in by_role.get("procedure", [])]
+    limits = [read_requirement(one) for one in by_role.get("requirement", [])]
+    costs = [read_costs(one) for one in by_role.get("costs", [])]
     if job != "compare" and len(procedures) > 1:
         raise CallError(
             f"{len(procedures)} procedures were given, a reference of kind {job} takes "
@@ -114,39 +114,33 @@ def compute(
     fault = files_fault(job, [one.kind for one in inputs])
     if fault:
         raise CallError(f"found {fault}; give as many, or take another --kind")
+    given = {
+        name: value
+        for name in SETTINGS[job]
+        if (value := getattr(asked, name)) is not None
+    }
     # The matrices are small, threads of BLAS only wait for each other; and with one the
     # order of every sum is the same on any machine.
     with one_blas_thread():
         if job == "analyze":
             requirement = limits[0] if limits else None
-            return _analyze(devices, procedures[0], requirement, asked, workers)
+            return _analyze(devices, procedures[0], requirement, given, workers)
         if job == "compare":
-            comparison = compare(
-                devices,
-                limits[0],
-                procedures,
-                method=asked.method,
-                trials=asked.trials or TRIALS,
-                max_trials=asked.max_trials,
-                seed=asked.seed,
-                workers=workers,
-            )
-            names = _once([one.base_name for one in _of("device", inputs)])
-            return comparison_numbers(comparison, names, devices, procedures, limits[0])
+            return _compare(devices, procedures, limits[0], given, workers)
         known = source_names(sensors_of(devices))
-        held = find_sources(asked.fix, known, option="--fix")
+        held = find_sources(given.pop("fix"), known, option="--fix")
         # Limits are shared out by the law, without the catalogue.
         allocation = allocate(
             *devices,
             requirement=limits[0],
             procedure=procedures[0],
-            strategy=asked.strategy,
             costs=costs[0] if costs else None,
             bounds=Bounds(held=frozenset(held), most={}, least={}),
             catalogue=(),
             validate=False,
+            **given,
         )
-        return allocation_numbers(allocation)
+        return snapshot_of(allocation.to_dict(), {})
 
 
 def by_law(asked: Asked) -> Asked:
@@ -154,45 +148,69 @@ def by_law(asked: Asked) -> Asked:
     return replace(asked, method="gum", trials=None, max_trials=None, samples=None)
 
 
-def _of(role: str, inputs: Sequence[Document]) -> list[Document]:
-    """Return the inputs of one role."""
-    return [one for one in inputs if one.kind == role]
-
-
 def _analyze(
     devices: Sequence[Device],
     procedure: Procedure,
     requirement: Requirement | None,
-    asked: Asked,
+    given: dict[str, Any],
     workers: int,
 ) -> Snapshot:
     """Compute a budget; the check of the law by Monte Carlo is no part of it."""
     basis = choose_basis(
-        requirement, coverage=asked.coverage, reference=asked.reference
+        requirement, coverage=given.get("coverage"), reference=given.get("reference")
     )
     budget = analyze(
         *devices,
         procedure=procedure,
         requirement=requirement,
-        method=asked.method,
-        trials=asked.trials,
-        digits=asked.digits,
-        max_trials=asked.max_trials or MAX_TRIALS,
         validate=False,
-        seed=asked.seed,
         workers=workers,
-        coverage=basis.coverage,
-        interval=asked.interval,
-        reference=basis.reference,
-        samples=asked.samples,
-        only=asked.only,
+        **(given | vars(basis)),
     )
-    return budget_numbers(budget)
+    settings = budget.settings
+    sure = settings.trials is not None and standard_errors(
+        analysis_of(budget).problem,
+        trials=settings.trials,
+        coverage=settings.coverage,
+        interval=settings.interval,
+    )
+    return snapshot_of(budget.to_dict(), {"": sure} if sure else {})
 
 
-def _once(names: Sequence[str]) -> list[str]:
-    """Count the names that stand twice."""
+def _compare(
+    devices: Sequence[Device],
+    procedures: Sequence[Procedure],
+    requirement: Requirement,
+    given: dict[str, Any],
+    workers: int,
+) -> Snapshot:
+    """Compare devices; what missing lines could do hangs on the catalogue."""
+    document = compare(
+        devices, requirement, procedures, workers=workers, **given
+    ).to_dict()
+    by_name = {one.origin.file: one for one in devices}
+    tests = {one.name: one for one in procedures}
+    errors = {}
+    for row in document["devices"]:
+        if row["trials"] is not None:
+            analysis = Analysis(
+                devices=(by_name[row["file"]],),
+                procedure=tests[row["procedure"]],
+                coverage=requirement.coverage,
+                reference=requirement.reference,
+            ).alone(row["sensor"])
+            errors[subject_of((document, row))] = standard_errors(
+                analysis.problem, trials=row["trials"], coverage=requirement.coverage
+            )
+    return snapshot_of(document, errors)
+
+
+def _told_apart(devices: Sequence[Document]) -> list[Document]:
+    """Count the devices whose files have one name."""
+    names = [one.base_name for one in devices]
     return [
-        name if names.count(name) == 1 else f"{name} ({names[: k + 1].count(name)})"
-        for k, name in enumerate(names)
+        one
+        if names.count(name) == 1
+        else replace(one, base_name=f"{name} ({names[: k + 1].count(name)})")
+        for k, (one, name) in enumerate(zip(devices, names, strict=True))
     ]

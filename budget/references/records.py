@@ -1,4 +1,4 @@
-"""Reference budget: inputs, settings, numbers, words, versions; differences of two.
+"""Reference budget: inputs, settings, quantity values, words, versions.
 
 The records of what is stored are the format of the file as well: `store` reads a file
 into them, and their constraints are those of its JSON Schema.
@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping  # noqa: TC003 - pydantic reads the annotations
 from dataclasses import dataclass, field
-from math import isfinite
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, ConfigDict, Field, WithJsonSchema
@@ -36,17 +35,12 @@ FILES: Mapping[str, Mapping[str, range]] = {
 }
 JOBS = tuple(FILES)
 
-TOOL = "tool"  # where a change is that no file made
-
 # Files hold quantities between 1e-30 and 1e30 SI: no budget comes near this, and what
 # is computed of two such numbers does not overflow.
 LARGEST = 1e100
 # No more than the command line allows: a forged reference keeps no machine busy.
 MOST_TRIALS = 100_000_000
 MOST_SAMPLES = 2**20  # Sobol' points of one scramble
-
-# Relative difference at which a number that no trial touches has moved [1].
-EXACT = 1e-9
 
 
 def _joined(lines: Any) -> str:  # noqa: ANN401 - not yet checked
@@ -123,8 +117,8 @@ class Asked:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Key:
-    """What a number or a word is of."""
+class Item:
+    """What a quantity value or a word is of."""
 
     subject: str  # 'gyro.bias.x', 'gyro.bias_stability', 'hg4930.yaml#C gyro'
     quantity: str  # 'standard_uncertainty'
@@ -138,8 +132,8 @@ class Key:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Number:
-    """One number of a result, in its printed unit, and how sure it is.
+class QuantityValue:
+    """Number of a result, in its printed unit, and its tolerance.
 
     Attributes
     ----------
@@ -167,13 +161,13 @@ class Number:
     floor: NotNegative = 0.0
     standard_error: NotNegative | None = None
     degrees_of_freedom: Positive | None = None
-    trials: Annotated[int, Field(ge=1, lt=2**63)] | None = None
+    trials: Annotated[int, Field(ge=1, le=MOST_TRIALS)] | None = None
     lower_bound: bool = False
 
     @property
-    def key(self) -> Key:
+    def item(self) -> Item:
         """What it is of."""
-        return Key(subject=self.subject, quantity=self.quantity, partner=self.partner)
+        return Item(subject=self.subject, quantity=self.quantity, partner=self.partner)
 
     @property
     def is_sampled(self) -> bool:
@@ -182,8 +176,8 @@ class Number:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Word:
-    """One word of a result: a verdict, a status, what is not given.
+class NominalProperty:
+    """Property without magnitude (JCGM 200:2012, 1.30): verdict, status, lines.
 
     Attributes
     ----------
@@ -200,11 +194,12 @@ class Word:
     quantity: Line
     text: Words
     rests_on: Line = ""
+    is_sampled: ClassVar[bool] = False
 
     @property
-    def key(self) -> Key:
+    def item(self) -> Item:
         """What it is of."""
-        return Key(subject=self.subject, quantity=self.quantity)
+        return Item(subject=self.subject, quantity=self.quantity)
 
 
 # What this version can say something of: quantities of sources and of outputs.
@@ -229,22 +224,22 @@ class Snapshot:
 
     Attributes
     ----------
-    numbers : tuple of Number
-    words : tuple of Word
+    numbers : tuple of QuantityValue
+    words : tuple of NominalProperty
     known : frozenset of str
         Error sources and parameters that the tool had when it was made. What a later
         version has learnt beside them is no change of what is stored.
     """
 
-    numbers: Annotated[tuple[Number, ...], Field(min_length=1)]
-    words: tuple[Word, ...] = ()
+    numbers: Annotated[tuple[QuantityValue, ...], Field(min_length=1)]
+    words: tuple[NominalProperty, ...] = ()
     known: Annotated[frozenset[Line], Field(max_length=1000)] = field(
         default_factory=lambda: KNOWN_NOW  # of a file those of the first version
     )
 
-    def knows(self, key: Key) -> bool:
-        """Whether the tool that made it had the quantities that a key is of."""
-        names = [n for n in (key.subject, key.partner) if isinstance(n, Name)]
+    def knows(self, item: Item) -> bool:
+        """Whether the tool that made it had the quantities that an item is of."""
+        names = [n for n in (item.subject, item.partner) if isinstance(n, Name)]
         return all(not n.owner or n.quantity in self.known for n in names)
 
     def known_part(self, text: str) -> str:
@@ -256,9 +251,10 @@ class Snapshot:
         }
         return ", ".join(name for name in text.split(", ") if name not in unknown)
 
-    def by_key(self) -> Mapping[Key, Number]:
-        """Return the numbers by what they are of."""
-        return {number.key: number for number in self.numbers}
+    def by_item(self) -> Mapping[Item, QuantityValue | NominalProperty]:
+        """Return numbers and words by what they are of."""
+        words = {one.item: one for one in self.words}
+        return {one.item: one for one in self.numbers} | words
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -273,87 +269,6 @@ class ReferenceBudget(Snapshot):
     versions: Mapping[Line, Line]  # of the tool and what it stands on
 
 
-@dataclass(frozen=True, kw_only=True)
-class Change:
-    """One thing that is not what it was: a key of a file, a file, a version."""
-
-    where: str  # 'device imu.yaml', or 'tool'
-    key: str  # 'gyro.errors.bias_stability', or 'numpy'
-    before: str  # as the file spells it; '' where it was not there
-    after: str
-    acts: bool | None = None  # on any number, alone; None: it cannot be tried alone
-    is_text: bool = False  # a key that by design moves no number
-
-    def __str__(self) -> str:
-        """Say it in one line."""
-        return (
-            f"{self.where}: {self.key}: {self.before or '(not there)'} -> "
-            f"{self.after or '(not there)'}"
-        )
-
-
-@dataclass(frozen=True, kw_only=True)
-class Cause:
-    """How much of a move one change explains."""
-
-    change: int  # place among the changes
-    amount: float  # [unit of the number], by the law
-
-
-@dataclass(frozen=True, kw_only=True)
-class Move:
-    """One number or word that is not what it was.
-
-    Attributes
-    ----------
-    before, after : float, str or None
-        None where there is none.
-    times : float or None
-        Its difference over its tolerance or, of a sampled number, over the standard
-        error of a difference; None for a word and what is gone or new.
-    scale : float or None
-        What the size of a difference is measured by, as it was before: the standard
-        uncertainty of the output, of what has none the number itself [unit].
-    bounds : (bool, bool)
-        Whether the number before, and after, is this or worse; see Number.
-    together : float or None
-        What all changes do at once beyond the sum of what each does alone, by the law
-        [unit]; None where that is nothing, or not known.
-    """
-
-    key: Key
-    unit: str
-    before: float | str | None
-    after: float | str | None
-    is_sampled: bool = False
-    times: float | None = None
-    scale: float | None = None
-    bounds: tuple[bool, bool] = (False, False)
-    causes: tuple[Cause, ...] = ()
-    together: float | None = None
-
-    @property
-    def difference(self) -> float | None:
-        """After minus before [unit]; None where one of them is no number."""
-        if isinstance(self.before, float) and isinstance(self.after, float):
-            return finite(self.after - self.before)
-        return None
-
-    @property
-    def relative(self) -> float | None:
-        """Difference over the value before [1]; None where that is 0 or no number."""
-        if self.difference is None or not self.before or isinstance(self.before, str):
-            return None
-        return finite(self.difference / abs(self.before))
-
-    @property
-    def size(self) -> float:
-        """Absolute difference over `scale`; infinite for a word, gone or new [1]."""
-        if self.difference is None or not self.scale:
-            return float("inf")
-        return abs(self.difference) / self.scale
-
-
 def files_fault(job: str, roles: Sequence[str]) -> str:
     """Say which files are too few or too many for a job; '' where they are right."""
     for role, counts in FILES[job].items():
@@ -365,36 +280,3 @@ def files_fault(job: str, roles: Sequence[str]) -> str:
                 f"{found} of role {role}, a reference of kind {job} has {allowed} of it"
             )
     return ""
-
-
-def finite(value: float) -> float | None:
-    """Return a number, or None where it overflowed: a file may hold any double."""
-    return value if isfinite(value) else None
-
-
-@dataclass(frozen=True, kw_only=True)
-class Difference:
-    """Two budgets side by side: a reference and what it is now, or any two.
-
-    Attributes
-    ----------
-    first, second : str
-        How they are called.
-    compared : int
-        Numbers and words.
-    sampled : int
-        Of those of the first, numbers that trials made.
-    """
-
-    first: str
-    second: str
-    job: str
-    compared: int
-    sampled: int
-    moves: tuple[Move, ...]
-    changes: tuple[Change, ...]
-
-    @property
-    def holds(self) -> bool:
-        """Whether nothing moved."""
-        return not self.moves

@@ -19,7 +19,8 @@ from budget.methods.trials import first_trials
 
 if TYPE_CHECKING:
     from budget.arrays import Array
-    from budget.problem import Problem
+    from budget.names import Name
+    from budget.problem import Output, Problem
 
 SHAPE_TRIALS = 8 * BLOCK
 SHAPE_SEED = 20_190_306  # any fixed one: shapes are properties of the model
@@ -33,6 +34,7 @@ class StandardErrors:
 
     Attributes
     ----------
+    outputs : tuple of Output
     mean, u : ndarray, shape (n_out,)
         Of mean and standard uncertainty [SI].
     low, high : ndarray, shape (n_out,)
@@ -43,6 +45,7 @@ class StandardErrors:
         Of all others, and of the ends.
     """
 
+    outputs: tuple[Output, ...]
     mean: Array
     u: Array
     low: Array
@@ -59,6 +62,13 @@ class StandardErrors:
         the one of them that strays further.
         """
         return np.maximum(self.low, self.high)
+
+    def of(self, statistic: str, *names: Name) -> float:
+        """Return one of the fields, of one output or of two, in its unit."""
+        places = {output.name: k for k, output in enumerate(self.outputs)}
+        at = tuple(places[name] for name in names)
+        per = self.outputs[at[0]].si_per_unit if len(at) == 1 else 1.0
+        return float(getattr(self, statistic)[at]) / per
 
     def freedom(self, statistic: str) -> float:
         """Return the degrees of freedom of one of the fields."""
@@ -100,6 +110,7 @@ def standard_errors(
     spread = _spread(ends) * (y.shape[1] / number / trials) ** power
     root = sqrt(size / trials)
     return StandardErrors(
+        outputs=problem.outputs,
         mean=_spread(mean[..., 0]) * root,
         u=_spread(u[..., 0]) * root,
         low=spread[:, 0],

@@ -169,8 +169,8 @@ def _content_fault(reference: ReferenceBudget) -> str:
     if fault := files_fault(reference.job, [one.role for one in reference.inputs]):
         return f"inputs: {fault}"
     for kind, keys in (
-        ("numbers", Counter(one.key for one in reference.numbers)),
-        ("words", Counter(one.key for one in reference.words)),
+        ("numbers", Counter(one.item for one in reference.numbers)),
+        ("words", Counter(one.item for one in reference.words)),
     ):
         for key, times in keys.items():
             if times > 1:

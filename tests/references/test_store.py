@@ -72,8 +72,8 @@ class TestFirstVersion:
         assert [one.role for one in first.inputs] == [
             *("device", "procedure", "requirement"),
         ]
-        numbers = first.by_key()
-        assert len(numbers) == len(first.numbers) == 355
+        numbers = first.by_item()
+        assert (len(first.numbers), len(numbers)) == (355, 357)  # and two words
         (u,) = (
             number
             for key, number in numbers.items()
@@ -81,7 +81,9 @@ class TestFirstVersion:
         )
         assert 0.07 < u.value < 0.08
         assert 0.001 < u.standard_error < 0.002
-        assert [w.text for w in first.words if w.key.quantity == "verdict"] == ["meets"]
+        assert [w.text for w in first.words if w.item.quantity == "verdict"] == [
+            "meets"
+        ]
         assert dict(first.versions)["budget"] == "0.1.0"
 
     def test_its_content_can_be_computed_with(self):
@@ -90,7 +92,7 @@ class TestFirstVersion:
         parts = stored_documents(first.inputs, reference="first", job=first.job)
         again = compute(first.job, parts, first.settings)
 
-        assert set(first.by_key()) <= set(again.by_key())
+        assert set(first.by_item()) <= set(again.by_item())
 
     def test_the_schema_passes_it(self):
         """What was valid by the schema stays so."""

@@ -12,7 +12,7 @@ from budget.results import SCHEMA
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.references.records import Change, Difference, Move
+    from budget.references.difference import Difference, Move
 
 COLUMNS = (
     *("reference", "subject", "quantity", "partner", "unit", "before", "after"),
@@ -39,7 +39,7 @@ def checks_json(checks: Sequence[Difference], errors: Sequence[str]) -> str:
                 for one in checks
             ],
             "moved": [
-                {"reference": one.first, **_move(move, one.changes)}
+                {"reference": one.first, **_move(move)}
                 for one in checks
                 for move in one.moves
             ],
@@ -53,7 +53,7 @@ def checks_csv(checks: Sequence[Difference]) -> str:
     return csv_text(
         COLUMNS,
         (
-            {"reference": one.first, **_move(move, one.changes)}
+            {"reference": one.first, **_move(move)}
             for one in checks
             for move in one.moves
         ),
@@ -71,7 +71,7 @@ def difference_json(difference: Difference) -> str:
             "kind": difference.job,
             "compared": difference.compared,
             "changes": [asdict(change) for change in difference.changes],
-            "moved": [_move(move, difference.changes) for move in difference.moves],
+            "moved": [_move(move) for move in difference.moves],
         }
     )
 
@@ -80,20 +80,17 @@ def difference_csv(difference: Difference) -> str:
     """Write one row for each number or word that differs, the largest change first."""
     return csv_text(
         COLUMNS,
-        (
-            {"reference": difference.first, **_move(move, difference.changes)}
-            for move in difference.moves
-        ),
+        ({"reference": difference.first, **_move(move)} for move in difference.moves),
     )
 
 
-def _move(move: Move, changes: Sequence[Change]) -> dict[str, Any]:
+def _move(move: Move) -> dict[str, Any]:
     """Return one entry of `moved`."""
-    because = [f"{changes[k - 1].key} {part}" for k, part in cause_texts(move)]
+    because = [f"{one.key} {part}" for one, part in cause_texts(move)]
     if together := together_text(move):
         because.append(f"{TOGETHER} {together}")
     return {
-        **asdict(move.key),
+        **asdict(move.item),
         "unit": move.unit,
         "before": move.before,
         "after": move.after,
@@ -102,7 +99,7 @@ def _move(move: Move, changes: Sequence[Change]) -> dict[str, Any]:
         "sampled": move.is_sampled,
         "times": move.times,
         "causes": [
-            {"change": str(changes[cause.change]), "amount": cause.amount}
+            {"change": str(cause.change), "amount": cause.amount}
             for cause in move.causes
         ],
         "together": move.together,

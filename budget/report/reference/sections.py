@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from math import floor, inf, log10
 from typing import TYPE_CHECKING
 
-from budget.references.records import TOOL
+from budget.references.difference import TOOL
 from budget.report.blocks import (
     Cell,
     Field,
@@ -30,7 +30,7 @@ from budget.studies.request import read_name
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from budget.references.records import Change, Difference, Move
+    from budget.references.difference import Change, Difference, Move
     from budget.report.blocks import Block, Table
 
 # What a reader looks at first; the other numbers follow from what moves these.
@@ -128,7 +128,7 @@ def check_sections(checks: Sequence[Difference], bad: int) -> tuple[Section, ...
     tuple of Section
     """
     moved = [one for one in checks if not one.holds]
-    tables = [move_table(one.moves) for one in moved]
+    tables = [move_table(one.moves, one.changes) for one in moved]
     blocks: list[Block] = []
     if checks:
         blocks.append(
@@ -188,7 +188,7 @@ def check_sections(checks: Sequence[Difference], bad: int) -> tuple[Section, ...
 
 def difference_sections(difference: Difference) -> tuple[Section, ...]:
     """Return two budgets side by side, the largest change first."""
-    table = move_table(difference.moves)
+    table = move_table(difference.moves, difference.changes)
     counted = f"{len(difference.moves)} of {difference.compared} numbers and words"
     first = Paragraph(words=(f"A is {difference.first}, B {difference.second}.",))
     return (
@@ -296,7 +296,7 @@ def _legend(command: str, tables: Sequence[MoveTable]) -> Iterator[Section]:
     )
 
 
-def move_table(moves: Sequence[Move]) -> MoveTable:
+def move_table(moves: Sequence[Move], changes: Sequence[Change] = ()) -> MoveTable:
     """Choose and group the moves to be shown, the largest first.
 
     Groups stand by their largest change, rows within a group too. Where principal
@@ -304,7 +304,7 @@ def move_table(moves: Sequence[Move]) -> MoveTable:
     """
     spoken = [m for m in moves if isinstance(m.before or m.after, str)]
     counted = [m for m in moves if not isinstance(m.before or m.after, str)]
-    first = [move for move in counted if move.key.quantity in PRINCIPAL]
+    first = [move for move in counted if move.item.quantity in PRINCIPAL]
     chosen = sorted(first or counted, key=lambda move: -move.size)[:MOST_ROWS]
     groups: dict[str, list[Move]] = {}
     for move in chosen:
@@ -312,7 +312,8 @@ def move_table(moves: Sequence[Move]) -> MoveTable:
     numbers = [move for move in chosen if move.times is not None]
     return MoveTable(
         groups=tuple(
-            Group(title=title, rows=_rows(own)) for title, own in groups.items()
+            Group(title=title, rows=_rows(own, changes))
+            for title, own in groups.items()
         ),
         words=tuple(
             f"{_word_title(m)}: {_word(m.before)} -> {_word(m.after)}" for m in spoken
@@ -351,17 +352,17 @@ def change_lines(changes: Sequence[Change], *, moved: bool) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def cause_texts(move: Move) -> tuple[tuple[int, str], ...]:
-    """Return (number of the change, part of the move), the largest part first."""
+def cause_texts(move: Move) -> tuple[tuple[Change, str], ...]:
+    """Return (change, part of the move that it explains), the largest part first."""
     difference = move.difference
     if not difference:
         return ()
     parts = sorted(
-        ((cause.change + 1, cause.amount / difference) for cause in move.causes),
+        ((cause.change, cause.amount / difference) for cause in move.causes),
         key=lambda pair: -abs(pair[1]),
     )
     return tuple(
-        (k, _percent(part)) for k, part in parts if LITTLE <= abs(part) < MOST_PART
+        (one, _percent(part)) for one, part in parts if LITTLE <= abs(part) < MOST_PART
     )
 
 
@@ -391,21 +392,21 @@ def print_pair(before: float, after: float) -> tuple[str, str]:
     return round_value(before, u), round_value(after, u)
 
 
-def _rows(moves: Sequence[Move]) -> tuple[Row, ...]:
+def _rows(moves: Sequence[Move], changes: Sequence[Change]) -> tuple[Row, ...]:
     """Make rows; axes whose rows say the same are one row."""
     rows: dict[Row, list[str]] = {}
     for move in moves:
-        rows.setdefault(_row(move), []).append(_split(move.key.subject)[1])
+        rows.setdefault(_row(move, changes), []).append(_split(move.item.subject)[1])
     return tuple(replace(row, labels=tuple(labels)) for row, labels in rows.items())
 
 
-def _row(move: Move) -> Row:
+def _row(move: Move, changes: Sequence[Change]) -> Row:
     """Return the row of one move, without its label."""
     if isinstance(move.before, float) and isinstance(move.after, float):
         pair = print_pair(move.before, move.after)
     else:
         pair = (_word(move.before), _word(move.after))
-    sign = AT_MOST if move.key.quantity in FALLING else AT_LEAST
+    sign = AT_MOST if move.item.quantity in FALLING else AT_LEAST
     before, after = (
         f"{sign} {text}" if bound else text
         for text, bound in zip(pair, move.bounds, strict=True)
@@ -421,13 +422,17 @@ def _row(move: Move) -> Row:
     if move.times is not None:
         times = f"{_two_digits(move.times)} {'s.e.' if move.is_sampled else 'tol'}"
     return Row(
-        before=before, after=after, change=change, times=times, because=_because(move)
+        before=before,
+        after=after,
+        change=change,
+        times=times,
+        because=_because(move, changes),
     )
 
 
-def _because(move: Move) -> str:
+def _because(move: Move, changes: Sequence[Change]) -> str:
     """Name the changes by their numbers, with their parts where there are several."""
-    parts = cause_texts(move)
+    parts = [(changes.index(one) + 1, part) for one, part in cause_texts(move)]
     together = together_text(move)
     if len(parts) == 1 and parts[0][1] == ALL and not together:
         return str(parts[0][0])
@@ -441,22 +446,22 @@ def _because(move: Move) -> str:
 
 def _title(move: Move) -> str:
     """Name the group of a move: 'Gyro bias, u [deg/h]'."""
-    group, _ = _split(move.key.subject)
-    quantity = TITLES.get(move.key.quantity, words(move.key.quantity))
-    if move.key.partner:
-        is_output = move.key.quantity == "correlation"
+    group, _ = _split(move.item.subject)
+    quantity = TITLES.get(move.item.quantity, words(move.item.quantity))
+    if move.item.partner:
+        is_output = move.item.quantity == "correlation"
         name = output_title if is_output else source_title
-        quantity = f"{quantity} {name(read_name(move.key.partner))}"
+        quantity = f"{quantity} {name(read_name(move.item.partner))}"
     unit = f" [{move.unit}]" if move.unit not in {"", "1"} else ""
     # The name of a file stays as it is.
-    title = group if " " in move.key.subject else group[:1].upper() + group[1:]
+    title = group if " " in move.item.subject else group[:1].upper() + group[1:]
     return f"{title}, {quantity}{unit}"
 
 
 def _word_title(move: Move) -> str:
     """Name a word that moved, and the device it is of: 'imu.yaml gyro, verdict'."""
-    _, label = _split(move.key.subject)
-    return f"{label} {_title(move)}" if " " in move.key.subject else _title(move)
+    _, label = _split(move.item.subject)
+    return f"{label} {_title(move)}" if " " in move.item.subject else _title(move)
 
 
 def _split(subject: str) -> tuple[str, str]:

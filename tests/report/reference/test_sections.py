@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 from saying import assert_says
 
-from budget.references.records import Cause, Change, Key, Move
+from budget.references.difference import Cause, Change, Move
+from budget.references.records import Item
 from budget.report.reference.sections import (
     MOST_IDLE,
     MOST_ROWS,
@@ -20,7 +21,7 @@ def move(subject="gyro.bias.x", quantity="standard_uncertainty", **more):
     """Return a move of 1 %."""
     before, after = more.pop("before", 2.0), more.pop("after", 2.02)
     return Move(
-        key=Key(subject=subject, quantity=quantity, partner=more.pop("partner", "")),
+        item=Item(subject=subject, quantity=quantity, partner=more.pop("partner", "")),
         unit=more.pop("unit", "deg/h"),
         before=before,
         after=after,
@@ -28,6 +29,16 @@ def move(subject="gyro.bias.x", quantity="standard_uncertainty", **more):
         scale=more.pop("scale", before),
         **more,
     )
+
+
+def caused(amounts):
+    """Return changes, and what each explains."""
+    changes = [
+        Change(where="device a.yaml", key=f"k{k}", before="1", after="2")
+        for k, _ in enumerate(amounts)
+    ]
+    causes = [Cause(change=c, amount=a) for c, a in zip(changes, amounts, strict=True)]
+    return changes, tuple(causes)
 
 
 @pytest.mark.parametrize(
@@ -148,9 +159,9 @@ def test_a_word_of_a_comparison_names_its_device():
 )
 def test_causes(amounts, text):
     """Changes by number, the largest part first; one that is all needs no part."""
-    causes = tuple(Cause(change=k, amount=a) for k, a in enumerate(amounts))
+    changes, causes = caused(amounts)
     one = move(causes=causes)
-    (group,) = move_table([one]).groups
+    (group,) = move_table([one], changes).groups
     assert group.rows[0].because == text
     assert len(cause_texts(one)) == len(amounts)
 
@@ -167,8 +178,8 @@ def test_causes(amounts, text):
 )
 def test_what_parts_leave(amounts, together, text):
     """What the changes do at once beyond their parts is said, above a few per cent."""
-    causes = tuple(Cause(change=k, amount=a) for k, a in enumerate(amounts))
-    table = move_table([move(causes=causes, together=together)])
+    changes, causes = caused(amounts)
+    table = move_table([move(causes=causes, together=together)], changes)
     (group,) = table.groups
     assert group.rows[0].because == text
     assert table.has_together == ("together" in text)
@@ -180,8 +191,9 @@ def test_what_parts_leave(amounts, together, text):
 )
 def test_no_part_overflows(amount, text):
     """A part a thousand times the difference is short; one beyond any is none."""
-    one = move(causes=(Cause(change=0, amount=amount),), together=amount * 1e10)
-    (group,) = move_table([one]).groups
+    changes, causes = caused([amount])
+    one = move(causes=causes, together=amount * 1e10)
+    (group,) = move_table([one], changes).groups
     assert group.rows[0].because.partition(", ")[0] == text
     assert len(group.rows[0].because) < 40
 

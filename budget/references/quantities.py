@@ -1,0 +1,297 @@
+"""What a result states, number by number and word by word, each with its tolerance.
+
+A result is read from its JSON document by one table: what stands at which path, under
+which name it is stored, and what its tolerance follows from. What the table does not
+name is left out, because it follows from the rest (shares, ranks), hangs on chance
+(which of two alike comes first) or on more than the inputs (the whole catalogue).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TYPE_CHECKING, Any
+
+from budget.names import Name, as_name
+from budget.references.records import NominalProperty, QuantityValue, Snapshot
+from budget.studies.judgement import NORMAL_TRIALS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from budget.references.sampling import StandardErrors
+
+    Record = Mapping[str, Any]
+
+# A correlation coefficient, a probability or an index is a part of 1; so much of 1 is
+# rounding, of the estimators of Sobol' indices too.
+PART = 1e-9
+# The solver of the least cost is sure of the cost to a part of 1e-6; as the cost is
+# flat around its least, it is sure of a line to the root of that only.
+LEAST_COST, LEAST_COST_LINE = 1e-5, 2e-3
+UTILISATION = "utilisation"
+NO_BOUNDS = {"mean", "sobol_first", "sobol_total"}  # nothing makes them worse
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What a value of a document is, and what its tolerance follows from.
+
+    Attributes
+    ----------
+    quantity : str
+        Name under which it is stored.
+    of : str
+        'output': in the unit of its output, sure to the resolution of that; 'limit': a
+        part of the limit of one or more outputs, sure to theirs; 'part': of 1; 'line':
+        of a data sheet; 'cost'; 'word'.
+    statistic : str
+        What the standard error of a sampled number is that of: a field of
+        StandardErrors; 'interval', the one beside it; 'count', of trials. '': the law.
+        Of a word the quantity that decides it: 'utilisation'.
+    """
+
+    quantity: str
+    of: str = "output"
+    statistic: str = ""
+
+
+_CONFORMANCE = Meaning("conformance", "part", "count")
+_USED = Meaning(UTILISATION, "limit", "end")
+_VERDICT, _NOT_GIVEN = (
+    Meaning("verdict", "word", UTILISATION),
+    Meaning("not_given", "word"),
+)
+# By command and path in its document, lists passed through.
+MEANINGS: Mapping[str, Mapping[str, Meaning]] = {
+    "analyze": {
+        "outputs.mean": Meaning("mean", statistic="mean"),
+        "outputs.standard_uncertainty": Meaning("standard_uncertainty", statistic="u"),
+        "outputs.interval.0": Meaning("interval_low", statistic="low"),
+        "outputs.interval.1": Meaning("interval_high", statistic="high"),
+        "outputs.contributions.standard_uncertainty": Meaning("contribution"),
+        "outputs.contributions.sobol_first": Meaning("sobol_first", "part", "interval"),
+        "outputs.contributions.sobol_total": Meaning("sobol_total", "part", "interval"),
+        "assessment.outputs.utilisation": _USED,
+        "assessment.sensors.utilisation": _USED,
+        "assessment.sensors.verdict": _VERDICT,
+    },
+    "compare": {
+        "devices.outputs.standard_uncertainty": Meaning("standard_uncertainty"),
+        "devices.outputs.largest_error": Meaning("largest_error", statistic="end"),
+        "devices.outputs.conformance": _CONFORMANCE,
+        "devices.utilisation": _USED,
+        "devices.conformance": _CONFORMANCE,
+        "devices.verdict": _VERDICT,
+        # Axes are alike: which of them is the worst may hang on rounding.
+        "devices.limiting_source": Meaning("limiting_source", "word", UTILISATION),
+        "devices.not_given": _NOT_GIVEN,
+        "nothing_known.verdict": _VERDICT,
+        "nothing_known.not_given": _NOT_GIVEN,
+    },
+    "allocate": {
+        "feasible": Meaning("feasible", "word"),
+        "sources.status": Meaning("status", "word"),
+        "sources.now": Meaning("now", "line"),
+        "sources.allowed": Meaning("allowed", "line"),
+        "sources.headroom.value": Meaning("headroom", "line"),
+        "outputs.utilisation_now": Meaning("utilisation_now", "limit"),
+        "outputs.utilisation_allowed": Meaning("utilisation_allowed", "limit"),
+        "outputs.utilisation_floor": Meaning("utilisation_floor", "limit"),
+        "costs.now": Meaning("cost_now", "cost"),
+        "costs.cost": Meaning("cost", "cost"),
+    },
+}
+
+
+def snapshot_of(document: Record, errors: Mapping[str, StandardErrors]) -> Snapshot:
+    """Return all that a document states.
+
+    Parameters
+    ----------
+    document : mapping
+        Of analyze, compare or allocate, as JSON.
+    errors : mapping of str to StandardErrors
+        Of what trials made: of an analysis under '', of a comparison under the
+        `subject_of` each entry of its devices.
+    """
+    numbers: list[QuantityValue] = []
+    words: list[NominalProperty] = []
+    meanings = MEANINGS[document["command"]]
+    for path, records, value in _leaves(document):
+        meaning = meanings.get(path)
+        if meaning is None or value is None:
+            continue
+        sure = errors.get(subject_of(records[:2]), errors.get(""))
+        if meaning.of == "word":
+            words.append(_word(subject_of(records), meaning, value, sure))
+        else:
+            numbers.append(_number(meaning, records, value, sure))
+    if document["command"] == "analyze":
+        numbers += _correlations(document, errors.get(""))
+        for sensor in dict.fromkeys(row["sensor"] for row in document["outputs"]):
+            own = [name for name in document["not_given"] if name.owner == sensor]
+            words.append(_word(sensor, _NOT_GIVEN, own))
+    return Snapshot(numbers=tuple(numbers), words=tuple(words))
+
+
+def subject_of(records: Sequence[Record]) -> str:
+    """Return what records inside each other, the document first, are of.
+
+    'gyro.bias.x', or of a comparison 'hg4930.yaml#C gyro', with the procedure where
+    there are several.
+    """
+    device = "".join(f"{one['file']} " for one in records if "file" in one)
+    if device and len(records[0]["procedures"]) > 1:
+        device = f"{device}@ {records[1]['procedure']} "
+    names = [name for name in map(_name, records) if name]
+    if len(names) > 1 and "share" in records[-1]:  # a contribution to the output
+        names.pop()
+    return f"{device}{names[-1]}" if device else (names or [Name("requirement")])[-1]
+
+
+def _leaves(
+    node: object, path: str = "", records: tuple[Record, ...] = ()
+) -> Iterator[tuple[str, tuple[Record, ...], Any]]:
+    """Yield every value of a document, its path and the records that it stands in."""
+    if isinstance(node, dict):
+        for key, child in node.items():
+            yield from _leaves(
+                child, f"{path}.{key}" if path else key, (*records, node)
+            )
+    elif isinstance(node, list) and node and isinstance(node[0], dict):
+        for child in node:
+            yield from _leaves(child, path, records)
+    elif isinstance(node, list) and node and isinstance(node[0], float):
+        for place, child in enumerate(node):
+            yield f"{path}.{place}", records, child
+    else:
+        yield path, records, node
+
+
+def _name(record: Record) -> Name:
+    """Return what a record is of; '' where it does not say."""
+    if "parameter" in record:
+        return Name(record["parameter"], owner=record["sensor"], axis=record["axis"])
+    keys = ("source", "output", "sensor")
+    return as_name(next((record[key] for key in keys if key in record), ""))
+
+
+def _number(
+    meaning: Meaning,
+    records: Sequence[Record],
+    value: float,
+    sure: StandardErrors | None,
+) -> QuantityValue:
+    """Return a number with its tolerance."""
+    document, record = records[0], records[-1]
+    unit, floors, error, freedom = "1", [_solver(document, meaning, value)], None, None
+    is_bound = record.get("lower_bound", False)
+    if meaning.of == "line":
+        unit = next(one["unit"] for one in reversed(records) if "unit" in one)
+    elif meaning.of == "output":
+        output = next(one for one in reversed(records) if "resolution" in one)
+        unit = output["unit"]
+        floors.append(output["resolution"])
+        if sure is not None and meaning.statistic:
+            error = sure.of(meaning.statistic, _name(output))
+    elif meaning.of == "limit":
+        required = _required(records)
+        is_bound = any(one["lower_bound"] for one in required)
+        floors += [one["resolution"] / one["limit"] for one in required]
+        if sure is not None and meaning.statistic:
+            error = max(
+                sure.of(meaning.statistic, _name(one)) / one["limit"]
+                for one in required
+            )
+    if error is not None and sure is not None:
+        freedom = sure.freedom(meaning.statistic)
+    if meaning.statistic == "interval":
+        error, freedom = _of_interval(document, record, meaning.quantity)
+    trials = None
+    if meaning.statistic == "count":  # by the law a sensor is counted in draws of it
+        least = NORMAL_TRIALS if record is records[1] else None
+        trials = records[1]["trials"] or least
+    return QuantityValue(
+        subject=subject_of(records),
+        quantity=meaning.quantity,
+        partner=record["source"] if "share" in record else "",
+        unit=unit,
+        value=value,
+        floor=max(floors),
+        standard_error=error,
+        degrees_of_freedom=freedom,
+        trials=trials,
+        lower_bound=is_bound and meaning.quantity not in NO_BOUNDS,
+    )
+
+
+def _solver(document: Record, meaning: Meaning, value: float) -> float:
+    """Return what a number is not sure to whatever it is of [its unit]."""
+    line = LEAST_COST_LINE if document["settings"].get("strategy") == "cost" else 0.0
+    by_quantity = {"allowed": line * value, "utilisation_allowed": line}
+    by_kind = {"part": PART, "cost": LEAST_COST * value}
+    return by_quantity.get(meaning.quantity, by_kind.get(meaning.of, 0.0))
+
+
+def _required(records: Sequence[Record]) -> list[Record]:
+    """Return the outputs, with their limits, that a part of a limit is the largest of.
+
+    Of a sensor it strays no further than that of them which strays furthest.
+    """
+    record = records[-1]
+    if "limit" in record:
+        return [record]
+    own = record["outputs"] if "outputs" in record else records[-2]["outputs"]
+    return [one for one in own if one["sensor"] == record["sensor"]]
+
+
+def _of_interval(
+    document: Record, record: Record, quantity: str
+) -> tuple[float, float]:
+    """Return standard error and freedom behind a t interval over scrambles."""
+    from scipy.special import stdtrit
+
+    from budget.methods.sobol import CONFIDENCE
+
+    low, high = record[f"{quantity}_interval"]
+    freedom = document["settings"]["sobol_scrambles"] - 1.0
+    t = float(stdtrit(freedom, (1.0 + CONFIDENCE) / 2.0))
+    return (high - low) / 2.0 / t, freedom
+
+
+def _correlations(
+    document: Record, sure: StandardErrors | None
+) -> Iterator[QuantityValue]:
+    """Yield correlations, but those between triads, which the model has independent."""
+    outputs = [
+        (row["sensor"], _name(row), place, row["standard_uncertainty"])
+        for place, row in enumerate(document["outputs"])
+        if row["standard_uncertainty"] > row["resolution"]
+    ]
+    kind = "correlation"
+    for (sensor, one, a, u_a), (owner, other, b, u_b) in combinations(outputs, 2):
+        if sensor == owner:
+            yield QuantityValue(
+                subject=one,
+                quantity=kind,
+                partner=other,
+                unit="1",
+                value=document["covariance"][a][b] / (u_a * u_b),
+                floor=PART,
+                standard_error=None if sure is None else sure.of(kind, one, other),
+                degrees_of_freedom=None if sure is None else sure.freedom(kind),
+            )
+
+
+def _word(
+    subject: str, meaning: Meaning, value: object, sure: StandardErrors | None = None
+) -> NominalProperty:
+    """Return a word: of a list its entries, of a truth yes or no."""
+    text = ", ".join(value) if isinstance(value, list) else str(value)
+    return NominalProperty(
+        subject=subject,
+        quantity=meaning.quantity,
+        text={"True": "yes", "False": "no"}.get(text, text),
+        rests_on="" if meaning is _VERDICT and sure is None else meaning.statistic,
+    )
