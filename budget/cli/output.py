@@ -31,16 +31,9 @@ def check_destinations(
     *others: Path,
     inputs: Iterable[str | Path | None] = (),
 ) -> None:
-    """Refuse outputs that cannot be, before anything is computed.
+    """Refuse outputs that cannot be, before anything is computed; '-' is stdout.
 
-    Parameters
-    ----------
-    json, csv : Path or None
-        Documents; '-' is stdout.
-    *others : Path
-        Further files to be written.
-    inputs : iterable of str or Path or None
-        Files to be read, FILE#VARIANT among them: none may be overwritten.
+    None of the files to be read (FILE#VARIANT among them) may be overwritten.
 
     Raises
     ------
@@ -88,14 +81,8 @@ def hand_out(
 ) -> None:
     """Write the documents that were asked for; print the one for stdout, or `show`.
 
-    Parameters
-    ----------
-    documents : sequence of (Path or None, callable)
-        Where each goes, None for nowhere, and what makes its text, whole or in pieces.
-    show : callable, optional
-        Prints the result for people.
-    pages : mapping of Path to str or bytes, optional
-        Further files, which a person is told of.
+    Of each document where it goes, None for nowhere, and what makes its text, whole or
+    in pieces. `pages` are further files, which a person is told of.
     """
     from budget.report.files import write_all
 
@@ -201,15 +188,7 @@ WITHOUT_EFFECT = frozenset({"output", "json", "csv", "workers", "cluster"})
 def command_line(context: typer.Context) -> str:
     """Return the present call, files by base name, without what changes no number.
 
-    Parameters
-    ----------
-    context : typer.Context
-        Of the command that runs.
-
-    Returns
-    -------
-    str
-        'budget report hg4930.yaml --requirement navigation-grade.yaml'.
+    'budget report hg4930.yaml --requirement navigation-grade.yaml'.
     """
     words = ["budget", context.info_name or ""]
     arguments: list[str] = []

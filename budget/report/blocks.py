@@ -151,23 +151,10 @@ def table_of(
     is_wide: bool = False,
     searchable: bool = False,
 ) -> Table:
-    """Set records under the columns that are declared for them.
+    """Set records, a row each, under the columns that are declared for them.
 
-    Parameters
-    ----------
-    records : iterable
-        A row each, in this order.
-    fields : sequence of Field
-    name, caption, is_wide, searchable
-        As of the table.
-    by : callable, optional
-        What rows of one group have in common; None makes all one group.
-    titled : bool
-        Whether that stands above each group.
-
-    Returns
-    -------
-    Table
+    `by` says what rows of one group have in common (without it all are one group),
+    `titled` whether that stands above each group.
     """
     groups = [
         (key, [[_cell(field.cell(one)) for field in fields] for one in own])

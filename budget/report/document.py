@@ -18,18 +18,7 @@ if TYPE_CHECKING:
 def to_json(
     budget: Budget, extras: Mapping[str, Mapping[str, Any]] | None = None
 ) -> str:
-    """Write the JSON document of a budget, in printed units.
-
-    Parameters
-    ----------
-    budget : Budget
-        The result.
-    extras : mapping, optional
-        Documents of other studies that go with it, by their keys.
-
-    Returns
-    -------
-    str
+    """Write the JSON document of a budget, with those of other studies by their keys.
 
     Raises
     ------
@@ -53,21 +42,11 @@ FORMULA = ("=", "+", "-", "@", "\t")  # what a spreadsheet takes for a formula
 
 
 def csv_text(columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> str:
-    r"""Write rows under a line of heads, LF at the end of each.
+    r"""Write these columns of rows under a line of heads, LF at the end of each.
 
-    Parameters
-    ----------
-    columns : sequence of str
-        What is written of every row, in this order; nothing where a row lacks it.
-    rows : iterable of mapping
-        Texts, numbers, which are written with all their digits, true or false, and
-        None for nothing.
-
-    Returns
-    -------
-    str
-        A text that a spreadsheet would take for a formula has an apostrophe before it;
-        a number has not, negative ones neither. A carriage return is written as \r.
+    Numbers have all their digits; None, and what a row lacks, is nothing. A text that
+    a spreadsheet would take for a formula has an apostrophe before it; a number has
+    not, negative ones neither. A carriage return is written as \r.
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")

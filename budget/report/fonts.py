@@ -160,18 +160,10 @@ class FontSet:
 def choose_fonts(
     texts: Iterable[str], *, folders: Sequence[Path] | None = None
 ) -> FontSet:
-    """Find fonts for all characters of a document.
+    """Find fonts for all characters of a document, in these folders or the system's.
 
     Of the fonts that could serve, sans serif ones come first, then the order is that
     of their names, so that the same machine takes the same fonts every time.
-
-    Parameters
-    ----------
-    texts : iterable of str
-        All that will be printed.
-    folders : sequence of Path or None
-        Where to look for fonts besides the bundled ones; None for where the system
-        keeps its own.
     """
     bundled = FontSet(
         families=(TEXT_FAMILY,),

@@ -30,17 +30,9 @@ SMALL_BAR = 0.005  # a share that is thinner than a line behind its number [1]
 
 
 def render_page(document: Document) -> str:
-    """Write a document as one page that needs nothing else and can load nothing.
+    """Write a document as one HTML page that needs nothing else and can load nothing.
 
-    Parameters
-    ----------
-    document : Document
-        Whose texts may come from anywhere: all are escaped.
-
-    Returns
-    -------
-    str
-        HTML; the same bytes for the same document.
+    Its texts may come from anywhere: all are escaped. Same document, same bytes.
 
     Raises
     ------
@@ -205,23 +197,10 @@ PROLOG = re.compile(
 def svg_element(
     svg: str, *, name: str, alt: str, tips: Mapping[str, str] | None = None
 ) -> str:
-    """Turn an SVG file to an element of HTML: no prolog, no size, the page's inks.
+    """Turn an SVG file of `style.to_svg` into an element of HTML with the page's inks.
 
-    Parameters
-    ----------
-    svg : str
-        From `budget.report.figures.style.to_svg`.
-    name : str
-        That of the figure, with which its ids begin.
-    alt : str
-        What it shows, for those who cannot see it.
-    tips : mapping of str to str, optional
-        Tooltips by the gid of the element that they belong to.
-
-    Returns
-    -------
-    str
-        One `svg` element.
+    It has no prolog and no size; its ids begin with `name`, tips go by the gid of the
+    element that they belong to.
 
     Raises
     ------
@@ -302,13 +281,8 @@ def markup(html: str) -> Markup:
 def number_markup(text: str, *, tail: int = 0) -> str:
     """Set a printed number for a page: true minus signs, powers of ten raised.
 
-    Parameters
-    ----------
-    text : str
-        As it comes from `tables`.
-    tail : int
-        Characters from the decimal point on to fill up to, so that the points of a
-        column that is set flush right are in line.
+    It is filled up to `tail` characters from the decimal point on, so that the points
+    of a column that is set flush right are in line.
     """
     own = _tail(text)
     if own is None:

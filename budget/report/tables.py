@@ -140,16 +140,7 @@ class GroupTable:
 def round_uncertainty(u: float, *, resolution: float = 0.0) -> str:
     """Round to two significant digits, JCGM 100:2008, 7.2.6; halves go up.
 
-    Parameters
-    ----------
-    u : float
-        Standard or expanded uncertainty [any unit].
-    resolution : float
-        A spread at or below it is rounding of the computation: '0' [same].
-
-    Returns
-    -------
-    str
+    A spread at or below `resolution` is rounding of the computation: '0' [unit of u].
 
     Raises
     ------
@@ -182,15 +173,9 @@ def round_value(value: float, u: float, *, resolution: float = 0.0) -> str:
 
 
 def round_error(error: float, u: float, output: Output) -> Number:
-    """Round an error of an output to the last digit of its u, in the unit it has.
+    """Round an error [SI] to the last digit of its u [SI], in the unit of its output.
 
     The one rule for every mean, interval end and largest error of a result.
-
-    Parameters
-    ----------
-    error, u : float
-        Error and standard uncertainty [SI].
-    output : Output
     """
     scale = output.si_per_unit
     text = round_value(error / scale, u / scale, resolution=output.resolution / scale)

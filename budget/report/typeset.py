@@ -92,19 +92,10 @@ class Typeset:
 
 
 def typeset(document: Document, *, folders: Sequence[Path] | None = None) -> Typeset:
-    """Write a document as PDF.
+    """Write a document as PDF: the same bytes for the same document and fonts.
 
-    Parameters
-    ----------
-    document : Document
-    folders : sequence of Path or None
-        Where to look for fonts with characters that the bundled ones lack; None for
-        where the system keeps its own.
-
-    Returns
-    -------
-    Typeset
-        The same bytes for the same document and fonts.
+    Characters that the bundled fonts lack are looked for in `folders`, without them
+    where the system keeps its fonts.
 
     Raises
     ------
@@ -134,11 +125,7 @@ def typeset(document: Document, *, folders: Sequence[Path] | None = None) -> Typ
 def plain_document(document: Document, pictures: Sequence[Picture]) -> dict[str, Any]:
     """Return what the template prints, as JSON holds it.
 
-    Parameters
-    ----------
-    document : Document
-    pictures : sequence of Picture
-        All of the document; `images/<place>.svg` is the file of each.
+    `images/<place>.svg` is the file of each picture of the document.
     """
     places = {id(picture): place for place, picture in enumerate(pictures)}
     return {
@@ -457,26 +444,10 @@ def render_pdf(
     date: str,
     faces: tuple[Face, ...] = (),
 ) -> bytes:
-    """Set a document with typst.
+    """Set a document with typst as PDF/A-2a and PDF/UA-1; same arguments, same bytes.
 
-    Parameters
-    ----------
-    template : str
-        Name of a file in the folder `templates`. It finds its data in `data.json` and
-        its images in `images/`.
-    data : mapping
-        What JSON can hold.
-    images : mapping of str to bytes
-        Files by name, SVG or PNG; `data` says where they go and has words for them.
-    date : str
-        Of the document, year-month-day; nothing else in the file tells the time.
-    faces : tuple of Face
-        Fonts besides the bundled ones.
-
-    Returns
-    -------
-    bytes
-        PDF/A-2a and PDF/UA-1; the same bytes for the same arguments.
+    The template, a file in the folder `templates`, finds `data` in `data.json` and the
+    images, SVG or PNG, in `images/`. The date (year-month-day) alone tells the time.
 
     Raises
     ------

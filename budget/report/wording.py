@@ -84,11 +84,8 @@ NOTHING = "changes nothing under this error reference"
 def not_given_lines(reach: Mapping[Name, tuple[Name, ...]]) -> tuple[str, ...]:
     """Say which lines are absent and what they could change, by sensor and effect.
 
-    Parameters
-    ----------
-    reach : mapping of Name to tuple of Name
-        The outputs that each absent line would reach, from
-        budget.studies.lower_bounds.could_widen.
+    `reach` has the outputs that each absent line would reach, from
+    budget.studies.lower_bounds.could_widen.
     """
     absent: dict[tuple[str, str], list[str]] = {}
     for name, outputs in reach.items():

@@ -43,23 +43,9 @@ def check(
     root: Node | None = None,
     gravity: float | None = None,
 ) -> Model:
-    """Read a file's nodes into a model.
+    """Read a file's nodes into a model; `g` means `gravity` [m/s^2] in it.
 
-    Parameters
-    ----------
-    document : Document
-        The file.
-    model : type
-        What it must be.
-    root : Node, optional
-        Nodes to take instead of the file's own root: a variant laid over the base.
-    gravity : float, optional
-        What `g` means in this file [m/s^2].
-
-    Returns
-    -------
-    model
-        What the file says.
+    `root` stands for the file's own: a variant laid over the base.
 
     Raises
     ------

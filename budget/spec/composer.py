@@ -61,22 +61,10 @@ _FLOAT = re.compile(NUMBER)
 
 
 def compose(text: str, file: str) -> tuple[Node, list[Issue]]:
-    """Compose the only document of a text.
+    """Compose the only document of a text; messages name it `file`.
 
-    Parameters
-    ----------
-    text : str
-        What the file holds.
-    file : str
-        How messages name it.
-
-    Returns
-    -------
-    Node
-        Its root.
-    list of Issue
-        What did not stop the reading: duplicate and unreadable keys, empty values,
-        aliases, anchors and tags.
+    Returns its root and what did not stop the reading: duplicate and unreadable keys,
+    empty values, aliases, anchors and tags.
 
     Raises
     ------

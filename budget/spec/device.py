@@ -173,19 +173,7 @@ def variant_names(document: Document) -> tuple[str, ...]:
 
 
 def read_device(document: Document, variant: str = "") -> Device:
-    """Turn a device file, or one variant in it, into a record.
-
-    Parameters
-    ----------
-    document : Document
-        The file.
-    variant : str
-        Name of the variant; '' for the base.
-
-    Returns
-    -------
-    Device
-        What it says, in SI.
+    """Turn a device file, or one variant in it, into a record in SI.
 
     Raises
     ------

@@ -54,18 +54,6 @@ def find(typed: str | Path, kind: str | None = None) -> NamedFile:
 def open_file(file: NamedFile, kind: str | None = None) -> Document:
     """Read a file and find its kind from its keys.
 
-    Parameters
-    ----------
-    file : NamedFile
-        The file.
-    kind : str, optional
-        The kind it must be of.
-
-    Returns
-    -------
-    Document
-        What is in it, with its kind.
-
     Raises
     ------
     SpecError

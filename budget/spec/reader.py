@@ -23,20 +23,9 @@ _BREAK = re.compile("\r\n|\r|\n")
 
 
 def read(path: Path, shown: str) -> Document:
-    """Read one file.
+    """Read one file, which messages name `shown`: its nodes, and its lesser issues.
 
-    Parameters
-    ----------
-    path : Path
-        Where it is.
-    shown : str
-        How messages name it.
-
-    Returns
-    -------
-    Document
-        Its nodes, and the issues that do not stop the reading: duplicate keys,
-        empty values, aliases, anchors and tags.
+    Duplicate keys, empty values, aliases, anchors and tags do not stop the reading.
 
     Raises
     ------

@@ -31,16 +31,8 @@ _MODELS: dict[str, type[BaseModel]] = {
 def json_schema(kind: str) -> dict[str, Any]:
     """Return the JSON Schema (draft 2020-12) of a kind of file.
 
-    Parameters
-    ----------
-    kind : str
-        'device', 'procedure', 'requirement' or 'costs'.
-
-    Returns
-    -------
-    dict
-        The schema. It knows keys, types and units; what several keys say together
-        only `validate` checks.
+    It knows keys, types and units; what several keys say together only `validate`
+    checks.
 
     Raises
     ------

@@ -191,7 +191,7 @@ def value_type(line: Source, sensor: str) -> Any:  # noqa: ANN401
 def read_value(
     line: Source, sensor: str, given: Quantity | SpecificationValue
 ) -> ReadValue:
-    """Turn a value as printed into standard uncertainties by axis.
+    """Turn a value as printed into standard uncertainties by axis [SI].
 
     A text is 1 sigma and normal. A sigma meaning divides the value; `max` and `peak to
     peak` give a half-width, which its shape divides (JCGM 100:2008, 4.3.7 to 4.3.9).
@@ -201,20 +201,6 @@ def read_value(
 
     A value per root of hertz is a spectral density D, whose random walk coefficient is
     N = D / sqrt(2) if it is one-sided (rms in a band B is D sqrt(B)), and N = D if not.
-
-    Parameters
-    ----------
-    line : Source
-        The model line.
-    sensor : str
-        Whose line it is.
-    given : Quantity or SpecificationValue
-        A value of the type `value_type(line, sensor)`.
-
-    Returns
-    -------
-    ReadValue
-        The line [SI], and what had to be assumed.
     """
     part = _family(line)(value=given) if isinstance(given, Quantity) else given
     axes = [_axis(part, axis) for axis in line.axes]

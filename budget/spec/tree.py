@@ -98,27 +98,22 @@ def plain(node: Node) -> object:
     return node.value
 
 
-def merge(base: Node, over: Node, *, figures: bool = False) -> Node:
+def merge(base: Node, over: Node, *, short: bool = False) -> Node:
     """Lay one node over another, key by key; every part keeps its own position.
 
-    Parameters
-    ----------
-    base, over : Node
-        What is there and what overrides it. Only two mappings merge; else `over`
-        replaces `base`.
-    figures : bool
-        The two stand under `errors`, where a string is short for {value: string}.
+    Only two mappings merge; else `over` replaces `base`. Under `errors`, where `short`,
+    a string is short for {value: string}.
     """
     below = base.value
-    if figures and isinstance(below, str):
+    if short and isinstance(below, str):
         below = {"value": base}
     if not isinstance(below, dict) or not isinstance(over.value, dict):
         return over
     merged = dict(below)
     for key, child in over.value.items():
         known = merged.get(key)
-        inside = figures or key == "errors"
-        merged[key] = child if known is None else merge(known, child, figures=inside)
+        inside = short or key == "errors"
+        merged[key] = child if known is None else merge(known, child, short=inside)
     return replace(base, value=merged)
 
 

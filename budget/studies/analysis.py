@@ -185,17 +185,7 @@ def analyze_as(
     engine: Engine | None = None,
     command: str = "analyze",
 ) -> Budget:
-    """Compute the error budget of a calibration, the settings given as a whole.
-
-    Parameters
-    ----------
-    settings : Settings
-        As asked for.
-    *devices, procedure, requirement, command
-        As for `analyze`, and what is raised as there.
-    engine : Engine, optional
-        Who does the work; this process without it.
-    """
+    """Compute the budget as `analyze` does, with the settings given as a whole."""
     engine = Engine() if engine is None else engine
     procedure = load_procedure(None) if procedure is None else procedure
     sensors = sensors_of(devices, procedure)

@@ -81,26 +81,9 @@ def coupling(
 
     Zhao 2019, sections 2 and 4. Products of two sources are no source: asymmetry, for
     one, reaches a scale factor only as a product with the bias, so that it counts here
-    for a nominal bias and not for a nominal bias of zero.
-
-    Parameters
-    ----------
-    sensors : tuple of Sensor
-        At most one gyro and one accelerometer.
-    procedure : Procedure
-        Turns and dwells, the place, the formulas.
-    method : str
-        'gum', 'monte-carlo' (4096 trials a source) or 'simulation' (4 runs a source).
-    reference : str
-        Error reference.
-    only : frozenset of str, optional
-        Full names of the sources that count, all others 0; all without it.
-    seed : int
-        Of the two methods that draw.
-
-    Returns
-    -------
-    CouplingTable
+    for a nominal bias and not for a nominal bias of zero. The method is 'gum',
+    'monte-carlo' (4096 trials a source) or 'simulation' (4 runs a source); `only` has
+    full names of the sources that count, all others being 0.
     """
     problem = calibration_problem(sensors, procedure, reference=reference, only=only)
     if method == "gum":

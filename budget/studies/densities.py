@@ -55,27 +55,12 @@ def critical_densities(
     *,
     trials: int = TRIALS,
 ) -> tuple[Density, ...]:
-    """Draw the distributions of the outputs that decide.
+    """Draw the distributions of the outputs that decide, in their order.
 
     With an assessment they are the output of each parameter group with the largest
     utilisation, without one the widest of each group. An output without spread has no
-    density and is left out.
-
-    Parameters
-    ----------
-    analysis : Analysis
-        What the budget is of.
-    budget : Budget
-        Its kind of interval and its seed are used.
-    assessment : Assessment or None
-        Of the budget, with the limits.
-    trials : int
-        The first ones of the streams that Monte Carlo draws from; 2 or more.
-
-    Returns
-    -------
-    tuple of Density
-        In the order of the outputs.
+    density and is left out. The trials are the first ones of the streams that Monte
+    Carlo draws from, with the seed and the kind of interval of the budget.
     """
     settings = budget.settings
     limits: dict[str, float] = {}

@@ -30,16 +30,7 @@ class Evidence:
 def gather_evidence(
     analysis: Analysis, budget: Budget, assessment: Assessment | None = None
 ) -> Evidence:
-    """Compute what a report shows beside a budget.
-
-    Parameters
-    ----------
-    analysis : Analysis
-        What the budget is of.
-    budget : Budget
-    assessment : Assessment, optional
-        The budget held against the requirement of the analysis.
-    """
+    """Compute what a report shows beside a budget, and beside its assessment."""
     return Evidence(
         coupling=coupling_by_law(
             analysis.problem, analysis.law, analysis.procedure.formulas

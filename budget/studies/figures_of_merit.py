@@ -64,11 +64,8 @@ def is_known(merit: str, text: str, cap: str) -> bool:
 def front(points: Sequence[tuple[float, Amount | None]]) -> tuple[bool, ...]:
     """Return which points are Pareto-best: no other is better in one and as good.
 
-    Parameters
-    ----------
-    points : sequence of (float, Amount or None)
-        Utilisation and cost; a point without a cost, or in another unit than the first
-        one that has a cost, is not on the front.
+    A point is a utilisation and a cost; one without a cost, or in another unit than the
+    first one that has a cost, is not on the front.
     """
     unit = next((amount.unit for _, amount in points if amount is not None), "")
     known = [

@@ -162,11 +162,8 @@ class Judged:
     def verdict(self, missing: Sequence[str] = ()) -> str:
         """Return 'meets', 'fails', 'undecided' or 'undecidable'.
 
-        Parameters
-        ----------
-        missing : sequence of str
-            Expected lines that are not given, limited parameters that are not
-            estimated: they stop a `meets`, nothing else.
+        `missing` are expected lines that are not given and limited parameters that are
+        not estimated: they stop a `meets`, nothing else.
         """
         if self.is_open:
             return "undecided"
@@ -186,22 +183,7 @@ def judge(
 ) -> Judged:
     """Judge required outputs, with as many trials as the verdict takes.
 
-    Parameters
-    ----------
-    held : Limited
-        A Problem with its limits.
-    law : Propagation
-        Of that Problem.
-    coverage : float
-        Probability of the intervals [1].
-    seed : int
-        The first trials of the same streams count for every problem.
-    trials, max_trials : int
-        How many at first, and at most.
-
-    Returns
-    -------
-    Judged
+    The first trials of the streams of a seed are the same for every problem.
     """
     number = trials
     while True:

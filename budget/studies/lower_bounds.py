@@ -38,21 +38,9 @@ def lacking(
 ) -> Mapping[Name, tuple[Name, ...]]:
     """Return for each output the expected lines that are not given and would reach it.
 
-    Parameters
-    ----------
-    sensors : sequence of Sensor
-    procedure : Procedure
-        Turns, dwells and formulas: they decide what a line reaches.
-    reference : str
-        Error reference; a line that cancels there reaches nothing.
-    only : frozenset of str, optional
-        Full names of the sources that count; a line that is left out on purpose is not
-        missing.
-
-    Returns
-    -------
-    mapping of Name to tuple of Name
-        By the name of the output; () where its number is complete.
+    Turns, dwells and formulas decide what a line reaches; one that cancels in the error
+    reference reaches nothing, one that `only` leaves out is not missing. By the name of
+    the output; () where its number is complete.
     """
     found: dict[Name, tuple[Name, ...]] = {}
     for sensor in sensors:
@@ -72,15 +60,7 @@ def could_widen(
 ) -> Mapping[Name, tuple[Name, ...]]:
     """Return for each line that is not given the outputs that it would reach.
 
-    Parameters
-    ----------
-    sensors, procedure, reference
-        As for `lacking`.
-
-    Returns
-    -------
-    mapping of Name to tuple of Name
-        By the name of the line; () where it changes nothing under this error reference.
+    () where it changes nothing under this error reference.
     """
     found: dict[Name, tuple[Name, ...]] = {}
     for sensor in sensors:

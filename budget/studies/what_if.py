@@ -110,17 +110,7 @@ class WhatIf:
     law: ScaledLaw = field(repr=False)  # in the order of `sources` and `outputs` [SI]
 
     def evaluate(self, factors: Mapping[str, float]) -> Outlook:
-        """Return the budget with sources multiplied.
-
-        Parameters
-        ----------
-        factors : mapping of str to float
-            On the standard uncertainties, by the full names of the sources [1];
-            sources that are not named stay as they are.
-
-        Returns
-        -------
-        Outlook
+        """Return the budget with the standard uncertainties of sources multiplied.
 
         Raises
         ------
@@ -263,17 +253,9 @@ class WhatIf:
 def what_if(analysis: Analysis, *, budget: Budget | None = None) -> WhatIf:
     """Set up the budget of devices as a function of their sources.
 
-    Parameters
-    ----------
-    analysis : Analysis
-        With a requirement its limits count.
-    budget : Budget, optional
-        Of the same analysis: its intervals and verdicts are those at factors of 1.
-
-    Returns
-    -------
-    WhatIf
-        With all factors 1 it is that budget; without one, the budget by the law alone.
+    With a budget of the same analysis its intervals and verdicts are those at factors
+    of 1; without one it is the budget by the law alone. Limits are those of the
+    analysis.
     """
     problem, law, required = analysis.problem, analysis.law, analysis.requirement
     varying = [group.name for group in problem.groups if not group.is_constant]
@@ -382,18 +364,7 @@ class SourceSteps:
 
 
 def one_at_a_time(what_if: WhatIf) -> tuple[SourceSteps, ...]:
-    """Change one source after another, each to nothing, half and twice its size.
-
-    Parameters
-    ----------
-    what_if : WhatIf
-        A budget as a function of its sources.
-
-    Returns
-    -------
-    tuple of SourceSteps
-        In the order of the sources.
-    """
+    """Change one source after another, each to nothing, half and twice its size."""
     present = what_if.evaluate({})
     rows = []
     for g, source in enumerate(what_if.sources):

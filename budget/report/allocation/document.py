@@ -88,21 +88,10 @@ LONGEST_NOTES = 4000
 def device_yaml(
     sensors: Sequence[Sensor], *, name: str, source: str, notes: str
 ) -> str:
-    """Write a device file: 1 sigma, all digits, units as they were.
+    """Write a device file in YAML 1.2: 1 sigma, all digits, units as they were.
 
-    Lines that a sensor does not give stay away, so they are not given there either.
-
-    Parameters
-    ----------
-    sensors : sequence of Sensor
-        Of one device file, one at least and at most one of a kind.
-    name, source, notes : str
-        What the file says of itself.
-
-    Returns
-    -------
-    str
-        YAML 1.2.
+    The sensors are of one device file, one at least and at most one of a kind. Lines
+    that a sensor does not give stay away, so they are not given there either.
     """
     text = [
         "format: budget-device/1",

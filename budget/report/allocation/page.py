@@ -78,18 +78,7 @@ SHARP = 1e-12  # below it a residual is the rounding of the processor [1]
 
 
 def allocation_section(allocation: Allocation) -> Section:
-    """Return what each line may be: the finding, its tables and figures.
-
-    Parameters
-    ----------
-    allocation : Allocation
-        The result.
-
-    Returns
-    -------
-    Section
-        The same for the same argument.
-    """
+    """Return what each line may be: the finding, its tables and figures."""
     coverage = print_coverage(allocation.coverage)
     settings = (
         f"Strategy {allocation.strategy}: {STRATEGIES[allocation.strategy]}. Coverage "

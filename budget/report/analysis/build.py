@@ -84,31 +84,8 @@ def report_document(
 ) -> Document:
     """Put a budget and what stands behind it into one document.
 
-    Parameters
-    ----------
-    budget : Budget
-        The result.
-    devices : sequence of Device
-        Those that it is of.
-    procedure : Procedure
-        How they are calibrated.
-    evidence : Evidence
-        From `gather_evidence` for the same budget.
-    assessment : Assessment, optional
-        The budget against a requirement.
-    extras : sequence of Extra
-        Allocation and comparison, where they were asked for.
-    command_line : str
-        What makes the report again; without output names.
-    date : str
-        Year-month-day.
-    number : str
-        Of the report, as the one who files it counts; '' for none.
-
-    Returns
-    -------
-    Document
-        The same for the same arguments.
+    The evidence is that of `gather_evidence` for the same budget; the command line is
+    without output names; `number` is that of the report for the one who files it.
     """
     groups = group_tables(budget)
     sensors = tuple(dict.fromkeys(group.sensor for group in groups))

@@ -83,22 +83,7 @@ METHODS = {
 def comparison_document(
     comparison: Comparison, *, date: str, command_line: str = COMMAND
 ) -> Document:
-    """Put a comparison into one document, the answer first.
-
-    Parameters
-    ----------
-    comparison : Comparison
-        The result.
-    date : str
-        Year-month-day.
-    command_line : str
-        What makes the document again; without output names.
-
-    Returns
-    -------
-    Document
-        The same for the same arguments.
-    """
+    """Put a comparison into one document, the answer first."""
     found = rankings(comparison)
     several = len(comparison.procedures) > 1
     number = len({one.place for one in comparison.entrants})
@@ -140,16 +125,8 @@ def comparison_document(
 def comparison_sections(comparison: Comparison) -> tuple[Section, ...]:
     """Return the sections that stand inside a report on something else.
 
-    Parameters
-    ----------
-    comparison : Comparison
-        The result.
-
-    Returns
-    -------
-    tuple of Section
-        The answer and how it was computed, the devices sensor by sensor, pairs, what
-        the files leave to be assumed, and what to beware of.
+    The answer and how it was computed, the devices sensor by sensor, pairs, what the
+    files leave to be assumed, and what to beware of.
     """
     # No headline here: 'MET' would be read as a verdict on the report's device.
     apart = Paragraph(words=(computed_apart(comparison),), small=True)
@@ -161,12 +138,7 @@ def comparison_answer(
 ) -> tuple[Section, ...]:
     """Return what stands alone on a terminal: the same, and the settings.
 
-    Parameters
-    ----------
-    comparison : Comparison
-        The result.
-    order : callable, optional
-        What the rows of a ranking are sorted by, in place of the rank.
+    The rows of a ranking are sorted by `order`, in place of the rank.
     """
     return (
         *_answer(comparison, rankings(comparison, order=order)),

@@ -156,15 +156,7 @@ def _rows(
 ) -> tuple[Row, Row]:
     """Return some windows of a triad, and below them the averages taken of them.
 
-    Parameters
-    ----------
-    track : Track
-    places : sequence of int
-        Of the windows.
-    size : float
-        Unit of the axis [s].
-    scale : float
-        Of the drawing [pt/s].
+    `size` is the unit of the axis [s], `scale` that of the drawing [pt/s].
     """
     said = ", ".join(
         f"{window_name(track, place)} at {print_time(track.windows[place].start)}"

@@ -53,20 +53,7 @@ QUANTITIES = {U_SINGLE: "u, single", U_MEAN: "u, mean"}  # short, below a number
 
 
 def paper_document(study: PaperStudy, *, date: str) -> Document:
-    """Put the whole study into one document.
-
-    Parameters
-    ----------
-    study : PaperStudy
-        The result.
-    date : str
-        Year-month-day.
-
-    Returns
-    -------
-    Document
-        The same for the same arguments.
-    """
+    """Put the whole study into one document."""
     paper = study.paper
     return Document(
         kind="paper",
@@ -151,16 +138,7 @@ def verdict_table(study: PaperStudy) -> Table:
 def findings_table(study: PaperStudy, section: str) -> Table:
     """Return every finding of one section, without columns that would be empty.
 
-    Parameters
-    ----------
-    study : PaperStudy
-    section : str
-        A key of Paper.sections.
-
-    Returns
-    -------
-    Table
-        Grouped by where the findings stand in the paper.
+    Grouped by where the findings stand in the paper.
     """
     rows = study.of_section(section)
     kind = "text" if all(row.quantity == WORD for row in rows) else "number"

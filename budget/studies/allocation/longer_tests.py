@@ -51,26 +51,8 @@ def find_longer_tests(
 
     Each alone, the other things as they are; upwards from the present value, because
     shorter costs nothing to try by hand. A longer test is not always a better one
-    (random walks grow), so what meets is searched step by step, then narrowed.
-
-    Parameters
-    ----------
-    sensor : Sensor
-        As it is.
-    procedure : Procedure
-        As it is.
-    task : Task
-        Limits on this sensor's outputs.
-    s : ndarray, shape (n_src,)
-        Factors on its sources.
-    reference : str
-        Error reference.
-    goal : str
-        AS_THEY_ARE or FLOOR: what `s` stands for.
-
-    Returns
-    -------
-    tuple of LongerTest
+    (random walks grow), so what meets is searched step by step, then narrowed. The
+    sources have the factors `s`, shape (n_src,), which stand for AS_THEY_ARE or FLOOR.
     """
 
     def utilisation(changed: Procedure) -> float:

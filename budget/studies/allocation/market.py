@@ -63,20 +63,9 @@ def match_catalogue(
 ) -> tuple[Match, ...]:
     """Hold every triad of the catalogue against the lines of the allocated ones.
 
-    Parameters
-    ----------
-    catalogue : sequence of Device
-        What is offered.
-    sensors : sequence of Sensor
-        With the allocated values; their lines above zero are what counts.
-    sample_rate : float
-        Turns noise of a sample into a density [Hz].
-
-    Returns
-    -------
-    tuple of Match
-        By sensor, the closest first: those that meet every line, then by missing
-        lines, then by the worst ratio.
+    Their lines above zero are what counts; the sample rate turns noise of a sample into
+    a density [Hz]. By sensor, the closest first: those that meet every line, then by
+    missing lines, then by the worst ratio.
     """
     matches = [
         _match(device, offered, wanted, sample_rate)

@@ -76,14 +76,6 @@ def find_remedy(held: Limited, law: Propagation, judged: Judged) -> Remedy:
     gives the factor f on its standard uncertainty, by the law and with the k of the
     interval that was judged; its small part in products with other sources is left as
     it is.
-
-    Parameters
-    ----------
-    held : Limited
-    law : Propagation
-        Of its Problem.
-    judged : Judged
-        How it stands against its limits.
     """
     worst = judged.worst
     row = held.rows[worst]

@@ -75,16 +75,8 @@ def judge_all(
 ) -> list[JudgedCandidate]:
     """Judge all; those whose rank is open are looked at again with more trials.
 
-    Parameters
-    ----------
-    candidates : sequence of Candidate
-    judging : Judging
-    executor : Executor or None
-        Does the work in place of this process.
-    ahead : int
-        Candidates given out at once.
-    progress : callable, optional
-        Called with the judgements done and those in all.
+    `ahead` candidates are given out at once; `progress` is called with the judgements
+    done and those in all.
     """
     findings: dict[int, JudgedCandidate] = {}
     done = 0

@@ -285,20 +285,10 @@ class Paper(Strict):
     ) -> Finding:
         """Put a finding into the words of the paper's file.
 
-        Parameters
-        ----------
-        kind, case : str
-            Which of `findings`, and which of its reasons.
-        ours : float or str
-            See Finding, as all that is not named here.
-        printed : str
-            As printed; without it what the file says.
-        against : float
-            What ours is over, for the ratio; without it the printed number.
-        p : (float or None, float or None)
-            Of a single run and of a mean.
-        said : object
-            What is filled in, beside `ours` and `against`.
+        `kind` and `case` say which of `findings` and which of its reasons, `p` has that
+        of a single run and of a mean, `against` is what ours is over for the ratio
+        (without it the printed number), `said` what is filled in beside those. All else
+        is as in Finding; without `printed` it is what the file says.
         """
         given, fill = self.findings[kind], _Sentence().vformat
         why = given.why if isinstance(given.why, str) else given.why[case]

@@ -66,25 +66,11 @@ def fit(
     runs: int,
     scatter: bool = True,
 ) -> Fit:
-    """Hold printed entries against the mean over `runs` runs (1: a single run).
+    """Hold printed relative errors [1] against the mean over `runs` runs, or one.
 
-    Parameters
-    ----------
-    printed : ndarray, shape (12,)
-        Relative errors [1].
-    expectation : Expectation
-        Of one run; all entries at `places` must vary.
-    places : slice or ndarray of bool
-        Which of the twelve.
-    runs : int
-        Number of runs averaged.
-    scatter : bool
-        Whether the scatter about a common shift is tested too: six entries near -1
-        have the sum of squares of six draws with u = 1, but not their scatter.
-
-    Returns
-    -------
-    Fit
+    All entries at `places` of the twelve must vary. Where `scatter`, that about a
+    common shift is tested too: six entries near -1 have the sum of squares of six
+    draws with u = 1, but not their scatter.
     """
     deviation = (printed - expectation.mean)[places]
     C = expectation.covariance[places][:, places] / runs

@@ -123,21 +123,9 @@ def root_mean_square(values: Array) -> float:
 
 
 def spread_of_means(problem: Problem, *, runs: int, seed: int = 0) -> Array:
-    """Draw means over `runs` runs again and again, and return their spread.
+    """Return the standard deviation of `repeats(runs)` means over `runs` runs each.
 
-    Parameters
-    ----------
-    problem : Problem
-        Of one triad.
-    runs : int
-        Runs in a mean.
-    seed : int
-        Same seed, same numbers.
-
-    Returns
-    -------
-    ndarray, shape (12,)
-        Standard deviation of `repeats(runs)` means [SI].
+    Shape (12,), of a Problem of one triad [SI].
     """
     x = np.empty((problem.n_inputs, BLOCK))
     each = BLOCK // runs
