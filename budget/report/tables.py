@@ -8,7 +8,7 @@ from itertools import groupby
 from math import ceil, floor, fsum, isfinite, log10
 from typing import TYPE_CHECKING
 
-from budget.results import INTERACTION, Contribution, widest_of_each
+from budget.results import INTERACTION, Contribution
 from budget.spec.records import ANGLES
 from budget.ties import first_largest, from_largest, settle
 
@@ -17,7 +17,13 @@ if TYPE_CHECKING:
 
     from budget.names import Name
     from budget.problem import Output
-    from budget.results import Budget, OutputBudget, Probability, Settings
+    from budget.results import (
+        Budget,
+        OutputAssessment,
+        OutputBudget,
+        Probability,
+        Settings,
+    )
 
 
 # Plain notation between 1e-4 and 1e7, as 2.3e-9 outside: nobody counts nine zeros.
@@ -191,6 +197,18 @@ def bound_number(
     if not lower_bound or not sign:
         return number
     return Number(text=f"{sign} {number.text}", exact=number.exact)
+
+
+def used_part(row: OutputAssessment) -> Number:
+    """Round the part of its limit that an output uses: '98.7 %', '≥ 42.0 %', '?'."""
+    used = Number(text=print_utilisation(row.utilisation), exact=row.utilisation)
+    return bound_number(used, lower_bound=row.lower_bound, unknown=row.is_unknown)
+
+
+def largest_error(row: OutputAssessment) -> Number:
+    """Round a largest error, in the unit of the output; marked where it is a bound."""
+    error = round_error(row.largest_error, row.standard_uncertainty, row.output)
+    return bound_number(error, lower_bound=row.lower_bound, unknown=row.is_unknown)
 
 
 def print_given(value: float, *, digits: int = 4) -> str:
@@ -504,67 +522,6 @@ def _print_decimal(number: Decimal) -> str:
 
 
 MOST_DECIMALS = 3  # an index is a share: more digits tell nobody anything
-
-
-@dataclass(frozen=True, kw_only=True)
-class IndexRow:
-    """The indices of one source for one output, as texts."""
-
-    rank: str  # '2', '2=' where it is shared
-    title: str
-    first: str
-    first_interval: str
-    total: str
-    total_interval: str
-    note: str  # 'interacts', or ''
-
-
-@dataclass(frozen=True, kw_only=True)
-class IndexTable:
-    """All indices for one output; sources that cannot be told apart share a rank."""
-
-    title: str  # 'gyro bias z'
-    is_widest: bool  # of its parameter group
-    rows: tuple[IndexRow, ...]
-    small: str  # the sources whose total index is 0 to the digits printed
-
-
-def index_tables(budget: Budget) -> tuple[IndexTable, ...]:
-    """Return a table for every output that has indices."""
-    widest = {row.output.name for row in widest_of_each(budget.outputs)}
-    return tuple(
-        IndexTable(
-            title=output_title(row.output.name),
-            is_widest=row.output.name in widest,
-            rows=tuple(r for r in rows if float(r.total) > 0.0),
-            small=", ".join(r.title for r in rows if float(r.total) == 0.0),
-        )
-        for row in budget.outputs
-        if (rows := _rows(row))
-    )
-
-
-def _rows(output: OutputBudget) -> tuple[IndexRow, ...]:
-    """Return the rows of one output, by rank, then by total index."""
-    found = [(p.source, p.sobol) for p in output.contributions if p.sobol is not None]
-    found.sort(key=lambda pair: (pair[1].rank, -pair[1].total))
-    ranks = [index.rank for _, index in found]
-    rows = []
-    for source, index in found:
-        first = print_index(index.first, index.first_interval)
-        total = print_index(index.total, index.total_interval)
-        rows.append(
-            IndexRow(
-                rank=f"{index.rank}{'=' if ranks.count(index.rank) > 1 else ''}",
-                title=source_title(source),
-                first=first[0],
-                first_interval=first[1],
-                total=total[0],
-                total_interval=total[1],
-                note="interacts" if index.interacts else "",
-            )
-        )
-    return tuple(rows)
 
 
 def print_index(value: float, interval: tuple[float, float]) -> tuple[str, str]:

@@ -9,7 +9,8 @@ from builders import NOWHERE, procedure, sensor
 from document_text import on_terminal
 
 from budget.report.analysis.groups import budget_answer
-from budget.report.tables import index_tables, print_index
+from budget.report.figures.sobol import sobol_chart
+from budget.report.tables import print_index
 from budget.spec.records import Device
 from budget.studies.analysis import analyze
 from budget.units import DEG_PER_HOUR
@@ -58,28 +59,33 @@ def budget(device):
 
 
 def test_tables_hold_every_source_that_varies(budget):
-    """Each output has a table; each source stands in it, as a row or as small."""
-    tables = index_tables(budget)
-    assert len(tables) == 12
-    for table in tables:
-        text = " ".join([table.small, *(row.title for row in table.rows)])
+    """Of each group one output has rows; each source stands there, or in words."""
+    chart = sobol_chart(budget, "gyro")
+    assert len(chart.data.groups) == 3
+    for group in chart.data.groups:
+        parameter = group.title.removeprefix("Gyro ").rpartition(" ")[0]
+        zeros = re.search(rf"{parameter}: ([^;.]*)", chart.after)
+        text = " ".join([zeros[1] if zeros else "", *(r[0].text for r in group.rows)])
         for name in ("bias repeatability", "bias stability", "scale factor asymmetry"):
             assert name in text
 
 
 def test_sources_that_cannot_be_told_apart_share_a_rank(budget):
     """Both factors of the product in an angle are first, and interact."""
-    (table,) = [t for t in index_tables(budget) if t.title == "gyro mounting angle xy"]
-    assert [(row.rank, row.note) for row in table.rows] == [("1=", "interacts")] * 2
+    groups = sobol_chart(budget, "gyro").data.groups
+    (group,) = [g for g in groups if g.title == "Gyro mounting angle xy"]
+    found = [(row[1].text, row[0].note) for row in group.rows]
+    assert found == [("1=", "interacts")] * 2
 
 
 @pytest.mark.parametrize("width", [40, 80])
 def test_terminal_prints_no_index_without_its_interval(budget, width):
     """Every printed index is followed by its interval, and nothing is cut."""
     text = on_terminal(budget_answer(budget), width)
-    shown = text.partition("Sobol indices of")[2].partition("Not given")[0]
-    pairs = re.findall(r"\d\.\d+ +\[-?\d\.\d+, -?\d\.\d+\]", shown)
-    rest = re.sub(r"\d\.\d+ +\[-?\d\.\d+, -?\d\.\d+\]", "", shown)
+    shown = text.partition("Sobol' indices")[2].partition("Not given")[0]
+    pair = r"\d\.\d+\s+(?:interval:\s+)?\[-?\d\.\d+,\s+-?\d\.\d+\]"
+    pairs = re.findall(pair, shown)
+    rest = re.sub(pair, "", shown)
     assert len(pairs) >= 2 * 3  # first and total, at least one source a group
-    assert re.findall(r"(?<!below )\d\.\d+", rest) == []
+    assert re.findall(r"\d\.\d+", rest) == []
     assert max(len(row) for row in text.splitlines()) <= width

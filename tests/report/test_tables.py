@@ -349,7 +349,7 @@ def test_settings_hold_everything_a_result_depends_on():
         "seed": "0",
         "coverage": "95 %",
         "interval": "symmetric",
-        "reference": "nominal",
+        "error reference": "nominal",
         "formulas": "corrected",
     }
 

@@ -20,13 +20,12 @@ from budget.report.blocks import (
 )
 from budget.report.figures.rows import chart_picture
 from budget.report.figures.shares import share_chart
+from budget.report.figures.sobol import sobol_chart
 from budget.report.tables import (
     CheckCell,
-    IndexRow,
     OutputRow,
     SourceRow,
     group_tables,
-    index_tables,
     print_coverage,
     settings_lines,
 )
@@ -36,7 +35,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from budget.report.blocks import Block, Table
-    from budget.report.tables import GroupTable, IndexTable, Number
+    from budget.report.tables import GroupTable, Number
     from budget.results import Budget
 
 
@@ -49,7 +48,7 @@ def budget_answer(budget: Budget) -> tuple[Section, ...]:
         settings.append(("checked", checks[0]))
     return (
         *(_group_section(group, checked=len(checks) > 1) for group in groups),
-        *(_index_section(table) for table in index_tables(budget) if table.is_widest),
+        *_indices(budget, dict.fromkeys(group.sensor for group in groups)),
         _listed("Not given", not_given_lines(budget.could_widen)),
         _listed("Assumptions", budget.assumptions),
         _listed("Warnings", budget.warnings),
@@ -157,37 +156,15 @@ def _range(source: SourceRow) -> str:
     return most if least == most else f"{least} to {most}"
 
 
-def _index_section(table: IndexTable) -> Section:
-    """Return Sobol' indices with their intervals."""
-    blocks: list[Block] = [
-        table_of(
-            table.rows,
-            (
-                Field[IndexRow](
-                    head="",
-                    cell=lambda row: Cell(text=row.title, note=row.note),
-                ),
-                Field[IndexRow](head="rank", cell=lambda row: row.rank),
-                Field[IndexRow](
-                    head="first order",
-                    cell=lambda row: f"{row.first} {row.first_interval}",
-                ),
-                Field[IndexRow](
-                    head="total",
-                    cell=lambda row: f"{row.total} {row.total_interval}",
-                ),
-            ),
-            name=f"indices-{table.title}".replace(" ", "-"),
-            caption=f"Sobol indices of {table.title}",
-        )
-    ]
-    if table.small:
-        blocks.append(Paragraph(words=(f"below 0.001: {table.small}",)))
-    return Section(
-        name=f"indices-{table.title}",
-        title=f"Sobol indices of {table.title}",
-        blocks=tuple(blocks),
-    )
+def _indices(budget: Budget, sensors: Iterable[str]) -> Iterator[Section]:
+    """Yield Sobol' indices with their intervals, where there are any."""
+    charts = [chart for one in sensors if (chart := sobol_chart(budget, one))]
+    blocks: list[Block] = []
+    for chart in charts:
+        blocks += [chart.data] if chart.data else []
+        blocks += [Paragraph(words=(chart.after.strip(),))] if chart.after else []
+    if blocks:
+        yield Section(name="indices", title="Sobol' indices", blocks=tuple(blocks))
 
 
 def budget_section(groups: Sequence[GroupTable]) -> Section:

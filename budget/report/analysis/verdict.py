@@ -18,9 +18,8 @@ from budget.report.blocks import (
 from budget.report.tables import (
     SMALL_SHARE,
     UNKNOWN,
-    Number,
-    bound_number,
     join_outputs,
+    largest_error,
     output_title,
     print_contributions,
     print_coverage,
@@ -28,8 +27,8 @@ from budget.report.tables import (
     print_probability,
     print_share,
     print_utilisation,
-    round_error,
     source_title,
+    used_part,
 )
 from budget.report.wording import (
     ERROR_REFERENCES,
@@ -48,7 +47,7 @@ if TYPE_CHECKING:
 
     from budget.names import Name
     from budget.report.blocks import Block, Table, Words
-    from budget.report.tables import GroupTable
+    from budget.report.tables import GroupTable, Number
     from budget.results import (
         Assessment,
         Budget,
@@ -137,7 +136,7 @@ def _limits_table(assessment: Assessment) -> Table:
         return lambda row: Cell(text=pick(row), strong=not row.is_within)
 
     def used(row: OutputAssessment) -> Cell:
-        number, known = _used(row), _outcome(assessment, row) != NOT_KNOWN
+        number, known = used_part(row), _outcome(assessment, row) != NOT_KNOWN
         return Cell(
             text=number.text.removesuffix(" %"),
             exact=number.exact,
@@ -152,7 +151,7 @@ def _limits_table(assessment: Assessment) -> Table:
             Field(
                 head="largest error",
                 kind="number",
-                cell=lambda row: cell(_error(row), strong=not row.is_within),
+                cell=lambda row: cell(largest_error(row), strong=not row.is_within),
             ),
             Field(head="", kind="unit", cell=text(lambda row: row.output.unit)),
             Field(head="limit", cell=text(lambda row: row.printed_limit)),
@@ -293,11 +292,11 @@ def _verdict_card(
         (
             f"Worst output: {join_outputs(sensor.worst_outputs)}, largest error ",
             value(
-                _error(worst),
+                largest_error(worst),
                 worst.output.unit,
             ),
             f", limit {worst.printed_limit}: ",
-            value(_used(worst)),
+            value(used_part(worst)),
             " of the limit.",
         )
     )
@@ -358,18 +357,6 @@ def _group_card(group: GroupTable) -> Card:
 def _print_excess(part: float) -> str:
     """Print by how much a limit is exceeded, in parts of it; never 0."""
     return print_share(part) if part < SPARE else f"{print_decimals(100.0 * part, 0)} %"
-
-
-def _used(row: OutputAssessment) -> Number:
-    """Return the part of its limit that an output uses."""
-    used = Number(text=print_utilisation(row.utilisation), exact=row.utilisation)
-    return bound_number(used, lower_bound=row.lower_bound, unknown=row.is_unknown)
-
-
-def _error(row: OutputAssessment) -> Number:
-    """Round a largest error, in the unit of the output; marked where it is a bound."""
-    error = round_error(row.largest_error, row.standard_uncertainty, row.output)
-    return bound_number(error, lower_bound=row.lower_bound, unknown=row.is_unknown)
 
 
 def _basis(settings: Settings) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from budget.report.comparison.tables import merit_points, print_output
+from budget.report.comparison.tables import merit_points
 from budget.report.figures.rows import (
     Bar,
     Chart,
@@ -35,11 +35,11 @@ from budget.report.figures.style import (
 )
 from budget.report.tables import (
     AT_LEAST,
-    bound_number,
+    largest_error,
     output_title,
     print_given,
     print_utilisation,
-    round_error,
+    used_part,
     words,
 )
 from budget.report.wording import capital
@@ -258,8 +258,8 @@ def _map_row(row: Device) -> Row:
                 text=_cell(output),
                 strong=not output.is_within,
                 tip=f"{row.device}, {output_title(output.output.name)}: "
-                f"{print_error(output)} of {output.printed_limit}, "
-                f"{print_output(output)} % of the limit",
+                f"{largest_error(output).text} {output.output.unit} of "
+                f"{output.printed_limit}, {used_part(output).text} of the limit",
             )
             for x, output in enumerate(row.of.outputs)
         ),
@@ -277,17 +277,6 @@ def _output_heads(names: list[Name]) -> Iterator[Head]:
         yield Head(at=(places[0] + places[-1] + 1) / 2.0, text=title, level=1)
 
 
-def print_error(output: OutputAssessment) -> str:
-    """Print a largest error, rounded like its standard uncertainty."""
-    error = round_error(
-        output.largest_error, output.standard_uncertainty, output.output
-    )
-    marked = bound_number(
-        error, lower_bound=output.lower_bound, unknown=output.is_unknown
-    )
-    return f"{marked.text} {output.output.unit}"
-
-
 def _opacity(part: float) -> float:
     """Return the opacity of the hue: it steps up at the limit."""
     if part <= 1.0:
@@ -300,7 +289,7 @@ def _cell(output: OutputAssessment) -> str:
     """Print a part of a limit as everywhere, as far as a cell has room for it."""
     if 100.0 * output.utilisation >= MOST_PER_CENT:
         return ">999"
-    text = print_output(output).replace(" ", "")
+    text = used_part(output).text.removesuffix(" %").replace(" ", "")
     return text if len(text) <= ROOM or text[:1] == AT_LEAST else "<0.1"
 
 

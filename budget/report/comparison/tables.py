@@ -14,8 +14,6 @@ from budget.report.tables import (
     AT_LEAST,
     AT_MOST,
     PER_CENT,
-    Number,
-    bound_number,
     join_outputs,
     key_title,
     output_title,
@@ -25,6 +23,7 @@ from budget.report.tables import (
     print_utilisation,
     round_value,
     source_title,
+    used_part,
     words,
 )
 from budget.studies.comparison.records import VERDICTS, rank_number, ranks
@@ -35,7 +34,7 @@ if TYPE_CHECKING:
 
     from budget.names import Name
     from budget.report.blocks import Table
-    from budget.results import OutputAssessment, Probability
+    from budget.results import Probability
     from budget.studies.comparison.records import (
         Comparison,
         DeviceVerdict,
@@ -193,15 +192,6 @@ def print_at_most(p: Probability) -> str:
     """Print a probability that lines not given can only lessen."""
     text = "100" if p.value == 1.0 else print_probability(p)
     return text if text.startswith("<") else f"{AT_MOST} {text}"
-
-
-def print_output(row: OutputAssessment) -> str:
-    """Print the part of its limit that an output uses, in per cent: '≥ 42.0', '?'."""
-    used = Number(
-        text=print_utilisation(row.utilisation).removesuffix(" %"),
-        exact=row.utilisation,
-    )
-    return bound_number(used, lower_bound=row.lower_bound, unknown=row.is_unknown).text
 
 
 def print_factor(remedy: Remedy) -> str:
@@ -603,7 +593,7 @@ def _part_of_limit(place: int, row: Row) -> Cell:
     output = row.of.outputs[place]
     part = output.utilisation
     return Cell(
-        text=print_output(output),
+        text=used_part(output).text.removesuffix(" %"),
         exact=PER_CENT * part,
         strong=not output.is_within,
     )

@@ -40,6 +40,11 @@ class Indices:
     shown: tuple[tuple[Name, SobolIndex], ...]  # in the order of all figures
     zero: tuple[Name, ...]  # names of the other sources
 
+    @property
+    def ranked(self) -> list[tuple[Name, SobolIndex]]:
+        """Those shown by rank, then by total index."""
+        return sorted(self.shown, key=lambda pair: (pair[1].rank, -pair[1].total))
+
 
 def sobol_chart(budget: Budget, sensor: str) -> Chart | None:
     """Show first-order and total index of each source of a sensor, None without any.
@@ -83,21 +88,28 @@ def sobol_chart(budget: Budget, sensor: str) -> Chart | None:
         beside=("first, total",),
         pitch=20.0,
         data=table_of(
-            [(one.row, *pair) for one in found for pair in one.shown],
+            [(one.row, *pair) for one in found for pair in one.ranked],
             (
-                Field(head="source", cell=lambda one: source_title(one[1], of=sensor)),
+                Field(
+                    head="source",
+                    cell=lambda one: Cell(
+                        text=source_title(one[1], of=sensor),
+                        note="interacts" if one[2].interacts else "",
+                    ),
+                ),
+                Field(head="rank", cell=lambda one: _rank(one[0], one[2])),
                 Field(
                     head="first order",
                     kind="number",
                     cell=lambda one: Cell(text=_first(one[2])[0], exact=one[2].first),
                 ),
-                Field(head="interval", cell=lambda one: _first(one[2])[1]),
+                Field(head="interval", kind="unit", cell=lambda one: _first(one[2])[1]),
                 Field(
                     head="total",
                     kind="number",
                     cell=lambda one: Cell(text=_total(one[2])[0], exact=one[2].total),
                 ),
-                Field(head="interval", cell=lambda one: _total(one[2])[1]),
+                Field(head="interval", kind="unit", cell=lambda one: _total(one[2])[1]),
             ),
             name=f"sobol-{sensor}-data",
             caption=f"Sobol' indices of the widest {sensor} outputs",
@@ -185,6 +197,12 @@ def _row(output: OutputBudget, source: Name, index: SobolIndex, sensor: str) -> 
         strong=_can_be_seen(index),
         said=said,
     )
+
+
+def _rank(output: OutputBudget, index: SobolIndex) -> str:
+    """Print a rank; sources that cannot be told apart share it: '2='."""
+    ranks = [part.sobol.rank for part in output.contributions if part.sobol]
+    return f"{index.rank}{'=' if ranks.count(index.rank) > 1 else ''}"
 
 
 def _can_be_seen(index: SobolIndex) -> bool:

@@ -18,12 +18,10 @@ from budget.report.figures.rows import (
 )
 from budget.report.figures.style import INK, MUTED, PAPER
 from budget.report.tables import (
-    Number,
-    bound_number,
     join_outputs,
+    largest_error,
     output_title,
-    print_utilisation,
-    round_error,
+    used_part,
 )
 from budget.report.wording import capital
 from budget.results import worst_of
@@ -41,7 +39,7 @@ FIELDS = (
         head="largest error [% of the limit]",
         kind="number",
         cell=lambda row: Cell(
-            text=_used(row).removesuffix(" %"),
+            text=used_part(row).text.removesuffix(" %"),
             exact=100.0 * row.utilisation,
             strong=not row.is_within,
         ),
@@ -100,7 +98,7 @@ def utilisation_title(assessment: Assessment) -> str:
     ]
     beyond = sum(not output.is_within for output in assessment.outputs)
     name = join_outputs([name for one in nearest for name in one.worst_outputs])
-    part = f"{name} at {_used(worst)} of the limit"
+    part = f"{name} at {used_part(worst).text} of the limit"
     total = len(assessment.outputs)
     if beyond:
         return f"{beyond} of {total} outputs exceed their limits, most of all {part}"
@@ -142,13 +140,7 @@ def _groups(assessment: Assessment, sensor: str, start: float) -> tuple[Group, .
 def _row(output: OutputAssessment, start: float) -> Row:
     """Return a thin line to a dot, filled where it is beyond the limit."""
     x = max(100.0 * output.utilisation, start)
-    used, axis = _used(output), output.output.name.axis
-    error = round_error(
-        output.largest_error, output.standard_uncertainty, output.output
-    )
-    marked = bound_number(
-        error, lower_bound=output.lower_bound, unknown=output.is_unknown
-    )
+    used, axis = used_part(output).text, output.output.name.axis
     return Row(
         label=axis,
         marks=(
@@ -157,7 +149,8 @@ def _row(output: OutputAssessment, start: float) -> Row:
                 at=x,
                 fill=PAPER if output.is_within else INK,
                 edge=MUTED if output.is_within else INK,
-                tip=f"{output_title(output.output.name)}: largest error {marked.text} "
+                tip=f"{output_title(output.output.name)}: largest error "
+                f"{largest_error(output).text} "
                 f"{output.output.unit}, {used} of the limit {output.printed_limit}",
             ),
         ),
@@ -165,9 +158,3 @@ def _row(output: OutputAssessment, start: float) -> Row:
         strong=not output.is_within,
         said=f"{axis} {used}",
     )
-
-
-def _used(row: OutputAssessment) -> str:
-    """Write the part of a limit, marked where it is a lower bound."""
-    used = Number(text=print_utilisation(row.utilisation), exact=row.utilisation)
-    return bound_number(used, lower_bound=row.lower_bound, unknown=row.is_unknown).text
