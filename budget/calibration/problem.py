@@ -259,6 +259,8 @@ class TriadCalibration:
         Rows of the noise statistics.
     order : ndarray, shape (3, k)
         Of those rows by axis and statistic.
+    own : ndarray, shape (3, m, k), or None
+        What makes the statistics of the scheme of those; None: they are the first m.
     acts : tuple of (slice, Act)
         Disturbances, with their rows.
     reference : str
@@ -271,6 +273,7 @@ class TriadCalibration:
     offsets: Mapping[str, tuple[_Constant, ...]]
     noise: slice | None
     order: Array
+    own: Array | None
     acts: tuple[tuple[slice, Act], ...]
     reference: str
 
@@ -287,7 +290,9 @@ class TriadCalibration:
             else None,
         )
         noise = self._noise(x)
-        epsilon = noise[:, :STATISTICS]
+        own = self.own
+        m = self.scheme.weights.shape[1]
+        epsilon = noise[:, :m] if own is None else np.asarray(own @ noise)
         for rows, act in self.acts:
             epsilon = epsilon + act(x[rows], truth, noise)
         found = self.scheme.read_errors(truth, epsilon)
@@ -388,6 +393,7 @@ def _calibration(
         offsets=offsets,
         noise=noise,
         order=_statistics_order(triad.statistics.weights.shape[1]),
+        own=triad.statistics.own,
         acts=tuple(acts),
         reference=reference,
     )

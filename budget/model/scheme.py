@@ -34,6 +34,8 @@ from budget.model.response import (
 from budget.names import AXES
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from budget.arrays import Array
@@ -334,7 +336,7 @@ def least_squares(
         kept = [name for name, is_free in zip(names, free, strict=True) if is_free]
         raise CallError(
             "these windows cannot tell apart: "
-            + "; ".join(_describe_null(row, kept) for row in unseen)
+            + "; ".join(describe_null(row, kept) for row in unseen)
             + ". Add windows in which these inputs differ (a face turned down, a turn "
             "in the other sense), or hold a parameter (estimate: names the others)"
         )
@@ -348,8 +350,8 @@ def least_squares(
     return W
 
 
-def _describe_null(row: Array, names: list[str]) -> str:
-    """Say which parameters a null vector of A mixes."""
+def describe_null(row: Array, names: Sequence[str]) -> str:
+    """Say which parameters a null vector mixes, by their names."""
     largest = np.abs(row).max()
     parts = [
         name

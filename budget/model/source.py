@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from budget.arrays import Array
+from budget.model.response import STATISTICS
 from budget.names import AXES
 
 if TYPE_CHECKING:
@@ -87,15 +88,22 @@ class Statistics:
     ----------
     weights : ndarray, shape (3, k, n)
         For each axis: the rows of W, then those that disturbances ask for and that do
-        not follow from rows before them.
+        not follow from rows before them. Where W has more rows than there are windows:
+        the windows themselves.
+    own : ndarray, shape (3, m, k), or None
+        What makes the rows of W of these; None: they are the first m.
     """
 
     weights: Array
+    own: Array | None = None
 
     @classmethod
     def of(cls, scheme: Scheme, more: list[Array]) -> Statistics:
         """Take the rows of W and, of more rows (3, m, n), those that are new."""
         T = scheme.weights
+        n = T.shape[2]
+        if T.shape[1] > max(n, STATISTICS):
+            return cls(weights=np.tile(np.eye(n), (3, 1, 1)), own=T)
         for row in (rows[:, k : k + 1] for rows in more for k in range(rows.shape[1])):
             if (_remainder(T, row) > DEPENDENT).any():
                 T = np.concatenate([T, row], axis=1)

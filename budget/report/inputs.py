@@ -197,6 +197,7 @@ FORMULAS = {
     ),
     "least_squares": ("estimator", "least squares, every window alike"),
     "weighted": ("estimator", "least squares, weighted by the device's own noise"),
+    "norm": ("estimator", "norm of gravity, at attitudes that nobody knows"),
 }
 LATITUDE_DIGITS, GRAVITY_DIGITS = 7, 8
 

@@ -141,6 +141,13 @@ PARAMETER_WORDS = (
 ParameterWord: Any = Literal[PARAMETER_WORDS]
 
 
+# With x of the body along the sensitive axis x, and its y in the plane of x and y.
+TRIANGULAR = (
+    *("scale_factor", "bias"),
+    *("mounting_angle.yz", "mounting_angle.zx", "mounting_angle.zy"),
+)
+
+
 def _every(value: object) -> object:
     """Return all quantities in the place of the word 'all'."""
     return tuple(PARAMETERS) if value == "all" else value
@@ -200,9 +207,10 @@ class ProcedureFile(Strict):
     sample_rate: Annotated[Quantity, Measured("Hz", Sign.POSITIVE, bare=True)] = _paper(
         "100 Hz", "of the sensor outputs"
     )
-    estimator: Literal["paper", "least_squares", "weighted"] | None = Field(
+    estimator: Literal["paper", "least_squares", "weighted", "norm"] | None = Field(
         default=None,
-        description="paper: its formulas; weighted: by the device's own noise. Unset: "
+        description="paper: its formulas; weighted: by the device's own noise; norm: "
+        "by the norm of gravity in dwells at attitudes that nobody knows. Unset: "
         "paper, or least_squares where there are windows",
     )
     estimate: Estimate | None = Field(
@@ -231,7 +239,7 @@ class ProcedureFile(Strict):
 
     @model_validator(mode="after")
     def _check_place_and_windows(self) -> Self:
-        messages: dict[tuple[str, ...], str] = {}
+        messages: dict[tuple[Any, ...], str] = {}
         if abs(self.latitude.value) > 0.5 * pi * (1.0 + _ROUNDING):
             messages["latitude",] = (
                 f"found {self.latitude.printed!r}, expected -90 deg to 90 deg"
@@ -254,9 +262,9 @@ class ProcedureFile(Strict):
         self.laid_out  # noqa: B018 - refuses windows that overlap
         return self
 
-    def _scheme_faults(self) -> dict[tuple[str, ...], str]:
+    def _scheme_faults(self) -> dict[tuple[Any, ...], str]:
         """Return which keys do not go together."""
-        found: dict[tuple[str, ...], str] = {}
+        found: dict[tuple[Any, ...], str] = {}
         given = self.model_fields_set
         if self.windows is None:
             if "pause" in given:
@@ -271,11 +279,13 @@ class ProcedureFile(Strict):
             if self.estimator == "paper":
                 found["estimator",] = (
                     "found 'paper', whose formulas are of its own test; expected "
-                    "least_squares or weighted beside windows"
+                    "least_squares, weighted or norm beside windows"
                 )
+            if self.estimator == "norm":
+                found |= self._norm_faults(self.windows)
         if self.estimate is not None and self.chosen_estimator == "paper":
             found["estimate",] = (
-                "is of the estimators least_squares and weighted, and this is paper, "
+                "is of the estimators for windows, and this is paper, "
                 "whose formulas find all; name another estimator, or remove it"
             )
         if "formulas" in given and self.chosen_estimator != "paper":
@@ -284,6 +294,34 @@ class ProcedureFile(Strict):
                 "remove it"
             )
         return found
+
+    @staticmethod
+    def _norm_faults(windows: tuple[WindowLine, ...]) -> dict[tuple[Any, ...], str]:
+        """Return which windows gravity's norm makes nothing of."""
+        found: dict[tuple[Any, ...], str] = {}
+        for place, line in enumerate(windows):
+            if line.turn is not None:
+                found["windows", place, "turn"] = (
+                    "turns, and the estimator norm takes dwells alone; remove it, or "
+                    "give a dwell"
+                )
+            elif line.use == "gyro":
+                found["windows", place, "use"] = (
+                    "is of the gyro, and the norm of gravity calibrates accelerometers "
+                    "alone; remove it, or take another estimator"
+                )
+        return found
+
+    @property
+    def held(self) -> tuple[Name, ...]:
+        """Parameters that are not estimated, 'gyro.bias.x'.
+
+        How a triad is turned as a whole no norm shows: three angles are held there.
+        """
+        named = self.estimate or Estimate()
+        if self.estimator == "norm" and "accelerometer" not in named.model_fields_set:
+            named = Estimate(gyro=named.gyro, accelerometer=TRIANGULAR)
+        return named.held()
 
     @property
     def chosen_estimator(self) -> str:
@@ -326,7 +364,7 @@ def read_procedure(document: Document) -> Procedure:
         if model.chosen_estimator == "paper"
         else model.chosen_estimator,
         windows=model.laid_out,
-        held=() if model.estimate is None else model.estimate.held(),
+        held=model.held,
         gyro=GyroProcedure(
             rate=gyro.rate.value,
             turns=gyro.turns,
@@ -376,10 +414,9 @@ def _windows_assumptions(model: ProcedureFile) -> tuple[str, ...]:
 
 def _held_assumptions(model: ProcedureFile) -> tuple[str, ...]:
     """Say what is not estimated."""
-    held = () if model.estimate is None else model.estimate.held()
     return tuple(
         f"{parameters}: not estimated, held at the nominal value of the device"
-        for parameters in by_group(held)
+        for parameters in by_group(model.held)
     )
 
 

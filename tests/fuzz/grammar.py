@@ -141,7 +141,7 @@ def _keep_windows(tree):
     """Mend a procedure: windows or the paper's tests, each window one that can be."""
     if "windows" not in tree:
         tree.pop("pause", None)
-        if tree.get("estimator") in {"least_squares", "weighted"}:
+        if tree.get("estimator") in {"least_squares", "weighted", "norm"}:
             tree.pop("formulas", None)
         else:
             tree.pop("estimate", None)
@@ -151,6 +151,11 @@ def _keep_windows(tree):
     if tree.get("estimator") == "paper":
         del tree["estimator"]
     tree["windows"] = [_window(one) for one in tree["windows"]]
+    if tree.get("estimator") == "norm":  # of dwells, and not of the gyro
+        dwells = [one for one in tree["windows"] if "turn" not in one]
+        tree["windows"] = [one | {"use": "accelerometer"} for one in dwells]
+        if not dwells:
+            return tree | {"windows": [{"face": "z up", "dwell": "60 s"}]}
     return tree
 
 

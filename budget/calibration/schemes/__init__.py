@@ -9,6 +9,7 @@ import numpy as np
 
 from budget.calibration.schemes import zhao_2019
 from budget.calibration.schemes.least_squares import scheme_by_least_squares
+from budget.calibration.schemes.norm import scheme_by_norm
 from budget.errors import CallError
 from budget.model.response import SIGN, statistics_of
 from budget.model.scheme import Held
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from budget.spec.records import Procedure, Sensor
 
 WEIGHTED, PLAIN = "weighted", "least_squares"  # estimators of any windows
+NORM = "norm"  # of dwells at unknown attitudes
 
 
 def scheme_of(owner: str, procedure: Procedure, sensor: Sensor | None = None) -> Scheme:
@@ -46,9 +48,11 @@ def scheme_of(owner: str, procedure: Procedure, sensor: Sensor | None = None) ->
     CallError
         The windows cannot tell some parameters apart.
     """
+    held = _held(owner, procedure, sensor)
+    if procedure.formulas == NORM and held is not None:
+        return scheme_by_norm(owner, schedule_of(owner, procedure), procedure, held)
     noise = noise_of(owner, sensor.lines if sensor else ())
     is_weighted = procedure.formulas == WEIGHTED and bool(noise)
-    held = _held(owner, procedure, sensor)
     if not is_weighted and held is None:
         return _scheme_of(owner, procedure)
     schedule = schedule_of(owner, procedure)
@@ -110,6 +114,8 @@ def estimated(owner: str, procedure: Procedure) -> tuple[Name, ...]:
 
 def calibrates(owner: str, procedure: Procedure) -> bool:
     """Whether any window is of that triad; the paper's tests are of both."""
+    if procedure.formulas == NORM and owner == "gyro":
+        return False  # no norm of the earth rate is that large
     return not procedure.windows or any(
         window.use in {owner, "both"} for window in procedure.windows
     )

@@ -35,7 +35,7 @@ class Levelling(Disturbance):
         """Return M_i (sum W R^T) (Rot^T - 1) v."""
         scheme = triad.scheme
         turned = scheme.weigh(scheme.schedule.to_body.reshape(-1, 9))
-        turned = turned.reshape(3, 4, 3, 3)  # sum of W R^T, [axis, statistic]
+        turned = turned.reshape(3, -1, 3, 3)  # sum of W R^T, [axis, statistic]
         across = np.cross(scheme.ambient, np.eye(3)[self.axis])
         along = np.eye(3)[self.axis] * scheme.ambient[self.axis]
         # (Rot^T - 1) v = sin(phi) (v x a) + (cos(phi) - 1) (v - along)

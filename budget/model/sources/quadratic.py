@@ -32,7 +32,7 @@ class Quadratic(Disturbance):
         scheme = triad.scheme
         u = scheme.turn + scheme.standing
         squares = scheme.weigh((u[:, :, None] * u[:, None]).reshape(-1, 9))
-        squares = squares.reshape(3, 4, 3, 3)
+        squares = squares.reshape(3, -1, 3, 3)
         means, total = scheme.weigh(u), scheme.weights.sum(axis=2)[..., None]
 
         return partial(_squared, squares=squares, means=means, total=total)

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.calibration.schemes import scheme_of
-from budget.names import AXES
+from budget.model.norm import NormScheme
+from budget.model.response import STATISTICS
+from budget.names import AXES, parameters_of
 from budget.report.blocks import (
     Cell,
     Equation,
@@ -140,7 +142,7 @@ def method_section(
         Pairs(rows=_settings_rows(settings, trials)),
         Paragraph(words=with_math(NOTATION)),
     ]
-    if procedure.formulas in {"least_squares", "weighted"}:
+    if procedure.formulas in {"least_squares", "weighted", "norm"}:
         panels += _estimator_panels(procedure, devices)
     else:
         if "gyro" in sensors:
@@ -234,9 +236,41 @@ def _estimator_panels(
     procedure: Procedure, devices: Collection[Device]
 ) -> Iterator[Panel]:
     """Yield the estimator, and the weights that it gave each triad."""
+    if procedure.formulas == "norm":
+        yield _norm_panel()
+    else:
+        yield _least_squares_panel(procedure)
+    for sensor in sensors_of(tuple(devices), procedure):
+        scheme = scheme_of(sensor.kind, procedure, sensor)
+        yield Panel(
+            title=f"Weights of the {sensor.kind}",
+            blocks=(_weights_table(scheme),),
+        )
+
+
+def _norm_panel() -> Panel:
+    """Return the estimator of dwells at unknown attitudes."""
+    return _formulas(
+        "Estimator: norm of gravity",
+        "$macron(n)_w$ are the mean counts a second of the three axes in dwell w, "
+        "$hat(K)$, $Delta hat(T)$, $hat(b)$ what is looked for. The attitudes of the "
+        "dwells are not used; the weights $W$ are those of least squares at the "
+        "nominal ones, where $J$ is the sensitivity of F to the parameters. How the "
+        "triad as a whole is turned no norm shows: three angles are held.",
+        [
+            "g_w = norm((I + Delta hat(T))^(-1) (hat(K)^(-1) macron(n)_w - hat(b)))",
+            "F_w = g_w^2 - g^2",
+            "sum_w W_w F_w = 0",
+            "W = (J^upright(T) J)^(-1) J^upright(T)",
+        ],
+    )
+
+
+def _least_squares_panel(procedure: Procedure) -> Panel:
+    """Return the estimator of windows at known attitudes."""
     weighted = procedure.formulas == "weighted"
     inverse = "(A^upright(T) C^(-1) A)^(-1) A^upright(T) C^(-1)"
-    yield _formulas(
+    return _formulas(
         "Estimator: least squares" + (", weighted" if weighted else ""),
         "$A$ has a row for each window: its mean input $u$ in body axes, and 1. "
         "$macron(n)_i$ are the mean counts a second of axis i in the windows; the "
@@ -251,42 +285,31 @@ def _estimator_panels(
             "(K_i (I + Delta T)_i, K_i b_i) = W macron(n)_i",
         ],
     )
-    for sensor in sensors_of(tuple(devices), procedure):
-        scheme = scheme_of(sensor.kind, procedure, sensor)
-        yield Panel(
-            title=f"Weights of the {sensor.kind}",
-            blocks=(_weights_table(scheme),),
-        )
 
 
 def _weights_table(scheme: Scheme) -> Table:
     """Return W, a row for each window; of each axis where they differ."""
     unit = "rad/s" if scheme.owner == "gyro" else "m/s^2"
     inputs = scheme.turn + scheme.standing
-    W = scheme.weights
-    alike = bool(np.array_equal(W[0], W[1]) and np.array_equal(W[0], W[2]))
-    groups = (
-        [("", 0)] if alike else [(f"axis {axis}", k) for k, axis in enumerate(AXES)]
-    )
+    heads, groups = _weights(scheme, unit)
+    digits = 5 if len(heads) == STATISTICS else 3
     records = [
-        (title, window.name, inputs[k], W[axis, :, k])
-        for title, axis in groups
+        (title, window.name, inputs[k], W[:, k])
+        for title, W in groups
         for k, window in enumerate(scheme.schedule.windows)
     ]
 
     def number(head: str, part: int, place: int) -> Field[Record]:
         def cell(record: Record) -> Cell:
             value = float((record[2], record[3])[part][place])
-            return Cell(text=print_given(value, digits=5), exact=value)
+            return Cell(text=print_given(value, digits=digits), exact=value)
 
         return Field(head=head, kind="number", cell=cell)
 
     fields: list[Field[Record]] = [Field(head="window", cell=lambda record: record[1])]
     for k, axis in enumerate(AXES):
         fields.append(number(f"u {axis} [{unit}]", 0, k))
-    for k, axis in enumerate((*AXES, "bias")):
-        head = "W bias" if axis == "bias" else f"W {axis} [1/({unit})]"
-        fields.append(number(head, 1, k))
+    fields += [number(head, 1, k) for k, head in enumerate(heads)]
     return table_of(
         records,
         fields,
@@ -297,6 +320,23 @@ def _weights_table(scheme: Scheme) -> Table:
         is_wide=True,
         searchable=True,
     )
+
+
+def _weights(scheme: Scheme, unit: str) -> tuple[list[str], list[tuple[str, Array]]]:
+    """Return what rows of W are called, and W by what it is of, shape (m, n)."""
+    if isinstance(scheme, NormScheme):
+        names = (parameters_of(scheme.owner)[k] for k in scheme.held.estimated)
+        heads = [
+            f"W {words(name.quantity)} {name.axis} [1/({unit}){power}]"
+            for name in names
+            for power in ["" if name.quantity == "bias" else "^2"]
+        ]
+        return heads, [("", scheme.norm_weights)]
+    W = scheme.weights
+    heads = [*(f"W {axis} [1/({unit})]" for axis in AXES), "W bias"]
+    if np.array_equal(W[0], W[1]) and np.array_equal(W[0], W[2]):
+        return heads, [("", W[0])]
+    return heads, [(f"axis {axis}", W[k]) for k, axis in enumerate(AXES)]
 
 
 def _turns_panel() -> Panel:

@@ -41,6 +41,7 @@ SHIPPED = (
     "hand-turns",
     "one-axis-rate-table",
 )
+BY_NORM = ("norm-nine-positions", "norm-eighteen-positions", "norm-icosahedron")
 OF_BOTH = ("six-positions-and-turns", "twenty-four-positions", "hand-turns")
 SIX = [(axis, sign) for axis in range(3) for sign in (1, -1)]
 RUNS, FALSE_ALARM = 100, 1e-4
@@ -323,8 +324,13 @@ def runs_of(name, formulas, reference):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("reference", ["nominal", "as_tested", "next_turn_on"])
-@pytest.mark.parametrize("formulas", ["least_squares", "weighted"])
-@pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.parametrize(
+    ("name", "formulas"),
+    [
+        *((name, how) for name in SHIPPED for how in ("least_squares", "weighted")),
+        *((name, "norm") for name in BY_NORM),
+    ],
+)
 def test_pulses_agree_with_the_law_on_every_shipped_scheme(name, formulas, reference):
     """Sample by sample, every u is the law's within chance; 1.5 times it is not."""
     devices, plan, errors = runs_of(name, formulas, reference)

@@ -1,0 +1,70 @@
+"""Calibration scheme of accelerometers at unknown attitudes, by the norm of gravity."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.calibration.schemes.least_squares import place_of
+from budget.errors import CallError
+from budget.model.norm import NormScheme, sensitivity
+from budget.model.scheme import RANK, describe_null
+from budget.names import parameters_of
+
+if TYPE_CHECKING:
+    from budget.model.scheme import Held
+    from budget.model.windows import Schedule
+    from budget.spec.records import Procedure
+
+
+def scheme_by_norm(
+    owner: str, schedule: Schedule, procedure: Procedure, held: Held
+) -> NormScheme:
+    """Return windows and weights of a triad of accelerometers.
+
+    Parameters
+    ----------
+    owner : str
+        'accelerometer'.
+    schedule : Schedule
+        Dwells; their attitudes are nominal and need be known only roughly.
+    procedure : Procedure
+        The place.
+    held : Held
+        What is not estimated, three angles at the least.
+
+    Raises
+    ------
+    CallError
+        The dwells cannot tell some parameters apart: which.
+    """
+    earth, gravity = place_of(procedure)
+    force = schedule.to_body @ gravity
+    g = procedure.gravity
+    names = [parameters_of(owner)[k] for k in held.estimated]
+    size = np.array([g if name.quantity == "bias" else 1.0 for name in names])
+    J = sensitivity(force, held) * size / (2.0 * g**2)
+    _, singular, rows = np.linalg.svd(J, full_matrices=True)
+    singular = np.concatenate([singular, np.zeros(len(names) - singular.size)])
+    unseen = rows[singular <= RANK * singular.max()]
+    if unseen.size:
+        words = [name.without_owner for name in names]
+        raise CallError(
+            f"{procedure.name}, {owner}: the norm of gravity in these dwells cannot "
+            "tell apart: "
+            + "; ".join(describe_null(row, words) for row in unseen)
+            + f". {len(names)} parameters are estimated from {len(force)} dwells; add "
+            "attitudes between the faces, or hold a parameter (estimate: names the "
+            "others)"
+        )
+    W = np.linalg.pinv(J) * size[:, None] / (2.0 * g**2)
+    return NormScheme(
+        owner=owner,
+        schedule=schedule,
+        earth=earth,
+        gravity=gravity,
+        weights=NormScheme.weights_of(W, force),
+        held=held,
+        norm_weights=W,
+    )

@@ -1,0 +1,215 @@
+"""Calibration by the norm of gravity: dwells at attitudes that nobody knows.
+
+A dwell holds |f| = g whatever its attitude. With D = K/K^ and F = |s|^2 - g^2 of what
+the calibrated triad shows, s = M^^-1 (D y - b^), the parameters solve W F = 0 (Skog and
+Handel 2006; Tedaldi, Pretto and Menegatti 2014). W = J^+ with J the sensitivity of F at
+the nominal values and attitudes: the normal equations of Gauss and Newton to first
+order, so that by the implicit function theorem the errors are W applied to those of F.
+How the triad as a whole is turned no norm shows: three angles are held.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.errors import CallError
+from budget.model.response import (
+    BIAS,
+    COLUMN,
+    ROW,
+    SIGN,
+    CalibratedTriad,
+    Errors,
+    statistics_of,
+)
+from budget.model.scheme import UNBIASED, Held, Scheme
+
+if TYPE_CHECKING:
+    from budget.arrays import Array
+    from budget.model.response import Truth
+
+# Steps of the solution; each takes off all but the part that the truth differs from the
+# design by [1]: one is the law's first order, two its second.
+STEPS = 5
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class NormScheme(Scheme):
+    """How one triad of accelerometers is calibrated by the norm of gravity.
+
+    The statistics of an axis are, for each parameter that is estimated, its errors
+    weighed by W f_x, W f_y, W f_z and W: all that F holds of them to first order.
+    Their squares are left out: 1e-10 of an average of 10 ug.
+
+    Attributes
+    ----------
+    norm_weights : ndarray, shape (m, n)
+        W: of scale factors [s^4/m^2], angles and biases, those that are estimated.
+    """
+
+    held: Held  # three angles at the least
+    norm_weights: Array = field(repr=False)
+
+    @classmethod
+    def weights_of(cls, norm_weights: Array, force: Array) -> Array:
+        """Return the weights of the statistics, shape (3, 4 m, n)."""
+        rows = norm_weights[:, None] * np.column_stack([force, np.ones(len(force))]).T
+        return np.tile(rows.reshape(-1, len(force)), (3, 1, 1))
+
+    def __post_init__(self) -> None:
+        """Check W J = I.
+
+        Raises
+        ------
+        CallError
+            The weights miss it.
+        """
+        J = sensitivity(self.force, self.held)
+        missed = self.norm_weights @ J - np.eye(len(self.norm_weights))
+        size = np.abs(self.norm_weights) @ np.abs(J) + 1.0
+        if not (np.abs(missed) < UNBIASED * size).all():
+            raise CallError(f"the weights of the {self.owner} miss W J = I")
+
+    @cached_property
+    def moments(self) -> tuple[Array, Array, Array]:
+        """Sums of W f f^T, W f and W: shapes (m, 9), (m, 3), (m, 1)."""
+        W, f = self.norm_weights, self.force
+        squares = (f[:, :, None] * f[:, None]).reshape(-1, 9)
+        return W @ squares, W @ f, W.sum(axis=1)[:, None]
+
+    def read_errors(self, truth: Truth, epsilon: Array) -> Errors:
+        """Solve for the errors of the parameters; those held are as they are.
+
+        Parameters
+        ----------
+        truth : Truth
+        epsilon : ndarray, shape (3, 4 m, trials)
+            Errors of the statistics of each axis.
+
+        Returns
+        -------
+        Errors
+        """
+        k = np.zeros_like(truth.bias)
+        if truth.scale_factor is not None:
+            k = k + truth.scale_factor
+        value = self.held.value
+        found = np.concatenate(
+            [
+                -1.0 * k / (1.0 + k),
+                (SIGN * value[ROW, COLUMN])[:, None] - truth.angle,
+                value[:, BIAS, None] - truth.bias,
+            ]
+        )
+        places = self.held.estimated
+        found[places] = 0.0 * found[places]
+        noise = epsilon.reshape(3, len(places), 4, -1)
+        for _ in range(STEPS):
+            found[places] = found[places] - self._misfit(found, truth, noise)
+        return Errors(scale_factor=found[:3], mounting_angle=found[3:9], bias=found[9:])
+
+    def _misfit(self, found: Array, truth: Truth, noise: Array) -> Array:
+        """Return W F, shape (m, trials), at errors of all parameters.
+
+        s = f + P f + q + C e, P = M^^-1 ((D - 1) M - dM), q = M^^-1 ((D - 1) b - db)
+        and C = M^^-1 D; F = 2 f.(P f + q) + |P f + q|^2 + 2 (f + P f + q).C e.
+        """
+        own, angle, bias = found[:3], found[3:9], found[9:]
+        one, zero = np.ones_like(own), np.zeros_like(own)
+        M = statistics_of(one, SIGN[:, None] * truth.angle, zero)[:, :BIAS]
+        dM = statistics_of(zero, SIGN[:, None] * angle, zero)[:, :BIAS]
+        inverse = _inverse(M + dM)
+        D = 1.0 / (1.0 + own)
+        less = -1.0 * own * D
+        P = _product(inverse, less[:, None] * M - dM)
+        q = (inverse * (less * truth.bias - bias)).sum(axis=1)
+        C = inverse * D
+        turned = np.moveaxis(P, 0, 1)  # P^T
+        squares, means, total = self.moments
+        wanted = 2.0 * P + _product(turned, P)
+        shown = C + _product(turned, C)  # (1 + P)^T C
+        steady = (C * q[:, None]).sum(axis=0)  # C^T q
+        return np.asarray(
+            squares @ wanted.reshape(9, -1)
+            + means @ (2.0 * (q + (turned * q).sum(axis=1)))
+            + total * (q * q).sum(axis=0)
+            + 2.0 * np.einsum("ait,ipat->pt", shown, noise[:, :, :BIAS])
+            + 2.0 * np.einsum("it,ipt->pt", steady, noise[:, :, BIAS])
+        )
+
+    def estimate(self, readings: Array) -> CalibratedTriad:
+        """Calibrate one triad from its readings, by nonlinear least squares of F.
+
+        Parameters
+        ----------
+        readings : ndarray, shape (3, n)
+            Mean pulses per second of each axis in each window.
+
+        Returns
+        -------
+        CalibratedTriad
+        """
+        from scipy.optimize import least_squares
+
+        g = float(np.linalg.norm(self.gravity))
+        places, value = self.held.estimated, self.held.value
+        nominal = np.concatenate(
+            [np.ones(3), SIGN * value[ROW, COLUMN], value[:, BIAS]]
+        )
+        size = np.concatenate([np.ones(9), np.full(3, g)])
+
+        def whole(part: Array) -> Array:
+            parameters = nominal.copy()
+            parameters[places] += part * size[places]
+            return parameters
+
+        def residual(part: Array) -> Array:
+            p = whole(part)
+            M = statistics_of(np.ones(3), SIGN * p[3:9], np.zeros(3))[:, :BIAS]
+            shown = np.linalg.solve(M, readings / p[:3, None] - p[9:, None])
+            return np.asarray(((shown / g) ** 2).sum(axis=0) - 1.0)
+
+        solved = least_squares(
+            residual, np.zeros(len(places)), xtol=1e-15, ftol=1e-15, gtol=1e-15
+        )
+        p = whole(solved.x)
+        return CalibratedTriad(scale_factor=p[:3], mounting_angle=p[3:9], bias=p[9:])
+
+
+def sensitivity(force: Array, held: Held) -> Array:
+    """Return J, the derivatives of F by what is estimated, shape (n, m).
+
+    ds = -M^-1 e_i times (M f + b)_i of a relative error of a scale factor, SIGN f_a of
+    an angle, 1 of a bias; dF = 2 f.ds.
+
+    Parameters
+    ----------
+    force : ndarray, shape (n, 3)
+        Nominal specific force of the dwells in body axes [m/s^2].
+    held : Held
+        What is estimated, and all nominal values.
+    """
+    M, b = held.value[:, :BIAS], held.value[:, BIAS]
+    along = -2.0 * np.linalg.solve(M.T, force.T).T  # -2 f^T M^-1
+    columns = [
+        along * (force @ M.T + b),
+        along[:, ROW] * force[:, COLUMN] * SIGN,
+        along,
+    ]
+    return np.concatenate(columns, axis=1)[:, held.estimated]
+
+
+def _product(a: Array, b: Array) -> Array:
+    """Return the matrix product of (3, 3, trials) and (3, 3, trials)."""
+    return np.asarray((a[:, :, None] * b[None]).sum(axis=1))
+
+
+def _inverse(A: Array) -> Array:
+    """Return the inverse of matrices (3, 3, trials): adjugate over determinant."""
+    i, j = np.array([1, 2, 0]), np.array([2, 0, 1])
+    cofactor = A[i][:, i] * A[j][:, j] - A[i][:, j] * A[j][:, i]
+    return np.asarray(np.moveaxis(cofactor, 0, 1) / (A[0] * cofactor[0]).sum(axis=0))
