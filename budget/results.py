@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.problem import Output
+    from budget.spec.records import Costs, Device, Procedure, Requirement
 
 SCHEMA = "budget/1"
 INTERACTION = Name("interaction")  # the row of products of two sources
@@ -224,6 +225,36 @@ class InputFile:
     sha256: str
 
 
+def input_files(
+    devices: Sequence[Device], **files: Device | Procedure | Requirement | Costs | None
+) -> tuple[InputFile, ...]:
+    """Return the files that a result depends on; several devices are numbered.
+
+    Those that there are of `files` follow, each with its role.
+    """
+    number = " {}" if len(devices) > 1 else ""
+    return (
+        *(
+            input_file(f"device{number.format(place)}", device)
+            for place, device in enumerate(devices, start=1)
+        ),
+        *(input_file(role, file) for role, file in files.items() if file is not None),
+    )
+
+
+def input_file(
+    role: str, record: Device | Procedure | Requirement | Costs
+) -> InputFile:
+    """Return the file that a record was read from."""
+    origin = record.origin
+    return InputFile(role=role, name=origin.file, sha256=origin.sha256)
+
+
+def inputs_document(files: Sequence[InputFile]) -> dict[str, Any]:
+    """Return what documents say of files, by their roles."""
+    return {file.role: {"name": file.name, "sha256": file.sha256} for file in files}
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Budget:
     """The error budget of a calibration: every output, and how they go together.
@@ -297,10 +328,7 @@ class Budget:
             "schema": SCHEMA,
             "command": self.command,
             "title": self.title,
-            "inputs": {
-                file.role: {"name": file.name, "sha256": file.sha256}
-                for file in self.inputs
-            },
+            "inputs": inputs_document(self.inputs),
             "settings": self.settings.to_dict(),
             "outputs": [_output_document(row) for row in self.outputs],
             "covariance": (self.covariance / np.outer(scale, scale)).tolist(),

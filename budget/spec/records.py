@@ -199,6 +199,11 @@ class Requirement:
     assumptions: tuple[str, ...]
     origin: Origin
 
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """The kinds of sensor that have limits, in their order."""
+        return tuple(dict.fromkeys(limit.output.owner for limit in self.limits))
+
 
 @dataclass(frozen=True, kw_only=True)
 class Cost:

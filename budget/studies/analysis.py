@@ -26,11 +26,11 @@ from budget.results import (
     INTERACTION,
     Budget,
     Contribution,
-    InputFile,
     OutputBudget,
     Settings,
     SobolIndex,
     Validation,
+    input_files,
 )
 from budget.spec import load_procedure
 from budget.studies import cautions
@@ -233,7 +233,7 @@ def analyze_as(
     budget = Budget(
         command=command,
         title=" + ".join(device.name for device in devices),
-        inputs=_input_files(devices, procedure, requirement),
+        inputs=input_files(devices, procedure=procedure, requirement=requirement),
         settings=replace(
             settings,
             trials=estimate.trials,
@@ -474,22 +474,4 @@ def _sobol_index(
         total_interval=(float(total.low[f, output]), float(total.high[f, output])),
         interacts=bool(both.low[f, output] > ROUNDING),
         rank=indices.ranks(output)[f],
-    )
-
-
-def _input_files(
-    devices: Sequence[Device], procedure: Procedure, requirement: Requirement | None
-) -> tuple[InputFile, ...]:
-    """Return what the result depends on, by base name and content."""
-    several = len(devices) > 1
-    origins = [
-        (f"device {place}" if several else "device", device.origin)
-        for place, device in enumerate(devices, start=1)
-    ]
-    origins.append(("procedure", procedure.origin))
-    if requirement is not None:
-        origins.append(("requirement", requirement.origin))
-    return tuple(
-        InputFile(role=role, name=origin.file, sha256=origin.sha256)
-        for role, origin in origins
     )

@@ -97,27 +97,20 @@ def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Asses
             f"is there ({', '.join(kinds)}); add limits for it, or leave the "
             "requirement out"
         )
+    judged_kinds = {one.sensor for one in verdicts}
     order = {limit.output: place for place, limit in enumerate(requirement.limits)}
     return Assessment(
         requirement=requirement.name,
         outputs=tuple(sorted(outputs, key=lambda row: order[row.output.name])),
         sensors=tuple(verdicts),
         conformance=together(found) if found else None,
-        not_there=limited_but_absent(requirement, [one.sensor for one in verdicts]),
+        not_there=tuple(kind for kind in requirement.kinds if kind not in judged_kinds),
         caps=tuple(
             _cap(device, merit, cap)
             for merit, cap in requirement.caps
             for device in analysis.devices
         ),
     )
-
-
-def limited_but_absent(
-    requirement: Requirement, judged: Sequence[str]
-) -> tuple[str, ...]:
-    """Return the kinds of sensor that a requirement limits and that are not judged."""
-    limited = dict.fromkeys(limit.output.owner for limit in requirement.limits)
-    return tuple(kind for kind in limited if kind not in judged)
 
 
 def _cap(device: Device, merit: str, cap: str) -> CapAssessment:

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import calibrates
 from budget.errors import CallError
 from budget.methods.allocation import TOUCHES
 from budget.methods.gum import propagate
 from budget.methods.trials import coverage_of
 from budget.names import Name
-from budget.results import InputFile
+from budget.results import input_files
 from budget.spec import load_procedure
 from budget.studies.allocation.cases import (
     NO_BOUNDS,
@@ -40,7 +40,7 @@ from budget.studies.judgement import judge, limit_problem
 from budget.studies.request import not_estimated, not_weighted, sensors_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from budget.spec.records import Costs, Device, Procedure, Requirement, Sensor
     from budget.studies.allocation.cases import Bounds, SensorCase
@@ -130,30 +130,26 @@ def allocate(
             f"({', '.join(sensor.kind for sensor in sensors)}); add limits for it"
         )
     feasible = all(case.task.is_feasible for case in cases)
-    longer_tests = tuple(
-        test
-        for case in cases
-        for test in _longer_tests(case, procedure, requirement.reference)
-    )
+    longer_tests = tuple(test for case in cases for test in _longer_tests(case))
+    share_out = partial(solve, strategy=strategy, costs=costs)
     for place, case in enumerate(cases):
         if case.task.is_feasible:
-            solved = solve(case, strategy, costs)
+            solved = share_out(case)
             if validate:
-                solved = _correct(
-                    solved, procedure, requirement, strategy, costs, seed=seed
-                )
-                solved = _assure(
-                    solved, procedure, requirement, strategy, costs, seed=seed
-                )
+                solved = _correct(solved, share_out, seed=seed)
+                solved = _assure(solved, share_out, seed=seed)
             cases[place] = solved
         if progress is not None:
             progress("error allocation", place + 1, len(cases))
-    missing = _not_allocated(sensors, requirement)
+    there = {sensor.kind for sensor in sensors}
+    missing = tuple(kind for kind in requirement.kinds if kind not in there)
     allotted = tuple(_resized(sensor, cases) for sensor in sensors)
     solved_kinds = {case.sensor.kind for case in cases if case.s is not None}
     return Allocation(
         title=" + ".join(device.name for device in devices),
-        inputs=_inputs(devices, procedure, requirement, costs),
+        inputs=input_files(
+            devices, procedure=procedure, requirement=requirement, costs=costs
+        ),
         strategy=strategy,
         requirement=requirement.name,
         procedure=procedure.name,
@@ -175,9 +171,7 @@ def allocate(
             ),
             *shared_allotments(cases),
         ),
-        outputs=tuple(
-            row for case in cases for row in limited_outputs(case, requirement)
-        ),
+        outputs=tuple(row for case in cases for row in limited_outputs(case)),
         checks=tuple(check for case in cases for check in case.checks),
         costs=tuple(cost_report(case) for case in cases if case.solution is not None),
         longer_tests=longer_tests,
@@ -227,13 +221,7 @@ def _choose_strategy(strategy: str | None, costs: Costs | None) -> str:
 
 
 def _correct(
-    case: SensorCase,
-    procedure: Procedure,
-    requirement: Requirement,
-    strategy: str,
-    costs: Costs | None,
-    *,
-    seed: int,
+    case: SensorCase, share_out: Callable[[SensorCase], SensorCase], *, seed: int
 ) -> SensorCase:
     """Check the allocation by Monte Carlo; where coverage is off, allocate again.
 
@@ -242,14 +230,10 @@ def _correct(
     moves the mixture of shapes, so this goes on until k has settled.
     """
     law_factor = case.task.coverage_factor
-    by_law = case.s
+    by_law, coverage = case.s, case.requirement.coverage
     for _ in range(CORRECTIONS):
         task, s = case.task, case.factors
-        problem = calibration_problem(
-            (resize(case.sensor, task.law.sources, s),),
-            procedure,
-            reference=requirement.reference,
-        )
+        problem = case.allocated_problem()
         rows = [
             [output.name for output in problem.outputs].index(name)
             for name in task.law.outputs
@@ -257,8 +241,8 @@ def _correct(
         law = propagate(problem)
         found = coverage_of(
             problem,
-            law.interval(requirement.coverage),
-            coverage=requirement.coverage,
+            law.interval(coverage),
+            coverage=coverage,
             trials=TRIALS,
             seed=seed,
         )
@@ -278,7 +262,7 @@ def _correct(
             if task.binding(s)[k]
         )
         case = replace(case, checks=checks)
-        off = (np.abs(inside - requirement.coverage) > COVERAGE_OFF) & (
+        off = (np.abs(inside - coverage) > COVERAGE_OFF) & (
             u > np.array([problem.outputs[row].resolution for row in rows])
         )
         needed = (ends - np.abs(law.mean[rows])) / np.where(u > 0.0, u, np.inf)
@@ -289,18 +273,12 @@ def _correct(
         corrected = replace(task, coverage_factor=k_next)
         if not corrected.is_feasible:
             break
-        case = solve(replace(case, task=corrected, by_law=by_law), strategy, costs)
+        case = share_out(replace(case, task=corrected, by_law=by_law))
     return case
 
 
 def _assure(
-    case: SensorCase,
-    procedure: Procedure,
-    requirement: Requirement,
-    strategy: str,
-    costs: Costs | None,
-    *,
-    seed: int,
+    case: SensorCase, share_out: Callable[[SensorCase], SensorCase], *, seed: int
 ) -> SensorCase:
     """Judge the allocated device as every command does; tighten what would fail.
 
@@ -310,17 +288,12 @@ def _assure(
     """
     for _ in range(CORRECTIONS):
         task, s = case.task, case.factors
-        problem = calibration_problem(
-            (resize(case.sensor, task.law.sources, s),),
-            procedure,
-            reference=requirement.reference,
-        )
-        held = limit_problem(problem, requirement)
+        problem = case.allocated_problem()
+        held = limit_problem(problem, case.requirement)
         if held is None:
             break
-        judged = judge(
-            held, propagate(problem), coverage=requirement.coverage, seed=seed
-        )
+        law = propagate(problem)
+        judged = judge(held, law, coverage=case.requirement.coverage, seed=seed)
         verdict, over = judged.verdict(), judged.utilisation_interval[1]
         if verdict == "meets" or (verdict == "undecided" and judged.by_trials.any()):
             break
@@ -328,21 +301,17 @@ def _assure(
         tightened = replace(task, coverage_factor=factor * task.coverage_factor)
         if not tightened.is_feasible:
             break
-        case = solve(replace(case, task=tightened), strategy, costs)
+        case = share_out(replace(case, task=tightened))
     return case
 
 
-def _longer_tests(
-    case: SensorCase, procedure: Procedure, reference: str
-) -> tuple[LongerTest, ...]:
+def _longer_tests(case: SensorCase) -> tuple[LongerTest, ...]:
     """Ask what the procedure could do where the limits are not met now."""
     task = case.task
     found: tuple[LongerTest, ...] = ()
     for s, goal in ((task.now, AS_THEY_ARE), (task.least, FLOOR)):
         if (task.utilisation(s) > 1.0).any():
-            found += find_longer_tests(
-                case.sensor, procedure, task, s, reference=reference, goal=goal
-            )
+            found += find_longer_tests(case, s, goal=goal)
     return found
 
 
@@ -352,15 +321,6 @@ def _resized(sensor: Sensor, cases: Sequence[SensorCase]) -> Sensor:
         if case.sensor.kind == sensor.kind and case.s is not None:
             return resize(sensor, case.task.law.sources, case.s)
     return sensor
-
-
-def _not_allocated(
-    sensors: Sequence[Sensor], requirement: Requirement
-) -> tuple[str, ...]:
-    """Return the sensors that have limits and are not there."""
-    given = {sensor.kind for sensor in sensors}
-    limited = [limit.output.owner for limit in requirement.limits]
-    return tuple(kind for kind in dict.fromkeys(limited) if kind not in given)
 
 
 def _warnings(
@@ -417,24 +377,3 @@ def _warnings(
                 "allocated device stays undecidable"
             )
     return tuple(texts)
-
-
-def _inputs(
-    devices: Sequence[Device],
-    procedure: Procedure,
-    requirement: Requirement,
-    costs: Costs | None,
-) -> tuple[InputFile, ...]:
-    """Return what the result depends on, by base name and content."""
-    several = len(devices) > 1
-    origins = [
-        (f"device {place}" if several else "device", device.origin)
-        for place, device in enumerate(devices, start=1)
-    ]
-    origins += [("procedure", procedure.origin), ("requirement", requirement.origin)]
-    if costs is not None:
-        origins.append(("costs", costs.origin))
-    return tuple(
-        InputFile(role=role, name=origin.file, sha256=origin.sha256)
-        for role, origin in origins
-    )

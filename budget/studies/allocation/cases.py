@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from budget.arrays import Array
-    from budget.problem import Output
+    from budget.problem import Output, Problem
     from budget.spec.records import Costs, ErrorLine, Procedure, Requirement, Sensor
 
 STRATEGIES = ("proportional", "equal", "cost")
@@ -54,6 +54,8 @@ class SensorCase:
     """One required sensor: its task, and what became of it."""
 
     sensor: Sensor
+    procedure: Procedure
+    requirement: Requirement
     # The lines of the sensor, then those that all triads share.
     given: Mapping[Name, ErrorLine]
     # Expected lines that are not given and would widen an output.
@@ -73,6 +75,12 @@ class SensorCase:
     def factors(self) -> Array:
         """The allocated factors, of the present state where there are none."""
         return self.task.now if self.s is None else self.s
+
+    def allocated_problem(self) -> Problem:
+        """Return the calibration of the sensor with its lines as allocated."""
+        resized = resize(self.sensor, self.task.law.sources, self.factors)
+        reference = self.requirement.reference
+        return calibration_problem((resized,), self.procedure, reference=reference)
 
 
 def set_up(
@@ -102,6 +110,8 @@ def set_up(
     k = float(ndtri((1.0 + requirement.coverage) / 2.0))
     return SensorCase(
         sensor=sensor,
+        procedure=procedure,
+        requirement=requirement,
         given=given,
         lacks=lacking((sensor,), procedure, reference=requirement.reference),
         outputs={output.name: output for output in problem.outputs},

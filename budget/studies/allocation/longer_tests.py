@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from budget.arrays import Array
-    from budget.methods.allocation import Task
     from budget.spec.records import Procedure, Sensor
+    from budget.studies.allocation.cases import SensorCase
 
 MOST_TURNS = 1000  # at 20 deg/s five hours for each axis and sense
 LONGEST_DWELL = 24.0 * HOUR  # [s]
@@ -39,13 +39,7 @@ class _Trials:
 
 
 def find_longer_tests(
-    sensor: Sensor,
-    procedure: Procedure,
-    task: Task,
-    s: Array,
-    *,
-    reference: str,
-    goal: str,
+    case: SensorCase, s: Array, *, goal: str
 ) -> tuple[LongerTest, ...]:
     """Find the least number of turns and the shortest dwell that meet the limits.
 
@@ -56,13 +50,15 @@ def find_longer_tests(
     """
 
     def utilisation(changed: Procedure) -> float:
-        problem = calibration_problem((sensor,), changed, reference=reference)
-        law = scaled_law(problem).select(task.law.outputs)
-        return float(replace(task, law=law).utilisation(s).max())
+        problem = calibration_problem(
+            (case.sensor,), changed, reference=case.requirement.reference
+        )
+        law = scaled_law(problem).select(case.task.law.outputs)
+        return float(replace(case.task, law=law).utilisation(s).max())
 
     return tuple(
-        _grow(trials, utilisation, sensor.kind, goal)
-        for trials in _growing(sensor, procedure)
+        _grow(trials, utilisation, case.sensor.kind, goal)
+        for trials in _growing(case.sensor, case.procedure)
     )
 
 

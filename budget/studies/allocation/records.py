@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from budget.names import Name
-from budget.results import SCHEMA
+from budget.results import SCHEMA, inputs_document
 from budget.ties import settle
 
 if TYPE_CHECKING:
@@ -89,17 +89,18 @@ class SourceAllotment:
     status: str  # free, held, zero, shared, not required
     now: float  # [SI]
     allowed: float | None  # [SI]; None where the requirement cannot be met
-    uncorrected: float | None  # by the law alone, where Monte Carlo corrected it [SI]
-    ceiling: float | None  # [SI]; None for what is not free
-    least: float | None  # bound below [SI]; None for what is not free
-    at_ceiling: bool
-    at_least: bool
-    binding_outputs: tuple[Name, ...]  # of those at their limits, where it takes most
-    is_significant: (
-        bool  # takes a thousandth of a squared limit, at its ceiling at the latest
-    )
-    headroom: Headroom | None  # None for what is zero, has no limit or counts nothing
     best_offered: float | None  # least value in the catalogue [SI]
+    # By the law alone, where Monte Carlo corrected it [SI].
+    uncorrected: float | None = None
+    ceiling: float | None = None  # [SI]; None for what is not free
+    least: float | None = None  # bound below [SI]; None for what is not free
+    at_ceiling: bool = False
+    at_least: bool = False
+    binding_outputs: tuple[Name, ...] = ()  # at their limits, where it takes most
+    # Takes a thousandth of a squared limit, at its ceiling at the latest.
+    is_significant: bool = False
+    # None for what is zero, has no limit or counts nothing.
+    headroom: Headroom | None = None
 
     @property
     def factor(self) -> float:
@@ -312,10 +313,7 @@ class Allocation:
             "schema": SCHEMA,
             "command": "allocate",
             "title": self.title,
-            "inputs": {
-                file.role: {"name": file.name, "sha256": file.sha256}
-                for file in self.inputs
-            },
+            "inputs": inputs_document(self.inputs),
             "settings": {
                 "method": "gum",
                 "strategy": self.strategy,

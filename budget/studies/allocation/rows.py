@@ -32,19 +32,17 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.methods.allocation import Headroom as Room
     from budget.methods.allocation import Task
-    from budget.spec.records import Requirement, Sensor
+    from budget.spec.records import Sensor
     from budget.studies.allocation.cases import SensorCase
 
 ONE_PERCENT = 0.01  # [1]
 COUNTS = 1e-3  # part of a squared limit from which a source is said to count [1]
 
 
-def limited_outputs(
-    case: SensorCase, requirement: Requirement
-) -> tuple[LimitedOutput, ...]:
+def limited_outputs(case: SensorCase) -> tuple[LimitedOutput, ...]:
     """Say of each limit who takes how much of it, now and after the allocation."""
     task, s = case.task, case.s
-    printed = {limit.output: limit.printed for limit in requirement.limits}
+    printed = {limit.output: limit.printed for limit in case.requirement.limits}
     states = [task.now, task.least, *([] if s is None else [s])]
     used = [task.utilisation(state) for state in states]
     parts = [_parts(task, state) for state in states]
@@ -87,14 +85,6 @@ def source_allotments(
                 status=NOT_REQUIRED,
                 now=float(line.u.max()),
                 allowed=float(line.u.max()),
-                uncorrected=None,
-                ceiling=None,
-                least=None,
-                at_ceiling=False,
-                at_least=False,
-                binding_outputs=(),
-                is_significant=False,
-                headroom=None,
                 best_offered=offered.get(Name(line.name, owner=sensor.kind)),
             )
             for line in sensor.lines

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from budget.errors import CallError
 from budget.methods.execution import local_executor
-from budget.results import InputFile, Settings
+from budget.results import Settings, input_file
 from budget.spec import load_procedure
 from budget.studies.comparison.candidates import Candidate, bound_missing
 from budget.studies.comparison.judging import JudgedCandidate, Judging, judge_all
@@ -142,7 +142,11 @@ def compare(
     return Comparison(
         requirement=requirement.name,
         procedures=tuple(procedure.name for procedure in procedures),
-        inputs=_inputs(devices, requirement, procedures),
+        inputs=(
+            *(input_file("device", device) for device in devices),
+            *(input_file("procedure", procedure) for procedure in procedures),
+            input_file("requirement", requirement),
+        ),
         settings=Settings(
             method=method,
             trials=trials if method == "monte-carlo" or validate else None,
@@ -283,12 +287,11 @@ def _warnings(
     twice = [name for name, n in Counter(d.name for d in devices).items() if n > 1]
     if twice:
         found.append(f"devices of the same name: {', '.join(sorted(twice))}")
-    limited = _limited(requirement)
     present = {sensor.kind for device in devices for sensor in device.sensors}
     found += [
         f"the requirement has no limit for the {kind}, which some devices have: it is "
         "not compared"
-        for kind in sorted(present - set(limited))
+        for kind in sorted(present - set(requirement.kinds))
     ]
     found += [
         f"the requirement limits the {kind}, which no device here has: its limits are "
@@ -313,29 +316,9 @@ def _warnings(
     return tuple(found)
 
 
-def _limited(requirement: Requirement) -> tuple[str, ...]:
-    """Return the sensors that have limits, in their order."""
-    return tuple(dict.fromkeys(limit.output.owner for limit in requirement.limits))
-
-
 def _not_compared(
     devices: Sequence[Device], requirement: Requirement
 ) -> tuple[str, ...]:
     """Return the sensors that have limits, and that no device has."""
     present = {sensor.kind for device in devices for sensor in device.sensors}
-    return tuple(kind for kind in _limited(requirement) if kind not in present)
-
-
-def _inputs(
-    devices: Sequence[Device],
-    requirement: Requirement,
-    procedures: Sequence[Procedure],
-) -> tuple[InputFile, ...]:
-    """Return every file that the comparison depends on."""
-    origins = [("device", device.origin) for device in devices]
-    origins += [("procedure", procedure.origin) for procedure in procedures]
-    origins.append(("requirement", requirement.origin))
-    return tuple(
-        InputFile(role=role, name=origin.file, sha256=origin.sha256)
-        for role, origin in origins
-    )
+    return tuple(kind for kind in requirement.kinds if kind not in present)

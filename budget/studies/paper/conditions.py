@@ -11,7 +11,7 @@ from budget.calibration.problem import calibration_problem
 from budget.distributions import NORMAL
 from budget.methods.gum import propagate
 from budget.names import Name
-from budget.results import InputFile
+from budget.results import input_files
 from budget.spec import load_device, load_procedure
 from budget.spec.records import ErrorLine
 from budget.studies.paper.printed import load_paper
@@ -20,6 +20,7 @@ from budget.units import PPM
 if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.problem import Problem
+    from budget.results import InputFile
     from budget.spec.records import Procedure, Sensor
     from budget.studies.paper.printed import Paper
 
@@ -88,13 +89,7 @@ def load_conditions() -> Conditions:
         ),
         printed=replace(procedure, formulas="paper"),
         corrected=replace(procedure, formulas="corrected"),
-        inputs=tuple(
-            InputFile(role=role, name=origin.file, sha256=origin.sha256)
-            for role, origin in (
-                ("device", device.origin),
-                ("procedure", procedure.origin),
-            )
-        ),
+        inputs=input_files((device,), procedure=procedure),
     )
 
 

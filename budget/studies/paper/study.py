@@ -13,7 +13,7 @@ import numpy as np
 
 from budget.methods.gum import propagate
 from budget.names import AXES, Name
-from budget.results import SCHEMA
+from budget.results import SCHEMA, inputs_document
 from budget.studies.coupling import CouplingTable, coupling
 from budget.studies.paper.conditions import PLACES, load_conditions, only_sources
 from budget.studies.paper.formulas import formula_findings
@@ -75,10 +75,7 @@ class PaperStudy:
             "schema": SCHEMA,
             "command": "paper",
             "title": self.paper.title,
-            "inputs": {
-                file.role: {"name": file.name, "sha256": file.sha256}
-                for file in self.inputs
-            },
+            "inputs": inputs_document(self.inputs),
             "rows": [
                 {name: getattr(row, name) for name in COLUMNS} for row in self.findings
             ],

@@ -450,7 +450,7 @@ def test_options_that_contradict_each_other_are_refused():
         allot(costs=costs, strategy="equal")
     with pytest.raises(CallError, match="is above the largest"):
         allot(bounds=crossed)
-    with pytest.raises(CallError, match="no limit for a sensor"):
+    with pytest.raises(CallError, match="sets no limit"):
         allot(replace(ZHAO, gyro=None), wanted=requirement({"gyro.bias": 1.0}))
 
 
