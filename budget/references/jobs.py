@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from budget.errors import CallError
 from budget.methods.execution import one_blas_thread
-from budget.references.quantities import snapshot_of, subject_of
+from budget.references.quantities import device_of, snapshot_of
 from budget.references.records import JOBS, Asked, files_fault
 from budget.references.sampling import standard_errors
 from budget.spec.costs import read_costs
@@ -199,7 +199,7 @@ def _compare(
                 coverage=requirement.coverage,
                 reference=requirement.reference,
             ).alone(row["sensor"])
-            errors[subject_of((document, row))] = standard_errors(
+            errors[device_of(document, row)] = standard_errors(
                 analysis.problem, trials=row["trials"], coverage=requirement.coverage
             )
     return snapshot_of(document, errors)

@@ -113,20 +113,20 @@ def snapshot_of(document: Record, errors: Mapping[str, StandardErrors]) -> Snaps
         Of analyze, compare or allocate, as JSON.
     errors : mapping of str to StandardErrors
         Of what trials made: of an analysis under '', of a comparison under the
-        `subject_of` each entry of its devices.
+        `device_of` each entry of its devices.
     """
     numbers: list[QuantityValue] = []
     words: list[NominalProperty] = []
     meanings = MEANINGS[document["command"]]
-    for path, records, value in _leaves(document):
+    for path, place, value in _leaves(document, "", _Place()):
         meaning = meanings.get(path)
         if meaning is None or value is None:
             continue
-        sure = errors.get(subject_of(records[:2]), errors.get(""))
+        sure = errors.get(place.device)
         if meaning.of == "word":
-            words.append(_word(subject_of(records), meaning, value, sure))
+            words.append(_word(place.subject, meaning, value, sure))
         else:
-            numbers.append(_number(meaning, records, value, sure))
+            numbers.append(_number(meaning, place, value, sure))
     if document["command"] == "analyze":
         numbers += _correlations(document, errors.get(""))
         for sensor in dict.fromkeys(row["sensor"] for row in document["outputs"]):
@@ -135,38 +135,55 @@ def snapshot_of(document: Record, errors: Mapping[str, StandardErrors]) -> Snaps
     return Snapshot(numbers=tuple(numbers), words=tuple(words))
 
 
-def subject_of(records: Sequence[Record]) -> str:
-    """Return what records inside each other, the document first, are of.
+def device_of(document: Record, row: Record) -> str:
+    """Return what a comparison is of in one entry: device, procedure, sensor."""
+    several = len(document["procedures"]) > 1
+    procedure = f" @ {row['procedure']}" if several else ""
+    return f"{row['file']}{procedure} {row['sensor']}"
 
-    'gyro.bias.x', or of a comparison 'hg4930.yaml#C gyro', with the procedure where
-    there are several.
-    """
-    device = "".join(f"{one['file']} " for one in records if "file" in one)
-    if device and len(records[0]["procedures"]) > 1:
-        device = f"{device}@ {records[1]['procedure']} "
-    names = [name for name in map(_name, records) if name]
-    if len(names) > 1 and "share" in records[-1]:  # a contribution to the output
-        names.pop()
-    return f"{device}{names[-1]}" if device else (names or [Name("requirement")])[-1]
+
+@dataclass(frozen=True)
+class _Place:
+    """Where a value stands: in which records, the document first, and what of."""
+
+    records: tuple[Record, ...] = ()
+    device: str = ""  # of a comparison
+    name: Name = Name("requirement")  # noqa: RUF009 - as constant as any text
+
+    def within(self, record: Record) -> _Place:
+        """Return the place inside a record."""
+        records = (*self.records, record)
+        device = device_of(records[0], record) if "file" in record else self.device
+        name = _name(record)
+        # A contribution is one to the output around it.
+        return _Place(
+            records, device, self.name if "share" in record else name or self.name
+        )
+
+    @property
+    def subject(self) -> str:
+        """'gyro.bias.x', or of a comparison 'hg4930.yaml#C gyro.bias.x'."""
+        if not self.device:
+            return self.name
+        return f"{self.device.removesuffix(self.records[1]['sensor'])}{self.name}"
 
 
 def _leaves(
-    node: object, path: str = "", records: tuple[Record, ...] = ()
-) -> Iterator[tuple[str, tuple[Record, ...], Any]]:
-    """Yield every value of a document, its path and the records that it stands in."""
+    node: object, path: str, place: _Place
+) -> Iterator[tuple[str, _Place, Any]]:
+    """Yield every value of a document with its path and its place."""
     if isinstance(node, dict):
+        inside = place.within(node)
         for key, child in node.items():
-            yield from _leaves(
-                child, f"{path}.{key}" if path else key, (*records, node)
-            )
+            yield from _leaves(child, f"{path}.{key}" if path else key, inside)
     elif isinstance(node, list) and node and isinstance(node[0], dict):
         for child in node:
-            yield from _leaves(child, path, records)
+            yield from _leaves(child, path, place)
     elif isinstance(node, list) and node and isinstance(node[0], float):
-        for place, child in enumerate(node):
-            yield f"{path}.{place}", records, child
+        for k, child in enumerate(node):
+            yield f"{path}.{k}", place, child
     else:
-        yield path, records, node
+        yield path, place, node
 
 
 def _name(record: Record) -> Name:
@@ -178,52 +195,60 @@ def _name(record: Record) -> Name:
 
 
 def _number(
-    meaning: Meaning,
-    records: Sequence[Record],
-    value: float,
-    sure: StandardErrors | None,
+    meaning: Meaning, place: _Place, value: float, sure: StandardErrors | None
 ) -> QuantityValue:
     """Return a number with its tolerance."""
-    document, record = records[0], records[-1]
-    unit, floors, error, freedom = "1", [_solver(document, meaning, value)], None, None
-    is_bound = record.get("lower_bound", False)
-    if meaning.of == "line":
-        unit = next(one["unit"] for one in reversed(records) if "unit" in one)
-    elif meaning.of == "output":
-        output = next(one for one in reversed(records) if "resolution" in one)
-        unit = output["unit"]
-        floors.append(output["resolution"])
-        if sure is not None and meaning.statistic:
-            error = sure.of(meaning.statistic, _name(output))
-    elif meaning.of == "limit":
-        required = _required(records)
-        is_bound = any(one["lower_bound"] for one in required)
-        floors += [one["resolution"] / one["limit"] for one in required]
-        if sure is not None and meaning.statistic:
-            error = max(
-                sure.of(meaning.statistic, _name(one)) / one["limit"]
-                for one in required
-            )
-    if error is not None and sure is not None:
-        freedom = sure.freedom(meaning.statistic)
+    document, record = place.records[0], place.records[-1]
+    outputs = _outputs(meaning, place.records)
+    parts = [one["limit"] if meaning.of == "limit" else 1.0 for one in outputs]
+    resolutions = [one["resolution"] for one in outputs]
+    error = freedom = trials = None
     if meaning.statistic == "interval":
         error, freedom = _of_interval(document, record, meaning.quantity)
-    trials = None
-    if meaning.statistic == "count":  # by the law a sensor is counted in draws of it
-        least = NORMAL_TRIALS if record is records[1] else None
-        trials = records[1]["trials"] or least
+    elif meaning.statistic == "count":  # by the law a sensor is counted in draws of it
+        row = place.records[1]
+        trials = row["trials"] or (NORMAL_TRIALS if record is row else None)
+    elif meaning.statistic and sure is not None:
+        errors = [sure.of(meaning.statistic, _name(one)) for one in outputs]
+        error = max(e / part for e, part in zip(errors, parts, strict=True))
+        freedom = sure.freedom(meaning.statistic)
+    is_bound = any(one["lower_bound"] for one in outputs)
+    has_unit = meaning.of in {"output", "line"}
     return QuantityValue(
-        subject=subject_of(records),
+        subject=place.subject,
         quantity=meaning.quantity,
         partner=record["source"] if "share" in record else "",
-        unit=unit,
+        unit=next(one["unit"] for one in reversed(place.records) if "unit" in one)
+        if has_unit
+        else "1",
         value=value,
-        floor=max(floors),
+        floor=max(
+            _solver(document, meaning, value),
+            *(one / part for one, part in zip(resolutions, parts, strict=True)),
+            0.0,
+        ),
         standard_error=error,
         degrees_of_freedom=freedom,
         trials=trials,
-        lower_bound=is_bound and meaning.quantity not in NO_BOUNDS,
+        lower_bound=record.get("lower_bound", is_bound)
+        and meaning.quantity not in NO_BOUNDS,
     )
+
+
+def _outputs(meaning: Meaning, records: Sequence[Record]) -> list[Record]:
+    """Return the outputs that a number is of; of a sensor all that are required.
+
+    The largest of several strays no further than that of them which strays furthest.
+    """
+    if meaning.of not in {"output", "limit"}:
+        return []
+    for record in reversed(records):
+        if "resolution" in record:
+            return [record]
+        if "outputs" in record:
+            own = records[-1]["sensor"]
+            return [one for one in record["outputs"] if one["sensor"] == own]
+    return []
 
 
 def _solver(document: Record, meaning: Meaning, value: float) -> float:
@@ -232,18 +257,6 @@ def _solver(document: Record, meaning: Meaning, value: float) -> float:
     by_quantity = {"allowed": line * value, "utilisation_allowed": line}
     by_kind = {"part": PART, "cost": LEAST_COST * value}
     return by_quantity.get(meaning.quantity, by_kind.get(meaning.of, 0.0))
-
-
-def _required(records: Sequence[Record]) -> list[Record]:
-    """Return the outputs, with their limits, that a part of a limit is the largest of.
-
-    Of a sensor it strays no further than that of them which strays furthest.
-    """
-    record = records[-1]
-    if "limit" in record:
-        return [record]
-    own = record["outputs"] if "outputs" in record else records[-2]["outputs"]
-    return [one for one in own if one["sensor"] == record["sensor"]]
 
 
 def _of_interval(
