@@ -6,8 +6,8 @@ or the rounding of its computation; by trials, what two seeds may give.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from math import inf, isfinite, isinf, sqrt
+from dataclasses import dataclass
+from math import hypot, inf, isfinite, isinf, sqrt
 from typing import TYPE_CHECKING
 
 from budget.references.records import Item, NominalProperty, QuantityValue
@@ -28,6 +28,7 @@ SPREAD = "standard_uncertainty"
 NOT_GIVEN = "not_given"
 
 Stated = QuantityValue | NominalProperty
+Pair = tuple[Stated | None, Stated | None]  # of one item, before and after
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -163,58 +164,51 @@ def find_moves(
         In the order of the results; what is gone or new counts as moved.
     """
     pairs = compared(before, after)
-    number = sum(
-        one is not None and other is not None and (one.is_sampled or other.is_sampled)
-        for one, other in pairs.values()
-    )
+    both = [(one, other) for one, other in pairs.values() if one and other]
+    number = sum(one.is_sampled or other.is_sampled for one, other in both)
     level = false_alarm / max(number, 1)
     moves: dict[Item, Move] = {}
     for item, (one, other) in pairs.items():
-        move = Move(
-            item=item,
-            unit=next(_unit(side) for side in (other, one) if side is not None),
-            before=_value(one),
-            after=_value(other),
-            scale=_scale(item, pairs),
-            bounds=(_is_bound(one), _is_bound(other)),
-        )
+        text = other.value if other else None
+        sampled, times = False, None
         if isinstance(one, QuantityValue) and isinstance(other, QuantityValue):
             if is_within(one, other, level):
                 continue
-            moves[item] = replace(
-                move,
-                is_sampled=one.is_sampled or other.is_sampled,
-                times=_times(one, other),
-            )
+            sampled = one.is_sampled or other.is_sampled
+            unit = (_standard_error if sampled else tolerance_of)(one, other)
+            difference = abs(other.value - one.value)
+            times = finite(difference / unit) if unit > 0.0 else None
         elif isinstance(one, NominalProperty) and isinstance(other, NominalProperty):
-            text = other.text
             if item.quantity == NOT_GIVEN:
-                text = before.known_part(text)
+                text = before.known_part(other.text)
             # Where a number that has not moved decides it, it fell so by chance.
             decided = Item(subject=item.subject, quantity=one.rests_on)
-            if text != one.text and (not one.rests_on or decided in moves):
-                moves[item] = replace(move, after=text)
-        else:
-            moves[item] = move
+            if text == one.text or (one.rests_on and decided not in moves):
+                continue
+        moves[item] = Move(
+            item=item,
+            unit=_unit(pairs[item]),
+            before=one.value if one else None,
+            after=text,
+            is_sampled=sampled,
+            times=times,
+            scale=_scale(item, pairs),
+            bounds=(bool(one and one.lower_bound), bool(other and other.lower_bound)),
+        )
     return tuple(moves.values())
 
 
-def compared(
-    before: Snapshot, after: Snapshot
-) -> dict[Item, tuple[Stated | None, Stated | None]]:
+def compared(before: Snapshot, after: Snapshot) -> dict[Item, Pair]:
     """Return what is compared, as it is on both sides, numbers first.
 
     What a later version states beside what was stored is not compared.
     """
     old, new = before.by_item(), after.by_item()
     quantities = {item.quantity for item in old}
-    stated = [*old, *new]
-    stated.sort(
-        key=lambda item: isinstance(old.get(item, new.get(item)), NominalProperty)
-    )
+    stated = {**old, **new}
     return {
         item: (old.get(item), new.get(item))
-        for item in dict.fromkeys(stated)
+        for item in sorted(stated, key=lambda one: not stated[one].unit)
         if item in old or (item.quantity in quantities and before.knows(item))
     }
 
@@ -246,12 +240,10 @@ def probability_of(before: QuantityValue, after: QuantityValue) -> float:
         import numpy as np
         from scipy.stats import fisher_exact
 
-        first, second = (
-            round(before.value * before.trials),
-            round(after.value * after.trials),
-        )
-        table = [[first, before.trials - first], [second, after.trials - second]]
-        return float(fisher_exact(np.array(table)).pvalue)
+        n = np.array([before.trials, after.trials])
+        # A file may hold any double in the place of a probability.
+        hits = np.round(n * np.clip([before.value, after.value], 0.0, 1.0)).astype(int)
+        return float(fisher_exact(np.stack([hits, n - hits])).pvalue)
     spread = _standard_error(before, after)
     difference = abs(after.value - before.value)
     if spread == 0.0 or isinf(difference):
@@ -269,56 +261,31 @@ def finite(value: float) -> float | None:
     return value if isfinite(value) else None
 
 
-def _value(stated: Stated | None) -> float | str | None:
-    """Return what is stated of an item; None where nothing is."""
-    if isinstance(stated, NominalProperty):
-        return stated.text
-    return None if stated is None else stated.value
+def _unit(pair: Pair) -> str:
+    """Return the unit of a number, as it is now; '' of a word."""
+    return next(one.unit for one in reversed(pair) if one)
 
 
-def _unit(stated: Stated) -> str:
-    """Return a unit; '' of a word."""
-    return stated.unit if isinstance(stated, QuantityValue) else ""
-
-
-def _is_bound(stated: Stated | None) -> bool:
-    """Whether it is a number that is this or worse."""
-    return isinstance(stated, QuantityValue) and stated.lower_bound
-
-
-def _scale(
-    item: Item, pairs: Mapping[Item, tuple[Stated | None, Stated | None]]
-) -> float | None:
+def _scale(item: Item, pairs: Mapping[Item, Pair]) -> float | None:
     """Return what the size of a difference is measured by [unit of the number]."""
-    unit = next(_unit(one) for one in pairs[item] if one is not None)
+    unit = next(one.unit for one in pairs[item] if one)
     for key in (Item(subject=item.subject, quantity=SPREAD), item):
-        for one in pairs.get(key, ()):
-            if isinstance(one, QuantityValue):
-                if one.unit == unit and one.value != 0.0:
-                    return abs(one.value)
-                break
+        own = next((one for one in pairs.get(key, ()) if one), None)
+        if isinstance(own, QuantityValue) and own.unit == unit and own.value != 0.0:
+            return abs(own.value)
     return None
-
-
-def _times(before: QuantityValue, after: QuantityValue) -> float | None:
-    """Return a difference over its tolerance or, sampled, its standard error [1]."""
-    is_sampled = before.is_sampled or after.is_sampled
-    unit = (_standard_error if is_sampled else tolerance_of)(before, after)
-    difference = abs(after.value - before.value)
-    return finite(difference / unit) if unit > 0.0 else None
 
 
 def _standard_error(before: QuantityValue, after: QuantityValue) -> float:
     """Return the standard error of a difference [unit of the number]."""
-    counted = [(one.value, one.trials) for one in (before, after) if one.trials]
-    trials = sum(n for _, n in counted)
-    p = sum(value * n for value, n in counted) / max(trials, 1)
-    return sqrt(
-        sum(
-            max(p * (1.0 - p), 0.0) / one.trials
-            if one.trials
-            else (one.standard_error or 0.0) * (one.standard_error or 0.0)
-            for one in (before, after)
+    both = (before, after)
+    trials = sum(one.trials or 0 for one in both)
+    p = sum(one.value * (one.trials or 0) for one in both) / max(trials, 1)
+    binomial = sqrt(max(p * (1.0 - p), 0.0))
+    return hypot(
+        *(
+            binomial / sqrt(one.trials) if one.trials else one.standard_error or 0.0
+            for one in both
         )
     )
 

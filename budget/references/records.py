@@ -194,12 +194,19 @@ class NominalProperty:
     quantity: Line
     text: Words
     rests_on: Line = ""
+    unit: ClassVar[str] = ""
     is_sampled: ClassVar[bool] = False
+    lower_bound: ClassVar[bool] = False
 
     @property
     def item(self) -> Item:
         """What it is of."""
         return Item(subject=self.subject, quantity=self.quantity)
+
+    @property
+    def value(self) -> str:
+        """The text."""
+        return self.text
 
 
 # What this version can say something of: quantities of sources and of outputs.

@@ -208,6 +208,13 @@ class TestSampled:
             rtol=1e-10,
         )
 
+    @pytest.mark.parametrize("value", [-1.0, 1.5, 1e100])
+    def test_what_is_no_probability_is_compared(self, value):
+        """A file may hold any double beside a number of trials."""
+        one, other = number(0.5, trials=100), number(value, trials=10**8)
+        assert probability_of(one, other) < 1e-10
+        assert len(find_moves(of(one), of(other))) == 1
+
     def test_rare_events_raise_no_alarm(self):
         """Counts of a rare event from two seeds differ at 5 % in 5 % at the most."""
         rng = np.random.default_rng(3)
