@@ -6,7 +6,7 @@ the inputs, by exchanging them one key at a time.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING
 
 from budget.errors import BudgetError, CallError
@@ -53,20 +53,16 @@ class Side:
     inputs: tuple[Document, ...]
     budget: ReferenceBudget
 
-    def again(self) -> Snapshot | None:
-        """Compute it again; None where its inputs make no sound files."""
+    def again(
+        self, asked: Asked | None = None, inputs: tuple[Document, ...] | None = None
+    ) -> Snapshot | None:
+        """Compute it with other settings or inputs; None where these are not sound."""
         try:
-            return compute(self.budget.job, self.inputs, self.budget.settings)
+            return compute(
+                self.budget.job, inputs or self.inputs, asked or self.budget.settings
+            )
         except BudgetError:
             return None
-
-    def law(self) -> Snapshot | None:
-        """Compute it again by the law; None where its inputs make no sound files."""
-        return self.asking(by_law(self.budget.settings)).again()
-
-    def asking(self, settings: Asked) -> Side:
-        """Return the same with other settings."""
-        return replace(self, budget=replace(self.budget, settings=settings))
 
 
 def make_reference(
@@ -150,19 +146,27 @@ def check(
         known=computed.known,
         versions=present_versions(),
     )
-    changes = _version_changes(reference.versions, now.versions)
     moves = find_moves(reference, now)
+    versions = _changes(TOOL, reference.versions, now.versions)
     try:
         then = side_of(reference, name=name)
     except BudgetError:  # stored inputs only explain: they stop no check
-        changes = (_UNREADABLE, *changes)
+        changes = (_UNREADABLE, *versions)
     else:
-        files = (one.change for one in input_changes(then.inputs, inputs))
-        changes = (*(replace(one, acts=False) for one in files), *changes)
         if moves:
             side = Side(name=name, inputs=inputs, budget=now)
             changes, moves = explain(then, side, moves)
-    return _difference((name, name), reference, now, moves, changes)
+        else:
+            files = (one.change for one in input_changes(then.inputs, inputs))
+            changes = (*(replace(one, acts=False) for one in files), *versions)
+    return Difference(
+        first=name,
+        second=name,
+        before=reference,
+        after=now,
+        moves=moves,
+        changes=changes,
+    )
 
 
 def compare_sides(first: Side, second: Side) -> Difference:
@@ -183,8 +187,14 @@ def compare_sides(first: Side, second: Side) -> Difference:
             "have no numbers in common; give two of one kind"
         )
     changes, moves = explain(first, second, find_moves(a, b))
-    largest = tuple(sorted(moves, key=lambda move: -move.size))
-    return _difference((first.name, second.name), a, b, largest, changes)
+    return Difference(
+        first=first.name,
+        second=second.name,
+        before=a,
+        after=b,
+        moves=tuple(sorted(moves, key=lambda move: -move.size)),
+        changes=changes,
+    )
 
 
 def explain(
@@ -210,16 +220,13 @@ def explain(
     moves : tuple of Move
         The same with their causes.
     """
-    law = before.law()
-    effects: list[_Effect] = []
-    for change, side in _exchanges(before, after):
-        alone = side.law() if law is not None and side is not None else None
-        if law is None or alone is None:
-            effects.append(_Effect(change=change))
-        else:
-            effects.append(_Effect.of(change, find_moves(law, alone)))
-    together = _together(moves, effects, law, after.law())
-    effects += _effects_of_tool(before, after, law)
+    asked = before.budget.settings
+    law = before.again(by_law(asked))
+    effects = [_effect(change, law, alone) for change, alone in _tried(before, after)]
+    both = after.again(by_law(after.budget.settings))
+    together = _together(moves, effects, law, both)
+    again = law if asked == by_law(asked) else before.again()
+    effects += _effects_of_tool(before.budget, after.budget, again)
     told = (
         replace(
             move,
@@ -244,72 +251,78 @@ class _Effect:
     """One change, and by how much it alone moves each number [its unit]."""
 
     change: Change
-    amounts: Mapping[Item, float] = field(default_factory=dict)
-
-    @classmethod
-    def of(cls, change: Change, moves: Sequence[Move]) -> _Effect:
-        """Return that of a change with which these numbers and words moved."""
-        return cls(
-            change=replace(change, acts=bool(moves)),
-            amounts={
-                move.item: move.difference
-                for move in moves
-                if move.difference is not None
-            },
-        )
+    amounts: Mapping[Item, float]
 
 
-def _effects_of_tool(
-    before: Side, after: Side, law: Snapshot | None
-) -> Iterator[_Effect]:
-    """Yield what the tool as it is does to the side before.
-
-    Versions cannot be exchanged: what they moved, they moved together.
-    """
-    versions = _version_changes(before.budget.versions, after.budget.versions)
-    asked = before.budget.settings
-    again = law if asked == by_law(asked) else before.again()
-    moves = () if again is None else find_moves(before.budget, again)
-    if moves and not versions:
-        versions = (
-            Change(where=TOOL, key="code", before="as stored", after="as it is"),
-        )
-    for place, one in enumerate(versions):
-        effect = _Effect.of(one, moves if place == 0 else ())
-        acts = None if moves or again is None else False
-        yield replace(effect, change=replace(one, acts=acts))
-
-
-def _version_changes(
-    before: Mapping[str, str], after: Mapping[str, str]
-) -> tuple[Change, ...]:
-    """Return the versions that differ."""
-    return tuple(
-        Change(
-            where=TOOL, key=name, before=before.get(name, ""), after=after.get(name, "")
-        )
-        for name in dict.fromkeys((*after, *before))
-        if before.get(name) != after.get(name)
+def _effect(change: Change, before: Snapshot | None, alone: Snapshot | None) -> _Effect:
+    """Return what a change alone does; where it cannot be tried, that is not known."""
+    if before is None or alone is None:
+        return _Effect(change=change, amounts={})
+    moves = find_moves(before, alone)
+    return _Effect(
+        change=replace(change, acts=bool(moves)),
+        amounts={
+            move.item: move.difference for move in moves if move.difference is not None
+        },
     )
 
 
-def _exchanges(before: Side, after: Side) -> Iterator[tuple[Change, Side | None]]:
-    """Yield every difference of files and settings, and the side before with it alone.
+def _effects_of_tool(
+    before: ReferenceBudget, after: ReferenceBudget, again: Snapshot | None
+) -> Iterator[_Effect]:
+    """Yield what the tool as it is does to what is stored.
 
-    None in the place of a side where a change cannot be tried.
+    Versions cannot be exchanged: what they moved, they moved together.
     """
+    code = Change(where=TOOL, key="code", before="as stored", after="as it is")
+    versions = _changes(TOOL, before.versions, after.versions)
+    first = _effect(versions[0] if versions else code, before, again)
+    moved = first.change.acts
+    for one in versions or ([code] if moved else []):
+        amounts = first.amounts if one == (versions or [code])[0] else {}
+        acts = False if moved is False else None
+        yield _Effect(change=replace(one, acts=acts), amounts=amounts)
+
+
+def _tried(before: Side, after: Side) -> Iterator[tuple[Change, Snapshot | None]]:
+    """Yield every difference of files and settings, and what it alone makes by the law.
+
+    None where it cannot be tried.
+    """
+    asked, new = before.budget.settings, after.budget.settings
     found = input_changes(before.inputs, after.inputs)
     few = sum(one.inputs is not None for one in found) <= MOST_CHANGES
     for one in found:
-        alone = None if one.inputs is None or not few else one.inputs
-        yield one.change, None if alone is None else replace(before, inputs=alone)
-    asked, new = before.budget.settings, asdict(after.budget.settings)
-    for name, old in asdict(asked).items():
-        if old != new[name]:
-            change = Change(
-                where="settings", key=name, before=_word(old), after=_word(new[name])
-            )
-            yield change, before.asking(replace(asked, **{name: new[name]}))
+        can = few and one.inputs is not None
+        yield one.change, before.again(by_law(asked), one.inputs) if can else None
+    for change in _changes("settings", _words(asked), _words(new)):
+        alone = replace(asked, **{change.key: getattr(new, change.key)})
+        yield change, before.again(by_law(alone))
+
+
+def _changes(
+    where: str, before: Mapping[str, str], after: Mapping[str, str]
+) -> tuple[Change, ...]:
+    """Return what differs between versions, or settings."""
+    return tuple(
+        Change(
+            where=where, key=key, before=before.get(key, ""), after=after.get(key, "")
+        )
+        for key in dict.fromkeys((*after, *before))
+        if before.get(key) != after.get(key)
+    )
+
+
+def _words(asked: Asked) -> dict[str, str]:
+    """Write settings."""
+    return {
+        name: ", ".join(value)
+        if isinstance(value, tuple)
+        else ""
+        if value is None
+        else str(value)
+        for name, value in asdict(asked).items()
+    }
 
 
 def _together(
@@ -333,29 +346,3 @@ def _together(
         if one.unit == other.unit and rest is not None and abs(rest) > rounding:
             found[item] = rest
     return found
-
-
-def _word(value: object) -> str:
-    """Write a setting."""
-    if isinstance(value, tuple):
-        return ", ".join(map(str, value))
-    return "" if value is None else str(value)
-
-
-def _difference(
-    names: tuple[str, str],
-    before: ReferenceBudget,
-    after: ReferenceBudget,
-    moves: tuple[Move, ...],
-    changes: tuple[Change, ...],
-) -> Difference:
-    """Put together what differs between two budgets."""
-    return Difference(
-        first=names[0],
-        second=names[1],
-        job=before.job,
-        compared=len(compared(before, after)),
-        sampled=sum(number.is_sampled for number in before.numbers),
-        moves=moves,
-        changes=changes,
-    )

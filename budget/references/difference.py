@@ -15,7 +15,7 @@ from budget.references.records import Item, NominalProperty, QuantityValue
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from budget.references.records import Snapshot
+    from budget.references.records import ReferenceBudget, Snapshot
 
 # Relative difference at which a number that no trial touches has moved [1].
 EXACT = 1e-9
@@ -112,7 +112,7 @@ class Move:
         return abs(self.difference) / self.scale
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Difference:
     """Two budgets side by side: a reference and what it is now, or any two.
 
@@ -120,19 +120,29 @@ class Difference:
     ----------
     first, second : str
         How they are called.
-    compared : int
-        Numbers and words.
-    sampled : int
-        Of those of the first, numbers that trials made.
     """
 
     first: str
     second: str
-    job: str
-    compared: int
-    sampled: int
+    before: ReferenceBudget
+    after: ReferenceBudget
     moves: tuple[Move, ...]
     changes: tuple[Change, ...]
+
+    @property
+    def job(self) -> str:
+        """What both are of: analyze, compare, allocate."""
+        return self.before.job
+
+    @property
+    def compared(self) -> int:
+        """How many numbers and words."""
+        return len(compared(self.before, self.after))
+
+    @property
+    def sampled(self) -> int:
+        """Of those of the first, how many numbers trials made."""
+        return sum(number.is_sampled for number in self.before.numbers)
 
     @property
     def holds(self) -> bool:

@@ -47,14 +47,14 @@ class Exchanged:
 
 @dataclass(frozen=True, kw_only=True)
 class KeyChange:
-    """A key whose value differs.
+    """A key whose value differs, or a figure of which several keys do.
 
     Attributes
     ----------
     steps : tuple of str or int
         The way to it.
     before, after : Node or None
-        None where the key is not there.
+        None where the key is not there; of a figure its texts stay as they are before.
     keys : tuple of str
         Of a figure of which several keys differ: those; else empty.
     """
@@ -68,10 +68,21 @@ class KeyChange:
     def path(self) -> str:
         """The way to it as people read it; the `value` of a figure is the figure."""
         steps = self.steps[:-1] if self.steps[-1:] == (VALUE,) else self.steps
-        text = ""
-        for step in steps:
-            text += f"[{step}]" if isinstance(step, int) else f".{step}"
+        text = "".join(
+            f"[{step}]" if isinstance(step, int) else f".{step}" for step in steps
+        )
         return text.removeprefix(".") or "the whole file"
+
+    @property
+    def shown(self) -> tuple[str, str]:
+        """Value before and after on a line each; of a figure its value and the keys."""
+        before, after = (
+            show(_only(node, {VALUE, *self.keys}), longest=LONGEST_FIGURE)
+            if self.keys
+            else show(node)
+            for node in (self.before, self.after)
+        )
+        return before, after
 
 
 def effective(document: Document, variant: str) -> Document:
@@ -96,24 +107,20 @@ def input_changes(
     Files that the other side has not come first, and cannot be tried.
     """
     pairs = _pairs(before, after)
-    old, new = ({pair[side] for pair in pairs} for side in (0, 1))
     found = [
-        *(
-            Exchanged(Change(where=p.kind, key=p.base_name, before="there", after=""))
-            for k, p in enumerate(before)
-            if k not in old
-        ),
-        *(
-            Exchanged(Change(where=p.kind, key=p.base_name, before="", after="there"))
-            for k, p in enumerate(after)
-            if k not in new
-        ),
+        Exchanged(Change(where=own.kind, key=own.base_name, before=was, after=now))
+        for side, paired, was, now in (
+            (before, pairs.keys(), "there", ""),
+            (after, pairs.values(), "", "there"),
+        )
+        for place, own in enumerate(side)
+        if place not in paired
     ]
-    for place, other in pairs:
+    for place, other in pairs.items():
         own = before[place]
         same = own.base_name == after[other].base_name
         for key in differences(own, after[other]):
-            was, now = show_change(key)
+            was, now = key.shown
             change = Change(
                 where=f"{own.kind} {own.base_name}" if same else own.kind,
                 key=key.path,
@@ -162,47 +169,26 @@ def show(node: Node | None, *, longest: int = LONGEST) -> str:
     return text if len(text) <= longest else f"{text[: longest - 3]}..."
 
 
-def show_change(change: KeyChange) -> tuple[str, str]:
-    """Write the value before and after; of a figure its value and what differs."""
-    if not change.keys:
-        return show(change.before), show(change.after)
-    before, after = (
-        show(_only(node, {VALUE, *change.keys}), longest=LONGEST_FIGURE)
-        for node in (change.before, change.after)
-    )
-    return before, after
+def _pairs(before: Sequence[Document], after: Sequence[Document]) -> dict[int, int]:
+    """Return which file is which: by role and name, a lone one of a role by role.
 
-
-def _pairs(
-    before: Sequence[Document], after: Sequence[Document]
-) -> list[tuple[int, int]]:
-    """Return which file is which: by role and name, a lone one of a role by role."""
-    pairs: list[tuple[int, int]] = []
-    free = list(range(len(after)))
-    for same_name in (True, False):
-        for old, own in enumerate(before):
-            if any(old == one for one, _ in pairs):
-                continue
-            fits = [
-                new
-                for new in free
-                if after[new].kind == own.kind
-                and (after[new].base_name == own.base_name or not same_name)
-            ]
-            # Of several devices without a name in common none is the other's successor.
-            if fits and (same_name or _is_lone(own, before, after)):
-                pairs.append((old, fits[0]))
-                free.remove(fits[0])
-    return sorted(pairs)
-
-
-def _is_lone(
-    own: Document, before: Sequence[Document], after: Sequence[Document]
-) -> bool:
-    """Whether a role has one file on each side."""
-    return all(
-        sum(one.kind == own.kind for one in side) == 1 for side in (before, after)
-    )
+    Of several devices without a name in common none is the other's successor.
+    """
+    pairs: dict[int, int] = {}
+    for place, own in enumerate(before):
+        lone = all(
+            sum(one.kind == own.kind for one in side) == 1 for side in (before, after)
+        )
+        fits = (
+            k
+            for k, one in enumerate(after)
+            if one.kind == own.kind
+            and (lone or one.base_name == own.base_name)
+            and k not in pairs.values()
+        )
+        if (other := next(fits, None)) is not None:
+            pairs[place] = other
+    return pairs
 
 
 def _long_figures(root: Node) -> Node:

@@ -16,7 +16,6 @@ from budget.references.exchange import (
     effective,
     exchange,
     is_text,
-    show_change,
 )
 from budget.spec.composer import compose
 from budget.spec.device import read_device
@@ -51,7 +50,7 @@ def changed(before, after, **variants):
     """Return (key, before, after) of every difference."""
     one = document(before, variants.get("one", ""))
     other = document(after, variants.get("other", ""))
-    return [(c.path, *show_change(c)) for c in differences(one, other)]
+    return [(c.path, *c.shown) for c in differences(one, other)]
 
 
 @pytest.mark.parametrize("variant", ["A", "B"])
@@ -160,7 +159,7 @@ def test_keys_of_one_figure_are_one_change(before, after, shown):
     )
     (change,) = differences(one, other)
 
-    assert (change.path, *show_change(change)) == (
+    assert (change.path, *change.shown) == (
         "gyro.errors.bias_repeatability",
         *shown,
     )
