@@ -9,8 +9,7 @@ from budget.references.files import (
     digest,
     present_documents,
     stored_documents,
-    take_in,
-    take_text,
+    take,
 )
 from budget.references.jobs import compute
 from budget.references.records import Asked
@@ -40,13 +39,13 @@ notes: not a number
 def parts_of(text=DEVICE, *, job="analyze", more=()):
     """Return the parts of a device text and shipped files, (role, name) each."""
     device = replace(
-        take_text("device", "zhao-2019"),
+        take("device", "zhao-2019"),
         file="imu.yaml",
         text=text,
         sha256=digest(text),
     )
-    inputs = [device, take_text("procedure", "zhao-2019")]
-    inputs += [take_text(role, name) for role, name in more]
+    inputs = [device, take("procedure", "zhao-2019")]
+    inputs += [take(role, name) for role, name in more]
     return stored_documents(inputs, reference="test", job=job)
 
 
@@ -58,9 +57,9 @@ def snapshot(text=DEVICE, *, job="analyze", more=(), **asked):
 def store(folder, text=DEVICE, *, job="analyze", more=(), name="ref.json", **asked):
     """Write a device file and a reference of it; return the path of the latter."""
     (folder / "imu.yaml").write_text(text, encoding="utf-8")
-    inputs = [take_in("device", folder / "imu.yaml", folder)]
-    inputs += [take_in("procedure", "zhao-2019", folder)]
-    inputs += [take_in(role, one, folder) for role, one in more]
+    inputs = [take("device", folder / "imu.yaml", folder)]
+    inputs += [take("procedure", "zhao-2019", folder)]
+    inputs += [take(role, one, folder) for role, one in more]
     reference = make_reference(job, inputs, Asked(**asked))
     path = folder / name
     path.write_text(reference_text(reference), encoding="utf-8")

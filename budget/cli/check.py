@@ -207,7 +207,7 @@ def _save(
     check_destinations(None, None, path, inputs=inputs)
     reference = make_reference(
         kind,
-        _take_in(files, path.parent),
+        _take(files, path.parent),
         Asked(**given),
         workers=workers,
     )
@@ -223,13 +223,11 @@ def _save(
     say(f"{in_line(path)}: written, {kind}, {numbers} numbers")
 
 
-def _take_in(files: dict[Role, list[str]], folder: Path) -> tuple[StoredInput, ...]:
+def _take(files: dict[Role, list[str]], folder: Path) -> tuple[StoredInput, ...]:
     """Read all inputs, or say everything that is wrong in them."""
     from budget.errors import Issue, SpecError
-    from budget.references.files import take_in, take_shipped
-    from budget.spec.load import PAPER
+    from budget.references.files import take
 
-    defaults: dict[Role, str] = {"device": options.BUILT_IN_DEVICE, "procedure": PAPER}
     if not files["device"]:
         say(
             f"No device given: using the built-in {options.BUILT_IN_DEVICE} "
@@ -238,11 +236,10 @@ def _take_in(files: dict[Role, list[str]], folder: Path) -> tuple[StoredInput, .
     inputs: list[StoredInput] = []
     issues: list[Issue] = []
     for role, names in files.items():
-        if not names and role in defaults:
-            inputs.append(take_shipped(role, defaults[role]))
-        for name in names:
+        usual = [None] if role in {"device", "procedure"} else []
+        for name in names or usual:
             try:
-                inputs.append(take_in(role, name, folder))
+                inputs.append(take(role, name, folder))
             except SpecError as error:
                 issues.extend(error.issues)
     if issues:
@@ -272,7 +269,7 @@ def _check(
     checks: list[Difference] = []
     errors: list[str] = []
     found: list[NamedFile] = []
-    for wanted in [[name] for name in names] or [[]]:
+    for wanted in names or (None,):
         try:
             found.extend(find_references(wanted))
         except BudgetError as error:

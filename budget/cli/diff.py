@@ -95,7 +95,7 @@ def _reference(name: str) -> ReferenceBudget | None:
     is_bare = name in ships and not find(name, "device").path.is_file()
     if not (name.endswith(SUFFIX) or is_bare):
         return None
-    (found,) = find_references([name])
+    (found,) = find_references(name)
     return read_reference(found.path, found.shown)
 
 
@@ -109,11 +109,7 @@ def _side(
     """Return one side: what is stored, or a device computed now."""
     from budget.errors import CallError
     from budget.references.check import make_reference, side_of
-    from budget.references.files import (
-        take_shipped,
-        take_text,
-    )
-    from budget.spec.load import PAPER
+    from budget.references.files import take
 
     if own is not None:
         return side_of(own, name=name)
@@ -123,12 +119,10 @@ def _side(
             "give two references of that kind, or one of kind analyze"
         )
     # Nothing is stored, so paths do not matter.
-    inputs = [take_text("device", name)]
+    inputs = [take("device", name)]
     if model is not None:
         inputs += [one for one in model.inputs if one.role != "device"]
         asked = model.settings
-    elif procedure:
-        inputs.append(take_text("procedure", procedure))
     else:
-        inputs.append(take_shipped("procedure", PAPER))
+        inputs.append(take("procedure", procedure))
     return side_of(make_reference("analyze", inputs, asked), name=name)

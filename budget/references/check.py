@@ -274,13 +274,14 @@ def _effects_of_tool(
 
     Versions cannot be exchanged: what they moved, they moved together.
     """
-    code = Change(where=TOOL, key="code", before="as stored", after="as it is")
     versions = _changes(TOOL, before.versions, after.versions)
-    first = _effect(versions[0] if versions else code, before, again)
-    moved = first.change.acts
-    for one in versions or ([code] if moved else []):
-        amounts = first.amounts if one == (versions or [code])[0] else {}
-        acts = False if moved is False else None
+    code = Change(where=TOOL, key="code", before="as stored", after="as it is")
+    tool = _effect(code, before, again)
+    if tool.change.acts and not versions:
+        versions = (code,)
+    for place, one in enumerate(versions):
+        acts = False if tool.change.acts is False else None
+        amounts = tool.amounts if place == 0 else {}
         yield _Effect(change=replace(one, acts=acts), amounts=amounts)
 
 

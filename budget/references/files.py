@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from dataclasses import replace
 from hashlib import sha256
+from os.path import isdir, isfile
 from pathlib import Path, PureWindowsPath
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ from budget.resources import shipped
 from budget.spec.checking import nearest
 from budget.spec.device import read_device, variant_names
 from budget.spec.files import FOLDERS, NamedFile, find, open_file
+from budget.spec.load import PAPER
 from budget.spec.reader import parse
 from budget.spec.tree import all_of
 
@@ -37,34 +39,55 @@ def shipped_references() -> tuple[NamedFile, ...]:
     )
 
 
-def find_references(names: Sequence[str]) -> tuple[NamedFile, ...]:
+def find_references(name: str | None) -> tuple[NamedFile, ...]:
     """Find references by file, by folder or by bare name; all that ship without one.
 
     Raises
     ------
     ReferenceFileError
-        A name is of none, or a folder has none.
+        The name is of none, or the folder has none.
     """
-    if not names:
-        return shipped_references()
-    found: dict[Path, NamedFile] = {}
-    for name in names:
-        for one in _find(name):
-            found.setdefault(one.path, one)
-    return tuple(found.values())
+    there = shipped_references()
+    if name is None:
+        return there
+    if isdir(name):  # noqa: PTH112 - a name that can be none is not there
+        found = tuple(
+            NamedFile(path=one, shown=str(one), variant="")
+            for one in sorted(Path(name).glob(f"*{SUFFIX}"))
+        )
+        if not found:
+            raise ReferenceFileError(
+                f"{name}: has no {SUFFIX} file, expected a folder with references; "
+                "store one with `budget check --save`"
+            )
+        return found
+    if isfile(name):  # noqa: PTH113 - as above
+        return (NamedFile(path=Path(name), shown=name, variant=""),)
+    bare = name.removesuffix(SUFFIX)
+    found = tuple(one for one in there if one.shown == bare)
+    if not found:
+        known = tuple(one.shown for one in there)
+        raise ReferenceFileError(
+            f"{name}: no such file, expected a reference budget, a folder of them, or "
+            f"a shipped one: {', '.join(known) or 'none'}{nearest(bare, known)}"
+        )
+    return found
 
 
-def take_in(role: Role, typed: str | Path, folder: Path) -> StoredInput:
-    """Return a file that a user named, as a reference in that folder stores it.
+def take(
+    role: Role, typed: str | Path | None, folder: Path | None = None
+) -> StoredInput:
+    """Return a file that a user named, as a reference stores it.
 
     Parameters
     ----------
     role : str
         'device', 'procedure', 'requirement' or 'costs'.
-    typed : str or Path
-        FILE, FILE#VARIANT of a device, or the bare name of a file that ships.
-    folder : Path
-        Where the reference will be.
+    typed : str or Path or None
+        FILE, FILE#VARIANT of a device, or the bare name of a file that ships; None for
+        the paper's that ships, whatever the folder one works in has of that name.
+    folder : Path, optional
+        Where the reference will be; without it the file is stored as it was named.
 
     Raises
     ------
@@ -73,31 +96,18 @@ def take_in(role: Role, typed: str | Path, folder: Path) -> StoredInput:
     ReferenceFileError
         No path leads from the reference to the file that holds on another machine.
     """
-    one = take_text(role, typed)
-    path = find(typed, role).path
-    is_shipped = path.parent == shipped("specs") / FOLDERS[role]
-    if is_shipped and one.file == path.stem:
-        return one
-    return replace(one, file=_path_from(folder, path))
-
-
-def take_text(role: Role, typed: str | Path) -> StoredInput:
-    """Return a file under the name that a user gave it. Raises SpecError."""
-    return _take(role, find(typed, role))
-
-
-def take_shipped(role: Role, name: str) -> StoredInput:
-    """Return a file that ships, whatever the folder one works in has of that name."""
-    path = shipped("specs") / FOLDERS[role] / f"{name}.yaml"
-    return _take(role, NamedFile(path=path, shown=name, variant=""))
-
-
-def _take(role: Role, file: NamedFile) -> StoredInput:
-    """Read a file and keep its text."""
+    ships = shipped("specs") / FOLDERS[role]
+    file = NamedFile(path=ships / f"{PAPER}.yaml", shown=PAPER, variant="")
+    if typed is not None:
+        file = find(typed, role)
     document = open_file(file, role)
+    is_bare = file.path.parent == ships and file.shown == file.path.stem
+    shown = file.shown
+    if folder is not None and not is_bare:
+        shown = _path_from(folder, file.path)
     return StoredInput(
         role=role,
-        file=file.shown,
+        file=shown,
         variant=file.variant,
         sha256=document.sha256,
         text=document.text,  # of the bytes that were hashed: none is read twice
@@ -140,7 +150,7 @@ def present_documents(
         path = _locate(one, folder)
         if not _is_bare(one.file):
             _confine(one, path, tree, reference)
-        if not is_there(path, folder=False):
+        if not isfile(path):  # noqa: PTH113 - a name that can be none is not there
             where = "among the files that ship" if _is_bare(one.file) else "there"
             raise ReferenceFileError(
                 f"{reference}: its {one.role} {one.file} is not {where}; a reference "
@@ -208,14 +218,6 @@ def _confine(one: StoredInput, path: Path, tree: Path, reference: str) -> None:
         )
 
 
-def is_there(path: Path, *, folder: bool) -> bool:
-    """Whether there is such a folder or file; a name that cannot be one is none."""
-    try:
-        return path.is_dir() if folder else path.is_file()
-    except (OSError, ValueError):
-        return False
-
-
 def digest(text: str) -> str:
     """Return the SHA-256 of a text."""
     return sha256(text.encode()).hexdigest()
@@ -258,31 +260,3 @@ def _path_from(folder: Path, path: Path) -> str:
     # 'C:x.yaml' is a name here and a place on a disk elsewhere; './C:x.yaml' is not.
     is_odd = _is_bare(relative) or PureWindowsPath(relative).anchor
     return f"./{relative}" if is_odd else relative
-
-
-def _find(name: str) -> tuple[NamedFile, ...]:
-    """Find what one name stands for."""
-    path = Path(name)
-    if is_there(path, folder=True):
-        inside = tuple(
-            NamedFile(path=one, shown=str(one), variant="")
-            for one in sorted(path.glob(f"*{SUFFIX}"))
-        )
-        if not inside:
-            raise ReferenceFileError(
-                f"{name}: has no {SUFFIX} file, expected a folder with references; "
-                "store one with `budget check --save`"
-            )
-        return inside
-    if is_there(path, folder=False):
-        return (NamedFile(path=path, shown=name, variant=""),)
-    there = shipped_references()
-    bare = name.removesuffix(SUFFIX)
-    by_name = tuple(one for one in there if one.shown == bare)
-    if by_name:
-        return by_name
-    known = tuple(one.shown for one in there)
-    raise ReferenceFileError(
-        f"{name}: no such file, expected a reference budget, a folder of them, or a "
-        f"shipped one: {', '.join(known) or 'none'}{nearest(bare, known)}"
-    )

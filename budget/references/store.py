@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 FORMAT = "budget-reference/1"
 NEWEST = 1
 MOST_BYTES = 8 * 1024 * 1024  # forty times the largest that ships
+WRITER = "`budget check --save`"
+RESTORE = "restore it from version control, or save it again"
 SHOWN = 3  # faults that one message says
 WORDED = {"unexpected_keyword_argument": "Extra inputs are not permitted"}
 
@@ -118,7 +120,16 @@ def read_reference(path: Path, shown: str) -> ReferenceBudget:
     ReferenceFileError
         It cannot be read, is none, is cut short, was edited, or is of a newer format.
     """
-    return parse_reference(_read(path, shown), shown)
+    try:
+        with path.open("rb") as stream:
+            note_read(path)
+            data = stream.read(MOST_BYTES + 1)
+    except IsADirectoryError:
+        raise ReferenceFileError(f"{shown}: is a folder, expected a file") from None
+    except (OSError, ValueError) as error:  # ValueError: a null byte in the name
+        reason = getattr(error, "strerror", None) or error
+        raise _no_reference(shown, f"cannot be read ({reason})") from None
+    return parse_reference(data, shown)
 
 
 def parse_reference(data: bytes, shown: str) -> ReferenceBudget:
@@ -131,13 +142,12 @@ def parse_reference(data: bytes, shown: str) -> ReferenceBudget:
             f"{shown}: is larger than {MOST_BYTES} bytes, the most a reference budget "
             "may have; save one for fewer devices"
         )
-    content = _parse(_decode(data, shown), shown)
+    content = _parse(data, shown)
     _check_format(content, shown)
     if content.get("checksum") != _checksum(content):
         raise ReferenceFileError(
             f"{shown}: its content is not what was written (the checksum differs); a "
-            "reference is written by `budget check --save`, not by hand: restore it "
-            "from version control, or save it again"
+            f"reference is written by {WRITER}, not by hand: {RESTORE}"
         )
     del content["format"], content["checksum"]
     if content.get("known") is None:
@@ -168,72 +178,44 @@ def _content_fault(reference: ReferenceBudget) -> str:
             return f"the stored {one.file} has not the SHA-256 that stands beside it"
     if fault := files_fault(reference.job, [one.role for one in reference.inputs]):
         return f"inputs: {fault}"
-    for kind, keys in (
-        ("numbers", Counter(one.item for one in reference.numbers)),
-        ("words", Counter(one.item for one in reference.words)),
-    ):
-        for key, times in keys.items():
+    for kind, stated in (("numbers", reference.numbers), ("words", reference.words)):
+        for item, times in Counter(one.item for one in stated).items():
             if times > 1:
-                return f"{kind}: {key} stands there {times} times, expected once"
+                return f"{kind}: {item} stands there {times} times, expected once"
     return ""
 
 
-def _read(path: Path, shown: str) -> bytes:
-    """Return what is in a file, never much more than it may hold."""
-    try:
-        with path.open("rb") as stream:
-            note_read(path)
-            return stream.read(MOST_BYTES + 1)
-    except IsADirectoryError:
-        raise ReferenceFileError(f"{shown}: is a folder, expected a file") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise ReferenceFileError(
-            f"{shown}: cannot be read ({reason}); expected a reference budget, as "
-            "`budget check --save` writes it"
-        ) from None
-
-
-def _decode(data: bytes, shown: str) -> str:
-    """Return the text of a file."""
-    try:
-        return data.decode()
-    except UnicodeDecodeError as error:
-        raise ReferenceFileError(
-            f"{shown}: byte {error.start} is not UTF-8, expected a reference budget; "
-            "restore it from version control, or save it again"
-        ) from None
-
-
-def _parse(text: str, shown: str) -> dict[str, Any]:
+def _parse(data: bytes, shown: str) -> dict[str, Any]:
     """Parse JSON without nan and infinity."""
+    text = ""
     try:
+        text = data.decode()
         content = json.loads(text, parse_constant=_refuse_constant)
         # What is nested too deeply, or has half a character, fails here.
         json.dumps(content, ensure_ascii=False).encode()
+    except UnicodeDecodeError as error:
+        raise _no_reference(shown, f"byte {error.start} is not UTF-8") from None
     except json.JSONDecodeError as error:
-        end = error.pos >= len(text.rstrip())
-        what = (
-            "ends too early, it was cut short"
-            if end or not text.strip()
-            else (f"is no JSON here: {error.msg.lower()}")
-        )
-        raise ReferenceFileError(
-            f"{shown}:{error.lineno}:{error.colno}: {what}; expected a reference "
-            "budget: restore it from version control, or save it again"
-        ) from None
+        what = f"is no JSON here: {error.msg.lower()}"
+        if error.pos >= len(text.rstrip()):
+            what = "ends too early, it was cut short"
+        at = f"{shown}:{error.lineno}:{error.colno}"
+        raise _no_reference(at, what) from None
     except (ValueError, RecursionError) as error:
         reason = "nested too deeply" if isinstance(error, RecursionError) else error
-        raise ReferenceFileError(
-            f"{shown}: is no JSON of a reference budget ({reason}); restore it from "
-            "version control, or save it again"
-        ) from None
+        what = f"is no JSON of a reference budget ({reason})"
+        raise _no_reference(shown, what) from None
     if not isinstance(content, dict) or "format" not in content:
-        raise ReferenceFileError(
-            f"{shown}: has no `format` key, expected a reference budget ({FORMAT}), as "
-            "`budget check --save` writes it"
-        )
+        raise _no_reference(shown, "has no `format` key")
     return content
+
+
+def _no_reference(where: str, what: str) -> ReferenceFileError:
+    """Return the error for what is no reference, with what to do."""
+    return ReferenceFileError(
+        f"{where}: {what}; expected a reference budget ({FORMAT}), as {WRITER} writes "
+        f"it: {RESTORE}"
+    )
 
 
 def _check_format(content: dict[str, Any], shown: str) -> None:
@@ -244,7 +226,7 @@ def _check_format(content: dict[str, Any], shown: str) -> None:
     if version is None:
         raise ReferenceFileError(
             f"{shown}: format is {name[:80]!a}, expected {FORMAT!r}; give a file "
-            "that `budget check --save` wrote"
+            f"that {WRITER} wrote"
         )
     if int(version[1]) > NEWEST:
         # Format n comes with version n of this program.

@@ -17,7 +17,7 @@ from reference_examples import DEVICE, store, stored
 from saying import assert_says
 
 from budget.errors import ReferenceFileError
-from budget.references.files import shipped_references, take_in
+from budget.references.files import shipped_references, take
 from budget.resources import shipped
 
 WORSE = DEVICE.replace("value: 0.04 deg/h", "value: 0.0404 deg/h")
@@ -575,7 +575,7 @@ class TestSave:
     def test_no_path_that_holds_nowhere_else(self, folder):
         """A device in another tree than the reference is refused."""
         with pytest.raises(ReferenceFileError, match="no folder in common"):
-            take_in("device", folder / "imu.yaml", Path("/elsewhere/references"))
+            take("device", folder / "imu.yaml", Path("/elsewhere/references"))
 
     def test_a_shadowed_name(self, folder):
         """A file that is named like a shipped one is stored by its path."""

@@ -15,7 +15,7 @@ from budget.references.exchange import KeyChange, effective, exchange, input_cha
 from budget.references.files import (
     shipped_references,
     stored_documents,
-    take_text,
+    take,
 )
 from budget.references.jobs import by_law, compute
 from budget.references.records import Asked
@@ -248,8 +248,8 @@ def test_every_figure_of_the_catalogue_moves_a_number(device):
     """By law and reference nominal, each figure of each device that ships is caught."""
     stem, _, variant = device.partition("#")
     inputs = [
-        replace(take_text("device", stem), variant=variant),
-        take_text("procedure", "zhao-2019-eq4"),
+        replace(take("device", stem), variant=variant),
+        take("procedure", "zhao-2019-eq4"),
     ]
     part, procedure = stored_documents(inputs, reference=device, job="analyze")
     base = compute("analyze", (part, procedure), Asked())

@@ -11,7 +11,7 @@ from command_line import call
 
 from budget.cli import options
 from budget.references import records
-from budget.references.files import digest, take_text
+from budget.references.files import digest, take
 from budget.references.store import _checksum
 from budget.spec import reader
 
@@ -127,5 +127,5 @@ def test_a_file_is_read_once(monkeypatch):
         return data
 
     monkeypatch.setattr(reader, "_read_bytes", then_change)
-    one = take_text("device", "one.yaml")
+    one = take("device", "one.yaml")
     assert digest(one.text) == one.sha256 == sha256(DEVICE.encode()).hexdigest()
