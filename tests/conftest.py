@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from importlib import import_module
 from types import FunctionType
 
 import pytest
 from keeping import once
+
+# As the command line has it: a thread more waits for the other, spinning. What may not
+# depend on their number is run with several by .ci/kernels.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # Who draws the figures of every kind of report.
 PAGES = ("analysis.build", "comparison.page", "allocation.page", "paper.page")

@@ -106,6 +106,9 @@ def _check_epoch() -> None:
 
 def main() -> None:
     """Run the command line; errors made for people become one message and a code."""
+    # Matrices are small here: a second thread of OpenBLAS only waits, spinning. It is
+    # read when numpy is loaded, in worker processes too.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     with keep_journal() as journal:
         _guard(journal)
 

@@ -341,8 +341,9 @@ def least_squares(
             "in the other sense), or hold a parameter (estimate: names the others)"
         )
     if covariance is not None:
-        whiten = np.linalg.inv(np.linalg.cholesky(covariance))
-        W[free] = np.linalg.pinv(whiten @ A) @ whiten
+        root = np.linalg.cholesky(covariance)
+        inverse = np.linalg.pinv(np.linalg.solve(root, A))
+        W[free] = np.linalg.solve(root.T, inverse.T).T
     else:
         W[free] = np.linalg.pinv(A)
     W[np.abs(W) < ROUNDING * np.abs(W).max(axis=1, keepdims=True)] = 0.0

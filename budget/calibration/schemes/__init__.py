@@ -48,30 +48,29 @@ def scheme_of(owner: str, procedure: Procedure, sensor: Sensor | None = None) ->
     CallError
         The windows cannot tell some parameters apart.
     """
-    held = _held(owner, procedure, sensor)
-    if procedure.formulas == NORM and held is not None:
-        return scheme_by_norm(owner, schedule_of(owner, procedure), procedure, held)
-    noise = noise_of(owner, sensor.lines if sensor else ())
-    is_weighted = procedure.formulas == WEIGHTED and bool(noise)
-    if not is_weighted and held is None:
-        return _scheme_of(owner, procedure)
-    schedule = schedule_of(owner, procedure)
-    covariances = [
-        _covariance(owner, noise, axis, schedule, procedure.sample_rate)
-        for axis in range(3)
-    ]
-    return scheme_by_least_squares(
-        owner, schedule, procedure, covariances if is_weighted else None, held
+    is_own = procedure.formulas == WEIGHTED or any(
+        name.owner == owner for name in procedure.held
     )
+    return _scheme_of(owner, procedure, sensor if is_own else None)
 
 
 @lru_cache(maxsize=64)
-def _scheme_of(owner: str, procedure: Procedure) -> Scheme:
-    """Return a scheme that does not depend on the device; thousands share a few."""
-    if procedure.formulas not in {WEIGHTED, PLAIN}:
+def _scheme_of(owner: str, procedure: Procedure, sensor: Sensor | None) -> Scheme:
+    """Return a scheme; without what depends on the device thousands share a few."""
+    if procedure.formulas not in {WEIGHTED, PLAIN, NORM}:
         return zhao_2019.scheme_of(owner, procedure)
     schedule = schedule_of(owner, procedure)
-    return scheme_by_least_squares(owner, schedule, procedure)
+    held = _held(owner, procedure, sensor)
+    if procedure.formulas == NORM and held is not None:
+        return scheme_by_norm(owner, schedule, procedure, held)
+    noise = noise_of(owner, sensor.lines if sensor else ())
+    covariances = None
+    if procedure.formulas == WEIGHTED and noise:
+        rate = procedure.sample_rate
+        covariances = [
+            _covariance(owner, noise, axis, schedule, rate) for axis in range(3)
+        ]
+    return scheme_by_least_squares(owner, schedule, procedure, covariances, held)
 
 
 @lru_cache(maxsize=64)

@@ -66,15 +66,20 @@ def scheme_by_least_squares(
     columns = np.tile(np.column_stack([inputs, np.ones(len(inputs))]), (3, 1, 1))
     if held is not None:
         columns = held.join(columns)
+    tasks = [
+        (
+            columns[axis, :, :BIAS],
+            None if covariances is None else covariances[axis],
+            None if held is None else held.which[axis],
+        )
+        for axis in range(3)
+    ]
+    weights: list[Array] = []
     try:
-        weights = [
-            least_squares(
-                columns[axis, :, :BIAS],
-                None if covariances is None else covariances[axis],
-                None if held is None else held.which[axis],
-            )
-            for axis in range(3)
-        ]
+        for task in tasks:
+            alike = (k for k in range(len(weights)) if _are_equal(tasks[k], task))
+            place = next(alike, None)
+            weights.append(least_squares(*task) if place is None else weights[place])
     except CallError as error:
         raise CallError(f"{procedure.name}, {owner}: {error}") from None
     return Scheme(
@@ -84,4 +89,12 @@ def scheme_by_least_squares(
         gravity=gravity,
         weights=np.stack(weights),
         held=held,
+    )
+
+
+def _are_equal(a: tuple[Array | None, ...], b: tuple[Array | None, ...]) -> bool:
+    """Whether two axes are estimated alike: most have equal noise, and nothing held."""
+    return all(
+        one is other if one is None or other is None else np.array_equal(one, other)
+        for one, other in zip(a, b, strict=True)
     )
