@@ -11,7 +11,13 @@ if TYPE_CHECKING:
 AXES = ("x", "y", "z")
 ONE_VALUE = ("",)  # of what has no axes
 ANGLES = ("xy", "xz", "yx", "yz", "zx", "zy")  # order of the six mounting angles
+PAIRS = ("xy", "xz", "yz")  # of axes, in no order
 PARAMETERS = {"scale_factor": AXES, "mounting_angle": ANGLES, "bias": AXES}
+# What follows from mounting angles (budget.calibration.derived): of a triad, of both.
+DERIVED = {"rotation": AXES, "non_orthogonality": PAIRS}
+BETWEEN = {"misalignment": AXES}
+OUTPUTS = {**PARAMETERS, **DERIVED, **BETWEEN}
+IMU = "imu"  # owner of what belongs to both triads together
 
 
 class Name(str):
@@ -74,6 +80,17 @@ def meant(text: str, known: Iterable[Name]) -> tuple[Name, ...]:
     return tuple(name for name in known if text in {name, name.without_owner})
 
 
+def words(name: str) -> str:
+    """Turn a key into words: 'scale_factor' to 'scale factor'."""
+    plain = name.replace("non_", "non-").replace("_", " ")
+    return " ".join("IMU" if word == IMU else word for word in plain.split(" "))
+
+
+def key_title(key: str) -> str:
+    """Write a key of a file as words, 'gyro bias stability'."""
+    return words(key.replace(".", " "))
+
+
 def by_group(names: Iterable[Name]) -> tuple[str, ...]:
     """Return parameters with those of one quantity in one: 'gyro.bias', '... x, y'."""
     axes: dict[Name, list[str]] = {}
@@ -81,7 +98,7 @@ def by_group(names: Iterable[Name]) -> tuple[str, ...]:
         axes.setdefault(name.group, []).append(name.axis)
     return tuple(
         group
-        if len(found) == len(PARAMETERS[group.quantity])
+        if len(found) == len(OUTPUTS[group.quantity])
         else f"{group} {', '.join(found)}"
         for group, found in axes.items()
     )
@@ -95,6 +112,17 @@ def parameters_of(owner: str) -> tuple[Name, ...]:
         for quantity, axes in PARAMETERS.items()
         for axis in axes
     )
+
+
+@cache
+def every_output(owner: str) -> tuple[Name, ...]:
+    """Return the names of all that can be asked of a triad, or of both: IMU."""
+    between = [
+        Name(quantity, owner=owner, axis=axis)
+        for quantity, axes in (BETWEEN if owner == IMU else DERIVED).items()
+        for axis in axes
+    ]
+    return tuple(between) if owner == IMU else (*parameters_of(owner), *between)
 
 
 def _name(quantity: str, owner: str, axis: str) -> Name:

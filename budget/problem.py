@@ -377,6 +377,28 @@ class Problem:
         places = [np.arange(rows.start, rows.stop) for rows in self.arguments]
         return np.concatenate([np.empty(0, dtype=np.intp), *places])
 
+    def then(self, function: Function, outputs: Iterable[Output]) -> Problem:
+        """Return the Problem of what follows from the outputs of this one.
+
+        Inputs and their draws stay, and the joint distribution of the outputs goes
+        through the function whole: every method solves the chain as one model.
+
+        Parameters
+        ----------
+        function : callable, (n_outputs, trials) -> (n_new, trials)
+            Of all outputs of this Problem [SI], in plain numpy arithmetic as its own;
+            a function of a module, or an object, where other processes are to call it.
+        outputs : iterable of Output
+            What it returns, in its order.
+
+        Raises
+        ------
+        ProblemError
+            As for any Problem.
+        """
+        chain = _Chain(first=self, last=function)
+        return replace(self, outputs=tuple(outputs), function=chain)
+
     def evaluate(self, x: Array) -> Array:
         """Call the function and hold it to its shape.
 
@@ -414,6 +436,18 @@ class Problem:
                 f"trials, expected {expected}: one row for each output"
             )
         return y
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Chain:
+    """A function of the outputs of a Problem, as one of its arguments."""
+
+    first: Problem
+    last: Function
+
+    def __call__(self, argument: Array) -> Array:
+        """Return what follows, shape (n_new, trials) [SI]."""
+        return self.last(self.first.evaluate_argument(argument))
 
 
 def arguments(groups: tuple[Group, ...]) -> tuple[slice, ...]:

@@ -105,12 +105,12 @@ class OutputBudget:
 
     @property
     def sensor(self) -> str:
-        """Owner of the output: gyro or accelerometer."""
+        """Owner of the output: gyro, accelerometer or, of both together, imu."""
         return self.output.name.owner
 
     @property
     def parameter(self) -> str:
-        """scale_factor, mounting_angle or bias."""
+        """scale_factor, mounting_angle, bias, or what is derived of them."""
         return self.output.name.quantity
 
     @property
@@ -183,6 +183,8 @@ class Settings:
         Of the calibration: those of the procedure.
     only : tuple of Name
         Sources that count, all others 0; a bare name asks for both sensors.
+    outputs : tuple of Name
+        What is asked for; without any the parameters that are estimated.
     digits : int
         Significant digits of the uncertainties that adaptive trials make sure, and
         that the law is validated to; 1 or 2.
@@ -203,6 +205,7 @@ class Settings:
     formulas: str = ""
     normals_per_trial: int | None = None
     only: tuple[Name, ...] = ()
+    outputs: tuple[Name, ...] = ()
     digits: int = 1
     sobol_samples: int | None = None
     sobol_scrambles: int | None = None
@@ -213,6 +216,8 @@ class Settings:
         """Return what a document says of them."""
         document = asdict(self)
         del document["max_trials"], document["validate"]
+        if not self.outputs:
+            del document["outputs"]
         return document
 
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import pickle
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -9,6 +12,7 @@ from numpy.testing import assert_allclose
 from budget.distributions import NORMAL, UNIFORM
 from budget.errors import ProblemError
 from budget.methods.gum import propagate
+from budget.methods.trials import first_trials
 from budget.problem import Group, Output, Problem
 
 
@@ -271,3 +275,57 @@ def test_a_pool_of_two_sizes_is_refused():
     problem = Problem(groups=groups, outputs=(Output(name="y"),), function=np.sin)
     with pytest.raises(ProblemError, match="'sum'"):
         problem.evaluate(np.zeros((3, 1)))
+
+
+def scaled(y):
+    """Return three times the first output, and the product of both."""
+    return np.stack([3.0 * y[0], y[0] * y[1]])
+
+
+def summed(x):
+    """Return sum and difference of the first two inputs."""
+    return np.stack([x[0] + x[1], x[0] - x[1]])
+
+
+def chain():
+    """Return a Problem of two inputs of u 1 and 2, mean 5 and 0, with a map behind."""
+    inputs = Group.independent("x", u=[1.0, 2.0], mean=[5.0, 0.0])
+    first = Problem(
+        groups=(inputs,),
+        outputs=(Output(name="sum"), Output(name="difference")),
+        function=summed,
+    )
+    return first.then(scaled, [Output(name="scaled"), Output(name="product")])
+
+
+def test_what_follows_is_solved_as_one_model():
+    """u(3 (a + b)) is 3 sqrt 5; a^2 - b^2 has mean 22, variance 100 + 2 + 32 = 134.
+
+    Their covariance is 3 cov(a, a^2) = 30, as b has mean 0.
+    """
+    law = propagate(chain())
+
+    assert_allclose(law.mean, [15.0, 25.0 + 1.0 - 4.0], rtol=1e-12)
+    assert_allclose(law.covariance, [[45.0, 30.0], [30.0, 134.0]], rtol=1e-12)
+
+
+def test_trials_of_what_follows_are_those_of_the_first_outputs():
+    """The same inputs are drawn, in any process: the map of their values, exactly."""
+    whole = chain()
+    first = replace(whole, outputs=whole.outputs, function=summed)
+    y = first_trials(first, trials=5000, seed=4)
+    found = first_trials(whole, trials=5000, seed=4)
+
+    assert np.array_equal(found, scaled(y))
+    assert not np.array_equal(found, first_trials(whole, trials=5000, seed=5))
+    sent = pickle.loads(pickle.dumps(whole))  # noqa: S301 - of this process
+    assert np.array_equal(first_trials(sent, trials=5000, seed=4), found)
+
+
+def test_a_map_of_the_wrong_shape_is_refused():
+    """One row too few behind, or in front of it: the shapes are said."""
+    whole = chain()
+    with pytest.raises(ProblemError, match=r"shape \(2, 1\).*expected \(1, 1\)"):
+        propagate(whole.then(scaled, [Output(name="alone")]))
+    with pytest.raises(ProblemError, match="named twice: a"):
+        whole.then(scaled, [Output(name="a"), Output(name="a")])

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.calibration.derived import combination
 from budget.calibration.schemes import estimated, scheme_of
 from budget.distributions import NORMAL
 from budget.earth import ROTATION_RATE
@@ -27,12 +28,12 @@ from budget.model.source import (
     Triad,
 )
 from budget.model.sources import ENVIRONMENT, STATION, source_of
-from budget.names import Name, parameters_of
+from budget.names import IMU, Name, every_output
 from budget.problem import Group, Output, Problem, arguments
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G, PPM
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from budget.arrays import Array
     from budget.model.scheme import Scheme
@@ -53,6 +54,7 @@ def calibration_problem(
     *,
     reference: str = "nominal",
     only: frozenset[str] | None = None,
+    outputs: Sequence[Name] | None = None,
 ) -> Problem:
     """Set up the calibration of one or two triads.
 
@@ -66,12 +68,15 @@ def calibration_problem(
         What errors are counted from: 'nominal', 'as_tested', 'next_turn_on'.
     only : frozenset of str, optional
         Full names of the sources that count; all others are set to 0.
+    outputs : sequence of Name, optional
+        What is asked for, of budget.calibration.derived.known_outputs; all parameters
+        that are estimated, and nothing derived from them, without it.
 
     Returns
     -------
     Problem
         Sources as groups, an output for each parameter estimated: its error, calibrated
-        value minus reference [1, rad, rad/s, m/s^2].
+        value minus reference [1, rad, rad/s, m/s^2]; of what is derived likewise.
 
     Raises
     ------
@@ -93,11 +98,11 @@ def calibration_problem(
     places = tuple(
         (row, place) for (row, _), place in zip(members, arguments(groups), strict=True)
     )
-    return Problem(
+    names = [name for sensor in sensors for name in estimated(sensor.kind, procedure)]
+    made = _outputs_of(sensors, procedure)
+    problem = Problem(
         groups=groups,
-        outputs=tuple(
-            output for sensor in sensors for output in outputs_of(sensor, procedure)
-        ),
+        outputs=tuple(made[name] for name in names),
         function=Calibration(
             triads=tuple(
                 _calibration(sensor, triads[sensor.kind], places, reference)
@@ -105,6 +110,9 @@ def calibration_problem(
             )
         ),
     )
+    if outputs is None:
+        return problem
+    return problem.then(combination(names, outputs), (made[name] for name in outputs))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -405,28 +413,31 @@ def _natural_bias(sensor: Sensor, procedure: Procedure) -> float:
     return beside + float(np.abs(sensor.nominal_bias).max())
 
 
-def outputs_of(sensor: Sensor, procedure: Procedure) -> tuple[Output, ...]:
-    """Return what a procedure estimates of a triad, with units."""
-    names = estimated(sensor.kind, procedure)
-    every = _outputs(sensor.kind, _natural_bias(sensor, procedure))
-    return tuple(output for output in every if output.name in names)
+def _outputs_of(sensors: Sequence[Sensor], procedure: Procedure) -> dict[Name, Output]:
+    """Return what can be asked of triads, with units, by name."""
+    beside = [(sensor.kind, _natural_bias(sensor, procedure)) for sensor in sensors]
+    return {
+        output.name: output
+        for owner, natural_bias in (*beside, (IMU, 0.0))
+        for output in _outputs(owner, natural_bias)
+    }
 
 
 @lru_cache(maxsize=64)  # thousands of devices share a few
 def _outputs(owner: str, natural_bias: float) -> tuple[Output, ...]:
-    """Name the outputs of one triad, with units and the size of their rounding.
+    """Name the outputs of one owner, with units and the size of their rounding.
 
     `natural_bias` is what a bias is measured beside, with that of the design [SI].
     """
+    angle = ("arcsec", ARCSEC, 1.0)
     units = {
         "scale_factor": ("ppm", PPM, 1.0),
-        "mounting_angle": ("arcsec", ARCSEC, 1.0),
-        "bias": (*BIAS_UNITS[owner], natural_bias),
+        "bias": (*BIAS_UNITS.get(owner, ("", 1.0)), natural_bias),
     }
     return tuple(
         Output(
             name=name, unit=unit, si_per_unit=si_per_unit, resolution=ROUNDING * size
         )
-        for name in parameters_of(owner)
-        for unit, si_per_unit, size in [units[name.quantity]]
+        for name in every_output(owner)
+        for unit, si_per_unit, size in [units.get(name.quantity, angle)]
     )

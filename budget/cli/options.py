@@ -194,6 +194,16 @@ Only = Annotated[
         show_default=False,
     ),
 ]
+Outputs = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="NAME,...",
+        help="Show these alone, as gyro.bias or bias.z, or what is derived of the "
+        "mounting angles: rotation, non_orthogonality, misalignment; may be given "
+        "again.",
+        show_default=False,
+    ),
+]
 JsonFile = Annotated[
     Path | None,
     typer.Option("--json", metavar="FILE|-", help="Write the result as JSON."),
@@ -225,6 +235,7 @@ class Asked:
     sobol: Sobol = False
     samples: Samples = None
     only: Only = None
+    outputs: Outputs = None
 
     def settings(self, requirement: Requirement | None) -> Settings:
         """Return them with coverage and reference of the requirement, if there is one.
@@ -255,6 +266,11 @@ class Asked:
             reference=basis.reference,
             sobol_samples=(self.samples or SAMPLES) if with_indices else None,
             only=tuple(map(Name, self.only or ())),
+            outputs=tuple(
+                Name(name.strip())
+                for names in self.outputs or ()
+                for name in names.split(",")
+            ),
         )
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
+from budget.names import words
 from budget.report.blocks import Field, Listing, Pairs, Paragraph, Section, table_of
 from budget.report.document import json_text
 from budget.report.inputs import sensor_blocks, unused_table
-from budget.report.tables import words
 from budget.results import SCHEMA
 from budget.studies.grades import completeness, grade, kind_of_device
 

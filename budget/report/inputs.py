@@ -7,7 +7,7 @@ from math import degrees
 from typing import TYPE_CHECKING
 
 from budget.model.sources import ENVIRONMENT, SENSORS, STATION, source_of
-from budget.names import Name
+from budget.names import Name, words
 from budget.report.blocks import Cell, Field, Pairs, Panel, Paragraph, Section, table_of
 from budget.report.figures.rows import chart_picture
 from budget.report.figures.timeline import (
@@ -16,7 +16,7 @@ from budget.report.figures.timeline import (
     print_time,
     schedule_chart,
 )
-from budget.report.tables import print_given, words
+from budget.report.tables import print_given
 from budget.report.wording import capital
 from budget.spec.records import ANGLES, AXES
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G

@@ -8,6 +8,7 @@ from itertools import groupby
 from math import ceil, floor, fsum, isfinite, log10
 from typing import TYPE_CHECKING
 
+from budget.names import by_group, key_title, words
 from budget.results import INTERACTION, Contribution
 from budget.spec.records import ANGLES
 from budget.ties import first_largest, from_largest, settle
@@ -117,7 +118,7 @@ class GroupTable:
     @property
     def title(self) -> str:
         """'gyro scale factor'."""
-        return f"{self.sensor} {words(self.parameter)}"
+        return words(f"{self.sensor} {self.parameter}")
 
     @property
     def widest(self) -> OutputRow:
@@ -295,11 +296,6 @@ def print_contributions(shares: Sequence[tuple[str, float]], *, named: int = 2) 
     )
 
 
-def words(name: str) -> str:
-    """Turn a key into words: 'scale_factor' to 'scale factor'."""
-    return name.replace("_", " ")
-
-
 def source_title(source: Name, *, of: str = "") -> str:
     """Name a source for people: 'gyro.bias_stability' to 'bias stability'.
 
@@ -313,11 +309,6 @@ def source_title(source: Name, *, of: str = "") -> str:
 def output_title(name: Name) -> str:
     """Name an output for people: 'gyro.bias.z' to 'gyro bias z'."""
     return key_title(name)
-
-
-def key_title(key: str) -> str:
-    """Write a key of a file as words, 'gyro bias stability'."""
-    return words(key.replace(".", " "))
 
 
 def join_outputs(names: Sequence[Name]) -> str:
@@ -344,7 +335,8 @@ def settings_lines(settings: Settings) -> tuple[tuple[str, str], ...]:
         ("error reference", settings.reference),
         ("formulas", settings.formulas),
     )
-    return (*lines, ("only", ", ".join(settings.only))) if settings.only else lines
+    chosen = (("only", settings.only), ("outputs", by_group(settings.outputs)))
+    return (*lines, *((name, ", ".join(few)) for name, few in chosen if few))
 
 
 def group_tables(budget: Budget) -> tuple[GroupTable, ...]:
@@ -430,7 +422,7 @@ def _output_row(row: OutputBudget) -> OutputRow:
         low=bound(value(row.interval[0]), sign=AT_MOST),
         high=bound(value(row.interval[1])),
         check=_check_cell(row),
-        lacks=tuple(map(source_title, row.lacks)),
+        lacks=tuple(source_title(name, of=row.sensor) for name in row.lacks),
     )
 
 

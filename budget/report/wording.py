@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from budget.names import words
 from budget.report.blocks import Cell, Run
-from budget.report.tables import print_share, words
+from budget.report.tables import print_share
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

@@ -19,7 +19,7 @@ from budget.methods.sobol import SCRAMBLES, SobolResult, evaluations, sobol
 from budget.methods.validation import MAX_TRIALS as VALIDATION_TRIALS
 from budget.methods.validation import validate as validate_law
 from budget.model.sources import SENSORS
-from budget.names import Name
+from budget.names import IMU, Name
 from budget.results import (
     BY_LAW,
     BY_TRIALS,
@@ -42,6 +42,7 @@ from budget.studies.request import (
     DEFAULT_REFERENCE,
     Analysis,
     check_settings,
+    choose_outputs,
     choose_sources,
     not_calibrated,
     not_estimated,
@@ -94,6 +95,7 @@ def analyze(
     reference: str = DEFAULT_REFERENCE,
     samples: int | None = None,
     only: Sequence[str] = (),
+    outputs: Sequence[str] = (),
     command: str = "analyze",
     progress: Progress | None = None,
     talk: Callable[[str], None] | None = None,
@@ -138,6 +140,9 @@ def analyze(
         Points in one of eight scrambles for Sobol' indices; without it there are none.
     only : sequence of str
         Sources that count, all others 0; a bare name means both sensors.
+    outputs : sequence of str
+        What is asked for, 'gyro.rotation' or 'bias.z': parameters, and what is derived
+        of them (budget.calibration.derived); all parameters without it.
     command : str
         Name of the job in the result.
     progress : callable, optional
@@ -166,6 +171,7 @@ def analyze(
         reference=reference,
         sobol_samples=samples,
         only=tuple(map(Name, [only] if isinstance(only, str) else only)),
+        outputs=tuple(map(Name, [outputs] if isinstance(outputs, str) else outputs)),
     )
     return analyze_as(
         settings,
@@ -203,6 +209,7 @@ def analyze_as(
         reference=settings.reference,
         only=chosen,
         requirement=requirement,
+        asked=choose_outputs(devices, procedure, settings.outputs),
     )
     problem, law = analysis.problem, analysis.law
     if engine.talk is not None:
@@ -213,7 +220,8 @@ def analyze_as(
     )
     if chosen is None:
         warnings += cautions.unknown_zeros(problem, law)
-        warnings += cautions.unfelt(problem, law, sensors)
+        whole = analysis if analysis.asked is None else replace(analysis, asked=None)
+        warnings += cautions.unfelt(whole.problem, whole.law, sensors)
     estimate = ESTIMATORS[settings.method](analysis, settings, engine)
     warnings += estimate.warnings
     warnings += cautions.few_trials(estimate.trials, settings.coverage)
@@ -240,6 +248,7 @@ def analyze_as(
             formulas=procedure.formulas,
             normals_per_trial=None if is_simulated else problem.normals_per_trial,
             only=tuple(sorted(chosen or ())),
+            outputs=analysis.asked or (),
             sobol_samples=None if indices is None else indices.samples,
             sobol_scrambles=None if indices is None else indices.scrambles,
         ),
@@ -339,7 +348,7 @@ def _by_simulation(analysis: Analysis, settings: Settings, engine: Engine) -> Es
         )
         if progress is not None:
             progress(run + 1, runs)
-    errors = np.stack(columns, axis=1)
+    errors = analysis.derive(np.stack(columns, axis=1))
     return Estimate(
         method="simulation",
         trials=runs,
@@ -425,7 +434,7 @@ def _output_budgets(
             (name, variance)
             for name, variance in zip(names, law.source_variance[:, k], strict=True)
             if name.owner not in SENSORS
-            or name.owner == output.name.owner
+            or output.name.owner in {name.owner, IMU}
             or variance > 0.0
         ]
         variances.append((INTERACTION, law.interaction_variance[k]))

@@ -8,7 +8,7 @@ import numpy as np
 
 from budget.model.source import Coefficient, Disturbance
 from budget.model.sources import DEVICE, ENVIRONMENT, source_of
-from budget.names import Name
+from budget.names import Name, key_title
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -99,7 +99,7 @@ def unknown_zeros(problem: Problem, law: Propagation) -> tuple[str, ...]:
     resolution = np.array([output.resolution for output in problem.outputs])
     still = law.standard_uncertainty <= resolution
     groups = dict.fromkeys(
-        output.name.group.replace(".", " ").replace("_", " ")
+        key_title(output.name.group)
         for output, is_still in zip(problem.outputs, still, strict=True)
         if is_still
     )

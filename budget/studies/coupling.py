@@ -12,6 +12,7 @@ from budget.calibration.simulation import simulate
 from budget.methods.gum import propagate
 from budget.methods.monte_carlo import sample
 from budget.model.sources import SENSORS, source_of
+from budget.names import IMU
 
 if TYPE_CHECKING:
     from budget.arrays import Array
@@ -151,7 +152,7 @@ def _tabulate(
     cells = []
     for place, source in enumerate(sources):
         for group in groups:
-            if source.owner in SENSORS and source.owner != group.owner:
+            if source.owner in SENSORS and group.owner not in {source.owner, IMU}:
                 continue
             of_group = np.array([name == group for name in names])
             largest = float(u[place, of_group].max())

@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.calibration.derived import known_outputs, rotations_of
 from budget.calibration.problem import calibration_problem
 from budget.distributions import NORMAL
 from budget.methods.gum import propagate
 from budget.model.sources import lines_of, source_of
-from budget.names import Name, parameters_of
+from budget.names import IMU, Name, every_output
 from budget.spec.records import ErrorLine, Sensor
 from budget.units import parse_quantity
 
@@ -50,8 +51,14 @@ def lacking(
             if (line := _stand_in(name, only)) is not None
         }
         reached = _reached(sensor, probes, procedure, reference)
-        for output in parameters_of(sensor.kind):
+        for output in every_output(sensor.kind):
             found[output] = tuple(name for name in probes if output in reached[name])
+    for output in every_output(IMU):
+        found[output] = tuple(
+            name
+            for rotation in rotations_of(output)
+            for name in found.get(rotation, ())
+        )
     return found
 
 
@@ -104,7 +111,12 @@ def _reached_by(
         not_given=(),
         expected_missing=(),
     )
-    problem = calibration_problem((bare,), procedure, reference=reference)
+    problem = calibration_problem(
+        (bare,),
+        procedure,
+        reference=reference,
+        outputs=known_outputs((kind,), procedure),
+    )
     u = np.sqrt(propagate(problem).source_variance)
     return tuple(
         tuple(

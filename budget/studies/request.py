@@ -7,21 +7,23 @@ from difflib import get_close_matches
 from functools import cached_property
 from typing import TYPE_CHECKING, Self
 
+from budget.calibration.derived import combination, known_outputs, parts_of
 from budget.calibration.problem import REFERENCES, calibration_problem
-from budget.calibration.schemes import WEIGHTED, calibrates, noise_of
+from budget.calibration.schemes import WEIGHTED, calibrates, estimated, noise_of
 from budget.distributions import COVERAGES, is_coverage
 from budget.errors import CallError
 from budget.methods.gum import propagate
 from budget.methods.intervals import KINDS as INTERVALS
 from budget.model.sources import ENVIRONMENT, SENSORS, STATION, lines_of
-from budget.names import Name, by_group, meant, parameters_of
+from budget.names import IMU, Name, by_group, every_output, meant
 from budget.spec import load_procedure
 from budget.spec.records import Device
 from budget.studies.lower_bounds import lacking
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Mapping, Sequence
+    from collections.abc import Collection, Container, Iterable, Mapping, Sequence
 
+    from budget.arrays import Array
     from budget.methods.gum import Propagation
     from budget.problem import Problem
     from budget.results import Budget, Settings
@@ -86,6 +88,8 @@ class Analysis:
     reference: str = DEFAULT_REFERENCE  # error reference
     only: frozenset[Name] | None = None  # sources that count, all others 0; None: all
     requirement: Requirement | None = None  # limits on the errors
+    # Outputs, and what has a limit; None: the parameters that are estimated.
+    asked: tuple[Name, ...] | None = None
     # Triads that are looked at, of those that are there.
     kinds: tuple[str, ...] = SENSORS
 
@@ -98,6 +102,7 @@ class Analysis:
         coverage: float | None = None,
         reference: str | None = None,
         only: Sequence[str] = (),
+        outputs: Sequence[str] = (),
     ) -> Self:
         """Put together what a caller asks for; without an option its usual value.
 
@@ -118,6 +123,7 @@ class Analysis:
             reference=basis.reference,
             only=chosen,
             requirement=requirement,
+            asked=choose_outputs(devices, procedure, outputs),
         )
 
     def alone(self, kind: str) -> Self:
@@ -134,8 +140,20 @@ class Analysis:
     def problem(self) -> Problem:
         """Inputs, measurement function and outputs of the calibration."""
         return calibration_problem(
-            self.sensors, self.procedure, reference=self.reference, only=self.only
+            self.sensors,
+            self.procedure,
+            reference=self.reference,
+            only=self.only,
+            outputs=self.asked,
         )
+
+    def derive(self, errors: Array) -> Array:
+        """Return the outputs of errors of the parameters, shape (n, runs) [SI]."""
+        if self.asked is None:
+            return errors
+        kinds = [sensor.kind for sensor in self.sensors]
+        names = [name for kind in kinds for name in estimated(kind, self.procedure)]
+        return combination(names, self.asked)(errors)
 
     @cached_property
     def law(self) -> Propagation:
@@ -249,6 +267,97 @@ def not_weighted(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[str, 
     )
 
 
+def choose_outputs(
+    devices: Sequence[Device], procedure: Procedure, texts: Sequence[str]
+) -> tuple[Name, ...] | None:
+    """Resolve the names after `--outputs`: of a group, one of its axes, in any triad.
+
+    Returns
+    -------
+    tuple of Name or None
+        In the order of all outputs; None where nothing was chosen.
+
+    Raises
+    ------
+    CallError
+        A text names no output, or one of a triad that is not there, or one whose
+        parameters are not all estimated.
+    """
+    if not texts:
+        return None
+    if isinstance(texts, str):  # one name, not a sequence of letters
+        texts = (texts,)
+    kinds = [sensor.kind for sensor in sensors_of(devices, procedure)]
+    known = known_outputs(kinds, procedure)
+    chosen: set[Name] = set()
+    faults = []
+    for text in texts:
+        named = [
+            name
+            for owner in (*SENSORS, IMU)
+            for name in every_output(owner)
+            if meant(text, (name, name.group))
+        ]
+        there = {name for name in named if _owners(name) <= {*kinds}}
+        chosen |= there
+        if not there:
+            faults.append(_not_there(text, named, known, procedure))
+    faults += [
+        f"{group} cannot be had: {procedure.name} does not estimate "
+        f"{', '.join(by_group(parts))}; let `estimate` in the procedure name it, or "
+        "leave this output out"
+        for group, parts in missing_parts(chosen, known).items()
+    ]
+    if faults:
+        raise CallError("\n".join(f"--outputs: {fault}" for fault in faults))
+    return tuple(name for name in known if name in chosen)
+
+
+def missing_parts(
+    names: Iterable[Name], known: Collection[Name]
+) -> dict[str, tuple[Name, ...]]:
+    """Return what is asked for and is not known, by group, with what it lacks."""
+    absent = sorted(name for name in names if name not in known)
+    return {
+        group: tuple(
+            dict.fromkeys(
+                part
+                for name in absent
+                if group.startswith(name.group)
+                for part in parts_of(name)
+                if part not in known
+            )
+        )
+        for group in by_group(absent)
+    }
+
+
+def _owners(name: Name) -> set[str]:
+    """Return the triads that an output is of."""
+    return {part.owner for part in parts_of(name)}
+
+
+def _not_there(
+    text: str, named: Sequence[Name], known: Sequence[Name], procedure: Procedure
+) -> str:
+    """Say that nothing is called so, or of which triads it is."""
+    if named:
+        owners = " and the ".join(sorted(set().union(*map(_owners, named))))
+        return (
+            f"{text!r} is of the {owners}, and {procedure.name} does not calibrate "
+            "that here; give a device with it and a procedure that tests it, or leave "
+            "this output out"
+        )
+    groups = dict.fromkeys(name.group for name in known)
+    words = [*groups, *(group.without_owner for group in groups), *known]
+    near = get_close_matches(text, words)
+    hint = f"; did you mean {near[0]!r}?" if near else "."
+    return (
+        f"{text!r} is no output{hint} Known here: {', '.join(groups)}; with an axis "
+        "after it, as gyro.bias.z, it is one of them"
+    )
+
+
 def source_names(
     sensors: Sequence[Sensor], procedure: Procedure | None = None
 ) -> tuple[Name, ...]:
@@ -309,7 +418,7 @@ def read_name(text: str) -> Name:
         for owner in (*SENSORS, *SHARED)
         for name in (
             *(Name(line.name, owner=owner) for line in lines_of(owner)),
-            *(parameters_of(owner) if owner in SENSORS else ()),
+            *(every_output(owner) if owner in SENSORS else ()),
         )
     )
     return next((name for name in known if name == text), Name(text))

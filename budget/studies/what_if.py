@@ -26,6 +26,7 @@ import numpy as np
 from budget.errors import CallError
 from budget.methods.scaling import scaled_law
 from budget.model.sources import SENSORS
+from budget.names import IMU, key_title
 from budget.results import BY_LAW
 from budget.studies.request import given_lines, limited_but_held
 from budget.ties import first_largest, settle
@@ -155,7 +156,7 @@ class WhatIf:
             "sensors": [
                 {
                     "name": sensor.name,
-                    "missing": [_words(name.quantity) for name in sensor.missing],
+                    "missing": [key_title(name.quantity) for name in sensor.missing],
                     "doubt": list(sensor.doubt),
                 }
                 for sensor in self.sensors
@@ -165,7 +166,7 @@ class WhatIf:
                     "name": source.name,
                     "owner": source.name.owner,
                     "quantity": source.name.quantity,
-                    "title": _words(source.name),
+                    "title": key_title(source.name),
                     "u": source.u / source.si_per_unit,
                     "unit": source.unit,
                     "printed": source.printed,
@@ -176,8 +177,8 @@ class WhatIf:
                 {
                     "name": output.name,
                     "sensor": output.name.owner,
-                    "title": _words(output.name),
-                    "group": _words(output.name.group),
+                    "title": key_title(output.name),
+                    "group": key_title(output.name.group),
                     "axis": output.name.axis,
                     "unit": output.unit,
                     "value": float(law.value[k] / unit[k]),
@@ -332,11 +333,6 @@ def _in_unit(value: float | None, output: Output) -> float | None:
     return None if value is None else value / output.si_per_unit
 
 
-def _words(name: str) -> str:
-    """Write a dotted name as words: 'gyro bias x'."""
-    return name.replace(".", " ").replace("_", " ")
-
-
 FACTORS = (0.0, 0.5, 1.0, 2.0)  # on the standard uncertainty of the source [1]
 
 
@@ -371,7 +367,8 @@ def one_at_a_time(what_if: WhatIf) -> tuple[SourceSteps, ...]:
         k = first_largest(present.share[:, g].tolist())
         output = what_if.outputs[k]
         owner = source.name.owner
-        sensor = owner if owner in SENSORS else output.name.owner
+        own = owner in SENSORS and output.name.owner != IMU
+        sensor = owner if own else output.name.owner
         outlooks = [what_if.evaluate({source.name: factor}) for factor in FACTORS]
         rows.append(
             SourceSteps(

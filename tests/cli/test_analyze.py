@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from command_line import analyze, call, contribution, last_digit, output
 from numpy.testing import assert_allclose
@@ -486,3 +487,103 @@ def test_faults_of_all_files_come_at_once(write):
     assert (run.code, run.out) == (2, "")
     assert f"{one}:2:" in run.err
     assert f"{two}:2:" in run.err
+
+
+DERIVED = "gyro.rotation,misalignment"
+
+
+def test_outputs_are_those_asked_for_in_the_order_of_all():
+    """A group, an axis, a bare name, by commas or again; the numbers stay the same."""
+    whole = analyze()
+    some = analyze("--outputs", "bias.z, gyro.scale_factor", "--outputs", "gyro.bias.x")
+    names = [
+        f"{one['sensor']}.{one['parameter']}.{one['axis']}" for one in some["outputs"]
+    ]
+
+    assert names == [
+        *(f"gyro.scale_factor.{axis}" for axis in "xyz"),
+        *("gyro.bias.x", "gyro.bias.z", "accelerometer.bias.z"),
+    ]
+    assert some["settings"]["outputs"] == names
+    assert "outputs" not in whole["settings"]
+    for name in names:
+        assert_allclose(u(some, name), u(whole, name), rtol=1e-13)
+
+
+def test_derived_outputs_follow_from_the_covariance_of_the_angles():
+    """By hand from `covariance`: (yx + zx)/2, gyro less accelerometer, both of all."""
+    whole = analyze()
+    place = {
+        f"{one['sensor']}.{one['axis']}": k
+        for k, one in enumerate(whole["outputs"])
+        if one["parameter"] == "mounting_angle"
+    }
+    c = np.zeros(len(whole["outputs"]))
+    c[[place["gyro.yx"], place["gyro.zx"]]] = 0.5
+    found = analyze("--outputs", DERIVED)
+    C = np.array(whole["covariance"])
+    assert_allclose(u(found, "gyro.rotation.x"), np.sqrt(c @ C @ c), rtol=1e-12)
+    c[[place["accelerometer.yx"], place["accelerometer.zx"]]] = -0.5
+    assert_allclose(u(found, "imu.misalignment.x"), np.sqrt(c @ C @ c), rtol=1e-12)
+    assert {one["unit"] for one in found["outputs"]} == {"arcsec"}
+
+
+@pytest.mark.parametrize("method", ["monte-carlo", "simulation"])
+def test_every_method_knows_derived_outputs(method):
+    """Rotation and misalignment within five standard errors of the law's u."""
+    n = {"monte-carlo": 20_000, "simulation": 60}[method]
+    law = analyze("--outputs", DERIVED)
+    found = analyze("--method", method, "--trials", str(n), "--outputs", DERIVED)
+
+    for one in law["outputs"]:
+        name = f"{one['sensor']}.{one['parameter']}.{one['axis']}"
+        assert_allclose(u(found, name), u(law, name), rtol=5.0 / np.sqrt(2.0 * n))
+    # The control: angles are no rotation, their u is 1.41 times as large.
+    angle = u(analyze(), "gyro.mounting_angle.yx")
+    assert angle / u(found, "gyro.rotation.x") > 1.41 * (1.0 - 5.0 / np.sqrt(2.0 * n))
+
+
+def test_a_misalignment_has_the_sources_of_both_triads():
+    """Each of them stands in the list, those of no effect too; shares sum to 1."""
+    found = analyze("--outputs", "misalignment")
+    parts = output(found, "imu.misalignment.y")["contributions"]
+
+    assert {one["source"] for one in parts} == {
+        "interaction",
+        *(f"gyro.{name}" for name in (*CONSTANT, "angle_random_walk")),
+        *(f"accelerometer.{name}" for name in (*CONSTANT, "sample_noise")),
+    }
+    assert_allclose(sum(one["share"] for one in parts), 1.0, rtol=1e-12)
+
+
+CONSTANT = (
+    "bias_repeatability",
+    "bias_stability",
+    "scale_factor_repeatability",
+    "mounting_repeatability",
+)
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (("gyro.rotatoin",), ("no output", "did you mean 'gyro.rotation'", "Known")),
+        (("tilt",), ("no output", "imu.misalignment")),
+        (("",), ("no output",)),
+        (
+            ("rotation.x", "--procedure", "one-axis-rate-table"),
+            ("gyro.rotation x", "does not estimate", "gyro.mounting_angle yx, zx"),
+        ),
+        (
+            ("misalignment", "--procedure", "six-positions"),
+            ("accelerometer and the gyro", "does not calibrate", "give a device"),
+        ),
+    ],
+)
+def test_outputs_that_cannot_be_had_are_refused(args, said):
+    """What is not there, not tested or not estimated: where, what lacks, what to do."""
+    run = call("analyze", "zhao-2019", "--outputs", *args)
+
+    assert run.code == 2
+    for words in ("--outputs", *said):
+        assert_says(run.err, words)

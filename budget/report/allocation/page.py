@@ -6,6 +6,7 @@ from functools import partial
 from operator import attrgetter
 from typing import TYPE_CHECKING
 
+from budget.names import words
 from budget.report.allocation.figures import (
     after_word,
     headroom_chart,
@@ -50,7 +51,6 @@ from budget.report.tables import (
     print_coverage,
     print_given,
     source_title,
-    words,
 )
 from budget.report.wording import capital
 from budget.ties import settle

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from budget.names import words
 from budget.report.tables import (
     Number,
     bound_number,
@@ -11,7 +12,6 @@ from budget.report.tables import (
     print_given,
     print_utilisation,
     source_title,
-    words,
 )
 from budget.studies.allocation.records import FREE, MEAN
 from budget.ties import first_largest, from_largest

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
+from budget.names import key_title
 from budget.report.analysis.groups import budget_section
 from budget.report.analysis.method import Trials, method_section
 from budget.report.analysis.verdict import (
@@ -41,8 +42,9 @@ from budget.report.inputs import (
     procedure_section,
 )
 from budget.report.provenance import provenance_section, sign_off_section
-from budget.report.tables import group_tables, key_title
+from budget.report.tables import group_tables
 from budget.report.wording import capital, not_given_lines, points
+from budget.studies.request import sensors_of
 from budget.studies.what_if import one_at_a_time
 from budget.version import __version__
 
@@ -88,7 +90,8 @@ def report_document(
     without output names; `number` is that of the report for the one who files it.
     """
     groups = group_tables(budget)
-    sensors = tuple(dict.fromkeys(group.sensor for group in groups))
+    owners = tuple(dict.fromkeys(group.sensor for group in groups))
+    sensors = tuple(sensor.kind for sensor in sensors_of(devices, procedure))
     cards = (
         group_cards(groups) if assessment is None else verdict_cards(budget, assessment)
     )
@@ -102,9 +105,9 @@ def report_document(
         procedure_section(procedure, sensors),
         budget_section(groups),
         what_if_section(budget, evidence.what_if, one_at_a_time(evidence.what_if)),
-        _coupling(evidence, sensors),
-        _indices(budget, sensors),
-        _validity(budget, sensors),
+        _coupling(evidence, owners),
+        _indices(budget, owners),
+        _validity(budget, owners),
         _distributions(budget, evidence),
         *(section for extra in extras for section in extra.sections),
         method_section(

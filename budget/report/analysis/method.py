@@ -10,7 +10,7 @@ import numpy as np
 from budget.calibration.schemes import scheme_of
 from budget.model.norm import NormScheme
 from budget.model.response import STATISTICS
-from budget.names import AXES, parameters_of
+from budget.names import AXES, by_group, parameters_of, words
 from budget.report.blocks import (
     Cell,
     Equation,
@@ -24,7 +24,7 @@ from budget.report.blocks import (
     table_of,
 )
 from budget.report.formulas import Math, with_math
-from budget.report.tables import print_count, print_coverage, print_given, words
+from budget.report.tables import print_count, print_coverage, print_given
 from budget.report.wording import (
     BY_LAW,
     ERROR_REFERENCES,
@@ -194,6 +194,8 @@ def _settings_rows(settings: Settings, trials: Trials) -> tuple[tuple[str, Words
     if settings.only:
         only = ", ".join(settings.only)
         rows.append(("only", f"{only}; all other lines are set to zero in this run"))
+    if settings.outputs:
+        rows.append(("outputs", ", ".join(by_group(settings.outputs))))
     return tuple((term, (text,)) for term, text in rows)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 from typing import TYPE_CHECKING
 
+from budget.names import words
 from budget.report.comparison.tables import merit_points
 from budget.report.figures.rows import (
     Bar,
@@ -40,7 +41,6 @@ from budget.report.tables import (
     print_given,
     print_utilisation,
     used_part,
-    words,
 )
 from budget.report.wording import capital
 from budget.studies.figures_of_merit import MERITS

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from budget.names import words
 from budget.report.blocks import (
     Abreast,
     Card,
@@ -53,7 +54,7 @@ from budget.report.comparison.wording import (
 )
 from budget.report.figures.rows import chart_picture
 from budget.report.provenance import provenance_section
-from budget.report.tables import PER_CENT, settings_lines, words
+from budget.report.tables import PER_CENT, settings_lines
 from budget.report.wording import capital
 from budget.studies.figures_of_merit import MERITS
 from budget.version import __version__

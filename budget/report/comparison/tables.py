@@ -9,13 +9,13 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 from budget.errors import CallError
+from budget.names import key_title, words
 from budget.report.blocks import Cell, Field, table_of
 from budget.report.tables import (
     AT_LEAST,
     AT_MOST,
     PER_CENT,
     join_outputs,
-    key_title,
     output_title,
     print_given,
     print_probability,
@@ -24,7 +24,6 @@ from budget.report.tables import (
     round_value,
     source_title,
     used_part,
-    words,
 )
 from budget.studies.comparison.records import VERDICTS, rank_number, ranks
 from budget.studies.figures_of_merit import read_amount

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from budget.model.sources import SENSORS
+from budget.names import words
 from budget.report.blocks import Cell, Field, table_of
 from budget.report.figures.rows import (
     Bar,
@@ -17,7 +18,7 @@ from budget.report.figures.rows import (
     Side,
 )
 from budget.report.figures.style import BLUE, INK, ON_DARK, in_order
-from budget.report.tables import ALL, output_title, print_given, source_title, words
+from budget.report.tables import ALL, output_title, print_given, source_title
 from budget.ties import first_largest
 
 if TYPE_CHECKING:
@@ -49,8 +50,9 @@ def coupling_chart(table: CouplingTable, sensor: str) -> Chart | None:
     if not any(cell.reaches for cell in cells):
         return None
     groups = [group for group in table.groups if group.owner == sensor]
-    own = [s for s in table.sources if s.owner == sensor]
-    shared = [s for s in table.sources if s.owner not in SENSORS]
+    reaching = [s for s in table.sources if any(cell.source == s for cell in cells)]
+    own = [s for s in reaching if s.owner in SENSORS]
+    shared = [s for s in reaching if s.owner not in SENSORS]
     sources = (*in_order(own), *in_order(shared))
     rows = tuple(
         _row(source, [table.cell(source, group) for group in groups], sensor)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from budget.names import words
 from budget.report.blocks import Field, table_of
 from budget.report.figures.rows import (
     Chart,
@@ -15,7 +16,7 @@ from budget.report.figures.rows import (
     Side,
     Stroke,
 )
-from budget.report.tables import UNKNOWN, print_coverage, words
+from budget.report.tables import UNKNOWN, print_coverage
 from budget.report.wording import capital, cell
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ def overview_chart(groups: Sequence[GroupTable]) -> Chart | None:
         title=_title(groups, coverage),
         sides=tuple(
             Side(
-                title=sensor,
+                title=words(sensor),
                 panels=tuple(_panel(g) for g in groups if g.sensor == sensor),
             )
             for sensor in dict.fromkeys(group.sensor for group in groups)

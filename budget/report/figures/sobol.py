@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from budget.names import words
 from budget.report.blocks import Cell, Field, table_of
 from budget.report.figures.rows import (
     Bar,
@@ -18,7 +19,7 @@ from budget.report.figures.rows import (
     Stroke,
 )
 from budget.report.figures.style import INK, PAPER, in_order, look_of
-from budget.report.tables import output_title, print_index, source_title, words
+from budget.report.tables import output_title, print_index, source_title
 from budget.report.wording import capital
 from budget.results import widest_of_each
 from budget.ties import first_largest

@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 from typing import TYPE_CHECKING
 
+from budget.names import words
 from budget.report.blocks import Cell, Field, table_of
 from budget.report.figures.rows import (
     Chart,
@@ -64,7 +65,7 @@ def utilisation_chart(assessment: Assessment) -> Chart:
         title=utilisation_title(assessment),
         sides=tuple(
             Side(
-                title=sensor,
+                title=words(sensor),
                 panels=(
                     Panel(scale=scale, groups=_groups(assessment, sensor, scale.low)),
                 ),

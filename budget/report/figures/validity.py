@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import TYPE_CHECKING
 
+from budget.names import words
 from budget.report.blocks import Cell, Field, table_of
 from budget.report.figures.rows import (
     Chart,
@@ -18,7 +19,7 @@ from budget.report.figures.rows import (
     Stroke,
 )
 from budget.report.figures.style import INK, MUTED, PAPER
-from budget.report.tables import output_title, print_count, words
+from budget.report.tables import output_title, print_count
 from budget.report.wording import capital
 from budget.ties import first_largest
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from math import floor, inf, log10
 from typing import TYPE_CHECKING
 
+from budget.names import words
 from budget.references.difference import TOOL
 from budget.report.blocks import (
     Cell,
@@ -23,7 +24,6 @@ from budget.report.tables import (
     output_title,
     round_value,
     source_title,
-    words,
 )
 from budget.studies.request import read_name
 

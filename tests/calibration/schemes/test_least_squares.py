@@ -19,7 +19,7 @@ from builders import (
 from numpy.testing import assert_allclose
 from scipy.special import ndtri
 
-from budget.calibration.problem import calibration_problem, outputs_of
+from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import calibrates, scheme_of
 from budget.calibration.simulation import simulate
 from budget.errors import CallError
@@ -260,7 +260,7 @@ def test_held_parameters_are_error_sources_exactly(owner, which):
     difference = np.abs(ours - expected) / scale
     assert difference[estimates].max() < 1e-12
     assert (np.abs(ours) / scale)[estimates].max() > 1e-8  # of what is held
-    assert [output.name for output in outputs_of(device, plan)] == [
+    assert [output.name for output in calibration_problem((device,), plan).outputs] == [
         names[k] for k in estimates
     ]
 
