@@ -79,7 +79,7 @@ def used(number):
 
 
 def wait_until_at_work(*numbers, seconds=3.0):
-    """Wait until processes have used so much: far beyond their imports, however slow.
+    """Wait until processes have used so much: several times what their imports take.
 
     Where nobody can ask what a process has used it waits for as long.
     """

@@ -25,6 +25,10 @@ from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+# Names that begin so are of what few calls need, and take as long to import as all the
+# rest: a child that needs one imports it as a command does. scipy.special is needed.
+SELDOM = ("distributed", "SALib", "matplotlib", "pandas", "fontTools")
+SELDOM += ("scipy.signal", "scipy.stats")
 # Read while a command runs, not while Python or a library starts; the last by nobody.
 READ_LATE = ("COLUMNS", "SOURCE_DATE_EPOCH", "PYTEST_CURRENT_TEST")
 NO_READER = ">&|"  # as a redirection: stdout is a pipe that its reader has closed
@@ -98,7 +102,7 @@ def _modules():
                 names |= {alias.name for alias in node.names}
             elif isinstance(node, ast.ImportFrom):
                 names.add(node.module)
-    return sorted(n for n in names if not n.startswith(("distributed", "SALib", "_")))
+    return sorted(n for n in names if not n.startswith((*SELDOM, "_")))
 
 
 def _import_everything():
@@ -149,6 +153,7 @@ def _streams_of_python():
 if __name__ == "__main__":
     asked_for = _serve()
     signal.alarm(int(asked_for["patience"]))
+    os.setsid()  # no terminal to fall back on
     os.chdir(asked_for["folder"])
     os.environ.update(asked_for["late"])
     _redirect(asked_for["streams"])

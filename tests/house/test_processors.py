@@ -71,12 +71,10 @@ print(json.dumps({
 """
 
 
-@pytest.fixture(scope="module", params=PROCESSORS, ids="-".join)
-def elsewhere(request):
+def outputs_on(kernel, threads):
     """Return the outputs of the calls as on another processor."""
     from numpy._core import _multiarray_umath as core
 
-    kernel, threads = request.param
     features = [one for one in core.__cpu_dispatch__ if core.__cpu_features__.get(one)]
     old = OLD | {"NPY_DISABLE_CPU_FEATURES": " ".join(features)}
     run = subprocess.run(
@@ -125,11 +123,13 @@ def assert_same(here, there, *, where="document"):
 
 
 @pytest.mark.slow
-def test_documents_agree(elsewhere):
-    """Every number of a document is the same to 1e-12, every word exactly.
+@pytest.mark.parametrize("processor", PROCESSORS, ids="-".join)
+def test_documents_and_what_is_printed_agree(processor):
+    """Numbers of a document to 1e-12, its words and what is printed to the letter.
 
     A covariance is compared beside its two spreads.
     """
+    elsewhere = outputs_on(*processor)
     for words in CALLS[: len(DOCUMENTS)]:
         mine, theirs = json.loads(here(words)), json.loads(elsewhere[words])
         own, other = (np.array(one.pop("covariance", [])) for one in (mine, theirs))
@@ -139,11 +139,7 @@ def test_documents_agree(elsewhere):
                 other / np.outer(u, u), own / np.outer(u, u), rtol=0, atol=1e-12
             )
         assert_same(mine, theirs, where=" ".join(words))
-
-
-@pytest.mark.slow
-def test_what_is_printed_is_the_same(elsewhere):
-    """Verdicts, ranks and digits of the terminal are the same characters."""
+    # Verdicts, ranks and digits.
     for words in PRINTED:
         assert here(words) == elsewhere[words], words
 
