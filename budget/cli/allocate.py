@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from budget.cli import options
-from budget.cli.streams import console, say
+from budget.cli.streams import say
 
 if TYPE_CHECKING:
     from budget.names import Name
@@ -20,13 +21,7 @@ EXIT_NOT_MET = 1
 def allocate(
     devices: options.Devices = None,
     *,
-    requirement: Annotated[
-        Path,
-        typer.Option(
-            metavar="FILE",
-            help="Requirement file; its coverage and error reference rule.",
-        ),
-    ],
+    requirement: Annotated[Path, options.REQUIREMENT],
     procedure: options.ProcedureFile = None,
     strategy: Annotated[
         Literal["equal", "proportional", "cost"] | None,
@@ -96,7 +91,6 @@ def allocate(
     )
     from budget.report.allocation.page import allocation_answer
     from budget.report.document import json_text
-    from budget.report.terminal import Page, print_sections
     from budget.spec import load_costs, load_procedure, load_requirement
     from budget.studies.allocation.allocate import allocate as run
     from budget.studies.allocation.cases import Bounds
@@ -132,11 +126,11 @@ def allocate(
             progress=engine.progress,
         )
 
-    def show() -> None:
-        page = Page(console())
-        page.line(allocation.title, style="bold")
-        print_sections(allocation_answer(allocation), page)
-
+    show = partial(
+        hand_out,
+        sections=lambda: allocation_answer(allocation),
+        title=allocation.title,
+    )
     written: dict[Path, str | bytes] = {}
     if write is not None and allocation.feasible:
         written[write] = _read_back(allocated_device(allocation), write)
@@ -145,9 +139,9 @@ def allocate(
         (csv, lambda: allocation_csv(allocation)),
     )
     if allocation.feasible:
-        hand_out(documents, show, pages=written)
+        show(documents, pages=written)
         return
-    hand_out([one for one in documents if one[0] == options.STDOUT], show)
+    show([one for one in documents if one[0] == options.STDOUT])
     if any(path not in {None, options.STDOUT} for path in (json, csv, write)):
         say("the requirement cannot be met: no file was written")
     raise typer.Exit(EXIT_NOT_MET)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
 from budget.cli import options
-from budget.cli.streams import console, in_line, say, tell
+from budget.cli.streams import in_line, say, tell
 
 if TYPE_CHECKING:
     from budget.references.difference import Difference
@@ -49,7 +50,7 @@ def check(
         str | None,
         typer.Option(
             metavar="FILE",
-            help="Requirement file; its coverage and reference rule.",
+            help="Requirement file; its coverage and error reference rule.",
             show_default=False,
         ),
     ] = None,
@@ -227,6 +228,7 @@ def _take(files: dict[Role, list[str]], folder: Path) -> tuple[StoredInput, ...]
     """Read all inputs, or say everything that is wrong in them."""
     from budget.errors import Issue, SpecError
     from budget.references.files import take
+    from budget.spec.load import try_all
 
     if not files["device"]:
         say(
@@ -237,11 +239,9 @@ def _take(files: dict[Role, list[str]], folder: Path) -> tuple[StoredInput, ...]
     issues: list[Issue] = []
     for role, names in files.items():
         usual = [None] if role in {"device", "procedure"} else []
-        for name in names or usual:
-            try:
-                inputs.append(take(role, name, folder))
-            except SpecError as error:
-                issues.extend(error.issues)
+        taken, wrong = try_all(names or usual, partial(take, role, folder=folder))
+        inputs += taken
+        issues += wrong
     if issues:
         raise SpecError(tuple(issues))
     return tuple(inputs)
@@ -264,7 +264,6 @@ def _check(
     from budget.references.store import read_reference
     from budget.report.reference.document import checks_csv, checks_json
     from budget.report.reference.sections import check_sections
-    from budget.report.terminal import Page, print_sections
 
     checks: list[Difference] = []
     errors: list[str] = []
@@ -293,7 +292,7 @@ def _check(
             (json, lambda: checks_json(checks, errors)),
             (csv, lambda: checks_csv(checks)),
         ],
-        lambda: print_sections(check_sections(checks, len(errors)), Page(console())),
+        lambda: check_sections(checks, len(errors)),
     )
     if errors:
         raise typer.Exit(EXIT_BAD_INPUT)
@@ -331,14 +330,14 @@ def validate(
 def _show_schedule(name: str) -> None:
     """Draw what a procedure does when."""
     from budget.calibration.schemes import calibrates
+    from budget.cli.output import print_page
     from budget.model.sources import SENSORS
     from budget.report.figures.timeline import schedule_sections
-    from budget.report.terminal import Page, print_sections
     from budget.spec import load_procedure
 
     procedure = load_procedure(name)
     there = [kind for kind in SENSORS if calibrates(kind, procedure)]
-    print_sections(schedule_sections(procedure, there), Page(console()))
+    print_page(schedule_sections(procedure, there))
 
 
 def schema(

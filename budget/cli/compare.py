@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from budget.cli import options
-from budget.cli.streams import console, say
+from budget.cli.streams import say
 
 if TYPE_CHECKING:
-    from budget.errors import Issue
+    from collections.abc import Iterable
+
+    from budget.report.blocks import Section
     from budget.report.comparison.tables import RankingField
-    from budget.spec.records import Device
     from budget.studies.comparison.records import Comparison
 
 EXIT_NOT_MET = 1
@@ -30,14 +31,7 @@ def compare(
         ),
     ],
     *,
-    requirement: Annotated[
-        Path,
-        typer.Option(
-            "--requirement",
-            metavar="FILE",
-            help="Requirement file; its coverage and error reference rule.",
-        ),
-    ],
+    requirement: Annotated[Path, options.REQUIREMENT],
     procedure: Annotated[
         list[Path] | None,
         typer.Option(
@@ -94,12 +88,7 @@ def compare(
     ] = False,
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
-    output: Annotated[
-        list[Path] | None,
-        typer.Option(
-            "-o", "--output", metavar="FILE", help="Report file, .html or .pdf."
-        ),
-    ] = None,
+    output: Annotated[list[Path] | None, options.OUTPUT] = None,
 ) -> None:
     """Compare devices against a requirement, best first.
 
@@ -109,9 +98,10 @@ def compare(
     """
     from budget.cli.computing import computing
     from budget.cli.output import check_destinations, check_suffixes, command_line
-    from budget.errors import CallError
+    from budget.errors import CallError, SpecError
     from budget.report.comparison.tables import find_column
     from budget.spec import load_catalogue, load_procedure, load_requirement
+    from budget.spec.load import try_devices
     from budget.studies.comparison.compare import compare as run
     from budget.studies.judgement import TRIALS
 
@@ -126,7 +116,9 @@ def compare(
     wanted = load_requirement(requirement)
     paths: list[Path | None] = [*procedure] if procedure else [None]
     procedures = [load_procedure(path) for path in paths]
-    loaded, issues = _load(devices, strict=strict)
+    loaded, issues = try_devices(devices)
+    if strict and issues:
+        raise SpecError(tuple(issues))
     for issue in issues:
         say(str(issue))
     if not loaded:
@@ -162,29 +154,6 @@ def compare(
         raise typer.Exit(EXIT_NOT_MET)
 
 
-def _load(names: list[str], *, strict: bool) -> tuple[list[Device], list[Issue]]:
-    """Load what can be read, and the issues of what cannot.
-
-    Raises
-    ------
-    SpecError
-        There are issues, and none are to be passed over.
-    """
-    from budget.errors import SpecError
-    from budget.spec import load_variants
-
-    devices: list[Device] = []
-    issues: list[Issue] = []
-    for name in names:
-        try:
-            devices.extend(load_variants(name))
-        except SpecError as error:
-            issues.extend(error.issues)
-    if strict and issues:
-        raise SpecError(tuple(issues))
-    return devices, issues
-
-
 def _deliver(
     comparison: Comparison,
     *,
@@ -198,12 +167,11 @@ def _deliver(
     from budget.cli.output import document_date, hand_out, render_pages
     from budget.report.comparison.document import json_pieces, to_csv
 
-    def show() -> None:
+    def sections() -> Iterable[Section]:
         from budget.report.comparison.page import comparison_answer
-        from budget.report.terminal import Page, print_sections
 
         order = None if sort is None else sort.order
-        print_sections(comparison_answer(comparison, order=order), Page(console()))
+        return comparison_answer(comparison, order=order)
 
     rendered: dict[Path, str | bytes] = {}
     if pages:
@@ -217,4 +185,4 @@ def _deliver(
         (json, lambda: json_pieces(comparison)),
         (csv, lambda: [to_csv(comparison)]),
     ]
-    hand_out(documents, show, pages=rendered)
+    hand_out(documents, sections, pages=rendered)

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from budget.cli import options
-from budget.cli.streams import console
 
 if TYPE_CHECKING:
     from budget.references.check import Side
@@ -59,7 +58,6 @@ def diff(
     from budget.references.records import Asked
     from budget.report.reference.document import difference_csv, difference_json
     from budget.report.reference.sections import difference_sections
-    from budget.report.terminal import Page, print_sections
 
     check_destinations(json, csv, inputs=[first, second, procedure])
     stored = [_reference(name) for name in (first, second)]
@@ -81,7 +79,7 @@ def diff(
             (json, lambda: difference_json(difference)),
             (csv, lambda: difference_csv(difference)),
         ],
-        lambda: print_sections(difference_sections(difference), Page(console())),
+        lambda: difference_sections(difference),
     )
 
 

@@ -90,14 +90,19 @@ ProcedureFile = Annotated[
     Path | None,
     typer.Option("--procedure", metavar="FILE", help="Procedure file (the paper's)."),
 ]
-RequirementFile = Annotated[
-    Path | None,
-    typer.Option(
-        "--requirement",
-        metavar="FILE",
-        help="Requirement file; its coverage and error reference rule.",
-    ),
-]
+REQUIREMENT: Any = typer.Option(
+    "--requirement",
+    metavar="FILE",
+    help="Requirement file; its coverage and error reference rule.",
+)
+RequirementFile = Annotated[Path | None, REQUIREMENT]
+OUTPUT: Any = typer.Option(
+    "-o",
+    "--output",
+    metavar="FILE",
+    help="Report to write, .html or .pdf; may be given again.",
+    show_default=False,
+)
 Method = Annotated[
     Literal["gum", "monte-carlo", "simulation"],
     typer.Option(help="How uncertainty is propagated."),
@@ -311,19 +316,14 @@ def load_devices(names: list[str] | None) -> tuple[Device, ...]:
     SpecError
         With the issues of all files.
     """
-    from budget.errors import Issue, SpecError
+    from budget.errors import SpecError
     from budget.spec import load_device
+    from budget.spec.load import try_all
 
     if not names:
         say(f"No device given: using the built-in {BUILT_IN_DEVICE} (Zhao 2019).")
         names = [BUILT_IN_DEVICE]
-    devices: list[Device] = []
-    issues: list[Issue] = []
-    for name in names:
-        try:
-            devices.append(load_device(name))
-        except SpecError as error:
-            issues.extend(error.issues)
+    devices, issues = try_all(names, load_device)
     if issues:
         raise SpecError(tuple(issues))
     return tuple(devices)

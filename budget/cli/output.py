@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     import typer
 
-    from budget.report.blocks import Document
+    from budget.report.blocks import Document, Section
     from budget.results import Budget
 
 
@@ -75,11 +75,12 @@ def printing() -> Iterator[None]:
 
 def hand_out(
     documents: Sequence[tuple[Path | None, Callable[[], str | Iterable[str]]]],
-    show: Callable[[], None] | None = None,
+    sections: Callable[[], Iterable[Section]] | None = None,
     *,
+    title: str = "",
     pages: Mapping[Path, str | bytes] | None = None,
 ) -> None:
-    """Write the documents that were asked for; print the one for stdout, or `show`.
+    """Write the documents asked for; print the one for stdout, or the sections.
 
     Of each document where it goes, None for nowhere, and what makes its text, whole or
     in pieces. `pages` are further files, which a person is told of.
@@ -95,27 +96,33 @@ def hand_out(
         if on_stdout is not None:
             text = on_stdout()
             sys.stdout.writelines([text] if isinstance(text, str) else text)
-        elif show is not None:
-            show()
+        elif sections is not None:
+            print_page(sections(), title=title)
+
+
+def print_page(sections: Iterable[Section], *, title: str = "") -> None:
+    """Print sections for people, under a title if there is one."""
+    from budget.report.terminal import Page, print_sections
+
+    page = Page(console())
+    page.heading(title, style="bold")
+    print_sections(sections, page)
 
 
 def deliver(budget: Budget, *, json: Path | None, csv: Path | None) -> None:
     """Print the budget for people, or the document asked for; write the files."""
     from budget.report.document import to_csv, to_json
 
-    def show() -> None:
+    def sections() -> Iterable[Section]:
         from budget.report.analysis.groups import budget_answer
-        from budget.report.terminal import Page, print_sections
 
-        page = Page(console())
-        page.line(budget.title, style="bold")
-        print_sections(budget_answer(budget), page)
+        return budget_answer(budget)
 
     if csv == STDOUT:  # the only output that has no room for them
         for text in budget.warnings:
             say(f"warning: {text}")
     documents = [(json, lambda: to_json(budget)), (csv, lambda: to_csv(budget))]
-    hand_out(documents, show)
+    hand_out(documents, sections, title=budget.title)
 
 
 SUFFIXES = (".html", ".pdf")

@@ -5,24 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from budget.cli import options
-from budget.cli.streams import console
 
 
 def paper(
     *,
-    output: Annotated[
-        list[Path] | None,
-        typer.Option(
-            "-o",
-            "--output",
-            metavar="FILE",
-            help="Page to write, .html or .pdf; may be given twice.",
-            show_default=False,
-        ),
-    ] = None,
+    output: Annotated[list[Path] | None, options.OUTPUT] = None,
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
 ) -> None:
@@ -40,7 +28,6 @@ def paper(
     )
     from budget.report.document import json_text
     from budget.report.paper.page import paper_document, paper_sections, to_csv
-    from budget.report.terminal import Page, print_sections
     from budget.studies.paper.study import reproduce
 
     check_destinations(json, csv, *(output or ()))
@@ -48,16 +35,12 @@ def paper(
     check_suffixes(pages)
     study = reproduce()
 
-    def show() -> None:
-        page = Page(console())
-        page.heading(study.paper.title, style="bold")
-        print_sections(paper_sections(study), page)
-
     rendered: dict[Path, str | bytes] = {}
     if pages:
         rendered = render_pages(paper_document(study, date=document_date()), pages)
     hand_out(
         [(json, lambda: json_text(study.to_dict())), (csv, lambda: to_csv(study))],
-        None if pages else show,
+        None if pages else lambda: paper_sections(study),
+        title=study.paper.title,
         pages=rendered,
     )

@@ -20,15 +20,7 @@ def report(
     context: typer.Context,
     devices: options.Devices = None,
     *,
-    output: Annotated[
-        list[Path],
-        typer.Option(
-            "-o",
-            "--output",
-            metavar="FILE",
-            help="Report to write, .html or .pdf; may be given again.",
-        ),
-    ],
+    output: Annotated[list[Path], options.OUTPUT],
     procedure: options.ProcedureFile = None,
     requirement: options.RequirementFile = None,
     asked: options.Asked,

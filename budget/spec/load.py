@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from budget.errors import SpecError
 from budget.resources import shipped
@@ -16,7 +16,7 @@ from budget.spec.requirement import read_requirement
 from budget.spec.tree import MOST_ISSUES, all_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
     from pathlib import Path
 
     from budget.errors import Issue
@@ -158,6 +158,28 @@ def load_catalogue() -> tuple[Device, ...]:
     return load_all(sorted(folder.glob("*.yaml")))
 
 
+P = TypeVar("P")
+T = TypeVar("T")
+
+
+def try_all(paths: Iterable[P], load: Callable[[P], T]) -> tuple[list[T], list[Issue]]:
+    """Load what can be read of several files, and the issues of what cannot."""
+    found: list[T] = []
+    issues: list[Issue] = []
+    for path in paths:
+        try:
+            found.append(load(path))
+        except SpecError as error:
+            issues.extend(error.issues)
+    return found, issues
+
+
+def try_devices(paths: Sequence[str | Path]) -> tuple[list[Device], list[Issue]]:
+    """Load the variants of what can be read, and the issues of what cannot."""
+    found, issues = try_all(paths, load_variants)
+    return [device for devices in found for device in devices], issues
+
+
 def load_all(paths: Sequence[str | Path]) -> tuple[Device, ...]:
     """Load devices as `load_variants` does, from several files.
 
@@ -166,13 +188,7 @@ def load_all(paths: Sequence[str | Path]) -> tuple[Device, ...]:
     SpecError
         With the issues of all files.
     """
-    devices: list[Device] = []
-    issues: list[Issue] = []
-    for path in paths:
-        try:
-            devices.extend(load_variants(path))
-        except SpecError as error:
-            issues.extend(error.issues)
+    devices, issues = try_devices(paths)
     if issues:
         raise SpecError(tuple(issues))
     return tuple(devices)
