@@ -262,7 +262,7 @@ def _check(
     from budget.references.check import check as run
     from budget.references.files import find_references
     from budget.references.store import read_reference
-    from budget.report.reference.document import checks_csv, checks_json
+    from budget.report.reference.document import checks_json, differences_csv
     from budget.report.reference.sections import check_sections
 
     checks: list[Difference] = []
@@ -290,7 +290,7 @@ def _check(
     hand_out(
         [
             (json, lambda: checks_json(checks, errors)),
-            (csv, lambda: checks_csv(checks)),
+            (csv, lambda: differences_csv(checks)),
         ],
         lambda: check_sections(checks, len(errors)),
     )

@@ -56,7 +56,7 @@ def diff(
     from budget.errors import CallError
     from budget.references.check import compare_sides
     from budget.references.records import Asked
-    from budget.report.reference.document import difference_csv, difference_json
+    from budget.report.reference.document import difference_json, differences_csv
     from budget.report.reference.sections import difference_sections
 
     check_destinations(json, csv, inputs=[first, second, procedure])
@@ -77,7 +77,7 @@ def diff(
     hand_out(
         [
             (json, lambda: difference_json(difference)),
-            (csv, lambda: difference_csv(difference)),
+            (csv, lambda: differences_csv([difference])),
         ],
         lambda: difference_sections(difference),
     )

@@ -38,25 +38,9 @@ def checks_json(checks: Sequence[Difference], errors: Sequence[str]) -> str:
                 }
                 for one in checks
             ],
-            "moved": [
-                {"reference": one.first, **_move(move)}
-                for one in checks
-                for move in one.moves
-            ],
+            "moved": _moved(checks),
             "errors": list(errors),
         }
-    )
-
-
-def checks_csv(checks: Sequence[Difference]) -> str:
-    """Write one row for each number or word that moved."""
-    return csv_text(
-        COLUMNS,
-        (
-            {"reference": one.first, **_move(move)}
-            for one in checks
-            for move in one.moves
-        ),
     )
 
 
@@ -76,12 +60,18 @@ def difference_json(difference: Difference) -> str:
     )
 
 
-def difference_csv(difference: Difference) -> str:
-    """Write one row for each number or word that differs, the largest change first."""
-    return csv_text(
-        COLUMNS,
-        ({"reference": difference.first, **_move(move)} for move in difference.moves),
-    )
+def differences_csv(differences: Sequence[Difference]) -> str:
+    """Write one row for each number or word that moved."""
+    return csv_text(COLUMNS, _moved(differences))
+
+
+def _moved(differences: Sequence[Difference]) -> list[dict[str, Any]]:
+    """Return the entries of `moved`, each with the name of what it is in."""
+    return [
+        {"reference": one.first, **_move(move)}
+        for one in differences
+        for move in one.moves
+    ]
 
 
 def _move(move: Move) -> dict[str, Any]:

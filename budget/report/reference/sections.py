@@ -25,13 +25,14 @@ from budget.report.tables import (
     round_value,
     source_title,
 )
+from budget.report.wording import points
 from budget.studies.request import read_name
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from budget.references.difference import Change, Difference, Move
-    from budget.report.blocks import Block, Table
+    from budget.report.blocks import Block
 
 # What a reader looks at first; the other numbers follow from what moves these.
 PRINCIPAL = (
@@ -65,7 +66,10 @@ MOST_PERCENT = 100.0  # a part above this [1] is printed to two digits
 NAMED = 2  # causes of one row on a terminal
 LITTLE = 0.005  # of a difference: not worth a word [1]
 FEW = 0.03  # of a difference: what parts need not add up to, without a word [1]
+VERDICTS = {True: "holds", False: "MOVED"}
 TOGETHER = "together"
+TOLERANCES, STANDARD_ERRORS = "tol", "s.e."
+BOUNDS = (AT_LEAST, AT_MOST)
 NONE = "-"
 
 
@@ -73,6 +77,7 @@ NONE = "-"
 class Row:
     """One or more numbers that moved alike."""
 
+    title: str  # what of which parameter: 'Gyro bias, u [deg/h]'
     before: str
     after: str
     change: str  # of the uncertainty of the output, or of the number itself
@@ -90,27 +95,12 @@ class Row:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Group:
-    """Rows of one quantity of one parameter."""
-
-    title: str
-    rows: tuple[Row, ...]
-
-
-@dataclass(frozen=True, kw_only=True)
 class MoveTable:
     """What is shown of all moves, and how many are not."""
 
-    groups: tuple[Group, ...]
+    rows: tuple[Row, ...]
     words: tuple[str, ...]  # 'Gyro: verdict: meets -> fails'
     rest: int
-    has_standard_errors: bool
-    has_tolerances: bool
-    has_together: bool
-    has_bounds: bool
-
-
-HEADS = {"check": ("stored", "now"), "diff": ("A", "B")}
 
 
 def check_sections(checks: Sequence[Difference], bad: int) -> tuple[Section, ...]:
@@ -135,11 +125,8 @@ def check_sections(checks: Sequence[Difference], bad: int) -> tuple[Section, ...
             table_of(
                 checks,
                 (
-                    Field(
-                        head="",
-                        cell=lambda one: Cell(text=one.first, strong=not one.holds),
-                    ),
-                    Field(head="", cell=_verdict),
+                    Field(head="", cell=lambda one: _strong(one, one.first)),
+                    Field(head="", cell=lambda one: _strong(one, VERDICTS[one.holds])),
                     Field(head="", cell=_extent),
                 ),
                 name="references",
@@ -155,7 +142,9 @@ def check_sections(checks: Sequence[Difference], bad: int) -> tuple[Section, ...
         )
     ]
     if held:
-        blocks.append(_panel("Changed, and nothing moved", held))
+        blocks.append(
+            Panel(title="Changed, and nothing moved", blocks=(_listing(held),))
+        )
     tool = [
         f"{change.key} {change.before} -> {change.after}"
         for one in checks
@@ -177,12 +166,12 @@ def check_sections(checks: Sequence[Difference], bad: int) -> tuple[Section, ...
             Section(
                 name=f"moved-{place}",
                 title=f"{one.first}: what moved, the largest first",
-                blocks=tuple(_moves("check", one.changes, table)),
+                blocks=tuple(_moves(one.changes, table, ("stored", "now"))),
             )
             for place, (one, table) in enumerate(zip(moved, tables, strict=True))
         ),
-        *_legend("check", tables),
-        _total(f"{number} {noun}: {', '.join(counts)}"),
+        *legend([row for table in tables for row in table.rows], "by"),
+        Section(name="total", title=f"{number} {noun}: {', '.join(counts)}", blocks=()),
     )
 
 
@@ -195,28 +184,20 @@ def difference_sections(difference: Difference) -> tuple[Section, ...]:
         Section(
             name="difference",
             title=f"{counted} differ",
-            blocks=(first, *_moves("diff", difference.changes, table)),
+            blocks=(first, *_moves(difference.changes, table, ("A", "B"))),
         ),
-        *_legend("diff", [table]),
+        *legend(table.rows),
     )
 
 
-def _total(text: str) -> Section:
-    """Return a line that ends what is printed."""
-    return Section(name="total", title=text, blocks=())
+def _listing(lines: Iterable[str], *, numbered: bool = False) -> Listing:
+    """Return lines of text."""
+    return Listing(items=points(lines), empty="", numbered=numbered)
 
 
-def _panel(title: str, lines: Sequence[str], *, numbered: bool = False) -> Panel:
-    """Return lines of text under a heading."""
-    items = tuple((text,) for text in lines)
-    return Panel(
-        title=title, blocks=(Listing(items=items, empty="", numbered=numbered),)
-    )
-
-
-def _verdict(one: Difference) -> Cell:
-    """Say how one reference fared."""
-    return Cell(text="holds" if one.holds else "MOVED", strong=not one.holds)
+def _strong(one: Difference, text: str) -> Cell:
+    """Return a cell that stands out where a reference moved."""
+    return Cell(text=text, strong=not one.holds)
 
 
 def _extent(one: Difference) -> str:
@@ -228,101 +209,91 @@ def _extent(one: Difference) -> str:
 
 
 def _moves(
-    command: str, changes: Sequence[Change], table: MoveTable
+    changes: Sequence[Change], table: MoveTable, heads: tuple[str, str]
 ) -> Iterator[Block]:
     """Yield what changed, numbered, and the moves that name these numbers."""
-    moved = bool(table.groups or table.words)
     if changes:
-        lines = change_lines(changes, moved=moved)
+        lines = change_lines(changes, moved=bool(table.rows or table.words))
         numbered = [text for text in lines if not text.startswith("and ")]
-        yield _panel("What changed", numbered, numbered=True)
+        yield Panel(title="What changed", blocks=(_listing(numbered, numbered=True),))
         for text in lines[len(numbered) :]:
             yield Paragraph(words=(f"{text}.",), small=True)
-    if table.words or table.groups:
-        blocks: list[Block] = []
-        if table.words:
-            items = tuple((text,) for text in table.words)
-            blocks.append(Listing(items=items, empty=""))
-        if table.groups:
-            blocks.append(_groups(command, table.groups))
-        if table.rest:
-            more = f"And {table.rest} more numbers, all in --json."
-            blocks.append(Paragraph(words=(more,), small=True))
+    blocks: list[Block] = []
+    if table.words:
+        blocks.append(_listing(table.words))
+    if table.rows:
+        before, after = heads
+        fields: list[Field[Row]] = [
+            Field(head="", cell=lambda row: row.label),
+            Field(head=before, kind="number", cell=lambda row: row.before),
+            Field(head=after, kind="number", cell=lambda row: row.after),
+            Field(head="change", kind="number", cell=lambda row: row.change),
+            Field(head="by", kind="number", cell=lambda row: row.times),
+            Field(head="because", cell=lambda row: row.because),
+        ]
+        blocks.append(
+            table_of(
+                table.rows,
+                [field for field in fields if before == "stored" or field.head != "by"],
+                name="moves",
+                caption="Numbers that moved, the largest first",
+                by=lambda row: row.title,
+                titled=True,
+            )
+        )
+    if table.rest:
+        more = f"And {table.rest} more numbers, all in --json."
+        blocks.append(Paragraph(words=(more,), small=True))
+    if blocks:
         yield Panel(title="What moved", blocks=tuple(blocks))
 
 
-def _groups(command: str, groups: Sequence[Group]) -> Table:
-    """Return all moves under one head."""
-    before, after = HEADS[command]
-    fields: list[Field[tuple[Group, Row]]] = [
-        Field(head="", cell=lambda pair: pair[1].label),
-        Field(head=before, kind="number", cell=lambda pair: pair[1].before),
-        Field(head=after, kind="number", cell=lambda pair: pair[1].after),
-        Field(head="change", kind="number", cell=lambda pair: pair[1].change),
-        Field(head="by", kind="number", cell=lambda pair: pair[1].times),
-        Field(head="because", cell=lambda pair: pair[1].because),
-    ]
-    return table_of(
-        [(group, row) for group in groups for row in group.rows],
-        [field for field in fields if command == "check" or field.head != "by"],
-        name="moves",
-        caption="Numbers that moved, the largest first",
-        by=lambda pair: pair[0].title,
-        titled=True,
-    )
-
-
-def _legend(command: str, tables: Sequence[MoveTable]) -> Iterator[Section]:
+def legend(rows: Sequence[Row], by: str = "") -> tuple[Section, ...]:
     """Explain the columns that are there, once for all."""
-    if not any(table.groups for table in tables):
-        return
+    if not rows:
+        return ()
     text = (
         "change: of the standard uncertainty of the output, or of the number itself "
         "where it belongs to none. because: numbers of the changes above, with the "
         "part of the difference that each explains alone, by the law."
     )
-    if any(table.has_together for table in tables):
+    if any(TOGETHER in row.because for row in rows):
         text += " together: what all changes do at once beyond the sum of these parts."
-    if command == "check" and any(table.has_tolerances for table in tables):
+    if by and any(row.times.endswith(TOLERANCES) for row in rows):
         text += " tol: times the tolerance, 1e-9 relative or rounding."
-    if command == "check" and any(table.has_standard_errors for table in tables):
+    if by and any(row.times.endswith(STANDARD_ERRORS) for row in rows):
         text += " s.e.: standard errors of a difference between two seeds."
-    if any(table.has_bounds for table in tables):
+    if any(pair.startswith(BOUNDS) for row in rows for pair in (row.before, row.after)):
         text += " >=, <=: this or worse, as a line is not given that would add to it."
-    yield Section(
-        name="legend",
-        title="What the columns mean",
-        blocks=(Paragraph(words=(text,), small=True),),
-    )
+    words = Paragraph(words=(text,), small=True)
+    return (Section(name="legend", title="What the columns mean", blocks=(words,)),)
 
 
 def move_table(moves: Sequence[Move], changes: Sequence[Change] = ()) -> MoveTable:
     """Choose and group the moves to be shown, the largest first.
 
-    Groups stand by their largest change, rows within a group too. Where principal
-    numbers moved (u, mean, a verdict), those that follow from them are only counted.
+    Titles stand by their largest change, rows under a title too; axes whose rows say
+    the same are one row. Where principal numbers moved (u, mean, a verdict), those that
+    follow from them are only counted.
     """
-    spoken = [m for m in moves if isinstance(m.before or m.after, str)]
+    words = [m for m in moves if isinstance(m.before or m.after, str)]
     counted = [m for m in moves if not isinstance(m.before or m.after, str)]
     first = [move for move in counted if move.item.quantity in PRINCIPAL]
     chosen = sorted(first or counted, key=lambda move: -move.size)[:MOST_ROWS]
-    groups: dict[str, list[Move]] = {}
+    rows: dict[Row, list[str]] = {}
     for move in chosen:
-        groups.setdefault(_title(move), []).append(move)
-    numbers = [move for move in chosen if move.times is not None]
+        label = _split(move.item.subject)[1]
+        rows.setdefault(_row(move, changes), []).append(label)
+    titles = list(dict.fromkeys(row.title for row in rows))
     return MoveTable(
-        groups=tuple(
-            Group(title=title, rows=_rows(own, changes))
-            for title, own in groups.items()
+        rows=tuple(
+            replace(row, labels=tuple(rows[row]))
+            for row in sorted(rows, key=lambda row: titles.index(row.title))
         ),
         words=tuple(
-            f"{_word_title(m)}: {_word(m.before)} -> {_word(m.after)}" for m in spoken
+            f"{_word_title(m)}: {_word(m.before)} -> {_word(m.after)}" for m in words
         ),
         rest=len(counted) - len(chosen),
-        has_standard_errors=any(move.is_sampled for move in numbers),
-        has_tolerances=any(not move.is_sampled for move in numbers),
-        has_together=any(together_text(move) for move in chosen),
-        has_bounds=any(any(move.bounds) for move in chosen),
     )
 
 
@@ -392,14 +363,6 @@ def print_pair(before: float, after: float) -> tuple[str, str]:
     return round_value(before, u), round_value(after, u)
 
 
-def _rows(moves: Sequence[Move], changes: Sequence[Change]) -> tuple[Row, ...]:
-    """Make rows; axes whose rows say the same are one row."""
-    rows: dict[Row, list[str]] = {}
-    for move in moves:
-        rows.setdefault(_row(move, changes), []).append(_split(move.item.subject)[1])
-    return tuple(replace(row, labels=tuple(labels)) for row, labels in rows.items())
-
-
 def _row(move: Move, changes: Sequence[Change]) -> Row:
     """Return the row of one move, without its label."""
     if isinstance(move.before, float) and isinstance(move.after, float):
@@ -420,8 +383,10 @@ def _row(move: Move, changes: Sequence[Change]) -> Row:
         change = f"{sign}{_two_digits(100.0 * move.size)} %"
     times = NONE
     if move.times is not None:
-        times = f"{_two_digits(move.times)} {'s.e.' if move.is_sampled else 'tol'}"
+        kind = STANDARD_ERRORS if move.is_sampled else TOLERANCES
+        times = f"{_two_digits(move.times)} {kind}"
     return Row(
+        title=_title(move),
         before=before,
         after=after,
         change=change,

@@ -12,6 +12,7 @@ from budget.report.reference.sections import (
     MOST_ROWS,
     cause_texts,
     change_lines,
+    legend,
     move_table,
     print_pair,
 )
@@ -64,18 +65,18 @@ def test_both_numbers_show_their_difference(before, after, texts):
 def test_axes_that_say_the_same_are_one_row():
     """Three alike are `all`; one that differs stands alone."""
     alike = [move(f"gyro.bias.{axis}") for axis in "xyz"]
-    (group,) = move_table(alike).groups
-    assert [row.label for row in group.rows] == ["all"]
-    assert group.title == "Gyro bias, u [deg/h]"
-    (group,) = move_table([*alike[:2], move("gyro.bias.z", after=2.5)]).groups
-    assert [row.label for row in group.rows] == ["z", "x, y"]
+    rows = move_table(alike).rows
+    assert [row.label for row in rows] == ["all"]
+    assert rows[0].title == "Gyro bias, u [deg/h]"
+    rows = move_table([*alike[:2], move("gyro.bias.z", after=2.5)]).rows
+    assert [row.label for row in rows] == ["z", "x, y"]
 
 
 def test_names_with_commas_are_told_apart():
     """Devices that say the same are one row, also under 'eq. 4, as printed'."""
     names = ("a.yaml @ eq. 4, as printed", "b.yaml @ eq. 4, as printed")
-    (group,) = move_table([move(f"{name} gyro") for name in names]).groups
-    assert [row.label for row in group.rows] == ["; ".join(names)]
+    rows = move_table([move(f"{name} gyro") for name in names]).rows
+    assert [row.label for row in rows] == ["; ".join(names)]
 
 
 @pytest.mark.parametrize(
@@ -90,8 +91,8 @@ def test_names_with_commas_are_told_apart():
 )
 def test_groups_and_rows(subject, title, label):
     """A subject is taken apart into what a table is of and what a row is of."""
-    (group,) = move_table([move(subject)]).groups
-    assert (group.title, group.rows[0].label) == (title, label)
+    rows = move_table([move(subject)]).rows
+    assert (rows[0].title, rows[0].label) == (title, label)
 
 
 def test_the_largest_first_and_the_rest_counted():
@@ -102,13 +103,13 @@ def test_the_largest_first_and_the_rest_counted():
         move("gyro.bias.x", "contribution", partner="gyro.bias_stability", after=9.0),
     ]
     table = move_table(moves)
-    assert [group.title[:10] for group in table.groups] == ["Gyro scale", "Gyro bias,"]
+    assert [row.title[:10] for row in table.rows] == ["Gyro scale", "Gyro bias,"]
     assert table.rest == 1
-    (alone,) = move_table(moves[2:]).groups
+    (alone,) = move_table(moves[2:]).rows
     assert_says(alone.title, "gyro bias", "contribution of bias stability", "[deg/h]")
     many = [move(f"a{k}.gyro.bias.x", after=2.0 + k) for k in range(1, 60)]
     table = move_table(many)
-    assert sum(len(group.rows) for group in table.groups) == MOST_ROWS
+    assert len(table.rows) == MOST_ROWS
     assert table.rest == 59 - MOST_ROWS
 
 
@@ -125,8 +126,8 @@ def test_the_largest_first_and_the_rest_counted():
 )
 def test_a_change_is_of_the_uncertainty_or_of_itself(change, text):
     """Per cent of the scale; so many times where a number itself grew much."""
-    (group,) = move_table([change]).groups
-    assert group.rows[0].change == text
+    rows = move_table([change]).rows
+    assert rows[0].change == text
 
 
 def test_words_stand_apart():
@@ -134,7 +135,7 @@ def test_words_stand_apart():
     word = move("gyro", "verdict", before="meets", after="fails", unit="", scale=None)
     table = move_table([word])
     assert table.words == ("Gyro, verdict: meets -> fails",)
-    assert (table.groups, table.rest) == ((), 0)
+    assert (table.rows, table.rest) == ((), 0)
 
 
 def test_a_word_of_a_comparison_names_its_device():
@@ -161,8 +162,8 @@ def test_causes(amounts, text):
     """Changes by number, the largest part first; one that is all needs no part."""
     changes, causes = caused(amounts)
     one = move(causes=causes)
-    (group,) = move_table([one], changes).groups
-    assert group.rows[0].because == text
+    rows = move_table([one], changes).rows
+    assert rows[0].because == text
     assert len(cause_texts(one)) == len(amounts)
 
 
@@ -180,9 +181,9 @@ def test_what_parts_leave(amounts, together, text):
     """What the changes do at once beyond their parts is said, above a few per cent."""
     changes, causes = caused(amounts)
     table = move_table([move(causes=causes, together=together)], changes)
-    (group,) = table.groups
-    assert group.rows[0].because == text
-    assert table.has_together == ("together" in text)
+    assert table.rows[0].because == text
+    (section,) = legend(table.rows)
+    assert ("together:" in section.blocks[0].words[0]) == ("together" in text)
 
 
 @pytest.mark.parametrize(
@@ -193,9 +194,9 @@ def test_no_part_overflows(amount, text):
     """A part a thousand times the difference is short; one beyond any is none."""
     changes, causes = caused([amount])
     one = move(causes=causes, together=amount * 1e10)
-    (group,) = move_table([one], changes).groups
-    assert group.rows[0].because.partition(", ")[0] == text
-    assert len(group.rows[0].because) < 40
+    rows = move_table([one], changes).rows
+    assert rows[0].because.partition(", ")[0] == text
+    assert len(rows[0].because) < 40
 
 
 @pytest.mark.parametrize(
@@ -250,7 +251,8 @@ def test_a_lower_bound_is_marked(quantity, pair):
     """Where a line lacks, u is this or more, and a conformance this or less."""
     one = move(quantity=quantity, after=2.5, bounds=(False, True))
     table = move_table([one])
-    (row,) = table.groups[0].rows
+    (row,) = table.rows
     assert (row.before, row.after) == pair
-    assert table.has_bounds
-    assert not move_table([move()]).has_bounds
+    marked, plain = (legend(rows) for rows in (table.rows, move_table([move()]).rows))
+    assert ">=, <=:" in marked[0].blocks[0].words[0]
+    assert ">=" not in plain[0].blocks[0].words[0]
