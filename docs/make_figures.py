@@ -8,7 +8,7 @@ from pathlib import Path
 
 import budget
 from budget.report.figures.rows import draw as draw_rows
-from budget.report.figures.shares import share_chart
+from budget.report.figures.sources import share_chart
 from budget.report.figures.style import PAPER, to_svg
 from budget.report.tables import group_tables
 

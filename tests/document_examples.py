@@ -26,10 +26,10 @@ from budget.report.blocks import (
     Sliders,
     Table,
 )
+from budget.report.figures.outputs import utilisation_chart
 from budget.report.figures.rows import draw
-from budget.report.figures.shares import share_chart
+from budget.report.figures.sources import share_chart
 from budget.report.figures.style import to_svg
-from budget.report.figures.utilisation import utilisation_chart
 from budget.report.formulas import Math
 from budget.report.tables import group_tables
 

@@ -29,13 +29,14 @@ from budget.report.blocks import (
     Section,
 )
 from budget.report.document import to_json
-from budget.report.figures.coupling import coupling_chart
 from budget.report.figures.density import density_picture
-from budget.report.figures.overview import overview_chart
+from budget.report.figures.outputs import (
+    overview_chart,
+    utilisation_chart,
+    validity_chart,
+)
 from budget.report.figures.rows import chart_picture
-from budget.report.figures.sobol import sobol_chart
-from budget.report.figures.utilisation import utilisation_chart
-from budget.report.figures.validity import validity_chart
+from budget.report.figures.sources import coupling_chart, sobol_chart
 from budget.report.inputs import (
     inputs_section,
     print_degrees,

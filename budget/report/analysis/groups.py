@@ -19,8 +19,7 @@ from budget.report.blocks import (
     table_of,
 )
 from budget.report.figures.rows import chart_picture
-from budget.report.figures.shares import share_chart
-from budget.report.figures.sobol import sobol_chart
+from budget.report.figures.sources import share_chart, sobol_chart
 from budget.report.tables import (
     CheckCell,
     OutputRow,

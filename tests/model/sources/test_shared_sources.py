@@ -21,8 +21,7 @@ from budget.model.sources import SOURCES, STATION
 from budget.names import Name
 from budget.report.allocation.page import allocation_answer, allocation_section
 from budget.report.analysis.verdict import rank_contributions
-from budget.report.figures.coupling import coupling_chart
-from budget.report.figures.shares import share_chart
+from budget.report.figures.sources import coupling_chart, share_chart
 from budget.report.inputs import inputs_section
 from budget.report.tables import group_tables
 from budget.spec.records import ErrorLine

@@ -28,21 +28,27 @@ from saying import assert_says
 from budget.names import Name
 from budget.report.analysis.groups import budget_section
 from budget.report.blocks import Picture
-from budget.report.figures.coupling import STEPS, coupling_chart, print_part
 from budget.report.figures.density import (
     density_picture,
     density_step,
     density_title,
     part_beyond,
 )
-from budget.report.figures.overview import overview_chart
+from budget.report.figures.outputs import (
+    overview_chart,
+    utilisation_chart,
+    validity_chart,
+)
 from budget.report.figures.rows import Chart, chart_picture, draw
-from budget.report.figures.shares import share_chart
-from budget.report.figures.sobol import sobol_chart
+from budget.report.figures.sources import (
+    STEPS,
+    coupling_chart,
+    print_part,
+    share_chart,
+    sobol_chart,
+)
 from budget.report.figures.style import BLUE, INK, ON_DARK, STYLES, to_svg
 from budget.report.figures.timeline import schedule_chart
-from budget.report.figures.utilisation import utilisation_chart
-from budget.report.figures.validity import validity_chart
 from budget.report.tables import group_tables
 from budget.spec.records import AccelerometerProcedure
 

@@ -1,0 +1,403 @@
+"""Figures of all outputs: U, limits used, the law against Monte Carlo."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import groupby
+from typing import TYPE_CHECKING
+
+from budget.names import words
+from budget.report.blocks import Cell, Field, table_of
+from budget.report.figures.rows import (
+    Chart,
+    Dot,
+    Group,
+    Panel,
+    Row,
+    Scale,
+    Side,
+    Stroke,
+)
+from budget.report.figures.style import INK, MUTED, PAPER
+from budget.report.tables import (
+    UNKNOWN,
+    join_outputs,
+    largest_error,
+    output_title,
+    print_count,
+    print_coverage,
+    used_part,
+)
+from budget.report.wording import capital, cell
+from budget.results import worst_of
+from budget.ties import first_largest, from_largest, largest
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from budget.report.tables import GroupTable, OutputRow
+    from budget.results import (
+        Assessment,
+        Budget,
+        OutputAssessment,
+        OutputBudget,
+        Validation,
+    )
+
+ABOVE = 1.08  # reach of an axis over the largest U [1]
+
+
+def overview_chart(groups: Sequence[GroupTable]) -> Chart | None:
+    """Show U of each output: a panel a group, a side a sensor; None without spread."""
+    if not any(row.expanded.exact > 0.0 for group in groups for row in group.rows):
+        return None
+    coverage = print_coverage(groups[0].coverage)
+    return Chart(
+        name="overview",
+        title=_overview_title(groups, coverage),
+        sides=tuple(
+            Side(
+                title=words(sensor),
+                panels=tuple(_overview_panel(g) for g in groups if g.sensor == sensor),
+            )
+            for sensor in dict.fromkeys(group.sensor for group in groups)
+        ),
+        lead=f"U{coverage}. ",
+        caption="Each group of parameters has an axis of its own, from zero.",
+        foot=f"U{coverage}, half the width of the {coverage} % interval",
+        data=table_of(
+            [(group, row) for group in groups for row in group.rows],
+            (
+                Field(head="output", cell=lambda one: one[1].axis),
+                Field(
+                    head=f"U{coverage}",
+                    kind="number",
+                    cell=lambda one: cell(one[1].expanded),
+                ),
+                Field(head="", kind="unit", cell=lambda one: one[0].unit),
+            ),
+            name="overview-data",
+            caption=f"U{coverage} of every output",
+            by=lambda one: capital(_in_unit(one[0])),
+            titled=True,
+        ),
+    )
+
+
+def _in_unit(group: GroupTable) -> str:
+    """Name a group with its unit: 'gyro bias in deg/h'."""
+    return f"{group.title} in {group.unit}"
+
+
+def _overview_title(groups: Sequence[GroupTable], coverage: str) -> str:
+    """State the finding: the widest bias of each sensor, or the widest output."""
+    chosen = [group for group in groups if group.parameter == "bias"] or groups[:1]
+    parts = [
+        f"not known for the {group.title}"
+        if group.widest.expanded.text == UNKNOWN
+        else f"{group.widest.expanded.text} {group.unit} for the {group.title}"
+        for group in chosen
+    ]
+    return f"U{coverage} is {' and '.join(parts)}"
+
+
+def _overview_panel(group: GroupTable) -> Panel:
+    """Return one group on its own axis from zero."""
+    largest = max(row.expanded.exact for row in group.rows)
+    return Panel(
+        scale=Scale(low=0.0, high=ABOVE * largest or 1.0),
+        groups=(
+            Group(
+                title=f"{words(group.parameter)} [{group.unit}]",
+                said=_in_unit(group),
+                rows=tuple(_overview_row(group, row) for row in group.rows),
+            ),
+        ),
+    )
+
+
+def _overview_row(group: GroupTable, row: OutputRow) -> Row:
+    """Return a line from zero to the dot of one output, and its number."""
+    x, text = row.expanded.exact, row.expanded.text
+    tip = f"{group.title} {row.axis}: U {text} {group.unit}"
+    return Row(
+        label=row.axis,
+        marks=(Stroke(start=0.0, end=x), Dot(at=x, size=4.5, tip=tip)),
+        beside=(text,),
+        said=f"{row.axis} {text}",
+    )
+
+
+MOST_LINEAR = 4.0  # utilisations beyond need a logarithmic axis [1]
+
+
+USED = (
+    Field["OutputAssessment"](head="output", cell=lambda row: row.output.name.axis),
+    Field["OutputAssessment"](
+        head="largest error [% of the limit]",
+        kind="number",
+        cell=lambda row: Cell(
+            text=used_part(row).text.removesuffix(" %"),
+            exact=100.0 * row.utilisation,
+            strong=not row.is_within,
+        ),
+    ),
+    Field["OutputAssessment"](head="limit", cell=lambda row: row.printed_limit),
+)
+
+
+def utilisation_chart(assessment: Assessment) -> Chart:
+    """Show each required output's largest error against its limit, worst first."""
+    most = max(output.utilisation for output in assessment.outputs)
+    is_log = most > MOST_LINEAR
+    scale = Scale(
+        low=1.0 if is_log else 0.0,  # what is less sits at the edge, its label is exact
+        high=100.0 * max(1.05 * most, 1.2),
+        kind="log" if is_log else "linear",
+        lines=((100.0, "limit"),),
+    )
+    sensors = dict.fromkeys(row.output.name.owner for row in assessment.outputs)
+    return Chart(
+        name="utilisation",
+        title=utilisation_title(assessment),
+        sides=tuple(
+            Side(
+                title=words(sensor),
+                panels=(
+                    Panel(
+                        scale=scale, groups=_limit_groups(assessment, sensor, scale.low)
+                    ),
+                ),
+            )
+            for sensor in sensors
+        ),
+        lead="Largest errors in per cent of the limit. ",
+        foot="largest error [% of the limit]; filled: beyond it",
+        data=table_of(
+            [
+                row
+                for sensor in sensors
+                for own in _ranked(assessment, sensor)
+                for row in own
+            ],
+            USED,
+            name="utilisation-data",
+            caption="Largest error of each output in per cent of its limit",
+            by=lambda row: capital(output_title(row.output.name.group)),
+            titled=True,
+        ),
+    )
+
+
+def utilisation_title(assessment: Assessment) -> str:
+    """State the finding: how many outputs exceed their limits, and the worst."""
+    worst = worst_of(assessment.outputs)
+    sensors = assessment.sensors
+    nearest = [
+        sensors[place] for place in largest([one.utilisation for one in sensors])
+    ]
+    beyond = sum(not output.is_within for output in assessment.outputs)
+    name = join_outputs([name for one in nearest for name in one.worst_outputs])
+    part = f"{name} at {used_part(worst).text} of the limit"
+    total = len(assessment.outputs)
+    if beyond:
+        return f"{beyond} of {total} outputs exceed their limits, most of all {part}"
+    open_ones = sum(output.lower_bound for output in assessment.outputs)
+    if open_ones:
+        return (
+            f"{total - open_ones} of {total} outputs are within their limits, "
+            f"{open_ones} cannot be decided, lines are missing"
+        )
+    return f"All {total} outputs stay within their limits, the nearest is {part}"
+
+
+def _ranked(assessment: Assessment, sensor: str) -> list[list[OutputAssessment]]:
+    """Return the outputs of a sensor by parameter, the worst group first.
+
+    Axes keep their order, which noise would change otherwise.
+    """
+    own = [row for row in assessment.outputs if row.output.name.owner == sensor]
+    groups = [
+        list(outputs)
+        for _, outputs in groupby(own, key=lambda output: output.output.name.group)
+    ]
+    order = from_largest([worst_of(outputs).utilisation for outputs in groups])
+    return [groups[k] for k in order]
+
+
+def _limit_groups(
+    assessment: Assessment, sensor: str, start: float
+) -> tuple[Group, ...]:
+    """Return the rows of the outputs of a sensor, the worst group first."""
+    return tuple(
+        Group(
+            title=output_title(outputs[0].output.name.group.without_owner),
+            said=output_title(outputs[0].output.name.group),
+            rows=tuple(_limit_row(output, start) for output in outputs),
+        )
+        for outputs in _ranked(assessment, sensor)
+    )
+
+
+def _limit_row(output: OutputAssessment, start: float) -> Row:
+    """Return a thin line to a dot, filled where it is beyond the limit."""
+    x = max(100.0 * output.utilisation, start)
+    used, axis = used_part(output).text, output.output.name.axis
+    return Row(
+        label=axis,
+        marks=(
+            Stroke(start=start, end=x),
+            Dot(
+                at=x,
+                fill=PAPER if output.is_within else INK,
+                edge=MUTED if output.is_within else INK,
+                tip=f"{output_title(output.output.name)}: largest error "
+                f"{largest_error(output).text} "
+                f"{output.output.unit}, {used} of the limit {output.printed_limit}",
+            ),
+        ),
+        beside=(used,),
+        strong=not output.is_within,
+        said=f"{axis} {used}",
+    )
+
+
+TEN = 10.0  # tolerances that are printed without decimals [1]
+LEAST_REACH, LINEAR_BELOW = 1.5, 6.0  # reach of the axis, in tolerances [1]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Check:
+    """Both interval ends of one output: the law's less Monte Carlo's."""
+
+    row: OutputBudget
+    validation: Validation
+    low: float  # in tolerances [1]
+    high: float  # in tolerances [1]
+
+    @property
+    def worst(self) -> float:
+        """The larger one in size [1]."""
+        return max(abs(self.low), abs(self.high))
+
+
+CHECKED = (
+    Field[Check](head="output", cell=lambda check: check.row.axis),
+    Field[Check](
+        head="lower end [tolerances]",
+        kind="number",
+        cell=lambda check: Cell(text=_signed(check.low), exact=check.low),
+    ),
+    Field[Check](
+        head="upper end [tolerances]",
+        kind="number",
+        cell=lambda check: Cell(text=_signed(check.high), exact=check.high),
+    ),
+    Field[Check](
+        head="the law",
+        cell=lambda check: Cell(
+            text=check.validation.word, strong=not check.validation.holds
+        ),
+    ),
+)
+
+
+def validity_chart(budget: Budget, sensor: str) -> Chart | None:
+    """Show both interval ends of each output of a sensor, None where none was checked.
+
+    The band is the tolerance of JCGM 101:2008, 8.1.
+    """
+    checks = _checks(budget, sensor)
+    if not checks:
+        return None
+    trials = print_count(max(check.validation.trials for check in checks))
+    reach = max(LEAST_REACH, 1.1 * max(check.worst for check in checks))
+    is_long = reach > LINEAR_BELOW
+    scale = Scale(
+        low=-reach * (1.2 if is_long else 1.0),
+        high=reach * (1.2 if is_long else 1.0),
+        kind="symlog" if is_long else "linear",
+        lines=((0.0, ""),),
+        band=(-1.0, 1.0),
+        label="law less Monte Carlo [tolerances]; band: the law holds",
+    )
+    groups = tuple(
+        Group(title=words(name), rows=tuple(map(_check_row, own)))
+        for name, own in groupby(checks, key=lambda check: check.row.parameter)
+    )
+    return Chart(
+        name=f"validity-{sensor}",
+        title=_check_title(checks, sensor),
+        sides=(Side(panels=(Panel(scale=scale, groups=groups),)),),
+        lead=("Lower and upper interval end, law less Monte Carlo, in tolerances. "),
+        caption=(
+            f"Monte Carlo: {trials} trials. Triangles point to the end that they are "
+            "of; in the band the law holds."
+        ),
+        data=table_of(
+            checks,
+            CHECKED,
+            name=f"validity-{sensor}-data",
+            caption=f"The law less Monte Carlo for the {sensor}, in tolerances",
+            by=lambda check: capital(words(check.row.parameter)),
+            titled=True,
+        ),
+    )
+
+
+def _check_title(checks: list[Check], sensor: str) -> str:
+    """State the finding: for how many outputs the law holds, and the worst of them."""
+    worst = checks[first_largest([check.worst for check in checks])]
+    name, size = output_title(worst.row.output.name), _signed(worst.worst)[1:]
+    missed = sum(not check.validation.holds for check in checks)
+    part = f"farthest off is {name} with a difference of {size} tolerances"
+    if missed:
+        return (
+            f"The law does not hold for {missed} of {len(checks)} {sensor} outputs, "
+            f"{part}"
+        )
+    return f"The law holds for all {len(checks)} {sensor} outputs, {part}"
+
+
+def _checks(budget: Budget, sensor: str) -> list[Check]:
+    """Return the outputs that were checked and have a spread to be checked."""
+    checks = []
+    for row in budget.outputs:
+        check = row.validation
+        if row.sensor != sensor or check is None or not row.is_resolved:
+            continue
+        low, high = (
+            (ours - theirs) / check.tolerance
+            for ours, theirs in zip(row.interval, check.interval, strict=True)
+        )
+        checks.append(Check(row=row, validation=check, low=low, high=high))
+    return checks
+
+
+def _check_row(check: Check) -> Row:
+    """Return both ends of one output; dark and named where the law does not hold."""
+    holds, word = check.validation.holds, check.validation.word
+    low, high = _signed(check.low), _signed(check.high)
+    size = _signed(check.worst)[1:]
+    fill, edge = (PAPER, MUTED) if holds else (INK, INK)
+    axis = check.row.axis
+    tip = (
+        f"{output_title(check.row.output.name)}: the law {word}, lower end {low}, "
+        f"upper end {high} tolerances"
+    )
+    return Row(
+        label=axis,
+        marks=(
+            Stroke(start=check.low, end=check.high, colour=edge, tip=tip),
+            Dot(at=check.low, shape="<", fill=fill, edge=edge),
+            Dot(at=check.high, shape=">", fill=fill, edge=edge),
+        ),
+        beside=({"holds": size, "fails": f"fails {size}"}.get(word, word),),
+        strong=not holds,
+        said=f"{axis} {low} and {high}" + ("" if holds else f" ({word})"),
+    )
+
+
+def _signed(value: float) -> str:
+    """Print a number of tolerances with its sign; hundredths of one are enough."""
+    return f"{value:+.2f}" if abs(value) < TEN else f"{value:+.0f}"
