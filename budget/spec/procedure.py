@@ -31,7 +31,7 @@ from budget.spec.records import (
 )
 from budget.spec.specification import read_value, value_type
 from budget.spec.tree import describe
-from budget.spec.windows import WindowLine, lay_out
+from budget.spec.windows import WindowItem, lay_out
 from budget.units import Quantity
 
 if TYPE_CHECKING:
@@ -218,7 +218,7 @@ class ProcedureFile(Strict):
         description="parameters that are found; unset: all. The others are held at "
         "the device's nominal values, and what they truly are is an error source",
     )
-    windows: tuple[WindowLine, ...] | None = Field(
+    windows: tuple[WindowItem, ...] | None = Field(
         default=None,
         description="dwells and turns, in place of the tests of gyro and accelerometer",
     )
@@ -296,10 +296,13 @@ class ProcedureFile(Strict):
         return found
 
     @staticmethod
-    def _norm_faults(windows: tuple[WindowLine, ...]) -> dict[tuple[Any, ...], str]:
+    def _norm_faults(windows: tuple[WindowItem, ...]) -> dict[tuple[Any, ...], str]:
         """Return which windows gravity's norm makes nothing of."""
         found: dict[tuple[Any, ...], str] = {}
-        for place, line in enumerate(windows):
+        lines = (
+            (place, line) for place, item in enumerate(windows) for line in item.lines
+        )
+        for place, line in lines:
             if line.turn is not None:
                 found["windows", place, "turn"] = (
                     "turns, and the estimator norm takes dwells alone; remove it, or "

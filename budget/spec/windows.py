@@ -1,10 +1,15 @@
-"""The windows of a procedure file: faces or table angles, dwells and turns, in time."""
+"""The windows of a procedure file: faces or table angles, dwells and turns, in time.
+
+A line may stand for many: every face, several azimuths, a turn and back; a group of
+lines can be repeated.
+"""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 from math import degrees, isclose, pi
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -19,8 +24,10 @@ if TYPE_CHECKING:
 MOST_WINDOWS = 10_000  # all windows are correlated with all
 TABLE_AXES = {"vertical": OUTER, "outer": OUTER, "middle": MIDDLE, "inner": INNER}
 ANGLES = ("outer", "middle", "inner")
+FACES = ("z up", "z down", "x up", "x down", "y up", "y down")
 _ROUNDING = 1e-9  # of a time, relative
 
+FaceWord: Any = Literal[(*FACES, "all")]
 Angle = Annotated[Quantity, Measured("deg", Sign.ANY)]
 Span = Annotated[Quantity, Measured("s", Sign.POSITIVE, bare=True)]
 Time = Annotated[Quantity, Measured("s", bare=True)]
@@ -30,11 +37,14 @@ Count = Annotated[int, Field(ge=1, le=MOST_WINDOWS)]
 class WindowLine(Strict):
     """A dwell or a turn, at a face held up or down or at angles of the table."""
 
-    face: Literal["x up", "x down", "y up", "y down", "z up", "z down"] | None = Field(
-        default=None, description="which body axis is vertical"
+    face: FaceWord | None = Field(
+        default=None, description="which body axis is vertical; all: each in turn"
     )
     azimuth: Angle | None = Field(
         default=None, description="of the outer axis, beside a face; unset: 0 deg"
+    )
+    azimuths: tuple[Angle, ...] | None = Field(
+        default=None, description="one after the other, beside a face"
     )
     outer: Angle | None = Field(default=None, description="table angle, about up")
     middle: Angle | None = Field(default=None, description="table angle, about y")
@@ -49,6 +59,9 @@ class WindowLine(Strict):
     rate: Annotated[Quantity, Measured("deg/s", Sign.POSITIVE)] | None = Field(
         default=None, description="of the turn"
     )
+    back: bool = Field(
+        default=False, description="followed by the same turn in the other sense"
+    )
     repeat: Count = Field(default=1, description="times one after the other")
     start: Time | None = Field(
         default=None, description="on the clock of the file; unset: after the last"
@@ -59,10 +72,13 @@ class WindowLine(Strict):
 
     @model_validator(mode="after")
     def _check_parts(self) -> Self:
-        messages = {**self._attitude_faults(), **self._time_faults()}
-        if messages:
+        if messages := self._faults():
             raise faults(messages)
         return self
+
+    def _faults(self) -> dict[tuple[str, ...], str]:
+        """Return what is wrong with it."""
+        return {**self._attitude_faults(), **self._time_faults()}
 
     def _attitude_faults(self) -> dict[tuple[str, ...], str]:
         """Return what is wrong with how the table stands."""
@@ -75,8 +91,16 @@ class WindowLine(Strict):
             )
         if self.face is not None and angles:
             found[angles[0],] = "stands beside a face, which says it already; remove it"
-        if self.azimuth is not None and self.face is None:
-            found["azimuth",] = "needs a face beside it; table angles have outer"
+        for key in ("azimuth", "azimuths"):
+            if getattr(self, key) is not None and self.face is None:
+                found[key,] = "needs a face beside it; table angles have outer"
+        if self.azimuths is not None:
+            if self.azimuth is not None:
+                found["azimuth",] = "stands beside azimuths; remove one of them"
+            if not 1 <= len(self.azimuths) <= MOST_WINDOWS:
+                found["azimuths",] = (
+                    f"names {len(self.azimuths)} azimuths, expected 1 to {MOST_WINDOWS}"
+                )
         return found
 
     def _time_faults(self) -> dict[tuple[str, ...], str]:
@@ -87,8 +111,8 @@ class WindowLine(Strict):
                 found["dwell",] = (
                     "says not how long, expected a dwell, as 'dwell: 60 s', or a turn"
                 )
-            for key in ("turns", "rate"):
-                if getattr(self, key) is not None:
+            for key in ("turns", "rate", "back"):
+                if getattr(self, key) not in {None, False}:
                     found[key,] = "needs the axis of a turn, as 'turn: vertical'"
             return found
         if self.dwell is not None:
@@ -100,6 +124,22 @@ class WindowLine(Strict):
         if not self.turns:
             found["turns",] = "makes no whole turn, expected such as turns: 1 or -1"
         return found
+
+    @property
+    def number(self) -> int:
+        """How many windows it stands for."""
+        faces = len(FACES) if self.face == "all" else 1
+        return self.repeat * faces * len(self.azimuths or " ") * (1 + self.back)
+
+    def each(self) -> list[WindowLine]:
+        """Return a line for each window: face by face, azimuth by azimuth, and back."""
+        faces = FACES if self.face == "all" else (self.face,)
+        azimuths = self.azimuths or (self.azimuth,)
+        turns = (self.turns, -(self.turns or 0)) if self.back else (self.turns,)
+        return self.repeat * [
+            self.model_copy(update={"face": face, "azimuth": azimuth, "turns": turn})
+            for face, azimuth, turn in product(faces, azimuths, turns)
+        ]
 
     @property
     def setting(self) -> Setting:
@@ -148,14 +188,52 @@ class WindowLine(Strict):
         return f"turn {self.turns:+d} {self.turn} at {text}"
 
 
+class WindowItem(WindowLine):
+    """A line, or a group of lines that is repeated as a whole."""
+
+    windows: tuple[WindowLine, ...] | None = Field(
+        default=None, description="a group; repeat beside it is of the whole"
+    )
+
+    def _faults(self) -> dict[tuple[str, ...], str]:
+        """Return what is wrong with it."""
+        if self.windows is None:
+            return super()._faults()
+        found: dict[tuple[str, ...], str] = {
+            (key,): "stands beside a group of windows; say it in its lines"
+            for key in sorted(self.model_fields_set - {"windows", "repeat"})
+        }
+        if not self.windows:
+            found["windows",] = "names no window, expected one at least"
+        return found
+
+    @property
+    def lines(self) -> tuple[WindowLine, ...]:
+        """The lines of a group; itself where it is none."""
+        return (self,) if self.windows is None else self.windows
+
+    @property
+    def number(self) -> int:
+        """How many windows it stands for."""
+        if self.windows is None:
+            return super().number
+        return self.repeat * sum(line.number for line in self.windows)
+
+    def each(self) -> list[WindowLine]:
+        """Return a line for each window, those of a repetition again."""
+        if self.windows is None:
+            return super().each()
+        return self.repeat * [one for line in self.windows for one in line.each()]
+
+
 def lay_out(
-    lines: Sequence[WindowLine], pause: float, sample_rate: float
+    items: Sequence[WindowItem], pause: float, sample_rate: float
 ) -> tuple[Window, ...]:
     """Put windows on one clock: each after the one before, or when it says.
 
     Parameters
     ----------
-    lines : sequence of WindowLine
+    items : sequence of WindowItem
     pause : float
         Before each that does not say its start [s].
     sample_rate : float
@@ -167,36 +245,40 @@ def lay_out(
         Windows overlap, hold no sample, or are too many: which, all at once.
     """
     messages: dict[tuple[str | int, ...], str] = {}
-    number = sum(line.repeat for line in lines)
+    number = sum(item.number for item in items)
     if number > MOST_WINDOWS:
         raise faults(
             {("windows",): f"are {number}, expected {MOST_WINDOWS} at the most"}
         )
     windows: list[Window] = []
-    for place, line in enumerate(lines):
-        if line.length * sample_rate < 1.0 - _ROUNDING:
-            messages["windows", place] = (
-                f"a window of {line.length:.6g} s holds no sample at "
-                f"{sample_rate:g} Hz, expected one at least"
-            )
-        one = Window(
-            name=line.title,
-            start=0.0,
-            length=line.length,
-            setting=line.setting,
-            use=line.use,
-        )
-        for visit in range(line.repeat):
+    for place, item in enumerate(items):
+        made: dict[int, Window] = {}  # by the line, those of a repetition once
+        begun: set[int] = set()  # starts of lines, which are of their first window
+        for line in item.each():
+            if line.length * sample_rate < 1.0 - _ROUNDING:
+                messages["windows", place] = (
+                    f"a window of {line.length:.6g} s holds no sample at "
+                    f"{sample_rate:g} Hz, expected one at least"
+                )
             end = windows[-1].end if windows else 0.0
             start = end + pause if windows else 0.0
-            if line.start is not None and visit == 0:
+            if line.start is not None and id(line.start) not in begun:
+                begun.add(id(line.start))
                 start = line.start.value
                 if start < end and not isclose(start, end, rel_tol=_ROUNDING):
                     messages["windows", place, "start"] = (
                         f"begins at {start:.6g} s, before the window before it ends "
                         f"at {end:.6g} s; windows cannot overlap"
                     )
-            windows.append(replace(one, start=start))
+            if id(line) not in made:
+                made[id(line)] = Window(
+                    name=line.title,
+                    start=0.0,
+                    length=line.length,
+                    setting=line.setting,
+                    use=line.use,
+                )
+            windows.append(replace(made[id(line)], start=start))
     if messages:
         raise faults(messages)
     return tuple(windows)

@@ -152,7 +152,9 @@ def _keep_windows(tree):
         del tree["estimator"]
     tree["windows"] = [_window(one) for one in tree["windows"]]
     if tree.get("estimator") == "norm":  # of dwells, and not of the gyro
-        dwells = [one for one in tree["windows"] if "turn" not in one]
+        dwells = [
+            one for one in tree["windows"] if not one.keys() & {"turn", "windows"}
+        ]
         tree["windows"] = [one | {"use": "accelerometer"} for one in dwells]
         if not dwells:
             return tree | {"windows": [{"face": "z up", "dwell": "60 s"}]}
@@ -160,19 +162,23 @@ def _keep_windows(tree):
 
 
 def _window(one):
-    """Return a window with one attitude and one length."""
+    """Return a window with one attitude and one length, or a group of such."""
+    if "windows" in one:
+        return {"windows": [_window(line) for line in one["windows"]]}
     one = {key: value for key, value in one.items() if key not in {"start", "repeat"}}
     if "face" in one or not one.keys() & {"outer", "middle", "inner"}:
         one = {"face": "z up"} | one
         drop = {"outer", "middle", "inner"}
+        if "azimuths" in one:
+            drop.add("azimuth")
     else:
-        drop = {"azimuth"}
+        drop = {"azimuth", "azimuths"}
     if "turn" in one:
         one |= {"turns": Raw("-2"), "rate": "20 deg/s"}
         drop |= {"dwell"}
     else:
         one = {"dwell": "60 s"} | one
-        drop |= {"turns", "rate"}
+        drop |= {"turns", "rate", "back"}
     return {key: value for key, value in one.items() if key not in drop}
 
 

@@ -277,7 +277,7 @@ DWELLS = [
 TURN = {"face": "z up", "turn": "vertical", "turns": 1, "rate": "20 deg/s"}
 # The first window that a key is tried in; else a dwell at a face.
 WINDOW = {
-    **{key: {**TURN, "use": "gyro"} for key in ("turn", "turns", "rate")},
+    **{key: {**TURN, "use": "gyro"} for key in ("turn", "turns", "rate", "back")},
     **{
         key: {"outer": "1 deg", "dwell": "60 s"} for key in ("outer", "middle", "inner")
     },
@@ -290,6 +290,8 @@ def place_of(key):
     tree = {"latitude": "34.2394 deg"}
     if key.path[0] in {"windows", "pause"}:
         first = WINDOW.get(key.path[-1], {"face": "x up", "dwell": "60 s"})
+        if key.path[2:3] == ("windows",):
+            first = {"windows": [first]}
         tree["windows"] = [first, *DWELLS]
     if key.path[0] == "estimate":
         tree["estimator"] = "least_squares"

@@ -83,6 +83,34 @@ def test_windows_follow_each_other_on_one_clock(procedure):
     assert found.formulas == "weighted"
 
 
+def test_a_line_may_stand_for_many_windows(procedure):
+    """Every face, several azimuths, a turn and back, groups that are repeated."""
+    short = procedure(
+        "face: all, azimuths: [0 deg, 90 deg], dwell: 60 s",
+        "repeat: 2, windows: [{face: z up, dwell: 9 s, start: 3000 s}, "
+        "{face: x up, turn: vertical, turns: 2, rate: 20 deg/s, "
+        "back: true, repeat: 2}]",
+        more="pause: 10 s\n",
+    ).windows
+    faces = [
+        f"face: {axis} {word}, azimuth: {azimuth} deg, dwell: 60 s"
+        for axis in "zxy"
+        for word in ("up", "down")
+        for azimuth in (0, 90)
+    ]
+    turn = "face: x up, turn: vertical, turns: {}, rate: 20 deg/s"
+    turns = [turn.format(2), turn.format(-2)] * 2
+    again = "face: z up, dwell: 9 s"
+    long = procedure(
+        *faces,
+        *(f"{again}, start: 3000 s", *turns, again, *turns),
+        more="pause: 10 s\n",
+    ).windows
+
+    assert len(short) == 22
+    assert short == long
+
+
 def test_what_a_file_with_windows_leaves_open_is_said(procedure):
     """The estimator and the pause that were assumed; nothing of the paper's tests."""
     said = procedure("face: z up, dwell: 60 s", more="latitude: 48 deg\n").assumptions
@@ -116,6 +144,22 @@ def test_what_a_file_with_windows_leaves_open_is_said(procedure):
         ("face: z up, dwell: 1 ms", ("no sample", "100 Hz")),
         ("face: z up, dwell: 60 s, repeat: 10001", ("repeat", "10000")),
         ("face: z up, dwell: 60 s, use: gyros", ("use", "gyro")),
+        ("face: z up, dwell: 60 s, back: true", ("back", "turn: vertical")),
+        ("face: all, dwell: 60 s, azimuths: []", ("azimuths", "1 to 10000")),
+        (
+            "face: all, dwell: 60 s, azimuth: 0 deg, azimuths: [0 deg]",
+            ("azimuth", "remove"),
+        ),
+        ("outer: 1 deg, azimuths: [1 deg], dwell: 60 s", ("azimuths", "face")),
+        ("windows: []", ("windows[0].windows", "one at least")),
+        (
+            "face: z up, windows: [{face: z up, dwell: 60 s}]",
+            ("windows[0].face", "in its lines"),
+        ),
+        (
+            "windows: [{face: z up, dwell: 60 s, windows: []}]",
+            ("windows[0].windows[0].windows", "unknown key"),
+        ),
     ],
 )
 def test_what_makes_no_window_is_refused(procedure, window, words):
@@ -137,6 +181,11 @@ def test_what_makes_no_window_is_refused(procedure, window, words):
             ("windows[1].start", "overlap"),
         ),
         (("face: z up, dwell: 60 s, repeat: 6000",) * 2, "", ("12000", "10000")),
+        (
+            ("repeat: 9999, windows: [{face: all, dwell: 60 s, repeat: 9999}]",),
+            "",
+            ("599880006", "10000"),
+        ),
         (("face: z up, dwell: 60 s",), "gyro: {dwell: 9 s}\n", ("gyro", "windows")),
         (
             ("face: z up, dwell: 60 s",),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import floor, log10
+from math import ceil, floor, log10, pi
 from typing import TYPE_CHECKING
 
 from budget.calibration.problem import calibration_problem
@@ -12,7 +12,7 @@ from budget.studies.allocation.records import LongerTest
 from budget.units import HOUR
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from budget.arrays import Array
     from budget.spec.records import Procedure, Sensor
@@ -22,6 +22,7 @@ MOST_TURNS = 1000  # at 20 deg/s five hours for each axis and sense
 LONGEST_DWELL = 24.0 * HOUR  # [s]
 STEP = 1.25  # from one trial to the next [1]
 DIGITS = 3  # of a dwell that is found
+ROUNDING = 1e-12  # of a number of turns, relative
 
 AS_THEY_ARE = "devices as they are"
 FLOOR = "what is held"
@@ -63,9 +64,9 @@ def find_longer_tests(
 
 
 def _growing(sensor: Sensor, procedure: Procedure) -> tuple[_Trials, ...]:
-    """Return what of the procedure may grow for a sensor; windows are the user's."""
+    """Return what of the procedure may grow for a sensor."""
     if procedure.windows:
-        return ()
+        return tuple(_growing_windows(sensor.kind, procedure))
     if sensor.kind != "gyro":
         own = procedure.accelerometer
         return (
@@ -98,6 +99,55 @@ def _growing(sensor: Sensor, procedure: Procedure) -> tuple[_Trials, ...]:
             whole=False,
         ),
     )
+
+
+def _growing_windows(kind: str, procedure: Procedure) -> Iterator[_Trials]:
+    """Yield turns and dwells of windows of one's own, all longer in proportion."""
+    own = [one for one in procedure.windows if one.use in {kind, "both"}]
+    turns = [abs(one.setting.angle) / (2.0 * pi) for one in own if one.sense]
+    dwells = [one.length for one in own if not one.sense]
+    if turns and kind == "gyro":
+        yield _Trials(
+            name="turns",
+            now=float(round(max(turns))),
+            most=MOST_TURNS,
+            change=lambda most: _stretched(
+                procedure, most / round(max(turns)), turning=True
+            ),
+            whole=True,
+        )
+    if dwells:
+        yield _Trials(
+            name="dwell",
+            now=max(dwells),
+            most=LONGEST_DWELL,
+            change=lambda longest: _stretched(
+                procedure, longest / max(dwells), turning=False
+            ),
+            whole=False,
+        )
+
+
+def _stretched(procedure: Procedure, factor: float, *, turning: bool) -> Procedure:
+    """Make turns, or dwells, longer; pauses stay, what comes later begins later.
+
+    Turns stay whole: of fewer turns than the most the number is rounded up.
+    """
+    windows, later = [], 0.0
+    for one in procedure.windows:
+        setting, length = one.setting, one.length
+        if turning and one.sense:
+            turns = round(abs(setting.angle) / (2.0 * pi))
+            times = ceil(turns * factor * (1.0 - ROUNDING)) / turns
+            setting = replace(setting, angle=setting.angle * times)
+            length *= times
+        elif not turning and not one.sense:
+            length *= factor
+        windows.append(
+            replace(one, start=one.start + later, length=length, setting=setting)
+        )
+        later += length - one.length
+    return replace(procedure, windows=tuple(windows))
 
 
 def _grow(

@@ -275,6 +275,32 @@ def test_a_longer_dwell_that_is_found_meets():
         assert allot(bounds=bounds, procedure=longer).feasible is feasible
 
 
+def test_longer_windows_that_are_found_meet():
+    """Of a test of one's own every dwell is longer in proportion, or every turn."""
+    gyro = builders.sensor(
+        "gyro", {"angle_random_walk": 0.005 * builders.DEGREE / 60.0}
+    )
+    wanted = requirement({"gyro.scale_factor": 1e-6}, reference="nominal")
+    plan = load_procedure("six-positions-and-turns")
+    found = allot(device(gyro), wanted=wanted, procedure=plan).longer_tests
+    tests = {test.name: test for test in found}
+    turns = int(tests["turns"].needed)
+
+    assert (tests["turns"].now, tests["dwell"].now) == (1.0, 300.0)
+    assert tests["dwell"].needed is None  # dwells do not turn
+    for n, meets in ((turns - 1, False), (turns, True)):
+        windows, later = [], 0.0
+        for one in plan.windows:
+            n_here = n if one.sense else 1
+            setting = replace(one.setting, angle=one.setting.angle * n_here)
+            longer = {"start": one.start + later, "length": one.length * n_here}
+            windows.append(replace(one, setting=setting, **longer))
+            later += one.length * (n_here - 1)
+        longer_plan = replace(plan, windows=tuple(windows))
+        again = allot(device(gyro), wanted=wanted, procedure=longer_plan)
+        assert (again.longer_tests == ()) is meets
+
+
 def test_more_turns_that_are_found_meet():
     """Turns named for the device as it is meet its limit, one turn fewer does not."""
     gyro = builders.sensor(
