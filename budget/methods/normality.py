@@ -16,7 +16,7 @@ shapes of the inputs,
 where the inputs that are not normal have symmetric shapes. The estimate takes every
 term without its sign and 2.5 times the sum: the polynomials pass zero at coverages
 where the next term decides, and symmetric shapes are off there all the same. What the
-second order leaves out is seen at trials: the largest departure from it is added.
+second order leaves out is seen at trials: the largest deviation from it is added.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def end_accuracy(problem: Problem, law: Propagation, coverage: float) -> Array:
         + (2.0 * z**3 + 5.0 * z) / 36.0 * g1**2
     )
     size = np.abs(law.mean) + z * u
-    found = SAFETY * terms * u + _departure(problem, law) + ROUNDING * size
+    found = SAFETY * terms * u + _deviation(problem, law) + ROUNDING * size
     return np.where(np.isinf(law.degrees_of_freedom), found, np.inf)
 
 
@@ -98,8 +98,8 @@ def _shape(problem: Problem, law: Propagation, u: Array) -> tuple[Array, Array]:
     return np.abs(k3), np.abs(k4) + C**4 @ (np.diag(U) ** 2 * excess)
 
 
-def _departure(problem: Problem, law: Propagation) -> Array:
-    """Return the largest departure of trials from the expansion, (n_out,) [SI]."""
+def _deviation(problem: Problem, law: Propagation) -> Array:
+    """Return the largest deviation of trials from the expansion, (n_out,) [SI]."""
     x = draw(problem, PROBE_SEED, 0, np.empty((problem.n_inputs, PROBES)))
     with one_blas_thread():
         y = problem.evaluate(x)

@@ -247,16 +247,16 @@ def _margin(budget: Budget, assessment: Assessment | None) -> Words:
 
 
 def _jointly(assessment: Assessment) -> str:
-    """Say how probable it is that all are within together: no verdict says that."""
+    """State the conformance probability of all together (JCGM 106, 3.3.7)."""
     if assessment.conformance is None:
         return ""
     total = len(assessment.judged)
-    what = "That it is" if total == 1 else f"That all {total} are within together"
+    what = "It conforms" if total == 1 else f"All {total} conform together"
     most = any(
         sensor.expected_missing or sensor.not_estimated for sensor in assessment.sensors
     )
     return (
-        f"{what} has a probability of {'at the most ' if most else ''}"
+        f"{what} with a probability of {'at the most ' if most else ''}"
         f"{print_probability(assessment.conformance)} %. "
     )
 
@@ -308,7 +308,7 @@ def _verdict_card(
         used = print_probability(sensor.conformance)
         lines.append(
             (
-                f"Probability that all its limits are kept together: {most}",
+                f"Conformance probability, all its limits together: {most}",
                 Run(text=f"{used} %", exact=sensor.conformance.value),
                 ".",
             )

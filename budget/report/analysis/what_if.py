@@ -48,7 +48,7 @@ def what_if_section(
     )
     if required:
         text += " The part of the limit is the largest of the sensor's outputs."
-    text += _departures(budget, required=required)
+    text += _not_by_law(budget, required=required)
     return Section(
         name="what-if",
         title="What a better line would change",
@@ -61,7 +61,7 @@ def what_if_section(
     )
 
 
-def _departures(budget: Budget, *, required: bool) -> str:
+def _not_by_law(budget: Budget, *, required: bool) -> str:
     """Say where the rest of the report does not stand on the law."""
     if budget.settings.method != "gum":
         return f" The budget itself is by {budget.settings.method}."

@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from budget.studies.paper.readings import Reading
 
 NOISE = Name("sample_noise", owner=ACCELEROMETER)
-PROPORTIONAL = 1e-4  # departure from a straight line over the largest value [1]
+PROPORTIONAL = 1e-4  # deviation from a straight line over the largest value [1]
 
 
 def order_findings(
@@ -235,8 +235,8 @@ class Sweep:
         return np.asarray(rise / (self.size[-1] - self.size[0]))
 
     @property
-    def departure(self) -> float:
-        """Largest departure from the straight line through both ends, relative [1]."""
+    def deviation(self) -> float:
+        """Largest deviation from the straight line through both ends, relative [1]."""
         line = self.errors[:, [0]] + self.fitted_slopes[:, None] * (
             self.size - self.size[0]
         )
@@ -334,7 +334,7 @@ def sweep_findings(
                 tell(
                     "slope of a figure",
                     ours=float(found),
-                    verdict=agrees_if(sweep.departure <= PROPORTIONAL),
+                    verdict=agrees_if(sweep.deviation <= PROPORTIONAL),
                     sweep=sweep,
                     name=name,
                     closed=closed,

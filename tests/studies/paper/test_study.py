@@ -413,7 +413,7 @@ def test_figures_are_straight_with_their_closed_slopes(study):
     for sweep in study.sweeps[2:]:
         # Terms of the mounting angles, 1e-5 rad times up to 6, are left out.
         assert_allclose(sweep.fitted_slopes, sweep.slopes, rtol=3e-4)
-        assert sweep.departure < 1e-6
+        assert sweep.deviation < 1e-6
 
 
 @pytest.mark.parametrize(
