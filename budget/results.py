@@ -527,7 +527,7 @@ class Assessment:
     def outcome(self, row: OutputAssessment) -> str:
         """Return 'conforms', 'does not conform', or 'open' where its sensor's limit is.
 
-        JCGM 106:2012, 3.3; with the largest error as what is held against the limit.
+        In the words of JCGM 106:2012, the largest error being held against the limit.
         """
         for sensor in self.sensors:
             if row.output.name.owner == sensor.sensor:

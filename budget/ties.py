@@ -27,17 +27,9 @@ def settle(value: float) -> float:
 
 
 def largest(values: Sequence[float]) -> tuple[int, ...]:
-    """Return the places of the largest value and of all that are equal to it.
+    """Return the places of the largest value and of all that are equal to it, in order.
 
-    Parameters
-    ----------
-    values : sequence of float
-        Not negative [any unit].
-
-    Returns
-    -------
-    tuple of int
-        In their order; () where there are no values.
+    Values are not negative; () where there are none.
     """
     top = max(values, default=0.0)
     return tuple(k for k, value in enumerate(values) if _is_equal(value, top))

@@ -150,22 +150,10 @@ def grow(
 ) -> Array:
     """Multiply some sources by one factor until an output is at its limit.
 
-    Parameters
-    ----------
-    task : Task
-        Bounds are kept: a source that reaches one stays there.
-    s : ndarray, shape (n_src,)
-        Where to start; the factor may be below 1.
-    who : ndarray of bool, shape (n_src,)
-        Sources that take part; the others stay at s.
-    among : ndarray of bool, shape (n_out,), optional
-        Outputs that count, all without it.
-
-    Returns
-    -------
-    ndarray, shape (n_src,)
-        Factors; all at their ceilings where no output stops them, all at their least
-        where even that is too much.
+    From the factors s on, shape (n_src,), for those who take part; the others stay at
+    s, and one that reaches a bound stays there. Only the outputs among those given
+    count. All end at their ceilings where no output stops them, all at their least
+    where even that is too much.
     """
     from scipy.optimize import brentq
 

@@ -145,10 +145,7 @@ class Cluster:
 def connect(address: str) -> Iterator[Cluster]:
     """Connect to a Dask scheduler and see that its workers compute as we do.
 
-    Parameters
-    ----------
-    address : str
-        As tcp://host:port; by TLS, with Dask's own settings, tls://host:port.
+    At tcp://host:port, or by TLS, with Dask's own settings, at tls://host:port.
 
     Raises
     ------

@@ -45,38 +45,16 @@ Result = TypeVar("Result")
 
 
 def stream(seed: int, name: str, block: int) -> np.random.Generator:
-    """Return the random stream of one source in one block of trials.
-
-    Parameters
-    ----------
-    seed : int
-        Of the run, 0 or larger.
-    name : str
-        Of the source.
-    block : int
-        Number of the block, from 0.
-    """
+    """Return the random stream of one source in one block of trials, from block 0."""
     key = int.from_bytes(sha256(name.encode()).digest()[:8], "big")
     sequence = np.random.SeedSequence(seed, spawn_key=(key, block))
     return np.random.Generator(np.random.SFC64(sequence))
 
 
 def draw(problem: Problem, seed: int, block: int, out: Array) -> Array:
-    """Fill one block of inputs.
+    """Fill one block of inputs, shape (n_inputs, BLOCK), and return it.
 
-    Parameters
-    ----------
-    problem : Problem
-        Whose inputs are drawn.
-    seed, block : int
-        Which numbers.
-    out : ndarray, shape (n_inputs, BLOCK)
-        Is overwritten; constant inputs keep their mean.
-
-    Returns
-    -------
-    ndarray
-        `out`.
+    Constant inputs keep their mean.
     """
     for group, rows in zip(problem.groups, problem.slices, strict=True):
         x = out[rows]
@@ -185,16 +163,8 @@ def in_order(
 ) -> Iterator[Result]:
     """Yield the result of every task in the order of the tasks, whoever does it.
 
-    Parameters
-    ----------
-    work : callable
-        Can be sent to other processes where there is an executor.
-    tasks : iterable
-        May be endless: no more than `ahead` are under way at once.
-    executor : Executor or None
-        None: this process does the work.
-    ahead : int
-        Number of tasks given out before the first result is taken.
+    Without an executor this process does the work. The tasks may be endless: no more
+    than `ahead` are given out before the first result is taken.
 
     Raises
     ------

@@ -20,16 +20,9 @@ REACH = 12.0  # half-width of a histogram over the standard uncertainty: bins of
 
 
 def interval_of_values(ordered: Array, coverage: float, kind: str) -> Array:
-    """Return the coverage interval of sorted trials, shape (n_out, 2).
+    """Return the coverage interval of ascending trials (n_out, M), shape (n_out, 2).
 
-    Parameters
-    ----------
-    ordered : ndarray, shape (n_out, M)
-        Trials of each output, ascending.
-    coverage : float
-        Probability p, above 0 and below 1.
-    kind : str
-        'symmetric' in probability (7.7.2) or 'shortest' (7.7.4).
+    'symmetric' in probability (7.7.2) or 'shortest' (7.7.4), of the given coverage.
     """
     M = ordered.shape[1]
     q = min(max(int(M * coverage + 0.5), 1), M - 1)  # 7.7.1

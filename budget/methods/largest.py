@@ -64,27 +64,12 @@ class Ends:
 def ends_of_trials(
     values: Array, ordered: Array, limits: Array, coverage: float
 ) -> Ends:
-    """Find the ends of symmetric intervals, and how trials move them.
+    """Find the ends of symmetric intervals over their limits, and how trials move them.
 
     The influence of one trial y on the quantile q of probability p is
     (p - [y <= q])/(f M), f the density there; the upper and the negative lower ends of
-    all outputs stand one after another.
-
-    Parameters
-    ----------
-    values : ndarray, shape (n_out, M)
-        Trials in their order [SI].
-    ordered : ndarray, shape (n_out, M)
-        The same, ascending.
-    limits : ndarray, shape (n_out,)
-        What they are held against [SI].
-    coverage : float
-        Of the intervals [1].
-
-    Returns
-    -------
-    Ends
-        2 n_out of them.
+    all outputs stand one after another. Trials have the shape (n_out, M), in their
+    order and ascending, limits (n_out,) [SI].
     """
     M = values.shape[1]
     tail = (1.0 - coverage) / 2.0

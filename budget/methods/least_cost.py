@@ -65,17 +65,8 @@ class LeastCost:
 def least_cost(task: Task, prices: Prices) -> LeastCost:
     """Find the cheapest factors that keep every output within its limit.
 
-    Parameters
-    ----------
-    task : Task
-        Feasible.
-    prices : Prices
-        Of all sources; those of held ones count for nothing.
-
-    Returns
-    -------
-    LeastCost
-        The best point found; `is_optimal` says whether it is good enough.
+    The task is feasible; prices of held sources count for nothing. Of the best point
+    found `is_optimal` says whether it is good enough.
     """
     start = proportional(task)
     free = np.flatnonzero(task.free)
@@ -98,16 +89,9 @@ def least_cost(task: Task, prices: Prices) -> LeastCost:
 
 
 def judge(task: Task, prices: Prices, s: Array, solver: str = "") -> LeastCost:
-    """Find the multipliers that explain s best, and how much they leave.
+    """Find the multipliers that explain factors s best, and how much they leave.
 
-    Parameters
-    ----------
-    task, prices
-        As of least_cost.
-    s : ndarray, shape (n_src,)
-        Any factors within the limits [1].
-    solver : str
-        What is said of where they come from.
+    s, shape (n_src,), is within the limits [1]; `solver` says where it comes from.
     """
     from scipy.optimize import nnls
 

@@ -42,20 +42,8 @@ ROUNDING = 1e-12  # of doubles, over the sums of a problem [1]
 def end_accuracy(problem: Problem, law: Propagation, coverage: float) -> Array:
     """Estimate by how much the true interval ends can differ from the law's.
 
-    Parameters
-    ----------
-    problem : Problem
-        Any.
-    law : Propagation
-        Of that problem.
-    coverage : float
-        Of the interval mean +- k u [1].
-
-    Returns
-    -------
-    ndarray, shape (n_out,)
-        [SI unit of the output]; infinite where an input has few degrees of freedom,
-        whose k is a convention and no quantile of the output.
+    Shape (n_out,) [SI unit of the output]; infinite where an input has few degrees of
+    freedom, whose k is a convention and no quantile of the output.
     """
     from scipy.special import ndtri
 

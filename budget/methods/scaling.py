@@ -121,17 +121,8 @@ class ScaledLaw:
 def scaled_law(problem: Problem, law: Propagation | None = None) -> ScaledLaw:
     """Build the law of a Problem as a function of the sizes of its sources.
 
-    Parameters
-    ----------
-    problem : Problem
-        Any, its present sizes being s = 1.
-    law : Propagation, optional
-        Of the same problem, if it is there already.
-
-    Returns
-    -------
-    ScaledLaw
-        At s = 1 it is `propagate(problem)`.
+    Its present sizes are s = 1, where it is `propagate(problem)`: the given law, if it
+    is there already.
 
     Raises
     ------

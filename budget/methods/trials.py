@@ -103,24 +103,10 @@ class Covered:
 def coverage_of(
     problem: Problem, interval: Array, *, coverage: float, trials: int, seed: int
 ) -> Covered:
-    """Count how many trials lie within intervals.
+    """Count how many trials, in whole blocks, lie within intervals of shape (n_out, 2).
 
-    Parameters
-    ----------
-    problem : Problem
-        Any.
-    interval : ndarray, shape (n_out, 2)
-        Of each output [SI].
-    coverage : float
-        Of the interval that is taken from the trials [1].
-    trials : int
-        Rounded up to whole blocks.
-    seed : int
-        The same seed draws the same unit variates for every size of the sources.
-
-    Returns
-    -------
-    Covered
+    `coverage` is that of the interval that is taken from the trials [1]. The same seed
+    draws the same unit variates for every size of the sources.
     """
     whole = -(-trials // BLOCK) * BLOCK
     y = first_trials(problem, trials=whole, seed=seed)

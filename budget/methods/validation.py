@@ -34,32 +34,12 @@ def validate(
     executor: Executor | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Validation, ...]:
-    """Compare the ends of the law's intervals with Monte Carlo ones.
+    """Compare the ends of the law's intervals with Monte Carlo ones, output by output.
 
     d_low = |y - U - y_low|, d_high = |y + U - y_high| (8.1); the law holds where both
-    are within the numerical tolerance of the standard uncertainty, the smaller one of
-    both methods, and Monte Carlo itself has settled to that. An output without spread
-    holds trivially.
-
-    Parameters
-    ----------
-    problem : Problem
-        Any.
-    law : Propagation
-        Of the same problem.
-    coverage : float
-        Of the intervals that are compared.
-    digits : int
-        Significant digits of the standard uncertainty that set the tolerance.
-    max_trials : int
-        Where Monte Carlo stops at the latest.
-    seed, workers, executor, progress
-        As of monte_carlo.sample.
-
-    Returns
-    -------
-    tuple of Validation
-        One for each output [SI].
+    are within the numerical tolerance of the standard uncertainty to so many digits,
+    the smaller one of both methods, and Monte Carlo itself has settled to that. An
+    output without spread holds trivially. All else as of monte_carlo.sample.
     """
     drawn = sample(
         problem,

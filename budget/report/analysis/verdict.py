@@ -247,7 +247,7 @@ def _margin(budget: Budget, assessment: Assessment | None) -> Words:
 
 
 def _jointly(assessment: Assessment) -> str:
-    """State the conformance probability of all together (JCGM 106, 3.3.7)."""
+    """State the conformance probability of all together (JCGM 106:2012, clause 7)."""
     if assessment.conformance is None:
         return ""
     total = len(assessment.judged)
