@@ -123,4 +123,5 @@ def _side(
         asked = model.settings
     else:
         inputs.append(take("procedure", procedure))
-    return side_of(make_reference("analyze", inputs, asked), name=name)
+    made = make_reference("analyze", inputs, asked)
+    return side_of(made, name=name, is_fresh=True)

@@ -47,20 +47,28 @@ _UNREADABLE = Change(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Side:
-    """One of two budgets, with its inputs read."""
+    """One of two budgets, with its inputs read.
+
+    Attributes
+    ----------
+    is_fresh : bool
+        Whether it was just computed of these inputs, not stored some time ago.
+    """
 
     name: str
     inputs: tuple[Document, ...]
     budget: ReferenceBudget
+    is_fresh: bool = False
 
     def again(
         self, asked: Asked | None = None, inputs: tuple[Document, ...] | None = None
     ) -> Snapshot | None:
         """Compute it with other settings or inputs; None where these are not sound."""
+        own = self.budget.settings
+        if self.is_fresh and inputs is None and asked in {None, own}:
+            return self.budget
         try:
-            return compute(
-                self.budget.job, inputs or self.inputs, asked or self.budget.settings
-            )
+            return compute(self.budget.job, inputs or self.inputs, asked or own)
         except BudgetError:
             return None
 
@@ -88,8 +96,8 @@ def make_reference(
     )
 
 
-def side_of(budget: ReferenceBudget, *, name: str) -> Side:
-    """Return a reference as one side of a difference.
+def side_of(budget: ReferenceBudget, *, name: str, is_fresh: bool = False) -> Side:
+    """Return a reference, or what was just computed, as one side of a difference.
 
     Raises
     ------
@@ -97,7 +105,7 @@ def side_of(budget: ReferenceBudget, *, name: str) -> Side:
         A stored input cannot be read.
     """
     inputs = stored_documents(budget.inputs, reference=name, job=budget.job)
-    return Side(name=name, inputs=inputs, budget=budget)
+    return Side(name=name, inputs=inputs, budget=budget, is_fresh=is_fresh)
 
 
 def check(
@@ -154,7 +162,7 @@ def check(
         changes = (_UNREADABLE, *versions)
     else:
         if moves:
-            side = Side(name=name, inputs=inputs, budget=now)
+            side = Side(name=name, inputs=inputs, budget=now, is_fresh=True)
             changes, moves = explain(then, side, moves)
         else:
             files = (one.change for one in input_changes(then.inputs, inputs))

@@ -10,7 +10,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from command_line import call, start
+from command_line import call
 from numpy.testing import assert_allclose
 from places import ROOT
 from reference_examples import DEVICE, store, stored
@@ -124,7 +124,7 @@ class TestMoved:
     def test_fits(self, folder, width):
         """No line is longer than the terminal is wide."""
         rewrite(folder, WORSE.replace("37 ppm", "70 ppm"))
-        run = start("check", "ref.json", cwd=folder, COLUMNS=width)
+        run = call("check", "ref.json", COLUMNS=width)
 
         assert run.code == 1
         assert max(map(len, run.out.splitlines())) <= int(width)
