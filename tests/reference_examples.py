@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import replace
+
+import pytest
+from keeping import once
 
 from budget.references.check import make_reference
 from budget.references.files import (
@@ -52,6 +56,20 @@ def parts_of(text=DEVICE, *, job="analyze", more=()):
 def snapshot(text=DEVICE, *, job="analyze", more=(), **asked):
     """Compute a job on a device text."""
     return compute(job, parts_of(text, job=job, more=more), Asked(**asked))
+
+
+def computing_once():
+    """Compute each budget once, however often tests ask for it (for a fixture)."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("budget.references.check.compute", once(compute, {}))
+        yield
+
+
+def copied(path, folder):
+    """Return the copy of a reference, made beside a copy of its device."""
+    for name in ("imu.yaml", path.name):
+        shutil.copy(path.with_name(name), folder)
+    return folder / path.name
 
 
 def store(folder, text=DEVICE, *, job="analyze", more=(), name="ref.json", **asked):

@@ -7,7 +7,7 @@ import shutil
 from dataclasses import dataclass, replace
 
 import pytest
-from keeping import once
+from reference_examples import computing_once
 
 from budget.references.check import check, make_reference
 from budget.references.difference import find_moves
@@ -120,13 +120,7 @@ def references_of(device):
 REFERENCED = ("zhao-2019", "hg4930#C", "stim300#5g", "ltys11cj1x")
 
 
-@pytest.fixture(scope="module", autouse=True)
-def computed_once():
-    """Compute the side before a change once, for all changes of a figure after it."""
-    module = "budget.references.check.compute"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(module, once(compute, {}))
-        yield
+computed_once = pytest.fixture(scope="module", autouse=True)(computing_once)
 
 
 @pytest.fixture(scope="module")

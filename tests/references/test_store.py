@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from command_line import analyze, call
 from places import TESTS
-from reference_examples import DEVICE, store, stored
+from reference_examples import DEVICE, computing_once, copied, store, stored
 from saying import assert_says
 
 from budget.errors import ReferenceFileError
@@ -32,10 +32,19 @@ FIRST = TESTS / "data" / "reference-1.json"
 FIRST_SHA256 = "7676d2b7ba7d97741a6c1f2247f81fd572dd61ae0589c5f6898d63ba9c03d3e2"
 
 
+computed_once = pytest.fixture(scope="module", autouse=True)(computing_once)
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """Provide a reference beside its device, for all to copy."""
+    return store(tmp_path_factory.mktemp("made"))
+
+
 @pytest.fixture
-def path(tmp_path):
+def path(tmp_path, made):
     """Provide a reference beside its device."""
-    return store(tmp_path)
+    return copied(made, tmp_path)
 
 
 def signed(content):
@@ -290,9 +299,8 @@ class TestRefused:
                 read_reference(tmp_path / name, name)
 
     @pytest.mark.parametrize("position", range(0, 3000, 97))
-    def test_no_flipped_byte_passes(self, tmp_path, position):
+    def test_no_flipped_byte_passes(self, path, position):
         """A byte changed anywhere is refused by the reader, or changes only layout."""
-        path = store(tmp_path)
         data = bytearray(path.read_bytes())
         place = position * len(data) // 3000
         data[place] ^= 0x15
