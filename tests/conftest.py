@@ -10,6 +10,9 @@ from types import FunctionType
 import pytest
 from keeping import once
 
+from budget.studies.allocation import allocate
+from budget.studies.allocation.longer_tests import find_longer_tests
+
 # As the command line has it: a thread more waits for the other, spinning. What may not
 # depend on their number is run with several by .ci/kernels.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -46,6 +49,17 @@ def drawn_once():
     with pytest.MonkeyPatch.context() as patch:
         for module, name, value in found:
             patch.setattr(module, name, once(value, DRAWN))
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def searched_once():
+    """Search for a longer test once for each sensor, procedure and limits.
+
+    It is two thirds of the time of an allocation, which dozens of tests ask for.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(allocate, "find_longer_tests", once(find_longer_tests, {}))
         yield
 
 

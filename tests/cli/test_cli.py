@@ -135,9 +135,9 @@ def test_json_on_stdout_stands_alone(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_csv_on_stdout_stands_alone(tmp_path):
+def test_csv_on_stdout_stands_alone():
     """`--csv -` puts the head line and rows of one width on stdout, nothing else."""
-    run = start("analyze", "--no-validate", "--csv", "-", cwd=tmp_path)
+    run = call("analyze", "--no-validate", "--csv", "-")
 
     assert (run.code, run.err) == (0, NOTE)
     rows = list(csv.reader(io.StringIO(run.out)))

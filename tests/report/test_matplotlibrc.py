@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import ast
+from functools import partial
 
 import pytest
-from command_line import start
+from command_line import call, start
 from matplotlib import rc_params_from_file, rcParamsDefault
 from places import PACKAGE
 
@@ -55,8 +56,8 @@ PAPER = ("paper", "-o", "out.html")
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("command", "place"), [(REPORT, "here"), (PAPER, "home")])
-def test_a_matplotlibrc_changes_no_byte(command, place, tmp_path):
-    """The page is that of a folder without one; a control in the second test."""
+def test_a_matplotlibrc_changes_no_byte(command, place, tmp_path, monkeypatch):
+    """The page is that of this process without one; a control in the second test."""
     pages = []
     for name in ("clean", place):
         folder = tmp_path / name
@@ -64,11 +65,13 @@ def test_a_matplotlibrc_changes_no_byte(command, place, tmp_path):
         (folder / "one.yaml").write_text(DEVICE, encoding="utf-8")
         config = tmp_path / f"config-{name}"
         config.mkdir()
+        monkeypatch.chdir(folder)
+        make = call
         if name != "clean":
             file = (folder if name == "here" else config) / "matplotlibrc"
             file.write_text(HOSTILE, encoding="utf-8")
-        environment = {"SOURCE_DATE_EPOCH": "0", "MATPLOTLIBRC": str(config)}
-        run = start(*command, cwd=folder, **environment)
+            make = partial(start, cwd=folder)
+        run = make(*command, SOURCE_DATE_EPOCH="0", MATPLOTLIBRC=str(config))
         assert run.code in {0, 1}, run
         pages.append((folder / "out.html").read_bytes())
     assert pages[0] == pages[1]
