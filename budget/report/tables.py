@@ -38,6 +38,7 @@ ALL = 1.0 - 1e-9  # [1]; a share above is the whole, short of it by rounding onl
 NO_SHARE = 1e-20  # [1]; a share below is what the rounding of doubles leaves of zero
 CERTAIN = 4  # decimals of a per cent that nearly certain probabilities get at most
 PER_CENT = 100.0
+NAMED = 2  # contributions of a sentence
 NEAR_LIMIT = 0.01  # [1]; a utilisation this close to 1 gets one more digit
 
 
@@ -283,12 +284,12 @@ def print_count(count: int) -> str:
     return f"{count:,}".replace(",", " ")
 
 
-def print_contributions(shares: Sequence[tuple[str, float]], *, named: int = 2) -> str:
-    """Name the largest and gather the rest; shares are of one variance."""
+def print_contributions(shares: Sequence[tuple[str, float]]) -> str:
+    """Name the two largest and gather the rest; shares are of one variance."""
     if not any(share > NO_SHARE for _, share in shares):
         return "no spread"
     ranked = [shares[k] for k in from_largest([share for _, share in shares])]
-    head = [pair for pair in ranked[:named] if pair[1] >= SMALL_SHARE]
+    head = [pair for pair in ranked[:NAMED] if pair[1] >= SMALL_SHARE]
     rest = fsum(share for _, share in ranked[len(head) :])
     parts = [f"{title} {print_share(share)}" for title, share in head]
     return ", ".join(
@@ -303,12 +304,7 @@ def source_title(source: Name, *, of: str = "") -> str:
     """
     if source == INTERACTION:
         return "products of two sources"
-    return output_title(source.within(of) if of else source.without_owner)
-
-
-def output_title(name: Name) -> str:
-    """Name an output for people: 'gyro.bias.z' to 'gyro bias z'."""
-    return key_title(name)
+    return key_title(source.within(of) if of else source.without_owner)
 
 
 def join_outputs(names: Sequence[Name]) -> str:
@@ -317,7 +313,7 @@ def join_outputs(names: Sequence[Name]) -> str:
     for name in names:
         groups.setdefault(name.group, []).append(name.axis)
     return "; ".join(
-        f"{output_title(group)} "
+        f"{key_title(group)} "
         + ("(every axis)" if len(axes) == len(ANGLES) else ", ".join(axes))
         for group, axes in groups.items()
     )

@@ -75,32 +75,22 @@ def coupling(
     *,
     method: str = "gum",
     reference: str = "nominal",
-    only: frozenset[str] | None = None,
-    seed: int = 0,
 ) -> CouplingTable:
     """Find which source reaches which parameters, one source at a time.
 
     Zhao 2019, sections 2 and 4. Products of two sources are no source: asymmetry, for
     one, reaches a scale factor only as a product with the bias, so that it counts here
     for a nominal bias and not for a nominal bias of zero. The method is 'gum',
-    'monte-carlo' (4096 trials a source) or 'simulation' (4 runs a source); `only` has
-    full names of the sources that count, all others being 0.
+    'monte-carlo' (4096 trials a source) or 'simulation' (4 runs a source).
     """
-    problem = calibration_problem(sensors, procedure, reference=reference, only=only)
+    problem = calibration_problem(sensors, procedure, reference=reference)
     if method == "gum":
         return coupling_by_law(problem, propagate(problem), procedure.formulas)
     u = np.stack(
         [
             _draw_alone(
-                sensors,
-                procedure,
-                group.name,
-                method=method,
-                reference=reference,
-                seed=seed,
+                sensors, procedure, group.name, method=method, reference=reference
             )
-            if only is None or group.name in only
-            else np.zeros(len(problem.outputs))
             for group in problem.groups
         ]
     )
@@ -120,7 +110,6 @@ def _draw_alone(
     *,
     method: str,
     reference: str,
-    seed: int,
 ) -> Array:
     """Return the spread of all outputs from one source alone, shape (n_out,) [SI]."""
     only = frozenset({source})
@@ -128,9 +117,9 @@ def _draw_alone(
         problem = calibration_problem(
             sensors, procedure, reference=reference, only=only
         )
-        return sample(problem, trials=TRIALS, seed=seed).standard_uncertainty
+        return sample(problem, trials=TRIALS).standard_uncertainty
     runs = [
-        simulate(sensors, procedure, run=run, seed=seed, reference=reference, only=only)
+        simulate(sensors, procedure, run=run, reference=reference, only=only)
         for run in range(RUNS)
     ]
     return np.asarray(np.std(runs, axis=0, ddof=1))

@@ -9,11 +9,10 @@ from report_examples import GYRO, make_budget, make_output, make_outputs
 from saying import assert_says
 
 from budget import load_device, load_procedure
-from budget.names import Name
+from budget.names import Name, key_title
 from budget.report.tables import (
     align_decimals,
     group_tables,
-    output_title,
     print_contributions,
     print_given,
     print_share,
@@ -190,7 +189,7 @@ def test_titles_of_sources(name, title):
 def test_title_of_output():
     """An output is named sensor, parameter, axis."""
     assert (
-        output_title(Name("mounting_angle", owner="gyro", axis="xy"))
+        key_title(Name("mounting_angle", owner="gyro", axis="xy"))
         == "gyro mounting angle xy"
     )
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from budget.names import key_title
 from budget.report.allocation.words import (
     DIGITS,
     IDLE,
@@ -25,7 +26,7 @@ from budget.report.figures.rows import (
     Side,
 )
 from budget.report.figures.style import GRID, INK, MUTED, PAPER, look_of
-from budget.report.tables import output_title, print_given, source_title
+from budget.report.tables import print_given, source_title
 from budget.report.wording import capital
 from budget.studies.allocation.records import FREE
 from budget.ties import first_largest
@@ -98,7 +99,7 @@ def after_word(row: LimitedOutput) -> str:
 
 def _waterfall_title(row: LimitedOutput) -> str:
     """State the finding: who takes most of the limit."""
-    name = output_title(row.output.name)
+    name = key_title(row.output.name)
     largest = row.parts[first_largest([_after(part) for part in row.parts])]
     title = part_title(largest.source, row.sensor)
     part = f"{title} takes {print_part(_after(largest))} %"
@@ -128,7 +129,7 @@ def _part_row(row: LimitedOutput, part: LimitPart, left: float, left_now: float)
             colour=colour,
             hatch=hatch,
             edge_width=0.4,
-            tip=f"{said} of the squared {output_title(row.output.name)} limit "
+            tip=f"{said} of the squared {key_title(row.output.name)} limit "
             f"{row.printed_limit}",
         )
     ]

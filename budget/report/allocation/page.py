@@ -6,7 +6,7 @@ from functools import partial
 from operator import attrgetter
 from typing import TYPE_CHECKING
 
-from budget.names import words
+from budget.names import key_title, words
 from budget.report.allocation.figures import (
     after_word,
     headroom_chart,
@@ -46,7 +46,6 @@ from budget.report.blocks import (
 from budget.report.figures.rows import chart_picture
 from budget.report.tables import (
     join_outputs,
-    output_title,
     print_count,
     print_coverage,
     print_given,
@@ -308,7 +307,7 @@ def _checks_table(checks: Sequence[CoverageCheck]) -> Table:
         Field(
             head="output at its limit",
             cell=lambda check: Cell(
-                text=capital(output_title(check.output)),
+                text=capital(key_title(check.output)),
                 note="corrected" if check.is_corrected else "",
             ),
         ),

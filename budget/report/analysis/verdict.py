@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from budget.names import by_group
+from budget.names import by_group, key_title
 from budget.report.blocks import (
     Card,
     Cell,
@@ -20,7 +20,6 @@ from budget.report.tables import (
     UNKNOWN,
     join_outputs,
     largest_error,
-    output_title,
     print_contributions,
     print_coverage,
     print_decimals,
@@ -160,7 +159,7 @@ def _limits_table(assessment: Assessment) -> Table:
         ),
         name="limits-table",
         caption=f"Largest errors against the limits of {assessment.requirement}",
-        by=lambda row: output_title(row.output.name.group),
+        by=lambda row: key_title(row.output.name.group),
         titled=True,
         searchable=True,
     )
@@ -192,7 +191,7 @@ def _left_out(settings: Settings) -> Words:
     """Say that sources were left out, where they were."""
     if not settings.only:
         return ()
-    only = ", ".join(map(output_title, settings.only))
+    only = ", ".join(map(key_title, settings.only))
     text = (
         f"Only these sources are counted: {only}. All other lines are set to zero in "
         "this run, so this is not the budget of the whole device. "
@@ -448,7 +447,7 @@ def _weights(
     idle = 1.0 if assessment is None else 0.0
     weight = dict.fromkeys((group.title for group in groups), idle)
     for required in assessment.outputs if assessment else ():
-        title = output_title(required.output.name.group)
+        title = key_title(required.output.name.group)
         weight[title] = max(weight[title], required.utilisation)
     return weight
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
+from budget.names import key_title
 from budget.report.blocks import (
     Cell,
     Field,
@@ -16,7 +17,6 @@ from budget.report.blocks import (
 from budget.report.tables import (
     Number,
     bound_number,
-    output_title,
     print_coverage,
     print_utilisation,
     round_error,
@@ -66,12 +66,12 @@ def _not_by_law(budget: Budget, *, required: bool) -> str:
     if budget.settings.method != "gum":
         return f" The budget itself is by {budget.settings.method}."
     overruled = [
-        output_title(row.output.name)
+        key_title(row.output.name)
         for row in budget.outputs
         if row.interval_by != BY_LAW
     ]
     refused = [
-        output_title(row.output.name)
+        key_title(row.output.name)
         for row in budget.outputs
         if row.interval_by == BY_LAW
         and row.validation is not None
@@ -121,7 +121,7 @@ def _table(rows: Sequence[SourceSteps], coverage: str, *, required: bool) -> Tab
             Field(
                 head="output",
                 weight=1.6,
-                cell=lambda row: output_title(row.output.name.without_owner),
+                cell=lambda row: key_title(row.output.name.without_owner),
             ),
             Field(
                 head="its share [%]",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from budget.names import words
+from budget.names import key_title, words
 from budget.report.comparison.tables import merit_points
 from budget.report.figures.rows import (
     Bar,
@@ -37,7 +37,6 @@ from budget.report.figures.style import (
 from budget.report.tables import (
     AT_LEAST,
     largest_error,
-    output_title,
     print_given,
     print_utilisation,
     used_part,
@@ -257,7 +256,7 @@ def _map_row(row: Device) -> Row:
                 is_framed=not output.is_within,
                 text=_cell(output),
                 strong=not output.is_within,
-                tip=f"{row.device}, {output_title(output.output.name)}: "
+                tip=f"{row.device}, {key_title(output.output.name)}: "
                 f"{largest_error(output).text} {output.output.unit} of "
                 f"{output.printed_limit}, {used_part(output).text} of the limit",
             )

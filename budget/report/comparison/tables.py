@@ -16,7 +16,6 @@ from budget.report.tables import (
     AT_MOST,
     PER_CENT,
     join_outputs,
-    output_title,
     print_given,
     print_probability,
     print_three,
@@ -579,7 +578,7 @@ def _owners(devices: Sequence[str], number: int) -> str:
 
 def _output_head(name: Name) -> str:
     """Name an output above a narrow column: 'angle xy'."""
-    return output_title(name.without_owner).removeprefix("mounting ")
+    return key_title(name.without_owner).removeprefix("mounting ")
 
 
 def _under(place: int, row: SideRow) -> str:

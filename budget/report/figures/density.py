@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.names import key_title
 from budget.report.blocks import Field, table_of
 from budget.report.figures.style import (
     BLUE,
@@ -25,7 +26,6 @@ from budget.report.tables import (
     AT_MOST,
     Number,
     bound_number,
-    output_title,
     print_count,
     print_coverage,
     print_given,
@@ -114,7 +114,7 @@ def density_step(density: Density, *, coverage: float) -> Figure:
     axes.locator_params(axis="x", nbins=7, steps=[1, 2, 5, 10])
     axes.set_xticks([x for x in axes.get_xticks() if low <= x * scale <= high])
     axes.set_xlabel(
-        f"error of the {output_title(density.output.name)} [{unit}]",
+        f"error of the {key_title(density.output.name)} [{unit}]",
         fontsize=SMALL,
         color=MUTED,
     )
@@ -129,7 +129,7 @@ def density_title(density: Density, *, coverage: float) -> str:
 
 def _finding(density: Density, *, coverage: float) -> str:
     """State it as if all lines were given."""
-    name = capital(output_title(density.output.name))
+    name = capital(key_title(density.output.name))
     if density.limit is None:
         low, high = (_round(density, end) for end in density.interval_mc)
         return (
@@ -279,5 +279,5 @@ def _data(density: Density, *, coverage: float) -> Table:
             ),
         ),
         name=kebab(f"density-{density.output.name}-data"),
-        caption=f"Distribution of the {output_title(density.output.name)}",
+        caption=f"Distribution of the {key_title(density.output.name)}",
     )

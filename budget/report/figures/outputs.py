@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from budget.names import words
+from budget.names import key_title, words
 from budget.report.blocks import Cell, Field, table_of
 from budget.report.figures.rows import (
     Chart,
@@ -23,7 +23,6 @@ from budget.report.tables import (
     UNKNOWN,
     join_outputs,
     largest_error,
-    output_title,
     print_count,
     print_coverage,
     used_part,
@@ -183,7 +182,7 @@ def utilisation_chart(assessment: Assessment) -> Chart:
             USED,
             name="utilisation-data",
             caption="Largest error of each output in per cent of its limit",
-            by=lambda row: capital(output_title(row.output.name.group)),
+            by=lambda row: capital(key_title(row.output.name.group)),
             titled=True,
         ),
     )
@@ -231,8 +230,8 @@ def _limit_groups(
     """Return the rows of the outputs of a sensor, the worst group first."""
     return tuple(
         Group(
-            title=output_title(outputs[0].output.name.group.without_owner),
-            said=output_title(outputs[0].output.name.group),
+            title=key_title(outputs[0].output.name.group.without_owner),
+            said=key_title(outputs[0].output.name.group),
             rows=tuple(_limit_row(output, start) for output in outputs),
         )
         for outputs in _ranked(assessment, sensor)
@@ -251,7 +250,7 @@ def _limit_row(output: OutputAssessment, start: float) -> Row:
                 at=x,
                 fill=PAPER if output.is_within else INK,
                 edge=MUTED if output.is_within else INK,
-                tip=f"{output_title(output.output.name)}: largest error "
+                tip=f"{key_title(output.output.name)}: largest error "
                 f"{largest_error(output).text} "
                 f"{output.output.unit}, {used} of the limit {output.printed_limit}",
             ),
@@ -348,7 +347,7 @@ def validity_chart(budget: Budget, sensor: str) -> Chart | None:
 def _check_title(checks: list[Check], sensor: str) -> str:
     """State the finding: for how many outputs the law holds, and the worst of them."""
     worst = checks[first_largest([check.worst for check in checks])]
-    name, size = output_title(worst.row.output.name), _signed(worst.worst)[1:]
+    name, size = key_title(worst.row.output.name), _signed(worst.worst)[1:]
     missed = sum(not check.validation.holds for check in checks)
     part = f"farthest off is {name} with a difference of {size} tolerances"
     if missed:
@@ -382,7 +381,7 @@ def _check_row(check: Check) -> Row:
     fill, edge = (PAPER, MUTED) if holds else (INK, INK)
     axis = check.row.axis
     tip = (
-        f"{output_title(check.row.output.name)}: the law {word}, lower end {low}, "
+        f"{key_title(check.row.output.name)}: the law {word}, lower end {low}, "
         f"upper end {high} tolerances"
     )
     return Row(

@@ -7,7 +7,7 @@ from math import fsum
 from typing import TYPE_CHECKING
 
 from budget.model.sources import SENSORS
-from budget.names import words
+from budget.names import key_title, words
 from budget.report.blocks import Cell, Field, table_of
 from budget.report.figures.rows import (
     Bar,
@@ -36,7 +36,6 @@ from budget.report.figures.style import (
 from budget.report.tables import (
     ALL,
     SMALL_SHARE,
-    output_title,
     print_given,
     print_index,
     print_share,
@@ -262,7 +261,7 @@ def _coupling_title(cells: list[Coupling], sensor: str) -> str:
     title = source_title(most.source, of=sensor)
     return (
         f"Besides own spreads, {title} reaches farthest: "
-        f"{print_part(most.size)} of the u of the {output_title(most.group)}"
+        f"{print_part(most.size)} of the u of the {key_title(most.group)}"
     )
 
 
@@ -287,7 +286,7 @@ def _coupling_row(source: Name, cells: list[Coupling], sensor: str) -> Row:
                 is_framed=cell.is_own,
                 text=part if cell.reaches else "",
                 text_colour=ON_DARK if opacity == 1.0 else INK,
-                tip=f"{title} makes {part} of the u of the {output_title(cell.group)}"
+                tip=f"{title} makes {part} of the u of the {key_title(cell.group)}"
                 if cell.reaches
                 else "",
             )
@@ -386,7 +385,7 @@ def sobol_chart(budget: Budget, sensor: str) -> Chart | None:
     groups = tuple(
         Group(
             title=f"{words(one.row.parameter)} {one.row.axis}",
-            said=output_title(one.row.output.name),
+            said=key_title(one.row.output.name),
             rows=tuple(_sobol_row(one.row, *pair, sensor) for pair in one.shown),
         )
         for one in found
@@ -429,7 +428,7 @@ def sobol_chart(budget: Budget, sensor: str) -> Chart | None:
             ),
             name=f"sobol-{sensor}-data",
             caption=f"Sobol' indices of the widest {sensor} outputs",
-            by=lambda one: capital(output_title(one[0].output.name)),
+            by=lambda one: capital(key_title(one[0].output.name)),
             titled=True,
         ),
     )
@@ -446,7 +445,7 @@ def _sobol_title(found: tuple[Indices, ...], sensor: str) -> str:
         first, total = _first(index)[0], _total(index)[0]
         return (
             f"{capital(source_title(source, of=sensor))} interacts in the "
-            f"{output_title(row.output.name)}: first order {first}, total {total}"
+            f"{key_title(row.output.name)}: first order {first}, total {total}"
         )
     if any(index.interacts for _, _, index in pairs):
         return (
@@ -502,7 +501,7 @@ def _sobol_row(
         (index.first, index.first_interval, -APART, INK),
         (index.total, index.total_interval, APART, PAPER),
     ):
-        tip = f"{output_title(output.output.name)}: {said}" if fill == INK else ""
+        tip = f"{key_title(output.output.name)}: {said}" if fill == INK else ""
         marks += [
             Stroke(start=0.0, end=value, colour=colour, width=2.0, lift=lift),
             Stroke(start=ends[0], end=ends[1], colour=INK, width=0.9, lift=lift),

@@ -103,15 +103,14 @@ def canvas(
     right: float,
     top: float,
     below: float,
-    width: float = WIDTH,
 ) -> tuple[Figure, Axes]:
     """Make a figure with one bare panel, from its height and margins in points."""
-    figure = blank(height, width=width)
+    figure = blank(height)
     axes = add_panel(
         figure,
         left=left,
         top=top,
-        width=width - left - right,
+        width=WIDTH - left - right,
         height=height - top - below,
     )
     return figure, axes

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from math import floor, inf, log10
 from typing import TYPE_CHECKING
 
-from budget.names import words
+from budget.names import key_title, words
 from budget.references.difference import TOOL
 from budget.report.blocks import (
     Cell,
@@ -21,7 +21,6 @@ from budget.report.tables import (
     AT_LEAST,
     AT_MOST,
     PLAIN_BELOW,
-    output_title,
     round_value,
     source_title,
 )
@@ -415,7 +414,7 @@ def _title(move: Move) -> str:
     quantity = TITLES.get(move.item.quantity, words(move.item.quantity))
     if move.item.partner:
         is_output = move.item.quantity == "correlation"
-        name = output_title if is_output else source_title
+        name = key_title if is_output else source_title
         quantity = f"{quantity} {name(read_name(move.item.partner))}"
     unit = f" [{move.unit}]" if move.unit not in {"", "1"} else ""
     # The name of a file stays as it is.
@@ -436,7 +435,7 @@ def _split(subject: str) -> tuple[str, str]:
     if not name.owner:
         return name, device
     if name.axis:
-        return f"{device} {output_title(name.group)}".strip(), name.axis
+        return f"{device} {key_title(name.group)}".strip(), name.axis
     return f"{device} {name.owner}".strip(), source_title(name)
 
 

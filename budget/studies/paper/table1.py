@@ -55,6 +55,7 @@ if TYPE_CHECKING:
 
 REPEATABILITIES = ("bias_repeatability", "scale_factor_repeatability")
 BLOCKS = 10  # of trials drawn for repeats of a mean
+REPEATS = BLOCKS * (BLOCK // RUNS)  # means that are drawn
 HALF_DIGIT = 0.5e-5  # of a printed angle entry [1]
 SIGMAS = 3.0  # standard uncertainties of the products that are allowed [1]
 
@@ -122,29 +123,24 @@ def root_mean_square(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def spread_of_means(problem: Problem, *, runs: int, seed: int = 0) -> Array:
-    """Return the standard deviation of `repeats(runs)` means over `runs` runs each.
+def spread_of_means(problem: Problem) -> Array:
+    """Return the standard deviation of REPEATS means over 25 runs each.
 
     Shape (12,), of a Problem of one triad [SI].
     """
     x = np.empty((problem.n_inputs, BLOCK))
-    each = BLOCK // runs
+    each = BLOCK // RUNS
     means = []
     for block in range(BLOCKS):
-        y = problem.evaluate(draw(problem, seed, block, x))[:, : each * runs]
-        means.append(y.reshape(len(problem.outputs), each, runs).mean(axis=2))
+        y = problem.evaluate(draw(problem, 0, block, x))[:, : each * RUNS]
+        means.append(y.reshape(len(problem.outputs), each, RUNS).mean(axis=2))
     return np.asarray(np.concatenate(means, axis=1).std(axis=1, ddof=1))
 
 
 def drawn_means(conditions: Conditions, row: Reading) -> Array:
     """Return the spread of means over 25 runs of a row as stated, shape (12,) [1]."""
     problem = only_sources(conditions.gyro, conditions.printed, row.source)
-    return spread_of_means(problem, runs=RUNS) / nominal_size(conditions.gyro)
-
-
-def repeats(runs: int) -> int:
-    """Return how many means `spread_of_means` draws."""
-    return BLOCKS * (BLOCK // runs)
+    return spread_of_means(problem) / nominal_size(conditions.gyro)
 
 
 def _random_entries(
@@ -182,7 +178,7 @@ def _random_entries(
         parameter=parameter,
         single=single,
         mean=mean,
-        repeats=repeats(RUNS),
+        repeats=REPEATS,
         drawn=np.mean(means[place] / row.of_mean.u[place]),
         cause=cause,
     )

@@ -22,10 +22,11 @@ from report_examples import (
 from saying import assert_says
 
 from budget.distributions import TRIANGULAR
+from budget.names import key_title
 from budget.report.analysis.build import Extra, report_document
 from budget.report.blocks import Cell, Equation, Paragraph, Picture, Section, Sliders
 from budget.report.inputs import print_by_axis
-from budget.report.tables import group_tables, output_title
+from budget.report.tables import group_tables
 from budget.resources import shipped
 from budget.results import CapAssessment
 from budget.spec import load_requirement
@@ -491,7 +492,7 @@ def test_steps_are_the_law_at_changed_sources(factor, place):
     (sliders,) = find(section(example(), "what-if"), Sliders)
     row = sliders.table.groups[0].rows[0]
     outlook = model.evaluate({model.sources[0].name: factor})
-    names_of = [output_title(o.name.partition(".")[2]) for o in model.outputs]
+    names_of = [key_title(o.name.partition(".")[2]) for o in model.outputs]
     k = names_of.index(row[2].text)
     expected = model.coverage_factor[k] * outlook.u[k] / model.outputs[k].si_per_unit
 

@@ -37,10 +37,10 @@ from budget.studies.paper.study import (
     reproduce,
 )
 from budget.studies.paper.table1 import (
+    REPEATS,
     biases_from_angles,
     drawn_means,
     fitting_choices,
-    repeats,
     stated_rows,
     switched_on,
 )
@@ -129,7 +129,7 @@ def test_printed_angle_rounding_is_whole_steps_of_doubles_below_one(conditions):
 
 def test_a_spread_of_drawn_means_is_a_fifth_of_a_runs(conditions, rows):
     """Means over 25 drawn runs spread by u/5, which the law says."""
-    bound = SIGMAS / np.sqrt(2.0 * (repeats(RUNS) - 1))
+    bound = SIGMAS / np.sqrt(2.0 * (REPEATS - 1))
     for row in rows.values():
         varies, u = row.varies, row.expectation.u
         found = drawn_means(conditions, row)[varies] / u[varies] * np.sqrt(RUNS)
