@@ -1,30 +1,121 @@
-"""Draw the figures of the README: `python docs/make_figures.py [FOLDER]`."""  # noqa: INP001 - a script, no package
+"""Draw the README's figure and write the page of test schemes: [FOLDER]."""  # noqa: INP001 - a script, no package
 
 from __future__ import annotations
 
 import re
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import budget
+from budget.calibration.schemes import calibrates, schedule_of
 from budget.report.figures.rows import draw as draw_rows
 from budget.report.figures.sources import share_chart
 from budget.report.figures.style import PAPER, to_svg
+from budget.report.figures.timeline import schedule_chart
 from budget.report.tables import group_tables
+from budget.resources import shipped
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 HERE = Path(__file__).resolve().parent
+# In the order of what they need: nothing, a plate, a table.
+SCHEMES = (
+    *("norm-nine-positions", "norm-eighteen-positions", "norm-icosahedron"),
+    *("hand-turns", "six-positions", "twelve-positions"),
+    *("one-axis-rate-table", "six-positions-and-turns", "twenty-four-positions"),
+    *("zhao-2019", "zhao-2019-eq4"),
+)
+HEAD = """# Test schemes that ship
+
+What each sees, and how large the errors are that it adds to what the unit truly is
+(`--reference as_tested`): the optical unit of the paper, largest axis, U at 95 %. A
+dash: not estimated. Each is a file in `specs/procedures/`, to be copied and changed
+([files.md](files.md), Procedure).
+
+"""
+HEADS = (
+    *("scheme", "lasts [min]"),
+    *("gyro scale factor [ppm]", "gyro angle [arcsec]", "gyro bias [deg/h]"),
+    *("accelerometer scale factor [ppm]", "accelerometer angle [arcsec]"),
+    "accelerometer bias [ug]",
+)
+FOOT = """
+Written by `docs/make_figures.py`.
+"""
+GROUPS = tuple(
+    f"{sensor} {quantity}"
+    for sensor in ("gyro", "accelerometer")
+    for quantity in ("scale factor", "mounting angle", "bias")
+)
 
 
-def draw(folder: Path) -> Path:
-    """Draw what causes the variance of the paper's gyro bias; return the file."""
+def draw(folder: Path) -> None:
+    """Draw all figures, and write the page of schemes."""
     result = budget.analyze(budget.load_device("zhao-2019"), validate=False)
     (group,) = (g for g in group_tables(result) if g.title == "gyro bias")
-    svg = to_svg(draw_rows(share_chart(group)), name="share-gyro-bias")
-    # A page may be dark, the labels are too: the picture brings its own paper.
+    write(draw_rows(share_chart(group)), folder / "share-gyro-bias.svg")
+    (folder / "schemes").mkdir(exist_ok=True)
+    rows, sections = [line(HEADS), line(["---"] * len(HEADS))], []
+    for name in SCHEMES:
+        plan = budget.load_procedure(name)
+        there = [kind for kind in ("gyro", "accelerometer") if calibrates(kind, plan)]
+        chart = schedule_chart(plan, there)
+        write(draw_rows(chart), folder / "schemes" / f"{name}.svg")
+        rows.append(row(name, plan))
+        sections.append(
+            f"## {plan.name}\n\n`{name}`: {source_of(name)}\n\n"
+            f"![Windows of {plan.name} in time](schemes/{name}.svg)\n"
+        )
+    page = HEAD + "\n".join(rows) + "\n\n" + "\n".join(sections) + FOOT
+    (folder / "schemes.md").write_text(page, encoding="utf-8")
+
+
+def row(name: str, plan: budget.Procedure) -> str:
+    """Return what a scheme adds to the paper's unit, a row of the table."""
+    result = budget.analyze(
+        budget.load_device("zhao-2019"),
+        procedure=plan,
+        reference="as_tested",
+        validate=False,
+    )
+    found = {group.title: group.widest.expanded.text for group in group_tables(result)}
+    cells = [found.get(title, "-") for title in GROUPS]
+    lasts = max(
+        end_of(plan, kind)
+        for kind in ("gyro", "accelerometer")
+        if calibrates(kind, plan)
+    )
+    return line([f"[`{name}`](schemes/{name}.svg)", f"{lasts / 60.0:.3g}", *cells])
+
+
+def line(cells: Sequence[str]) -> str:
+    """Return a row of a table."""
+    return f"| {' | '.join(cells)} |"
+
+
+def end_of(plan: budget.Procedure, kind: str) -> float:
+    """Return when the last window of a triad ends [s]."""
+    return max(window.end for window in schedule_of(kind, plan).windows)
+
+
+def source_of(name: str) -> str:
+    """Return what the comment at the head of a shipped file says."""
+    text = (shipped("specs") / "procedures" / f"{name}.yaml").read_text("utf-8")
+    lines = []
+    for line in text.splitlines():
+        if not line.startswith("#"):
+            break
+        lines.append(line.lstrip("# "))
+    return " ".join(lines)
+
+
+def write(drawing: object, path: Path) -> None:
+    """Write a picture on its own paper: a page may be dark, the labels are too."""
+    svg = to_svg(drawing, name=path.stem)
     paper = f'<rect width="100%" height="100%" fill="{PAPER}"/>'
-    path = folder / "share-gyro-bias.svg"
     path.write_text(re.sub(r"(<svg\b[^>]*>)", rf"\1{paper}", svg), encoding="utf-8")
-    return path
 
 
 if __name__ == "__main__":

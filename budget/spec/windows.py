@@ -173,7 +173,7 @@ class WindowLine(Strict):
 
     @property
     def title(self) -> str:
-        """'z up, azimuth 90 deg', 'turn +1 outer at 0, 90, 0 deg'."""
+        """'z up, azimuth 90 deg', 'turn +1 outer at 0/90/0 deg'."""
         text: str
         if self.face is not None:
             text = self.face
@@ -182,7 +182,7 @@ class WindowLine(Strict):
         else:
             held = self.setting
             angles = (held.outer, held.middle, held.inner)
-            text = ", ".join(f"{degrees(angle):.6g}" for angle in angles) + " deg"
+            text = "/".join(f"{degrees(angle):.6g}" for angle in angles) + " deg"
         if self.turn is None:
             return text
         return f"turn {self.turns:+d} {self.turn} at {text}"

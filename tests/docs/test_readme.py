@@ -95,19 +95,24 @@ def test_the_printed_block_is_the_terminals():
     assert block in call("analyze", "--no-validate").out
 
 
-def test_the_figure_is_the_tools(tmp_path):
-    """Title and labels of the committed figure are those that would be drawn now."""
+def test_the_figures_and_the_page_of_schemes_are_the_tools(tmp_path):
+    """Titles and labels of the committed figures are those that would be drawn now."""
     script = ROOT / "docs" / "make_figures.py"
     subprocess.run([sys.executable, script, tmp_path], check=True)
 
     def texts(path):
         return re.findall(r">([^<>\n]+)</t", path.read_text(encoding="utf-8"))
 
-    (drawn,) = tmp_path.iterdir()
-    kept = ROOT / "docs" / drawn.name
-    assert "79 %" in texts(drawn)
-    assert texts(kept) == texts(drawn)
-    assert f"](docs/{drawn.name})" in README
+    share = tmp_path / "share-gyro-bias.svg"
+    assert "79 %" in texts(share)
+    assert f"](docs/{share.name})" in README
+    drawn = sorted(path.relative_to(tmp_path) for path in tmp_path.rglob("*.svg"))
+    shipped = {path.stem for path in (ROOT / "specs" / "procedures").glob("*.yaml")}
+    assert {path.stem for path in drawn} == shipped | {share.stem}
+    for path in drawn:
+        assert texts(ROOT / "docs" / path) == texts(tmp_path / path) != []
+    kept, made = (folder / "schemes.md" for folder in (ROOT / "docs", tmp_path))
+    assert kept.read_text(encoding="utf-8") == made.read_text(encoding="utf-8")
 
 
 @pytest.mark.slow

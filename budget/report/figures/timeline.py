@@ -339,14 +339,15 @@ def window_name(track: Track, place: int) -> str:
 
 
 def _any_track(sensor: str, procedure: Procedure) -> Track:
-    """Lay out windows that all go into one estimate, by least squares."""
+    """Lay out windows that all go into one estimate."""
+    how = "the norm of gravity" if procedure.formulas == "norm" else "least squares"
     windows = schedule_of(sensor, procedure).windows
     gaps = [b.start - a.end for a, b in pairwise(windows)]
     return Track(
         sensor=sensor,
         windows=windows,
         labels=tuple(window.name.partition(",")[0] for window in windows),
-        averages=(("all, by least squares", 0, len(windows) - 1),),
+        averages=((f"all, by {how}", 0, len(windows) - 1),),
         pause=min(gaps, default=0.0),
     )
 
