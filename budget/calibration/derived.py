@@ -24,6 +24,7 @@ differs there by 2 % and 4 % of that error.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,16 +32,17 @@ import numpy as np
 from budget.calibration.schemes import estimated
 from budget.model.response import COLUMN, ROW, SIGN
 from budget.model.source import ACCELEROMETER, GYRO
-from budget.names import ANGLES, AXES, IMU, Name, every_output
+from budget.names import ANGLES, AXES, IMU, PARAMETERS, Name, every_output
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Collection, Iterable, Mapping, Sequence
 
     from budget.arrays import Array
     from budget.spec.records import Procedure
 
 
-def parts_of(name: Name) -> dict[Name, float]:
+@cache
+def parts_of(name: Name) -> Mapping[Name, float]:
     """Return the parameters that an output is a sum of, with their factors [1].
 
     A parameter is its own and only part.
@@ -88,6 +90,25 @@ def known_outputs(kinds: Sequence[str], procedure: Procedure) -> tuple[Name, ...
         for name in every_output(owner)
         if parts_of(name).keys() <= found
     )
+
+
+def outputs_for(
+    kinds: Sequence[str],
+    procedure: Procedure,
+    limits: Iterable[Name],
+    asked: Collection[Name] | None = None,
+) -> tuple[Name, ...] | None:
+    """Return what is asked for or limited, of what is known, in order.
+
+    None where that is the parameters and nothing else; without `asked` they all are.
+    """
+    known = known_outputs(kinds, procedure)
+    limited = set(limits)
+    if asked is None:
+        if all(n.quantity in PARAMETERS for n in known if n in limited):
+            return None
+        asked = [name for name in known if name.quantity in PARAMETERS]
+    return tuple(name for name in known if name in limited or name in asked)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,7 +15,7 @@ from pydantic import BeforeValidator, ConfigDict, Field, WithJsonSchema
 from budget.distributions import LEAST_COVERAGE, MOST_COVERAGE
 from budget.model.source import OWNERS
 from budget.model.sources import SOURCES
-from budget.names import Name
+from budget.names import OUTPUTS, PARAMETERS, Name
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -210,8 +210,7 @@ class NominalProperty:
 
 
 # What this version can say something of: quantities of sources and of outputs.
-PARAMETERS = ("scale_factor", "mounting_angle", "bias")
-KNOWN_NOW = frozenset({*(source.name for source in SOURCES), *PARAMETERS})
+KNOWN_NOW = frozenset({*(source.name for source in SOURCES), *OUTPUTS})
 # What the version had that did not yet write it into its references.
 KNOWN_FIRST = frozenset(
     {

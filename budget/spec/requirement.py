@@ -8,7 +8,15 @@ from pydantic import Field, create_model, model_validator
 
 from budget.distributions import COVERAGES, is_coverage
 from budget.model.sources import SENSORS, SOURCES
-from budget.names import Name
+from budget.names import (
+    BETWEEN,
+    DERIVED,
+    IMU,
+    OUTPUTS,
+    PARAMETERS,
+    Name,
+    every_output,
+)
 from budget.spec.checking import check
 from budget.spec.fields import (
     Measured,
@@ -20,16 +28,17 @@ from budget.spec.fields import (
     mapping_of,
     per_axis,
 )
-from budget.spec.records import ANGLES, AXES, Limit, Origin, Requirement
+from budget.spec.records import Limit, Origin, Requirement
 from budget.units import Quantity
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from budget.spec.tree import Document
 
 COVERAGE = "95 %"
 REFERENCE = "next_turn_on"
 Coverage = Annotated[Quantity, Measured("%", Sign.POSITIVE, bare=True)]
-PARAMETERS = {"scale_factor": AXES, "mounting_angle": ANGLES, "bias": AXES}
 
 
 class Caps(Strict):
@@ -41,20 +50,20 @@ class Caps(Strict):
 
 
 def _limits_type() -> Any:  # noqa: ANN401
-    """Return the type of the limits of both sensors."""
-    bias = SOURCES[0]
-    sensors = {
-        sensor: mapping_of(
-            f"{sensor} limits",
-            {
-                "scale_factor": per_axis("ppm", AXES, Sign.POSITIVE),
-                "mounting_angle": per_axis("arcsec", ANGLES, Sign.POSITIVE),
-                "bias": per_axis(bias.like(sensor), AXES, Sign.POSITIVE),
-            },
-        )
+    """Return the type of the limits of both sensors, and of both together."""
+
+    def limits(owner: str, quantities: Mapping[str, tuple[str, ...]]) -> dict[str, Any]:
+        units = {"scale_factor": "ppm", "bias": SOURCES[0].like(owner)}
+        return {
+            quantity: per_axis(units.get(quantity, "arcsec"), axes, Sign.POSITIVE)
+            for quantity, axes in quantities.items()
+        }
+
+    sensors: dict[str, Any] = {
+        sensor: mapping_of(f"{sensor} limits", limits(sensor, PARAMETERS | DERIVED))
         for sensor in SENSORS
     }
-    return mapping_of("limits", sensors)
+    return mapping_of("limits", sensors | limits(IMU, BETWEEN))
 
 
 class RequirementBase(Strict):
@@ -119,15 +128,15 @@ def read_requirement(document: Document) -> Requirement:
 
 def _limits(limits: Strict) -> tuple[Limit, ...]:
     """Return the limits output by output, in the order of the outputs."""
+    places = {sensor: getattr(limits, sensor) for sensor in SENSORS} | {IMU: limits}
     found: list[Limit] = []
-    for sensor in SENSORS:
-        parameters = getattr(limits, sensor)
-        for parameter, axes in PARAMETERS.items():
-            value = getattr(parameters, parameter, None)
-            named = {} if value is None else by_axis(value, axes)
+    for owner, place in places.items():
+        for group in dict.fromkeys(name.group for name in every_output(owner)):
+            value = getattr(place, group.quantity, None)
+            named = {} if value is None else by_axis(value, OUTPUTS[group.quantity])
             found.extend(
                 Limit(
-                    output=Name(parameter, owner=sensor, axis=axis),
+                    output=Name(group.quantity, owner=owner, axis=axis),
                     limit=quantity.value,
                     printed=quantity.printed,
                 )

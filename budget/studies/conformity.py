@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from budget.calibration.derived import known_outputs
 from budget.errors import CallError
 from budget.results import INTERACTION, Assessment, CapAssessment, SensorAssessment
 from budget.studies.figures_of_merit import over_cap, read_amount
@@ -20,9 +21,8 @@ from budget.ties import first_largest
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.methods.gum import Propagation
     from budget.results import Budget, OutputAssessment
-    from budget.spec.records import Device, Requirement, Sensor
+    from budget.spec.records import Device, Requirement
     from budget.studies.judgement import Judged, Limited
     from budget.studies.request import Analysis
 
@@ -76,25 +76,30 @@ def assess(
 
 
 def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Assessment:
-    """Judge every triad that has limits, each as if the other were not there."""
+    """Judge every triad that has limits, each as if the other were not there.
+
+    What belongs to both is judged with both.
+    """
     outputs: list[OutputAssessment] = []
     found: list[Judged] = []
     verdicts: list[SensorAssessment] = []
-    for sensor in analysis.sensors:
-        own = analysis.alone(sensor.kind)
+    kinds = [sensor.kind for sensor in analysis.sensors]
+    limited = {limit.output for limit in requirement.limits}
+    known = known_outputs(kinds, analysis.procedure)
+    for owner in dict.fromkeys(name.owner for name in known if name in limited):
+        own = replace(analysis, requirement=requirement).alone(owner)
         held = limit_problem(own.problem, requirement)
         if held is None:
             continue
         judged = judge(held, own.law, coverage=requirement.coverage, seed=seed)
         outputs += assess_outputs(held, judged, own.lacks)
-        if sensor.lines:
+        if any(sensor.lines for sensor in own.sensors):
             found.append(judged)
-        verdicts.append(_verdict(sensor, held, own.law, judged))
+        verdicts.append(_verdict(owner, own, held, judged))
     if not verdicts:
-        kinds = sorted(sensor.kind for sensor in analysis.sensors)
         raise CallError(
             f"{requirement.name} sets no limit for what is estimated of a sensor that "
-            f"is there ({', '.join(kinds)}); add limits for it, or leave the "
+            f"is there ({', '.join(sorted(kinds))}); add limits for it, or leave the "
             "requirement out"
         )
     judged_kinds = {one.sensor for one in verdicts}
@@ -128,23 +133,25 @@ def _cap(device: Device, merit: str, cap: str) -> CapAssessment:
 
 
 def _verdict(
-    sensor: Sensor, held: Limited, law: Propagation, judged: Judged
+    owner: str, own: Analysis, held: Limited, judged: Judged
 ) -> SensorAssessment:
-    """Return the verdict on one sensor."""
-    parts = law.source_variance[:, held.rows[judged.worst]].tolist()
+    """Return the verdict on one sensor, or on what belongs to both."""
+    missing = tuple(name for one in own.sensors for name in one.expected_missing)
+    has_lines = any(sensor.lines for sensor in own.sensors)
+    parts = own.law.source_variance[:, held.rows[judged.worst]].tolist()
     # A sensor without lines has no source, only the row of products, which is 0.
     limiting = held.problem.groups[first_largest(parts)].name if parts else INTERACTION
     return SensorAssessment(
-        sensor=sensor.kind,
-        verdict=judged.verdict((*sensor.expected_missing, *held.absent)),
+        sensor=owner,
+        verdict=judged.verdict((*missing, *held.absent)),
         utilisation=judged.utilisation,
         utilisation_interval=judged.utilisation_interval,
         worst_output=held.outputs[judged.worst].name,
         worst_outputs=tuple(held.outputs[k].name for k in judged.all_worst),
         limiting_source=limiting,
-        conformance=judged.conformance if sensor.lines else None,
+        conformance=judged.conformance if has_lines else None,
         trials=judged.trials,
-        expected_missing=sensor.expected_missing,
-        nothing_known=not sensor.lines,
+        expected_missing=missing,
+        nothing_known=not has_lines,
         not_estimated=held.absent,
     )

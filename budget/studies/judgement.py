@@ -18,6 +18,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.arrays import root_of_correlation
+from budget.calibration.derived import outputs_for
+from budget.calibration.problem import calibration_problem
 from budget.methods.execution import BLOCK, one_blas_thread, stream
 from budget.methods.intervals import interval_of_values
 from budget.methods.largest import (
@@ -46,7 +48,7 @@ if TYPE_CHECKING:
     from budget.methods.gum import Propagation
     from budget.names import Name
     from budget.problem import Output, Problem
-    from budget.spec.records import Requirement
+    from budget.spec.records import Procedure, Requirement, Sensor
 
 TRIALS = 100_000  # at first
 MAX_TRIALS = 1_600_000  # where more trials stop trying to settle a verdict
@@ -71,8 +73,26 @@ class Limited:
         return tuple(self.problem.outputs[row] for row in self.rows)
 
 
-def limit_problem(problem: Problem, requirement: Requirement) -> Limited | None:
-    """Put the limits of a requirement on a Problem; None where it has none there."""
+def required_problem(
+    sensor: Sensor, procedure: Procedure, requirement: Requirement
+) -> Problem:
+    """Return the calibration of one sensor, with all that is limited of it."""
+    limited = [limit.output for limit in requirement.limits]
+    return calibration_problem(
+        (sensor,),
+        procedure,
+        reference=requirement.reference,
+        outputs=outputs_for((sensor.kind,), procedure, limited),
+    )
+
+
+def limit_problem(
+    problem: Problem, requirement: Requirement, *, apart: str = ""
+) -> Limited | None:
+    """Put the limits of a requirement on a Problem; None where it has none there.
+
+    Limits of the owner `apart` are judged by nobody else: they count as absent.
+    """
     places = {output.name: row for row, output in enumerate(problem.outputs)}
     required = [limit for limit in requirement.limits if limit.output in places]
     if not required:
@@ -86,7 +106,7 @@ def limit_problem(problem: Problem, requirement: Requirement) -> Limited | None:
             limit.output
             for limit in requirement.limits
             if limit.output not in places
-            and limit.output.owner in {name.owner for name in places}
+            and limit.output.owner in {apart, *(name.owner for name in places)}
         ),
     )
 

@@ -7,7 +7,12 @@ from difflib import get_close_matches
 from functools import cached_property
 from typing import TYPE_CHECKING, Self
 
-from budget.calibration.derived import combination, known_outputs, parts_of
+from budget.calibration.derived import (
+    combination,
+    known_outputs,
+    outputs_for,
+    parts_of,
+)
 from budget.calibration.problem import REFERENCES, calibration_problem
 from budget.calibration.schemes import WEIGHTED, calibrates, estimated, noise_of
 from budget.distributions import COVERAGES, is_coverage
@@ -126,9 +131,16 @@ class Analysis:
             asked=choose_outputs(devices, procedure, outputs),
         )
 
-    def alone(self, kind: str) -> Self:
-        """Return the same of one triad, as if the other were not there."""
-        return replace(self, kinds=(kind,))
+    def alone(self, owner: str) -> Self:
+        """Return the same of one triad, as if the other were not there.
+
+        Of what belongs to both, IMU: the two, with nothing of either alone.
+        """
+        if owner == IMU:
+            known = known_outputs([one.kind for one in self.sensors], self.procedure)
+            of_both = tuple(name for name in known if name.owner == IMU)
+            return replace(self, requirement=None, asked=of_both)
+        return replace(self, kinds=(owner,), asked=None)
 
     @cached_property
     def sensors(self) -> tuple[Sensor, ...]:
@@ -144,16 +156,27 @@ class Analysis:
             self.procedure,
             reference=self.reference,
             only=self.only,
-            outputs=self.asked,
+            outputs=self.outputs,
+        )
+
+    @cached_property
+    def outputs(self) -> tuple[Name, ...] | None:
+        """What is asked for and what is limited; None: all parameters, no others."""
+        limits = () if self.requirement is None else self.requirement.limits
+        return outputs_for(
+            [sensor.kind for sensor in self.sensors],
+            self.procedure,
+            [limit.output for limit in limits],
+            self.asked,
         )
 
     def derive(self, errors: Array) -> Array:
         """Return the outputs of errors of the parameters, shape (n, runs) [SI]."""
-        if self.asked is None:
+        if self.outputs is None:
             return errors
         kinds = [sensor.kind for sensor in self.sensors]
         names = [name for kind in kinds for name in estimated(kind, self.procedure)]
-        return combination(names, self.asked)(errors)
+        return combination(names, self.outputs)(errors)
 
     @cached_property
     def law(self) -> Propagation:
@@ -234,11 +257,17 @@ def not_calibrated(devices: Sequence[Device], procedure: Procedure) -> tuple[str
 
 
 def limited_but_held(
-    kind: str, procedure: Procedure, limits: Container[Name]
+    kinds: Iterable[str], procedure: Procedure, limits: Container[Name]
 ) -> tuple[Name, ...]:
-    """Return what has a limit and is not estimated of a triad that is calibrated."""
-    held = procedure.held if calibrates(kind, procedure) else ()
-    return tuple(name for name in held if name.owner == kind and name in limits)
+    """Return what has a limit and is not estimated of triads that are calibrated."""
+    there = [kind for kind in kinds if calibrates(kind, procedure)]
+    known = known_outputs(there, procedure)
+    return tuple(
+        name
+        for owner in (*there, IMU)
+        for name in every_output(owner)
+        if name in limits and name not in known and _owners(name) <= {*there}
+    )
 
 
 def not_estimated(
@@ -251,8 +280,20 @@ def not_estimated(
         f"{procedure.name} does not estimate {parameters}, which the requirement "
         "limits: whether that limit is kept is not known, and nothing meets it by "
         "this test"
-        for kind in kinds
-        for parameters in by_group(limited_but_held(kind, procedure, limits))
+        for parameters in by_group(limited_but_held(kinds, procedure, limits))
+    )
+
+
+def not_of_one_sensor(requirement: Requirement) -> tuple[str, ...]:
+    """Say which limits are judged by nobody who takes the sensors one by one."""
+    of_both = [
+        limit.output for limit in requirement.limits if limit.output.owner == IMU
+    ]
+    return tuple(
+        f"the limit on {parameters} is on gyro and accelerometer together: they are "
+        "taken one by one here, so whether that limit is kept is not known, and "
+        "nothing meets it by this; budget report --requirement judges it"
+        for parameters in by_group(of_both)
     )
 
 
@@ -415,10 +456,10 @@ def read_name(text: str) -> Name:
     """
     known = (
         name
-        for owner in (*SENSORS, *SHARED)
+        for owner in (*SENSORS, *SHARED, IMU)
         for name in (
             *(Name(line.name, owner=owner) for line in lines_of(owner)),
-            *(every_output(owner) if owner in SENSORS else ()),
+            *(() if owner in SHARED else every_output(owner)),
         )
     )
     return next((name for name in known if name == text), Name(text))

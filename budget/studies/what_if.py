@@ -264,19 +264,26 @@ def what_if(analysis: Analysis, *, budget: Budget | None = None) -> WhatIf:
     limits = {} if required is None else {r.output: r.limit for r in required.limits}
     factor, shift = _shape(law, analysis.coverage, budget)
     doubts = {} if budget is None else _doubts(budget)
+    triads = {sensor.kind: (sensor,) for sensor in analysis.sensors}
+    owners = dict.fromkeys((*triads, *(one.name.owner for one in problem.outputs)))
+    held = limited_but_held(triads, analysis.procedure, limits)
     return WhatIf(
         coverage=analysis.coverage,
         reference=analysis.reference,
         sensors=tuple(
             WhatIfSensor(
-                name=sensor.kind,
+                name=owner,
                 missing=(
-                    *sensor.expected_missing,
-                    *limited_but_held(sensor.kind, analysis.procedure, limits),
+                    *(
+                        name
+                        for sensor in triads.get(owner, analysis.sensors)
+                        for name in sensor.expected_missing
+                    ),
+                    *(name for name in held if name.owner == owner),
                 ),
-                doubt=doubts.get(sensor.kind, (1.0, 1.0)),
+                doubt=doubts.get(owner, (1.0, 1.0)),
             )
-            for sensor in analysis.sensors
+            for owner in owners
         ),
         sources=tuple(_source(name, given[name]) for name in varying),
         outputs=problem.outputs,

@@ -7,6 +7,7 @@ from math import pi
 import pytest
 from numpy.testing import assert_allclose
 
+from budget.errors import SpecError
 from budget.spec import load_costs, load_requirement, validate
 
 DEG_H = pi / 180.0 / 3600.0
@@ -117,3 +118,39 @@ def test_a_density_of_costs_is_one_sided(write):
     assert_allclose(costs.costs[0].u_ref, 9.80665e-6 / 2.0**0.5, rtol=1e-15)
     (said,) = costs.assumptions
     assert "one-sided" in said
+
+
+def test_limits_on_what_is_derived_follow_those_on_parameters(write):
+    """Of each triad after its biases, of both together last; pairs have no order."""
+    path = write(
+        "name: x\nlimits: {misalignment: {y: 9 arcsec}, "
+        "accelerometer: {rotation: 3 arcsec}, "
+        "gyro: {non_orthogonality: {xz: 2 arcsec}, bias: {z: 1 deg/h}}}\n"
+    )
+    found = [(one.output, one.limit) for one in load_requirement(path).limits]
+
+    assert [str(name) for name, _ in found] == [
+        "gyro.bias.z",
+        "gyro.non_orthogonality.xz",
+        *(f"accelerometer.rotation.{axis}" for axis in AXES),
+        "imu.misalignment.y",
+    ]
+    expected = [DEG_H, *(n * ARCSEC for n in (2.0, 3.0, 3.0, 3.0, 9.0))]
+    assert_allclose([limit for _, limit in found], expected, rtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("limits", "said"),
+    [
+        ("gyro: {non_orthogonality: {zx: 2 arcsec}}", "allowed: xy, xz, yz"),
+        ("gyro: {misalignment: 2 arcsec}", "unknown key"),
+        ("misalignment: 2 deg/h", "expected an angle"),
+        ("misalignment: -2 arcsec", "positive"),
+    ],
+)
+def test_limits_on_what_is_derived_are_checked(write, limits, said):
+    """A pair the wrong way round, a place, a unit, a sign: line, column, remedy."""
+    with pytest.raises(SpecError) as found:
+        validate(write(f"name: x\nlimits: {{{limits}}}\n"))
+    (issue,) = found.value.issues
+    assert (issue.line, said in str(issue)) == (2, True), str(issue)

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 from command_line import call
+from numpy.testing import assert_allclose
 
 from budget import analyze, load_device, load_procedure, load_requirement
+from budget.names import Name
+from budget.report.analysis.verdict import summary
 from budget.studies.conformity import assess
 from budget.studies.request import Analysis
 from budget.studies.what_if import what_if
+from budget.units import ARCSEC
 
 TABLE = "one-axis-rate-table"
 AS_TESTED = "as_tested"
@@ -79,3 +86,115 @@ def test_limits_on_held_parameters_alone_are_none(tmp_path):
         assert run.code == 2
         assert "limit" in run.err
         assert "Traceback" not in run.err
+
+
+ALIGNED = f"name: aligned\nreference: {AS_TESTED}\nlimits:\n  misalignment: "
+
+
+@pytest.fixture
+def aligned(tmp_path):
+    """Return a function that writes limits on the misalignment, and on more."""
+
+    def write(limit, more=""):
+        path = tmp_path / "aligned.yaml"
+        path.write_text(f"{ALIGNED}{limit}\n{more}")
+        return path
+
+    return write
+
+
+def test_a_misalignment_is_judged_with_both_triads(aligned):
+    """Utilisation by hand: 1.96 times the root of both rotations' variances.
+
+    As tested, so noise alone: nothing of it is shared, the variances add up. The
+    verdict turns at the limit, and sliders say what the page says.
+    """
+    device = load_device("zhao-2019")
+    asked = ("rotation.x",)
+    rotations = analyze(device, reference=AS_TESTED, outputs=asked, validate=False)
+    u = np.hypot(*(row.standard_uncertainty for row in rotations.outputs)) / ARCSEC
+    end = 1.959963985 * u
+    verdicts = []
+    for limit in (0.99 * end, 1.01 * end):
+        requirement = load_requirement(aligned(f"{{x: {limit:.9f} arcsec}}"))
+        analysis = Analysis.of(device, requirement=requirement)
+        budget = analyze(
+            device, requirement=requirement, reference=AS_TESTED, validate=False
+        )
+        (one,) = budget.assessment.sensors
+        assert (one.sensor, one.worst_output) == ("imu", "imu.misalignment.x")
+        assert_allclose(one.utilisation, end / limit, rtol=1e-6)
+        (slid,) = what_if(analysis, budget=budget).evaluate({}).sensors
+        assert (slid.sensor, slid.verdict) == ("imu", one.verdict)
+        verdicts.append(one.verdict)
+    assert verdicts == ["fails", "meets"]
+
+
+def test_a_limit_on_both_triads_needs_both(aligned):
+    """Of a gyro alone, or of one whose angles are held: said, and never met."""
+    limits = aligned("1 deg", "  gyro: {scale_factor: 1 %}\n")
+    requirement = load_requirement(limits)
+    alone = analyze(load_device("adxrs453"), reference=AS_TESTED, validate=False)
+    found = assess(alone, requirement)
+    assert [one.sensor for one in found.sensors] == ["gyro"]
+    assert found.not_there == ("imu",)
+    assert "misalignment" in str(summary(alone, found))
+
+    plan = load_procedure("six-positions-and-turns")
+    held = replace(plan, held=(Name("mounting_angle", owner="gyro", axis="yx"),))
+    budget = analyze(
+        load_device("zhao-2019"),
+        procedure=held,
+        requirement=requirement,
+        reference=AS_TESTED,
+        validate=False,
+    )
+    verdicts = {one.sensor: one.verdict for one in budget.assessment.sensors}
+    assert verdicts == {"gyro": "meets", "imu": "undecidable"}
+    assert [text for text in budget.warnings if "imu.misalignment x" in text] != []
+
+
+@pytest.mark.parametrize("command", ["compare", "allocate"])
+def test_who_takes_sensors_one_by_one_says_that_it_judges_no_misalignment(
+    command, aligned
+):
+    """A warning names the limit; nothing meets, and what fails stays behind."""
+    more = "  gyro: {rotation: 1 arcsec}\n"
+    limits = aligned("1 deg", more)
+    devices = ["zhao-2019", *(["hg4930#A"] if command == "compare" else [])]
+    args = ("--requirement", limits, "--json", "-")
+    found = call(command, *devices, *args).document
+
+    said = [text for text in found["warnings"] if "imu.misalignment" in text]
+    assert len(said) == 1
+    if command == "compare":
+        rows = [(one["name"], one["verdict"]) for one in found["devices"]]
+        assert rows == [
+            ("Zhao 2019 optical IMU", "undecidable"),
+            ("HG4930 (A)", "fails"),
+        ]
+        assert found["not_compared"] == ["imu"]
+    limits.write_text(limits.read_text().replace("  misalignment: 1 deg\n", ""))
+    found = call(command, *devices, *args).document
+    assert not [text for text in found["warnings"] if "misalignment" in text]
+    if command == "compare":
+        assert found["devices"][0]["verdict"] == "meets"
+
+
+def test_an_allocation_holds_limits_on_what_is_derived(tmp_path):
+    """A rotation within 10 arcsec: two turn-ons make sqrt 2 u, two angles u again.
+
+    So mounting repeatability may be 10 arcsec over k, less what noise takes of it.
+    """
+    path = tmp_path / "turned.yaml"
+    path.write_text("name: turned\nlimits: {gyro: {rotation: 10 arcsec}}\n")
+    found = call("allocate", "zhao-2019", "--requirement", path, "--json", "-").document
+    names = [one["output"] for one in found["outputs"]]
+    assert names == [f"gyro.rotation.{axis}" for axis in "xyz"]
+    (mounting,) = (
+        one
+        for one in found["sources"]
+        if one["source"] == "gyro.mounting_repeatability"
+    )
+    assert_allclose(mounting["allowed"], 10.0 / 1.959963985, rtol=0.01)
+    assert mounting["allowed"] < 10.0 / 1.959963985

@@ -132,7 +132,8 @@ def headline(allocation: Allocation) -> str:
     if allocation.feasible:
         met = f"{allocation.requirement} can be met"
         if allocation.not_allocated:  # 'met' alone would speak for what is not there
-            met += f" for the {allocation.outputs[0].sensor}"
+            kinds = dict.fromkeys(row.sensor for row in allocation.outputs)
+            met += f" for the {' and the '.join(kinds)}"
         names = join_outputs([row.output.name for row in allocation.binding])
         if not names:
             return f"{met}; no limit is reached."

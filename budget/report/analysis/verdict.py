@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from budget.names import by_group, key_title
+from budget.names import IMU, by_group, key_title
 from budget.report.blocks import (
     Card,
     Cell,
@@ -73,20 +73,28 @@ def headline(budget: Budget, assessment: Assessment | None) -> str:
     given = {sensor.verdict for sensor in assessment.sensors}
     overall = next(word for word in SEVERITY if word in given)
     if assessment.not_there:
-        present = " and ".join(sensor.sensor for sensor in assessment.sensors)
+        present = " and ".join(
+            key_title(sensor.sensor) for sensor in assessment.sensors
+        )
         part = f", {present} alone{part}"
     return f"{VERDICTS[overall]} {assessment.requirement}{part}"
 
 
 def summary(budget: Budget, assessment: Assessment | None) -> Words:
     """Return the answer in a sentence or two: margin, and what errors are."""
-    absent: Words = ()
-    if assessment is not None and assessment.not_there:
-        text = (
-            f"Nothing is said of the {' and '.join(assessment.not_there)}, which the "
+    not_there = () if assessment is None else assessment.not_there
+    triads = [owner for owner in not_there if owner != IMU]
+    absent: list[str] = []
+    if triads:
+        absent.append(
+            f"Nothing is said of the {' and '.join(triads)}, which the "
             "requirement limits too: no device with one was calibrated. "
         )
-        absent = (text,)
+    if IMU in not_there:
+        absent.append(
+            "Nothing is said of the misalignment, which the requirement limits too: it "
+            "takes the mounting angles of a gyro and an accelerometer. "
+        )
     return (*_left_out(budget.settings), *absent, *_margin(budget, assessment))
 
 
@@ -271,7 +279,7 @@ def _verdict_card(
     if sensor.nothing_known:
         lines.append((f"Nothing is known of it: {missing} are not given.",))
         return Card(
-            title=f"{capital(sensor.sensor)}: {VERDICTS[sensor.verdict]}",
+            title=f"{capital(key_title(sensor.sensor))}: {VERDICTS[sensor.verdict]}",
             lines=tuple(lines),
         )
     if sensor.verdict == "undecidable":
@@ -314,7 +322,7 @@ def _verdict_card(
         )
     because = print_contributions(
         [
-            (source_title(part.source), part.share)
+            (source_title(part.source, of=sensor.sensor), part.share)
             for part in budget.output(sensor.worst_output).contributions
         ]
     )
@@ -323,7 +331,7 @@ def _verdict_card(
         text += f" Not given: {missing}."
     lines.append((text,))
     return Card(
-        title=f"{capital(sensor.sensor)}: {VERDICTS[sensor.verdict]}",
+        title=f"{capital(key_title(sensor.sensor))}: {VERDICTS[sensor.verdict]}",
         lines=tuple(lines),
     )
 

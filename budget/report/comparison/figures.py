@@ -272,7 +272,9 @@ def _output_heads(names: list[Name]) -> Iterator[Head]:
         yield Head(at=place + 0.5, text=name.axis, colour=MUTED)
     for parameter, own in groupby(enumerate(names), key=lambda pair: pair[1].quantity):
         places = [place for place, _ in own]
-        title = words(parameter) if len(places) > BOTH else SHORT[parameter]
+        title = (
+            words(parameter) if len(places) > BOTH else SHORT.get(parameter, "angle")
+        )
         yield Head(at=(places[0] + places[-1] + 1) / 2.0, text=title, level=1)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from budget.names import IMU, words
 from budget.report.comparison.tables import MissingEffect
 from budget.report.tables import print_count, print_coverage, source_title
 from budget.report.wording import ERROR_REFERENCES
@@ -32,10 +33,11 @@ def answer(comparison: Comparison) -> str:
             return "Each required sensor has a device that meets."
         return "A required sensor has no device that meets."
     has = "has a" if comparison.is_met else "has no"
+    left = comparison.not_compared
     return (
         f"The {' and the '.join(comparison.required)} {has} device that meets; the "
-        f"limits for the {' and the '.join(comparison.not_compared)} are not judged: "
-        "no device here has one."
+        f"limits for the {' and the '.join(map(words, left))} are not judged: "
+        f"{', '.join(dict.fromkeys(map(_why_not_compared, left)))}."
     )
 
 
@@ -98,9 +100,16 @@ def best_of(table: Ranking) -> Row | None:
 def not_compared_lines(comparison: Comparison) -> tuple[str, ...]:
     """Say of which sensors limits are judged for no device."""
     return tuple(
-        f"{sensor}: limits not judged, no device here has one"
+        f"{words(sensor)}: limits not judged, {_why_not_compared(sensor)}"
         for sensor in comparison.not_compared
     )
+
+
+def _why_not_compared(sensor: str) -> str:
+    """Say why limits are judged for no device."""
+    if sensor == IMU:
+        return "sensors are taken one by one"
+    return "no device here has one"
 
 
 def undecidable_lines(comparison: Comparison) -> Iterator[str]:

@@ -13,7 +13,7 @@ from budget.errors import CallError
 from budget.methods.allocation import TOUCHES
 from budget.methods.gum import propagate
 from budget.methods.trials import coverage_of
-from budget.names import Name
+from budget.names import IMU, Name
 from budget.results import input_files
 from budget.spec import load_procedure
 from budget.studies.allocation.cases import (
@@ -37,7 +37,12 @@ from budget.studies.allocation.rows import (
     source_allotments,
 )
 from budget.studies.judgement import judge, limit_problem
-from budget.studies.request import not_estimated, not_weighted, sensors_of
+from budget.studies.request import (
+    not_estimated,
+    not_of_one_sensor,
+    not_weighted,
+    sensors_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -195,11 +200,13 @@ def allocate(
         warnings=(
             *warnings,
             *not_estimated(devices, procedure, requirement),
+            *not_of_one_sensor(requirement),
             *(
                 f"the requirement limits the {kind}, which is not "
                 f"{'given' if calibrates(kind, procedure) else 'calibrated'}: nothing "
                 "is allocated for it"
                 for kind in missing
+                if kind != IMU
             ),
             *_warnings(sensors, cases, bounds, costs),
         ),

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.calibration.problem import calibration_problem
-from budget.calibration.schemes import estimated
+from budget.calibration.derived import known_outputs
 from budget.errors import CallError
 from budget.methods.allocation import Task, equal, proportional
 from budget.methods.least_cost import LeastCost, Prices, least_cost
@@ -17,6 +16,7 @@ from budget.methods.scaling import scaled_law
 from budget.model.sources import SENSORS
 from budget.names import Name
 from budget.studies.allocation.records import FREE, HELD, SHARED, ZERO, CoverageCheck
+from budget.studies.judgement import required_problem
 from budget.studies.lower_bounds import lacking
 from budget.studies.request import given_lines
 from budget.units import DEGREE
@@ -79,8 +79,7 @@ class SensorCase:
     def allocated_problem(self) -> Problem:
         """Return the calibration of the sensor with its lines as allocated."""
         resized = resize(self.sensor, self.task.law.sources, self.factors)
-        reference = self.requirement.reference
-        return calibration_problem((resized,), self.procedure, reference=reference)
+        return required_problem(resized, self.procedure, self.requirement)
 
 
 def set_up(
@@ -93,11 +92,11 @@ def set_up(
     """Return the task of one sensor, None where nothing is required of it."""
     from scipy.special import ndtri
 
-    names = estimated(sensor.kind, procedure)
+    names = known_outputs((sensor.kind,), procedure)
     limits = [limit for limit in requirement.limits if limit.output in names]
     if not limits:
         return None
-    problem = calibration_problem((sensor,), procedure, reference=requirement.reference)
+    problem = required_problem(sensor, procedure, requirement)
     given = given_lines((sensor,), procedure)
     law = scaled_law(problem)
     statuses, low, high = [], [], []

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 from math import ceil, floor, log10, pi
 from typing import TYPE_CHECKING
 
-from budget.calibration.problem import calibration_problem
 from budget.methods.scaling import scaled_law
 from budget.studies.allocation.records import LongerTest
+from budget.studies.judgement import required_problem
 from budget.units import HOUR
 
 if TYPE_CHECKING:
@@ -51,9 +51,7 @@ def find_longer_tests(
     """
 
     def utilisation(changed: Procedure) -> float:
-        problem = calibration_problem(
-            (case.sensor,), changed, reference=case.requirement.reference
-        )
+        problem = required_problem(case.sensor, changed, case.requirement)
         law = scaled_law(problem).select(case.task.law.outputs)
         return float(replace(case.task, law=law).utilisation(s).max())
 

@@ -8,15 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.calibration.problem import calibration_problem
-from budget.calibration.schemes import estimated
+from budget.calibration.derived import known_outputs
 from budget.errors import CallError
 from budget.methods.gum import propagate
 from budget.model.sources import lines_of
-from budget.names import Name
+from budget.names import IMU, Name
 from budget.studies.comparison.records import AssumedLine, MissingLines, Remedy
 from budget.studies.grades import UNKNOWN, grade
-from budget.studies.judgement import Limited, limit_problem
+from budget.studies.judgement import Limited, limit_problem, required_problem
 from budget.ties import first_largest
 
 if TYPE_CHECKING:
@@ -46,7 +45,7 @@ class Candidate:
     @property
     def is_limited(self) -> bool:
         """Whether anything is required of what is estimated of it."""
-        names = estimated(self.sensor.kind, self.procedure)
+        names = known_outputs((self.sensor.kind,), self.procedure)
         return any(limit.output in names for limit in self.requirement.limits)
 
     def limited(self) -> Limited:
@@ -57,10 +56,8 @@ class Candidate:
         CallError
             Nothing is required of it.
         """
-        problem = calibration_problem(
-            (self.sensor,), self.procedure, reference=self.requirement.reference
-        )
-        held = limit_problem(problem, self.requirement)
+        problem = required_problem(self.sensor, self.procedure, self.requirement)
+        held = limit_problem(problem, self.requirement, apart=IMU)
         if held is None:
             raise CallError(
                 f"{self.requirement.name} limits nothing of the {self.sensor.kind}; "

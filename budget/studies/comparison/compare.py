@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from budget.errors import CallError
 from budget.methods.execution import local_executor
+from budget.names import IMU
 from budget.results import Settings, input_file
 from budget.spec import load_procedure
 from budget.studies.comparison.candidates import Candidate, bound_missing
@@ -21,7 +22,12 @@ from budget.studies.comparison.records import (
 from budget.studies.figures_of_merit import MERITS, is_known, over_cap
 from budget.studies.judgement import MAX_TRIALS, TRIALS
 from budget.studies.progress import stage
-from budget.studies.request import not_calibrated, not_estimated, not_weighted
+from budget.studies.request import (
+    not_calibrated,
+    not_estimated,
+    not_of_one_sensor,
+    not_weighted,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -187,6 +193,7 @@ def compare(
                     *not_estimated(devices, procedure, requirement),
                 )
             ),
+            *not_of_one_sensor(requirement),
             *_warnings(devices, requirement, judged, findings),
         ),
     )
@@ -297,6 +304,7 @@ def _warnings(
         f"the requirement limits the {kind}, which no device here has: its limits are "
         "not judged"
         for kind in _not_compared(devices, requirement)
+        if kind != IMU
     ]
     impossible = {name for finding in findings for name in finding.impossible}
     found += [

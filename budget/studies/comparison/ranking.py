@@ -70,6 +70,8 @@ def _place(row: DeviceVerdict) -> tuple[int, int, float, float]:
     verdict = row.verdict
     if verdict == "undecided" and lacks:  # no trial will make it meet
         verdict = "undecidable"
+    elif verdict == "undecidable" and not lacks:  # a limit by which none is judged
+        verdict = "meets"
     worst = inf if row.at_worst is None else settle(row.at_worst)
     return VERDICTS.index(verdict), lacks, worst, settle(row.utilisation)
 
