@@ -47,18 +47,12 @@ _UNREADABLE = Change(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Side:
-    """One of two budgets, with its inputs read.
-
-    Attributes
-    ----------
-    is_fresh : bool
-        Whether it was just computed of these inputs, not stored some time ago.
-    """
+    """One of two budgets, with its inputs read."""
 
     name: str
     inputs: tuple[Document, ...]
     budget: ReferenceBudget
-    is_fresh: bool = False
+    is_fresh: bool = False  # just computed of these inputs, not stored some time ago
 
     def again(
         self, asked: Asked | None = None, inputs: tuple[Document, ...] | None = None
@@ -118,23 +112,8 @@ def check(
 ) -> Difference:
     """Compute a reference again from its files as they are now, and compare.
 
-    Parameters
-    ----------
-    reference : ReferenceBudget
-        What is stored; its texts serve to explain, never to compute what is compared.
-    folder : Path
-        Where it stands.
-    name : str
-        How it is called in the result.
-    workers : int
-        Number of processes; changes no number.
-    root : Path, optional
-        Folder that its files must be in; see `files.tree_of`.
-
-    Returns
-    -------
-    Difference
-        Moves in the order of the result.
+    What is stored explains what moved, and is never computed with to find it. `folder`
+    is where the reference stands; its files must be in `root` (see `files.tree_of`).
 
     Raises
     ------
@@ -215,18 +194,7 @@ def explain(
     result by the law is held against the one without. What all of them do at once, by
     the law too, beyond the sum of that is their doing together.
 
-    Parameters
-    ----------
-    before, after : Side
-    moves : sequence of Move
-        From the one to the other.
-
-    Returns
-    -------
-    changes : tuple of Change
-        Those that act on a number first; among them of files, settings, versions.
-    moves : tuple of Move
-        The same with their causes.
+    Changes that act on a number come first; moves are the same with their causes.
     """
     asked = before.budget.settings
     law = before.again(by_law(asked))

@@ -60,34 +60,23 @@ class Cause:
 
 @dataclass(frozen=True, kw_only=True)
 class Move:
-    """One number or word that is not what it was.
-
-    Attributes
-    ----------
-    before, after : float, str or None
-        None where there is none.
-    times : float or None
-        Its difference over its tolerance or, of a sampled number, over the standard
-        error of a difference; None for a word and what is gone or new.
-    scale : float or None
-        What the size of a difference is measured by, as it was before: the standard
-        uncertainty of the output, of what has none the number itself [unit].
-    bounds : (bool, bool)
-        Whether the number before, and after, is this or worse; see QuantityValue.
-    together : float or None
-        What all changes do at once beyond the sum of what each does alone, by the law
-        [unit]; None where that is nothing, or not known.
-    """
+    """One number or word that is not what it was."""
 
     item: Item
     unit: str
-    before: float | str | None
+    before: float | str | None  # None where there is none
     after: float | str | None
     is_sampled: bool = False
+    # Its difference over its tolerance or, of a sampled number, over the standard error
+    # of a difference; None for a word and what is gone or new.
     times: float | None = None
+    # What the size of a difference is measured by, as it was before: the standard
+    # uncertainty of the output, of what has none the number itself [unit].
     scale: float | None = None
-    bounds: tuple[bool, bool] = (False, False)
+    bounds: tuple[bool, bool] = (False, False)  # before, after: is this or worse
     causes: tuple[Cause, ...] = ()
+    # What all changes do at once beyond the sum of what each does alone, by the law
+    # [unit]; None where that is nothing, or not known.
     together: float | None = None
 
     @property
@@ -114,15 +103,9 @@ class Move:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Difference:
-    """Two budgets side by side: a reference and what it is now, or any two.
+    """Two budgets side by side: a reference and what it is now, or any two."""
 
-    Attributes
-    ----------
-    first, second : str
-        How they are called.
-    """
-
-    first: str
+    first: str  # how it is called
     second: str
     before: ReferenceBudget
     after: ReferenceBudget
@@ -161,17 +144,8 @@ def find_moves(
     on the standard errors of both, or, for a proportion, exactly on the
     counts (Fisher).
 
-    Parameters
-    ----------
-    before, after : Snapshot
-        Results of the same job.
-    false_alarm : float
-        Probability of any move where nothing but the seed has changed [1].
-
-    Returns
-    -------
-    tuple of Move
-        In the order of the results; what is gone or new counts as moved.
+    What is gone or new has moved. `false_alarm` is the probability of any move where
+    nothing but the seed has changed [1].
     """
     pairs = compared(before, after)
     both = [(one, other) for one, other in pairs.values() if one and other]

@@ -47,22 +47,12 @@ class Exchanged:
 
 @dataclass(frozen=True, kw_only=True)
 class KeyChange:
-    """A key whose value differs, or a figure of which several keys do.
-
-    Attributes
-    ----------
-    steps : tuple of str or int
-        The way to it.
-    before, after : Node or None
-        None where the key is not there; of a figure its texts stay as they are before.
-    keys : tuple of str
-        Of a figure of which several keys differ: those; else empty.
-    """
+    """A key whose value differs, or a figure of which several keys do."""
 
     steps: Steps
-    before: Node | None
-    after: Node | None
-    keys: tuple[str, ...] = ()
+    before: Node | None  # None where the key is not there
+    after: Node | None  # of a figure its texts stay as they are before
+    keys: tuple[str, ...] = ()  # of a figure of which several differ: those
 
     @property
     def path(self) -> str:
@@ -76,13 +66,11 @@ class KeyChange:
     @property
     def shown(self) -> tuple[str, str]:
         """Value before and after on a line each; of a figure its value and the keys."""
-        before, after = (
-            show(_only(node, {VALUE, *self.keys}), longest=LONGEST_FIGURE)
-            if self.keys
-            else show(node)
-            for node in (self.before, self.after)
-        )
-        return before, after
+        if not self.keys:
+            return show(self.before), show(self.after)
+        keys = {VALUE, *self.keys}
+        before, after = (_only(node, keys) for node in (self.before, self.after))
+        return show(before, LONGEST_FIGURE), show(after, LONGEST_FIGURE)
 
 
 def effective(document: Document, variant: str) -> Document:
@@ -144,10 +132,18 @@ def differences(before: Document, after: Document) -> tuple[KeyChange, ...]:
         steps = change.steps
         inside = _is_in_figure(steps) and not is_text("device", steps)
         groups.setdefault(steps[:FIGURE] if inside else steps, []).append(change)
-    return tuple(
-        own[0] if len(own) == 1 else _join(before.root, steps, own)
-        for steps, own in groups.items()
-    )
+    found: list[KeyChange] = []
+    for steps, own in groups.items():
+        if len(own) == 1:
+            found += own
+            continue
+        root = before.root
+        for change in own:
+            root = _put(root, change.steps, change.after)
+        keys = tuple(dict.fromkeys(str(change.steps[FIGURE]) for change in own))
+        was, now = before.root.nearest(steps), root.nearest(steps)
+        found.append(KeyChange(steps=steps, before=was, after=now, keys=keys))
+    return tuple(found)
 
 
 def is_text(role: str, steps: Steps) -> bool:
@@ -163,7 +159,7 @@ def exchange(document: Document, change: KeyChange) -> Document:
     return replace(document, root=_put(document.root, change.steps, change.after))
 
 
-def show(node: Node | None, *, longest: int = LONGEST) -> str:
+def show(node: Node | None, longest: int = LONGEST) -> str:
     """Write a value as a file would spell it, on one line; '' for none."""
     text = "" if node is None else _flow(node)
     return text if len(text) <= longest else f"{text[: longest - 3]}..."
@@ -226,19 +222,6 @@ def _differences(
 def _is_in_figure(steps: Steps) -> bool:
     """Whether a key is one of a figure of a data sheet."""
     return len(steps) > FIGURE and steps[0] in SENSORS and steps[1] == "errors"
-
-
-def _join(root: Node, steps: Steps, changes: Sequence[KeyChange]) -> KeyChange:
-    """Make one change of those of one figure; its texts stay as they are before."""
-    after = root
-    for change in changes:
-        after = _put(after, change.steps, change.after)
-    return KeyChange(
-        steps=steps,
-        before=root.nearest(steps),
-        after=after.nearest(steps),
-        keys=tuple(dict.fromkeys(str(change.steps[FIGURE]) for change in changes)),
-    )
 
 
 def _only(node: Node | None, keys: set[str]) -> Node | None:

@@ -79,15 +79,9 @@ def take(
 ) -> StoredInput:
     """Return a file that a user named, as a reference stores it.
 
-    Parameters
-    ----------
-    role : str
-        'device', 'procedure', 'requirement' or 'costs'.
-    typed : str or Path or None
-        FILE, FILE#VARIANT of a device, or the bare name of a file that ships; None for
-        the paper's that ships, whatever the folder one works in has of that name.
-    folder : Path, optional
-        Where the reference will be; without it the file is stored as it was named.
+    It is FILE, FILE#VARIANT of a device, or the bare name of a file that ships; None is
+    the paper's that ships, whatever the folder one works in has of that name. Without
+    the folder where the reference will be it is stored as it was named.
 
     Raises
     ------
@@ -124,18 +118,9 @@ def present_documents(
 ) -> tuple[Document, ...]:
     """Return the inputs as their files are now, a device with its variant laid over.
 
-    Parameters
-    ----------
-    inputs : sequence of StoredInput
-        Where the files are.
-    folder : Path
-        That of the reference; paths count from it.
-    reference : str
-        How messages name it.
-    job : str
-        Of a comparison a device file is its base and every variant.
-    root : Path, optional
-        Folder that the files must be in; without it that of `tree_of`.
+    Paths count from `folder`, that of the reference; the files must be in `root`, or
+    else in the tree of that folder. Of a comparison a device file is its base and every
+    variant.
 
     Raises
     ------

@@ -72,23 +72,7 @@ def check_asked(job: str, asked: Asked) -> None:
 def compute(
     job: str, inputs: Sequence[Document], asked: Asked, *, workers: int = 1
 ) -> Snapshot:
-    """Do a job on its inputs.
-
-    Parameters
-    ----------
-    job : str
-        'analyze', 'compare' or 'allocate'.
-    inputs : sequence of Document
-        Devices first, in the order they were given.
-    asked : Asked
-        Settings.
-    workers : int
-        Number of processes; changes no number.
-
-    Returns
-    -------
-    Snapshot
-        In printed units.
+    """Do a job on its inputs, devices first, in the order they were given.
 
     Raises
     ------

@@ -35,24 +35,16 @@ NO_BOUNDS = {"mean", "sobol_first", "sobol_total"}  # nothing makes them worse
 
 @dataclass(frozen=True)
 class Meaning:
-    """What a value of a document is, and what its tolerance follows from.
+    """What a value of a document is, and what its tolerance follows from."""
 
-    Attributes
-    ----------
-    quantity : str
-        Name under which it is stored.
-    of : str
-        'output': in the unit of its output, sure to the resolution of that; 'limit': a
-        part of the limit of one or more outputs, sure to theirs; 'part': of 1; 'line':
-        of a data sheet; 'cost'; 'word'.
-    statistic : str
-        What the standard error of a sampled number is that of: a field of
-        StandardErrors; 'interval', the one beside it; 'count', of trials. '': the law.
-        Of a word the quantity that decides it: 'utilisation'.
-    """
-
-    quantity: str
+    quantity: str  # name under which it is stored
+    # 'output': in the unit of its output, sure to the resolution of that; 'limit': a
+    # part of the limit of one or more outputs, sure to theirs; 'part': of 1; 'line': of
+    # a data sheet; 'cost'; 'word'.
     of: str = "output"
+    # What the standard error of a sampled number is that of: a field of StandardErrors;
+    # 'interval', the one beside it; 'count', of trials; '': the law. Of a word: what
+    # decides it.
     statistic: str = ""
 
 
@@ -105,15 +97,10 @@ MEANINGS: Mapping[str, Mapping[str, Meaning]] = {
 
 
 def snapshot_of(document: Record, errors: Mapping[str, StandardErrors]) -> Snapshot:
-    """Return all that a document states.
+    """Return all that a document of analyze, compare or allocate states.
 
-    Parameters
-    ----------
-    document : mapping
-        Of analyze, compare or allocate, as JSON.
-    errors : mapping of str to StandardErrors
-        Of what trials made: of an analysis under '', of a comparison under the
-        `device_of` each entry of its devices.
+    Standard errors are those of what trials made: of an analysis under '', of a
+    comparison under the `device_of` each entry of its devices.
     """
     numbers: list[QuantityValue] = []
     words: list[NominalProperty] = []

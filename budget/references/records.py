@@ -68,27 +68,15 @@ STRICT = ConfigDict(extra="forbid", strict=True)
 
 @dataclass(frozen=True, kw_only=True)
 class StoredInput:
-    """One input file as it was.
-
-    Attributes
-    ----------
-    file : str
-        Path from the folder of the reference, with '/'; or the bare name of a file
-        that ships.
-    variant : str
-        '' for the base; of a comparison '' means the base and every variant.
-    sha256 : str
-        Of the file's bytes.
-    text : str
-        Its content.
-    """
+    """One input file as it was."""
 
     __pydantic_config__: ClassVar[ConfigDict] = STRICT
 
     role: Role
+    # Path from the folder of the reference, with '/'; or the name of a shipped file.
     file: Annotated[Line, Field(min_length=1)]
-    variant: Line = ""
-    sha256: Sha256
+    variant: Line = ""  # '' for the base; of a comparison the base and every variant
+    sha256: Sha256  # of the file's bytes
     text: Lines
 
 
@@ -133,36 +121,21 @@ class Item:
 
 @dataclass(frozen=True, kw_only=True)
 class QuantityValue:
-    """Number of a result, in its printed unit, and its tolerance.
-
-    Attributes
-    ----------
-    subject, quantity, partner : str
-        Output, source or sensor; what of it; the source or other output beside it.
-    floor : float
-        A difference at or below this is rounding of the computation [unit].
-    standard_error : float or None
-        Sampling uncertainty [unit]; None where no trial touches the number.
-    degrees_of_freedom : float or None
-        Of the standard error; None for so many that they do not count.
-    trials : int or None
-        Of a proportion: the value times this is a count.
-    lower_bound : bool
-        Whether it is this or worse: a line that is not given would add to it.
-    """
+    """Number of a result, in its printed unit, and its tolerance."""
 
     __pydantic_config__: ClassVar[ConfigDict] = STRICT
 
-    subject: Line
+    subject: Line  # output, source or sensor
     quantity: Line
-    partner: Line = ""
+    partner: Line = ""  # the source or other output beside it
     unit: Line
     value: Finite
-    floor: NotNegative = 0.0
-    standard_error: NotNegative | None = None
-    degrees_of_freedom: Positive | None = None
+    floor: NotNegative = 0.0  # a difference at or below it is rounding [unit]
+    standard_error: NotNegative | None = None  # [unit]; None: no trial touches it
+    degrees_of_freedom: Positive | None = None  # None: so many that they do not count
+    # Of a proportion: the value times this is a count.
     trials: Annotated[int, Field(ge=1, le=MOST_TRIALS)] | None = None
-    lower_bound: bool = False
+    lower_bound: bool = False  # this or worse: a line not given would add to it
 
     @property
     def item(self) -> Item:
@@ -177,22 +150,15 @@ class QuantityValue:
 
 @dataclass(frozen=True, kw_only=True)
 class NominalProperty:
-    """Property without magnitude (JCGM 200:2012, 1.30): verdict, status, lines.
-
-    Attributes
-    ----------
-    subject, quantity : str
-        Sensor or source; what of it.
-    rests_on : str
-        Quantity of the same subject that decides it. Where that number is no surer
-        than its trials, the word is not either: it has moved only if the number has.
-    """
+    """Property without magnitude (JCGM 200:2012, 1.30): verdict, status, lines."""
 
     __pydantic_config__: ClassVar[ConfigDict] = STRICT
 
-    subject: Line
+    subject: Line  # sensor or source
     quantity: Line
     text: Words
+    # Quantity of the same subject that decides it. Where that number is no surer than
+    # its trials, the word is not either: it has moved only if the number has.
     rests_on: Line = ""
     unit: ClassVar[str] = ""
     is_sampled: ClassVar[bool] = False
@@ -226,21 +192,14 @@ KNOWN_FIRST = frozenset(
 
 @dataclass(frozen=True, kw_only=True)
 class Snapshot:
-    """All that a result says, as a flat list.
-
-    Attributes
-    ----------
-    numbers : tuple of QuantityValue
-    words : tuple of NominalProperty
-    known : frozenset of str
-        Error sources and parameters that the tool had when it was made. What a later
-        version has learnt beside them is no change of what is stored.
-    """
+    """All that a result says, as a flat list."""
 
     numbers: Annotated[tuple[QuantityValue, ...], Field(min_length=1)]
     words: tuple[NominalProperty, ...] = ()
+    # Error sources and parameters that the tool had when it was made, of a file those
+    # of the first version: what a later one has learnt is no change of what is stored.
     known: Annotated[frozenset[Line], Field(max_length=1000)] = field(
-        default_factory=lambda: KNOWN_NOW  # of a file those of the first version
+        default_factory=lambda: KNOWN_NOW
     )
 
     def knows(self, item: Item) -> bool:

@@ -30,28 +30,15 @@ IN_TAIL = 10.0  # trials beyond an end of an interval, in a batch that tells its
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class StandardErrors:
-    """Of every output of a run with so many trials.
-
-    Attributes
-    ----------
-    outputs : tuple of Output
-    mean, u : ndarray, shape (n_out,)
-        Of mean and standard uncertainty [SI].
-    low, high : ndarray, shape (n_out,)
-        Of the ends of the coverage interval [SI].
-    correlation : ndarray, shape (n_out, n_out)
-        Of the correlation coefficients [1].
-    degrees_of_freedom, end_degrees_of_freedom : float
-        Of all others, and of the ends.
-    """
+    """Of every output of a run with so many trials, shape (n_out,) [SI]."""
 
     outputs: tuple[Output, ...]
     mean: Array
-    u: Array
-    low: Array
+    u: Array  # of the standard uncertainty
+    low: Array  # of the ends of the coverage interval
     high: Array
-    correlation: Array
-    degrees_of_freedom: float
+    correlation: Array  # of the correlation coefficients, shape (n_out, n_out) [1]
+    degrees_of_freedom: float  # of all but the ends
     end_degrees_of_freedom: float
 
     @property
@@ -85,14 +72,6 @@ def standard_errors(
     the whole run but for the number of trials n: s sqrt(m/n). Where the shortest
     interval lies is sure to the cube root of the trials only.
 
-    Parameters
-    ----------
-    problem : Problem
-        The model that was sampled.
-    trials : int
-        How many trials the result has.
-    coverage, interval
-        Of its coverage intervals.
     """
     y = first_trials(problem, trials=SHAPE_TRIALS, seed=SHAPE_SEED)
     batches = _split(y, BATCHES)

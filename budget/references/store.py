@@ -106,14 +106,7 @@ def reference_text(reference: ReferenceBudget) -> str:
 
 
 def read_reference(path: Path, shown: str) -> ReferenceBudget:
-    """Read a reference of this format or an older one.
-
-    Parameters
-    ----------
-    path : Path
-        Where it is.
-    shown : str
-        How messages name it.
+    """Read a reference of this format or an older one, `shown` in messages.
 
     Raises
     ------

@@ -105,16 +105,7 @@ class MoveTable:
 def check_sections(checks: Sequence[Difference], bad: int) -> tuple[Section, ...]:
     """Return one line for each reference, and all about those that moved.
 
-    Parameters
-    ----------
-    checks : sequence of Difference
-        References that could be computed.
-    bad : int
-        How many could not.
-
-    Returns
-    -------
-    tuple of Section
+    `bad` is how many references could not be computed.
     """
     moved = [one for one in checks if not one.holds]
     tables = [move_table(one.moves, one.changes) for one in moved]
