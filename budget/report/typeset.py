@@ -106,18 +106,18 @@ def typeset(document: Document, *, folders: Sequence[Path] | None = None) -> Typ
     pictures = tuple(_pictures(b for part in document.sections for b in part.blocks))
     data = plain_document(document, pictures)
     texts = [*_strings(data), *(picture.svg for picture in pictures)]
-    lettering = choose_fonts(texts, folders=folders)
-    missing = frozenset[str]().union(*map(lettering.missing, texts))
-    printable = _map_strings(data, lettering.printable)
+    fonts = choose_fonts(texts, folders=folders)
+    missing = frozenset[str]().union(*map(fonts.missing, texts))
+    printable = _map_strings(data, fonts.printable)
     pdf = render_pdf(
         TEMPLATE,
-        printable | {"families": lettering.families},
+        printable | {"families": fonts.families},
         {
-            f"{place}.svg": lettering.drawable(picture.svg).encode()
+            f"{place}.svg": fonts.drawable(picture.svg).encode()
             for place, picture in enumerate(pictures)
         },
         date=document.date,
-        faces=lettering.faces,
+        faces=fonts.faces,
     )
     return Typeset(pdf=pdf, replaced=tuple(map(name_character, sorted(missing))))
 

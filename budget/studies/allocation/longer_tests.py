@@ -29,7 +29,7 @@ FLOOR = "what is held"
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Trials:
+class _Setting:
     """One number of the procedure of one sensor, and how it is changed."""
 
     name: str
@@ -56,19 +56,19 @@ def find_longer_tests(
         return float(replace(case.task, law=law).utilisation(s).max())
 
     return tuple(
-        _grow(trials, utilisation, case.sensor.kind, goal)
-        for trials in _growing(case.sensor, case.procedure)
+        _grow(setting, utilisation, case.sensor.kind, goal)
+        for setting in _growing(case.sensor, case.procedure)
     )
 
 
-def _growing(sensor: Sensor, procedure: Procedure) -> tuple[_Trials, ...]:
+def _growing(sensor: Sensor, procedure: Procedure) -> tuple[_Setting, ...]:
     """Return what of the procedure may grow for a sensor."""
     if procedure.windows:
         return tuple(_growing_windows(sensor.kind, procedure))
     if sensor.kind != "gyro":
         own = procedure.accelerometer
         return (
-            _Trials(
+            _Setting(
                 name="dwell",
                 now=own.dwell,
                 most=LONGEST_DWELL,
@@ -80,7 +80,7 @@ def _growing(sensor: Sensor, procedure: Procedure) -> tuple[_Trials, ...]:
         )
     gyro = procedure.gyro
     return (
-        _Trials(
+        _Setting(
             name="turns",
             now=gyro.turns,
             most=MOST_TURNS,
@@ -89,7 +89,7 @@ def _growing(sensor: Sensor, procedure: Procedure) -> tuple[_Trials, ...]:
             ),
             whole=True,
         ),
-        _Trials(
+        _Setting(
             name="dwell",
             now=gyro.dwell,
             most=LONGEST_DWELL,
@@ -99,13 +99,13 @@ def _growing(sensor: Sensor, procedure: Procedure) -> tuple[_Trials, ...]:
     )
 
 
-def _growing_windows(kind: str, procedure: Procedure) -> Iterator[_Trials]:
+def _growing_windows(kind: str, procedure: Procedure) -> Iterator[_Setting]:
     """Yield turns and dwells of windows of one's own, all longer in proportion."""
     own = [one for one in procedure.windows if one.use in {kind, "both"}]
     turns = [abs(one.setting.angle) / (2.0 * pi) for one in own if one.sense]
     dwells = [one.length for one in own if not one.sense]
     if turns and kind == "gyro":
-        yield _Trials(
+        yield _Setting(
             name="turns",
             now=float(round(max(turns))),
             most=MOST_TURNS,
@@ -115,7 +115,7 @@ def _growing_windows(kind: str, procedure: Procedure) -> Iterator[_Trials]:
             whole=True,
         )
     if dwells:
-        yield _Trials(
+        yield _Setting(
             name="dwell",
             now=max(dwells),
             most=LONGEST_DWELL,
@@ -149,31 +149,31 @@ def _stretched(procedure: Procedure, factor: float, *, turning: bool) -> Procedu
 
 
 def _grow(
-    trials: _Trials,
+    setting: _Setting,
     utilisation: Callable[[Procedure], float],
     sensor: str,
     goal: str,
 ) -> LongerTest:
     """Step upwards until the limits are met, then narrow the last step."""
-    below, value = trials.now, trials.now
-    best, least = value, utilisation(trials.change(value))
+    below, value = setting.now, setting.now
+    best, least = value, utilisation(setting.change(value))
     needed = None
-    while value < trials.most:
-        below, value = value, min(value * STEP, trials.most)
-        if trials.whole:
+    while value < setting.most:
+        below, value = value, min(value * STEP, setting.most)
+        if setting.whole:
             value = max(float(int(value)), below + 1.0)
-        used = utilisation(trials.change(value))
+        used = utilisation(setting.change(value))
         if used < least:
             best, least = value, used
         if used <= 1.0:
-            needed = _narrow(trials, utilisation, below, value)
-            best, least = needed, utilisation(trials.change(needed))
+            needed = _narrow(setting, utilisation, below, value)
+            best, least = needed, utilisation(setting.change(needed))
             break
     return LongerTest(
         sensor=sensor,
-        name=trials.name,
+        name=setting.name,
         goal=goal,
-        now=trials.now,
+        now=setting.now,
         needed=needed,
         tried_to=value,
         utilisation=least,
@@ -182,20 +182,20 @@ def _grow(
 
 
 def _narrow(
-    trials: _Trials,
+    setting: _Setting,
     utilisation: Callable[[Procedure], float],
     fails: float,
     meets: float,
 ) -> float:
     """Return the least value that meets, to a whole number or three digits up."""
-    step = 1.0 if trials.whole else 10.0 ** (floor(log10(meets)) - DIGITS + 1)
+    step = 1.0 if setting.whole else 10.0 ** (floor(log10(meets)) - DIGITS + 1)
     while meets - fails > step:
         middle = (fails + meets) / 2.0
-        middle = float(int(middle)) if trials.whole else middle
-        if utilisation(trials.change(middle)) <= 1.0:
+        middle = float(int(middle)) if setting.whole else middle
+        if utilisation(setting.change(middle)) <= 1.0:
             meets = middle
         else:
             fails = middle
     rounded = step * -(-meets // step)
-    meets_too = utilisation(trials.change(rounded)) <= 1.0
+    meets_too = utilisation(setting.change(rounded)) <= 1.0
     return rounded if meets_too else meets
