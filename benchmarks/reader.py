@@ -14,7 +14,7 @@ from time import process_time
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 
-from test_fuzz_cost import CASES
+from fuzz.test_cost import CASES
 
 from budget.errors import SpecError
 from budget.spec import validate
