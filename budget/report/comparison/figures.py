@@ -111,7 +111,7 @@ def margin_chart(table: Ranking, name: str) -> Chart:
 
 def margin_title(table: Ranking) -> str:
     """State the finding: how many meet, and the best of those that can be decided."""
-    sensor = capital(table.sensor)
+    sensor = table.subject
     meets = [row for row in table.rows if row.of.verdict == "meets"]
     decided = [row for row in table.rows if row.of.verdict != "undecidable"]
     lacking = len(table.rows) - len(decided)
@@ -218,7 +218,7 @@ def map_title(table: Ranking) -> str:
     # Of what is only known to be this or more, nobody knows what is the tightest.
     rows = [row for row in table.rows if not row.of.lower_bound]
     if not rows:
-        return f"{capital(table.sensor)}: no device gives all lines, each can be worse"
+        return f"{table.subject}: no device gives all lines, each can be worse"
     worst = [output_group(row) for row in rows]
     first = max(dict.fromkeys(worst), key=worst.count)
     number = worst.count(first)
@@ -230,10 +230,10 @@ def map_title(table: Ranking) -> str:
         of = "both devices" if whole == BOTH else f"all {whole} devices"
     if whole == 1:
         return (
-            f"{capital(table.sensor)}: the {first} is the tightest for the only device"
+            f"{table.subject}: the {first} is the tightest for the only device"
             f"{' that gives all lines' if lack else ''}{but}"
         )
-    return f"{capital(table.sensor)}: the {first} is the tightest for {of}{but}"
+    return f"{table.subject}: the {first} is the tightest for {of}{but}"
 
 
 def output_group(row: Device) -> str:
@@ -411,16 +411,13 @@ def pareto_title(table: Ranking, merit: str) -> str:
     names = list(dict.fromkeys(best))
     if not names:
         return (
-            f"{capital(table.sensor)}: nobody can say which device is best in {merit} "
+            f"{table.subject}: nobody can say which device is best in {merit} "
             "and error, all lack lines"
         )
     more = len(names) - NAMED
     named = ", ".join(names[:NAMED]) + (f" and {more} more" if more > 0 else "")
     verb = "is" if len(names) == 1 else "are"
-    return (
-        f"{capital(table.sensor)}: {named} {verb} not beaten in {merit} and error at "
-        "once"
-    )
+    return f"{table.subject}: {named} {verb} not beaten in {merit} and error at once"
 
 
 def _draw_point(axes: Axes, row: Device, cost: float, *, is_best: bool) -> Line2D:

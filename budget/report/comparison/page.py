@@ -92,10 +92,7 @@ def comparison_document(
         _overview(found),
         _remarks(comparison, on_first_page=True),
         *_procedures(comparison, found),
-        *(
-            _devices(found, place, with_margins=False, several=several)
-            for place in range(len(found))
-        ),
+        *(_devices(found, place, with_margins=False) for place in range(len(found))),
         *_pairs(comparison),
         *_missing(comparison),
         _assumptions(comparison, in_report=False),
@@ -115,7 +112,7 @@ def comparison_document(
         ),
         headline=headline(comparison),
         summary=(f"{answer(comparison)} {basis(comparison)}",),
-        cards=tuple(_card(table, several=several) for table in found),
+        cards=tuple(map(_card, found)),
         sections=tuple(sections),
         json=to_json(comparison),
         date=date,
@@ -151,7 +148,6 @@ def _answer(
     comparison: Comparison, found: Sequence[Ranking], *apart: Block
 ) -> Iterator[Section]:
     """Yield the sections that report and terminal have in common."""
-    several = len(comparison.procedures) > 1
     lines = (*verdict_lines(found), *not_compared_lines(comparison))
     yield Section(
         name="comparison",
@@ -168,14 +164,14 @@ def _answer(
     )
     yield from _procedures(comparison, found)
     for place in range(len(found)):
-        yield _devices(found, place, with_margins=True, several=several)
+        yield _devices(found, place, with_margins=True)
     yield from _pairs(comparison)
     yield from _missing(comparison)
     yield _assumptions(comparison, in_report=True)
     yield _remarks(comparison, on_first_page=False)
 
 
-def _card(table: Ranking, *, several: bool) -> Card:
+def _card(table: Ranking) -> Card:
     """Return the answer for one sensor under one procedure."""
     best = best_of(table)
     lines: list[Words] = []
@@ -191,18 +187,7 @@ def _card(table: Ranking, *, several: bool) -> Card:
             (used, f" at {best.worst_output}, limited by {best.limiting_source}"),
         ]
     lines.append((table.counts,))
-    return Card(title=_heading(table, several=several), lines=tuple(lines))
-
-
-def _heading(table: Ranking, *, several: bool) -> str:
-    """Name a sensor, under its procedure where there are several."""
-    return capital(table.sensor) + (f", {table.procedure}" if several else "")
-
-
-def _devices_heading(table: Ranking, *, several: bool) -> str:
-    """Name what is ranked, under its procedure where there are several."""
-    name = f"{capital(table.sensor)} devices"
-    return f"{name}, {table.procedure}" if several else name
+    return Card(title=table.subject, lines=tuple(lines))
 
 
 def _overview(found: Sequence[Ranking]) -> Section:
@@ -296,9 +281,7 @@ def _procedures(
     )
 
 
-def _devices(
-    found: Sequence[Ranking], place: int, *, with_margins: bool, several: bool
-) -> Section:
+def _devices(found: Sequence[Ranking], place: int, *, with_margins: bool) -> Section:
     """Return ranking and figures of one sensor under one procedure.
 
     What the columns mean stands once, with the first ranking.
@@ -310,7 +293,7 @@ def _devices(
     said = (Paragraph(words=(f"{capital(unknown)}.",)),) if unknown else ()
     end = f"{table.sensor}-{place}"
     name = f"devices-{end}"
-    title = f"{_devices_heading(table, several=several)}: {table.counts}"
+    title = f"{capital(table.sensor)} devices{table.under}: {table.counts}"
     if not table.rows:
         return Section(name=name, title=title, blocks=said)
 

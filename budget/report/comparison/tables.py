@@ -24,6 +24,7 @@ from budget.report.tables import (
     source_title,
     used_part,
 )
+from budget.report.wording import capital
 from budget.studies.comparison.records import VERDICTS, rank_number, ranks
 from budget.studies.figures_of_merit import read_amount
 
@@ -75,6 +76,12 @@ class Ranking:
     procedure: str
     rows: tuple[Row, ...]
     nothing_known: tuple[str, ...]  # devices with no error line: in no row
+    under: str  # ', Zhao 2019' where there are several procedures, else ''
+
+    @property
+    def subject(self) -> str:
+        """'Gyro', or 'Gyro, Zhao 2019' where there are several procedures."""
+        return f"{capital(self.sensor)}{self.under}"
 
     @property
     def counts(self) -> str:
@@ -121,6 +128,7 @@ def rankings(
                 procedure=procedure,
                 rows=tuple(rows),
                 nothing_known=unknown,
+                under=f", {procedure}" if len(comparison.procedures) > 1 else "",
             )
         )
     return tuple(found)

@@ -68,15 +68,13 @@ def computed_apart(comparison: Comparison) -> str:
 
 def verdict_lines(found: Sequence[Ranking]) -> tuple[str, ...]:
     """Say for each sensor and procedure who is best, or that nobody meets."""
-    several = len({table.procedure for table in found}) > 1
     lines = []
     for table in found:
-        place = f"{table.sensor}, {table.procedure}" if several else table.sensor
         best = best_of(table)
         said = "no device meets"
         if best is not None:
             said = f"{best.device} is best, {best.utilisation} % of the limit"
-        lines.append(f"{place}: {said} ({table.counts})")
+        lines.append(f"{table.sensor}{table.under}: {said} ({table.counts})")
     return tuple(lines)
 
 

@@ -403,6 +403,12 @@ def test_procedures_stand_beside_each_other_in_the_document():
         "Gyro, test procedure",
         "Gyro, slow",
     ]
+    # Figures of two procedures are told apart by what they say.
+    margins = [p.title for p in find(document.sections, Picture) if "margin" in p.name]
+    assert [title.partition(":")[0] for title in margins] == [
+        "Gyro, test procedure",
+        "Gyro, slow",
+    ]
 
 
 def test_assumptions_of_several_devices_are_gathered(comparison):
