@@ -1,0 +1,121 @@
+"""What is read from a document: every path of the table, each with its tolerance."""
+
+from __future__ import annotations
+
+import pytest
+from numpy.testing import assert_allclose
+from reference_examples import DEVICE, snapshot
+
+from budget.references import jobs
+from budget.references.quantities import (
+    LEAST_COST,
+    LEAST_COST_LINE,
+    MEANINGS,
+    PART,
+    _leaves,
+    _Place,
+)
+
+LIMITS = [("requirement", "navigation-grade")]
+# A second triad of which no error line is given: nothing is known of it.
+BARE = "name: Bare\naccelerometer: {nominal: {bias: 1 mg}}\n"
+
+
+@pytest.fixture
+def documents(monkeypatch):
+    """Provide a list of all documents from which something is read."""
+    seen = []
+    read = jobs.snapshot_of
+
+    def note(document, errors):
+        seen.append(document)
+        return read(document, errors)
+
+    monkeypatch.setattr(jobs, "snapshot_of", note)
+    return seen
+
+
+@pytest.mark.parametrize(
+    ("job", "texts", "asked"),
+    [
+        ("analyze", [DEVICE], {"samples": 32}),
+        ("compare", [DEVICE, BARE], {}),
+        ("allocate", [DEVICE], {"strategy": "cost"}),
+    ],
+)
+def test_every_path_of_the_table_is_in_a_document(documents, job, texts, asked):
+    """A key that a document no longer has would be passed over in silence."""
+    for text in texts:
+        snapshot(text, job=job, more=LIMITS, **asked)
+    found = {
+        path
+        for document in documents
+        for path, _, value in _leaves(document, "", _Place())
+        if value is not None
+    }
+    assert set(MEANINGS[job]) <= found
+
+
+def floors(found, document):
+    """Return the rounding of each kind of number, and what it is to be."""
+    for one in document["outputs"]:
+        name = f"{one['sensor']}.{one['parameter']}.{one['axis']}"
+        for number in found.numbers:
+            if number.subject == name and number.unit == one["unit"]:
+                yield number.floor, one["resolution"]
+    for one in document["assessment"]["outputs"]:
+        name = f"{one['sensor']}.{one['parameter']}.{one['axis']}"
+        for number in found.numbers:
+            if (number.subject, number.quantity) == (name, "utilisation"):
+                yield number.floor, one["resolution"] / one["limit"]
+
+
+def test_an_output_is_sure_to_its_resolution(documents):
+    """Its numbers in its unit, the part of its limit to that part of it."""
+    found = snapshot(more=LIMITS)
+    (document,) = documents
+    pairs = list(floors(found, document))
+    assert len(pairs) > 24 * 8
+    assert_allclose(*zip(*pairs, strict=True), rtol=1e-12)
+    assert {n.floor for n in found.numbers if n.quantity == "correlation"} == {PART}
+
+
+def test_a_sensor_is_as_sure_as_its_least_sure_output():
+    """Its largest part of a limit has the rounding and the spread of the worst one."""
+    found = snapshot(more=LIMITS, method="monte-carlo", trials=2000)
+    used = [one for one in found.numbers if one.quantity == "utilisation"]
+    for sensor in ("gyro", "accelerometer"):
+        own = [one for one in used if one.subject.startswith(f"{sensor}.")]
+        (all_,) = (one for one in used if one.subject == sensor)
+        assert all_.value == max(one.value for one in own)
+        assert all_.floor == max(one.floor for one in own)
+        assert all_.standard_error == max(one.standard_error for one in own)
+
+
+def test_the_law_has_no_standard_errors_and_trials_have():
+    """Contributions are the law's under both; counts have trials."""
+    law = snapshot(more=LIMITS)
+    assert not any(one.is_sampled for one in law.numbers)
+    drawn = snapshot(more=LIMITS, method="monte-carlo", trials=2000)
+    assert {one.quantity for one in drawn.numbers if not one.is_sampled} == {
+        "contribution"
+    }
+    compared = snapshot(job="compare", more=LIMITS, method="monte-carlo", trials=2000)
+    counted = {one.quantity for one in compared.numbers if one.trials}
+    assert counted == {"conformance"}
+    # The standard uncertainty of a comparison is the law's.
+    exact = {one.quantity for one in compared.numbers if not one.is_sampled}
+    assert exact == {"standard_uncertainty"}
+
+
+def test_the_solver_of_the_least_cost_is_sure_of_the_cost_to_a_part():
+    """Of a line to the root of that; by another strategy there is no solver."""
+    by_cost = snapshot(job="allocate", more=LIMITS, strategy="cost")
+    equal = snapshot(job="allocate", more=LIMITS, strategy="equal")
+    for found, line in ((by_cost, LEAST_COST_LINE), (equal, 0.0)):
+        for one in found.numbers:
+            if one.quantity == "allowed":
+                assert_allclose(one.floor, line * one.value, rtol=1e-12)
+            if one.quantity in {"cost", "cost_now"}:
+                assert_allclose(one.floor, LEAST_COST * one.value, rtol=1e-12)
+    assert any(one.quantity == "cost" for one in by_cost.numbers)
