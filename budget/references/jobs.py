@@ -177,11 +177,10 @@ def _compare(
     errors = {}
     for row in document["devices"]:
         if row["trials"] is not None:
-            analysis = Analysis(
-                devices=(by_name[row["file"]],),
+            analysis = Analysis.of(
+                by_name[row["file"]],
                 procedure=tests[row["procedure"]],
-                coverage=requirement.coverage,
-                reference=requirement.reference,
+                requirement=requirement,
             ).alone(row["sensor"])
             errors[device_of(document, row)] = standard_errors(
                 analysis.problem, trials=row["trials"], coverage=requirement.coverage

@@ -119,3 +119,20 @@ def test_the_solver_of_the_least_cost_is_sure_of_the_cost_to_a_part():
             if one.quantity in {"cost", "cost_now"}:
                 assert_allclose(one.floor, LEAST_COST * one.value, rtol=1e-12)
     assert any(one.quantity == "cost" for one in by_cost.numbers)
+
+
+def test_what_is_derived_is_sampled_as_well(tmp_path):
+    """A limit on a rotation has standard errors in a comparison and in an analysis."""
+    wanted = tmp_path / "want.yaml"
+    limits = "{gyro: {bias: 1 deg/h, rotation: 10 arcsec}, misalignment: 1 arcmin}"
+    wanted.write_text(f"name: want\nlimits: {limits}\n", encoding="utf-8")
+    asked = {"method": "monte-carlo", "trials": 2000}
+    for job, quantity in (("compare", "largest_error"), ("analyze", "utilisation")):
+        found = snapshot(job=job, more=[("requirement", str(wanted))], **asked)
+        (one,) = (
+            number
+            for number in found.numbers
+            if (number.quantity, number.subject.rpartition(" ")[2])
+            == (quantity, "gyro.rotation.x")
+        )
+        assert one.standard_error > 0.0
