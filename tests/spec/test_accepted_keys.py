@@ -330,13 +330,18 @@ def test_a_key_of_a_procedure_moves_a_number(key, load):
         noise = {"value": errors["sample_noise"], "adds_to": walk}
         errors["sample_noise"] = noise
         tree[sensor] = {"nominal": {"mounting_angle": "1 deg"}, "errors": errors}
-    one = load(load_device, tree)
     place = place_of(key)
     steps = tuple(0 if step == "[]" else step for step in key.path)
     value = place["windows"][1:] if key.path == ("windows",) else example(key)
     own = replaced(place, steps, ESTIMATED.get(key.path[0], value))
-    procedures = [load(budget.load_procedure, said) for said in (place, own)]
-    assert differ(*(analyzed(one, procedure) for procedure in procedures))
+    found = []
+    for said in (place, own):
+        both = json.dumps([tree, said])
+        if both not in FOUND:
+            one = load(load_device, tree)
+            FOUND[both] = analyzed(one, load(budget.load_procedure, said))
+        found.append(FOUND[both])
+    assert differ(*found)
 
 
 def compared(requirement, load):
