@@ -194,6 +194,8 @@ class Settings:
         Where adaptive trials stop at the latest; None: where they usually do.
     validate : bool
         Whether Monte Carlo checks the law.
+    matrices : bool
+        Whether the compensation matrices are asked for.
     """
 
     method: str = "gum"
@@ -211,11 +213,12 @@ class Settings:
     sobol_scrambles: int | None = None
     max_trials: int | None = None
     validate: bool = True
+    matrices: bool = False
 
     def to_dict(self) -> dict[str, Any]:
         """Return what a document says of them."""
         document = asdict(self)
-        del document["max_trials"], document["validate"]
+        del document["max_trials"], document["validate"], document["matrices"]
         if not self.outputs:
             del document["outputs"]
         return document
@@ -260,6 +263,85 @@ def inputs_document(files: Sequence[InputFile]) -> dict[str, Any]:
     return {file.role: {"name": file.name, "sha256": file.sha256} for file in files}
 
 
+CONVENTION = (
+    "Reading n of the axes, in counts a second, of an input u in body axes: "
+    "n = K (M u + b), M = I + dT. Row i of M is what axis i shows of the body axes x, "
+    "y, z. Back: u = T (n/K - b) with the bias b in sensor axes, or u = T n/K - T b "
+    "with T b in body axes; T = inv(M), body from sensor axes."
+)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Compensation:
+    """What turns readings into inputs, of one triad, at its nominal values.
+
+    Attributes
+    ----------
+    sensor : str
+    outputs : tuple of Output, length 15
+        T row by row, b in sensor axes, T b in body axes.
+    value : ndarray, shape (15,)
+        At the nominal values of the device [SI].
+    covariance : ndarray, shape (15, 15)
+        Joint, of what a calibration finds [products of SI units].
+    lower_bound, bias_lower_bound : bool
+        Whether expected lines that are not given would widen T, and the biases.
+    """
+
+    sensor: str
+    outputs: tuple[Output, ...]
+    value: Array
+    covariance: Array = field(repr=False)
+    lower_bound: bool = False
+    bias_lower_bound: bool = False
+
+    @property
+    def standard_uncertainty(self) -> Array:
+        """Standard uncertainties in the order of the outputs, shape (15,) [SI]."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def T(self) -> Array:
+        """Body from sensor axes, shape (3, 3) [1]."""
+        return self.value[:9].reshape(3, 3)
+
+    @property
+    def M(self) -> Array:
+        """Sensor from body axes, I + dT, shape (3, 3) [1]."""
+        return np.asarray(np.linalg.inv(self.T))
+
+    @property
+    def bias_sensor(self) -> Array:
+        """Bias b, taken off before T, shape (3,) [SI]."""
+        return self.value[9:12]
+
+    @property
+    def bias_body(self) -> Array:
+        """Bias T b, taken off after T, shape (3,) [SI]."""
+        return self.value[12:]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it, in printed units."""
+        scale = np.array([output.si_per_unit for output in self.outputs])
+        value, u = self.value / scale, self.standard_uncertainty / scale
+        unit = self.outputs[-1].unit
+
+        def of(rows: slice, *shape: int) -> dict[str, Any]:
+            return {
+                "value": value[rows].reshape(shape).tolist(),
+                "standard_uncertainty": u[rows].reshape(shape).tolist(),
+            }
+
+        return {
+            "body_to_sensor": {"value": self.M.tolist()},
+            "sensor_to_body": {**of(slice(9), 3, 3), "lower_bound": self.lower_bound},
+            "bias_sensor": {"unit": unit, **of(slice(9, 12), 3)},
+            "bias_body": {"unit": unit, **of(slice(12, 15), 3)},
+            "bias_lower_bound": self.bias_lower_bound,
+            "covariance": (self.covariance / np.outer(scale, scale)).tolist(),
+        }
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Budget:
     """The error budget of a calibration: every output, and how they go together.
@@ -274,6 +356,8 @@ class Budget:
         Joint covariance of all outputs in their order [products of SI units].
     could_widen : mapping of Name to tuple of Name
         The outputs that each line that is not given would reach.
+    matrices : mapping of str to Compensation
+        By triad, where they were asked for.
     """
 
     command: str
@@ -287,6 +371,7 @@ class Budget:
     warnings: tuple[str, ...]
     could_widen: Mapping[Name, tuple[Name, ...]]
     assessment: Assessment | None = None  # against the requirement, where there is one
+    matrices: Mapping[str, Compensation] = field(default_factory=dict)
     # What it is of (budget.studies.request.Analysis): results know nothing of files.
     analysis: object = field(default=None, repr=False)
 
@@ -343,6 +428,16 @@ class Budget:
             "assessment": None
             if self.assessment is None
             else self.assessment.to_dict(),
+            **(
+                {
+                    "matrices": {
+                        "convention": CONVENTION,
+                        **{kind: one.to_dict() for kind, one in self.matrices.items()},
+                    }
+                }
+                if self.matrices
+                else {}
+            ),
         }
 
 

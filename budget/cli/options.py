@@ -209,6 +209,13 @@ Outputs = Annotated[
         show_default=False,
     ),
 ]
+Matrices = Annotated[
+    bool,
+    typer.Option(
+        "--matrices",
+        help="Add the matrices that turn readings into inputs, with uncertainties.",
+    ),
+]
 JsonFile = Annotated[
     Path | None,
     typer.Option("--json", metavar="FILE|-", help="Write the result as JSON."),
@@ -241,6 +248,7 @@ class Asked:
     samples: Samples = None
     only: Only = None
     outputs: Outputs = None
+    matrices: Matrices = False
 
     def settings(self, requirement: Requirement | None) -> Settings:
         """Return them with coverage and reference of the requirement, if there is one.
@@ -271,6 +279,7 @@ class Asked:
             reference=basis.reference,
             sobol_samples=(self.samples or SAMPLES) if with_indices else None,
             only=tuple(map(Name, self.only or ())),
+            matrices=self.matrices,
             outputs=tuple(
                 Name(name.strip())
                 for names in self.outputs or ()

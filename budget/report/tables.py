@@ -190,6 +190,13 @@ def round_error(error: float, u: float, output: Output) -> Number:
     return Number(text=text, exact=error / scale)
 
 
+def round_u(u: float, output: Output) -> Number:
+    """Round a standard uncertainty of an output [SI], in the unit it has."""
+    scale = output.si_per_unit
+    text = round_uncertainty(u / scale, resolution=output.resolution / scale)
+    return Number(text=text, exact=u / scale)
+
+
 def bound_number(
     number: Number, *, lower_bound: bool, unknown: bool = False, sign: str = AT_LEAST
 ) -> Number:
@@ -398,9 +405,6 @@ def _group_table(
 
 def _output_row(row: OutputBudget) -> OutputRow:
     """Round one output, everything to the last digit of its standard uncertainty."""
-    scale = row.output.si_per_unit
-    u = row.standard_uncertainty / scale
-    resolution = row.output.resolution / scale
 
     def value(x: float) -> Number:
         return round_error(x, row.standard_uncertainty, row.output)
@@ -413,7 +417,7 @@ def _output_row(row: OutputBudget) -> OutputRow:
     return OutputRow(
         axis=row.axis,
         mean=bound(value(row.mean), sign=""),
-        u=bound(Number(text=round_uncertainty(u, resolution=resolution), exact=u)),
+        u=bound(round_u(row.standard_uncertainty, row.output)),
         expanded=bound(value((row.interval[1] - row.interval[0]) / 2.0)),
         low=bound(value(row.interval[0]), sign=AT_MOST),
         high=bound(value(row.interval[1])),
@@ -441,14 +445,10 @@ def _source_cell(row: OutputBudget, source: Name) -> SourceCell:
         (p for p in row.contributions if p.source == source),
         Contribution(source=source, standard_uncertainty=0.0, share=0.0),
     )
-    scale = row.output.si_per_unit
-    u = part.standard_uncertainty / scale
     acts = row.is_resolved and part.standard_uncertainty > row.output.resolution
     share = part.share if acts else 0.0
     return SourceCell(
-        u=Number(
-            text=round_uncertainty(u, resolution=row.output.resolution / scale), exact=u
-        ),
+        u=round_u(part.standard_uncertainty, row.output),
         share=Number(text=print_share(share), exact=share),
     )
 

@@ -25,6 +25,7 @@ from budget.results import (
     BY_TRIALS,
     INTERACTION,
     Budget,
+    Compensation,
     Contribution,
     OutputBudget,
     Settings,
@@ -34,6 +35,7 @@ from budget.results import (
 )
 from budget.spec import load_procedure
 from budget.studies import cautions
+from budget.studies.compensation import compensations
 from budget.studies.conformity import assess
 from budget.studies.lower_bounds import could_widen
 from budget.studies.progress import Engine, describe_cost, seconds_per_trial
@@ -96,6 +98,7 @@ def analyze(
     samples: int | None = None,
     only: Sequence[str] = (),
     outputs: Sequence[str] = (),
+    matrices: bool = False,
     command: str = "analyze",
     progress: Progress | None = None,
     talk: Callable[[str], None] | None = None,
@@ -143,6 +146,8 @@ def analyze(
     outputs : sequence of str
         What is asked for, 'gyro.rotation' or 'bias.z': parameters, and what is derived
         of them (budget.calibration.derived); all parameters without it.
+    matrices : bool
+        Whether the result has the compensation matrices (budget.studies.compensation).
     command : str
         Name of the job in the result.
     progress : callable, optional
@@ -172,6 +177,7 @@ def analyze(
         sobol_samples=samples,
         only=tuple(map(Name, [only] if isinstance(only, str) else only)),
         outputs=tuple(map(Name, [outputs] if isinstance(outputs, str) else outputs)),
+        matrices=matrices,
     )
     return analyze_as(
         settings,
@@ -237,6 +243,10 @@ def analyze_as(
             executor=engine.executor,
             progress=engine.stage("Sobol' indices"),
         )
+    matrices: dict[str, Compensation] = {}
+    if settings.matrices:
+        matrices, absent = compensations(analysis)
+        warnings += absent
     is_simulated = settings.method == "simulation"
     budget = Budget(
         command=command,
@@ -265,6 +275,7 @@ def analyze_as(
         ),
         warnings=warnings,
         could_widen=could_widen(sensors, procedure, reference=settings.reference),
+        matrices=matrices,
         analysis=analysis,
     )
     return budget if requirement is None else _judge(budget, requirement)

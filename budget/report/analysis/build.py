@@ -8,7 +8,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from budget.names import key_title
-from budget.report.analysis.groups import budget_section
+from budget.report.analysis.groups import budget_section, matrices_sections
 from budget.report.analysis.method import Trials, method_section
 from budget.report.analysis.verdict import (
     group_cards,
@@ -105,6 +105,7 @@ def report_document(
         inputs_section(devices, procedure),
         procedure_section(procedure, sensors),
         budget_section(groups),
+        *matrices_sections(budget),
         what_if_section(budget, evidence.what_if, one_at_a_time(evidence.what_if)),
         _coupling(evidence, owners),
         _indices(budget, owners),

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
+from budget.names import AXES
 from budget.report.blocks import (
     Abreast,
     Cell,
@@ -24,18 +25,22 @@ from budget.report.tables import (
     CheckCell,
     OutputRow,
     SourceRow,
+    bound_number,
     group_tables,
     print_coverage,
+    round_error,
+    round_u,
     settings_lines,
 )
 from budget.report.wording import capital, cell, not_given_lines, points, share_cell
+from budget.results import CONVENTION
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from budget.report.blocks import Block, Table
     from budget.report.tables import GroupTable, Number
-    from budget.results import Budget
+    from budget.results import Budget, Compensation
 
 
 def budget_answer(budget: Budget) -> tuple[Section, ...]:
@@ -47,6 +52,7 @@ def budget_answer(budget: Budget) -> tuple[Section, ...]:
         settings.append(("checked", checks[0]))
     return (
         *(_group_section(group, checked=len(checks) > 1) for group in groups),
+        *matrices_sections(budget),
         *_indices(budget, dict.fromkeys(group.sensor for group in groups)),
         _listed("Not given", not_given_lines(budget.could_widen)),
         _listed("Assumptions", budget.assumptions),
@@ -268,6 +274,71 @@ def _table(group: GroupTable) -> Table:
         ),
         name=f"budget-{group.sensor}-{group.parameter}".replace("_", "-"),
         caption=f"Budget of the {group.title} by axis",
+        by=lambda line: line.title,
+        titled=True,
+    )
+
+
+def matrices_sections(budget: Budget) -> Iterator[Section]:
+    """Yield how readings become inputs, where it was asked for."""
+    if budget.matrices:
+        yield Section(
+            name="matrices",
+            title="Compensation of readings",
+            blocks=(
+                Paragraph(words=(CONVENTION,)),
+                Paragraph(
+                    words=(
+                        (
+                            "Values are of the nominal mounting angles and biases of "
+                            "the device, u is of what one calibration finds of them."
+                        ),
+                    ),
+                    small=True,
+                ),
+                Abreast(
+                    blocks=tuple(
+                        Panel(title=capital(kind), blocks=(_matrix_table(one),))
+                        for kind, one in budget.matrices.items()
+                    )
+                ),
+            ),
+        )
+
+
+def _matrix_table(found: Compensation) -> Table:
+    """Return T, and both forms of the bias, with their uncertainties."""
+    values, us = [], []
+    for output, x, u in zip(
+        found.outputs, found.value, found.standard_uncertainty, strict=True
+    ):
+        is_bias = output.name.quantity != "T"
+        bound = found.bias_lower_bound if is_bias else found.lower_bound
+        values.append(cell(round_error(float(x), float(u), output)))
+        us.append(cell(bound_number(round_u(float(u), output), lower_bound=bound)))
+    unit = found.outputs[-1].unit
+    rows = [(axis, 3 * k) for k, axis in enumerate(AXES)]
+    lines = [
+        Line(title=title, head=head, cells=cells[start : start + 3])
+        for title, parts in (
+            ("T [1], a row a body axis", [(*row, values) for row in rows]),
+            ("u of T [1]", [(*row, us) for row in rows]),
+            (f"bias b in sensor axes [{unit}]", [("b", 9, values), ("u", 9, us)]),
+            (f"bias T b in body axes [{unit}]", [("T b", 12, values), ("u", 12, us)]),
+        )
+        for head, start, cells in parts
+    ]
+    return table_of(
+        lines,
+        (
+            Field(head="", cell=lambda line: line.head),
+            *(
+                Field(head=axis, kind="number", cell=partial(_of_axis, place))
+                for place, axis in enumerate(AXES)
+            ),
+        ),
+        name=f"matrices-{found.sensor}",
+        caption=f"Compensation of the {found.sensor}",
         by=lambda line: line.title,
         titled=True,
     )
