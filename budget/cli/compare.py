@@ -3,19 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import typer
 
 from budget.cli import options
 from budget.cli.streams import say
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from budget.report.blocks import Section
-    from budget.report.comparison.tables import RankingField
-    from budget.studies.comparison.records import Comparison
 
 EXIT_NOT_MET = 1
 EXIT_BAD_INPUT = 2
@@ -97,8 +90,17 @@ def compare(
     device that meets.
     """
     from budget.cli.computing import computing
-    from budget.cli.output import check_destinations, check_suffixes, command_line
+    from budget.cli.output import (
+        check_destinations,
+        check_suffixes,
+        command_line,
+        document_date,
+        hand_out,
+        render_pages,
+    )
     from budget.errors import CallError, SpecError
+    from budget.report.comparison.document import json_pieces, to_csv
+    from budget.report.comparison.page import comparison_answer, comparison_document
     from budget.report.comparison.tables import find_column
     from budget.spec import load_catalogue, load_procedure, load_requirement
     from budget.spec.load import try_devices
@@ -140,49 +142,21 @@ def compare(
             executor=engine.executor,
             progress=engine.progress,
         )
-    _deliver(
-        found,
-        json=json,
-        csv=csv,
-        pages=output or [],
-        sort=column,
-        command=command_line(context),
+    pages: dict[Path, str | bytes] = {}
+    if output:
+        command = command_line(context)
+        document = comparison_document(
+            found, date=document_date(), command_line=command
+        )
+        pages = render_pages(document, output)
+    hand_out(
+        [(json, lambda: json_pieces(found)), (csv, lambda: [to_csv(found)])],
+        lambda: comparison_answer(
+            found, order=None if column is None else column.order
+        ),
+        pages=pages,
     )
     if issues:
         raise typer.Exit(EXIT_BAD_INPUT)
     if not found.is_met:
         raise typer.Exit(EXIT_NOT_MET)
-
-
-def _deliver(
-    comparison: Comparison,
-    *,
-    json: Path | None,
-    csv: Path | None,
-    pages: list[Path],
-    sort: RankingField | None,
-    command: str,
-) -> None:
-    """Print the comparison, or the document asked for; write the files."""
-    from budget.cli.output import document_date, hand_out, render_pages
-    from budget.report.comparison.document import json_pieces, to_csv
-
-    def sections() -> Iterable[Section]:
-        from budget.report.comparison.page import comparison_answer
-
-        order = None if sort is None else sort.order
-        return comparison_answer(comparison, order=order)
-
-    rendered: dict[Path, str | bytes] = {}
-    if pages:
-        from budget.report.comparison.page import comparison_document
-
-        document = comparison_document(
-            comparison, date=document_date(), command_line=command
-        )
-        rendered = render_pages(document, pages)
-    documents = [
-        (json, lambda: json_pieces(comparison)),
-        (csv, lambda: [to_csv(comparison)]),
-    ]
-    hand_out(documents, sections, pages=rendered)

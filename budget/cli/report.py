@@ -10,6 +10,8 @@ import typer
 from budget.cli import options
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from budget.report.analysis.build import Extra
     from budget.spec.records import Device, Procedure, Requirement
     from budget.studies.progress import Engine
@@ -97,17 +99,17 @@ def report(
             command="report",
         )
         evidence = gather_evidence(analysis_of(budget), budget, budget.assessment)
-        extras: list[Extra] = []
-        if allocate and wanted is not None:
-            extras.append(
-                _allocate(loaded, how, wanted, seed=settings.seed, engine=engine)
+        extras = tuple(
+            _extras(
+                loaded,
+                others,
+                how,
+                wanted,
+                with_allocation=allocate,
+                seed=settings.seed,
+                engine=engine,
             )
-        if others and wanted is not None:
-            extras.append(
-                _compare(
-                    (*loaded, *others), how, wanted, seed=settings.seed, engine=engine
-                )
-            )
+        )
         show = engine.stage("figures and pages") or (lambda _, __: None)
         show(0, 1)
         document = report_document(
@@ -157,63 +159,44 @@ def _check_extras(
         )
 
 
-def _allocate(
+def _extras(
     devices: tuple[Device, ...],
+    others: tuple[Device, ...],
     procedure: Procedure,
-    requirement: Requirement,
+    requirement: Requirement | None,
     *,
+    with_allocation: bool,
     seed: int,
     engine: Engine,
-) -> Extra:
-    """Share out the limits over the lines of the data sheets."""
+) -> Iterator[Extra]:
+    """Yield what was asked for besides: lines for the limits, other devices."""
     from budget.report.allocation.page import allocation_section
-    from budget.report.analysis.build import Extra
-    from budget.studies.allocation.allocate import allocate
-
-    found = allocate(
-        *devices,
-        requirement=requirement,
-        procedure=procedure,
-        seed=seed,
-        progress=engine.progress,
-    )
-    return Extra(
-        key="allocation",
-        content=found.to_dict(),
-        sections=(allocation_section(found),),
-        inputs=found.inputs,
-        warnings=found.warnings,
-    )
-
-
-def _compare(
-    devices: tuple[Device, ...],
-    procedure: Procedure,
-    requirement: Requirement,
-    *,
-    seed: int,
-    engine: Engine,
-) -> Extra:
-    """Hold the devices and others against the same limits, by Monte Carlo."""
     from budget.report.analysis.build import Extra
     from budget.report.comparison.page import comparison_sections
     from budget.spec import load_catalogue
+    from budget.studies.allocation.allocate import allocate
     from budget.studies.comparison.compare import compare
 
-    found = compare(
-        devices,
-        requirement,
-        [procedure],
-        catalogue=load_catalogue(),
-        seed=seed,
-        workers=engine.workers,
-        executor=engine.executor,
-        progress=engine.progress,
-    )
-    return Extra(
-        key="comparison",
-        content=found.to_dict(),
-        sections=comparison_sections(found),
-        inputs=found.inputs,
-        warnings=found.warnings,
-    )
+    if requirement is None:
+        return
+    if with_allocation:
+        allotted = allocate(
+            *devices,
+            requirement=requirement,
+            procedure=procedure,
+            seed=seed,
+            progress=engine.progress,
+        )
+        yield Extra.of("allocation", allotted, (allocation_section(allotted),))
+    if others:
+        compared = compare(
+            (*devices, *others),
+            requirement,
+            [procedure],
+            catalogue=load_catalogue(),
+            seed=seed,
+            workers=engine.workers,
+            executor=engine.executor,
+            progress=engine.progress,
+        )
+        yield Extra.of("comparison", compared, comparison_sections(compared))

@@ -58,6 +58,8 @@ if TYPE_CHECKING:
     from budget.report.tables import GroupTable
     from budget.results import Assessment, Budget, InputFile
     from budget.spec.records import Device, Procedure
+    from budget.studies.allocation.records import Allocation
+    from budget.studies.comparison.records import Comparison
     from budget.studies.evidence import Evidence
 
 
@@ -71,6 +73,19 @@ class Extra:
     # What it depends on; the device of the report is called so, others by the key.
     inputs: tuple[InputFile, ...]
     warnings: tuple[str, ...] = ()  # what a reader of page one must know of it
+
+    @classmethod
+    def of(
+        cls, key: str, found: Allocation | Comparison, sections: tuple[Section, ...]
+    ) -> Extra:
+        """Return what a study found, and its sections."""
+        return cls(
+            key=key,
+            content=found.to_dict(),
+            sections=sections,
+            inputs=found.inputs,
+            warnings=found.warnings,
+        )
 
 
 def report_document(
