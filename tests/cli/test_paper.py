@@ -11,8 +11,8 @@ import pytest
 from command_line import call, start
 from document_text import on_terminal
 
-from budget.report.paper.page import paper_sections
-from budget.report.paper.texts import print_probability, print_ratio, reason
+from budget.report.paper.figures import print_ratio
+from budget.report.paper.page import paper_sections, print_probability, reason
 from budget.studies.paper.printed import Verdict
 from budget.studies.paper.study import COLUMNS, reproduce
 

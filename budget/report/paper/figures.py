@@ -27,7 +27,6 @@ from budget.report.figures.style import (
     plane,
     write,
 )
-from budget.report.paper.texts import print_ratio
 from budget.report.tables import print_given
 from budget.report.wording import capital
 from budget.studies.paper.printed import Verdict
@@ -48,6 +47,7 @@ HEIGHT = 190.0  # of a curve [pt]
 DASHES = ("-", "--", ":", "-.")
 ALIKE = 0.01  # curves whose ends differ by less of the largest share a label [1]
 
+NEAR_ONE = 1e-3  # a ratio this close to 1 is printed with all its digits [1]
 AIR = 2.0  # times the farthest ratio to the end of the axis [1]
 FITS = (Verdict.FITS_MEAN, Verdict.FITS_SINGLE)
 JOINED = ", all "  # in the place of a row that speaks of all axes
@@ -236,3 +236,12 @@ def _row(dot: Entry) -> Row:
         strong=dot.verdict == Verdict.UNEXPLAINED,
         said=f"{dot.parameter} {ratio} ({dot.verdict})",
     )
+
+
+def print_ratio(ratio: float | None) -> str:
+    """Print ours over printed, '' where there is none."""
+    if ratio is None:
+        return ""
+    if abs(ratio - 1.0) < NEAR_ONE:
+        return f"{ratio:.6f}"
+    return print_given(ratio, digits=3)

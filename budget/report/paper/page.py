@@ -22,16 +22,11 @@ from budget.report.blocks import (
 from budget.report.document import csv_text, json_text
 from budget.report.figures.rows import chart_picture
 from budget.report.formulas import with_math
-from budget.report.paper.figures import ratio_chart, sweep_picture
-from budget.report.paper.texts import (
-    print_ours,
-    print_probability,
-    print_ratio,
-    reason,
-)
+from budget.report.paper.figures import print_ratio, ratio_chart, sweep_picture
 from budget.report.provenance import provenance_section
+from budget.report.tables import print_given, round_uncertainty
 from budget.report.wording import capital
-from budget.studies.paper.printed import U_MEAN, U_SINGLE, WORD, Verdict
+from budget.studies.paper.printed import U_MEAN, U_SINGLE, VALUE, WORD, Verdict, say
 from budget.studies.paper.study import COLUMNS
 from budget.version import __version__
 
@@ -41,6 +36,7 @@ if TYPE_CHECKING:
     from budget.studies.paper.study import PaperStudy
 
 COMMAND = "budget paper"
+LEAST_P = 1e-6  # [1]; below it a probability is printed as such
 OF_FORMULAS = with_math(
     "Each formula is fed with the pulses of a sensor without errors, whose six angles "
     "are 1 to 6 arcsec. $n_(i j)$: pulses of axis $i$ over a turn forward minus those "
@@ -264,3 +260,24 @@ def _section(study: PaperStudy, name: str) -> Section:
         title=study.paper.sections[name],
         blocks=(*blocks, findings_table(study, name)),
     )
+
+
+def print_ours(row: Finding) -> str:
+    """Print ours: six digits of a value, two of a standard uncertainty, or a word."""
+    if isinstance(row.ours, str):
+        return row.ours
+    if row.quantity == VALUE:
+        return print_given(row.ours, digits=6)
+    return round_uncertainty(row.ours)
+
+
+def print_probability(p: float | None) -> str:
+    """Print a probability to two digits, '' where there is none."""
+    if p is None:
+        return ""
+    return f"<{say(LEAST_P)}" if p < LEAST_P else say(p)
+
+
+def reason(row: Finding) -> str:
+    """Say why, but where the row of all the entries judged together says it."""
+    return "" if row.why.startswith("judged with") else row.why

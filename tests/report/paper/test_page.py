@@ -13,8 +13,8 @@ from pdf_reading import needs_poppler, squeeze, text_of
 from budget.report.blocks import Abreast, Picture, Table, drawn
 from budget.report.document import json_text
 from budget.report.page import render_page
-from budget.report.paper.page import paper_document, printed_cell
-from budget.report.paper.texts import print_ours, print_ratio, reason
+from budget.report.paper.figures import print_ratio
+from budget.report.paper.page import paper_document, print_ours, printed_cell, reason
 from budget.report.typeset import typeset
 from budget.report.wording import capital
 from budget.studies.paper.printed import Verdict
