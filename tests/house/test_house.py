@@ -202,12 +202,15 @@ def test_a_fact_that_a_text_drops_is_seen():
             assert_says(text, fact)
 
 
-# Dots that are no names': of numbers, of files, of Python's modules, of keys in a file.
+# Dots that are no names': of numbers, of files, of Python's modules, of keys in a file
+# and of values in a document.
 OTHER_DOTS = {
     "text.partition('.')",
     "document.base_name.partition('.')",
     "type(error).__module__.partition('.')",
     "f'{path}.{_shown(word)}'",
+    "f'{path}.{key}'",
+    "f'{path}.{k}'",
     "source.name.split('.')",
 }
 SPLITTERS = {"partition", "rpartition", "split", "rsplit"}
