@@ -234,6 +234,16 @@ class TestMoved:
         assert "Gyro, verdict: " in run.out
         assert "-> fails" in run.out
 
+    def test_the_law_explains_what_trials_moved(self, folder):
+        """One key leaves nothing to do together by the law, whatever trials say."""
+        args = ("--method", "monte-carlo", "--trials", "2000")
+        assert call("check", "--save", "m.json", "imu.yaml", *args).code == 0
+        rewrite(folder, DEVICE.replace("37 ppm", "70 ppm"))
+        moved = call("check", "m.json", "--json", "-").document["moved"]
+
+        assert any(row["sampled"] for row in moved)
+        assert {row["together"] for row in moved} == {None}
+
     def test_a_line_taken_out(self, folder):
         """What is gone is said to be, and the line too."""
         rewrite(
