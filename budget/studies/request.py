@@ -26,7 +26,7 @@ from budget.spec.records import Device
 from budget.studies.lower_bounds import lacking
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Container, Iterable, Mapping, Sequence
+    from collections.abc import Container, Iterable, Mapping, Sequence
 
     from budget.arrays import Array
     from budget.methods.gum import Propagation
@@ -343,34 +343,18 @@ def choose_outputs(
         chosen |= there
         if not there:
             faults.append(_not_there(text, named, known, procedure))
-    faults += [
-        f"{group} cannot be had: {procedure.name} does not estimate "
-        f"{', '.join(by_group(parts))}; let `estimate` in the procedure name it, or "
-        "leave this output out"
-        for group, parts in missing_parts(chosen, known).items()
-    ]
+    absent = [name for name in chosen if name not in known]
+    for group in sorted({name.group for name in absent}):
+        names = sorted(name for name in absent if name.group == group)
+        parts = sorted({p for n in names for p in parts_of(n) if p not in known})
+        faults.append(
+            f"{', '.join(by_group(names))} cannot be had: {procedure.name} does not "
+            f"estimate {', '.join(by_group(parts))}; let `estimate` in the procedure "
+            "name it, or leave this output out"
+        )
     if faults:
         raise CallError("\n".join(f"--outputs: {fault}" for fault in faults))
     return tuple(name for name in known if name in chosen)
-
-
-def missing_parts(
-    names: Iterable[Name], known: Collection[Name]
-) -> dict[str, tuple[Name, ...]]:
-    """Return what is asked for and is not known, by group, with what it lacks."""
-    absent = sorted(name for name in names if name not in known)
-    return {
-        group: tuple(
-            dict.fromkeys(
-                part
-                for name in absent
-                if group.startswith(name.group)
-                for part in parts_of(name)
-                if part not in known
-            )
-        )
-        for group in by_group(absent)
-    }
 
 
 def _owners(name: Name) -> set[str]:

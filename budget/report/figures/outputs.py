@@ -337,7 +337,7 @@ def validity_chart(budget: Budget, sensor: str) -> Chart | None:
             checks,
             CHECKED,
             name=f"validity-{sensor}-data",
-            caption=f"The law less Monte Carlo for the {sensor}, in tolerances",
+            caption=f"The law less Monte Carlo for the {words(sensor)}, in tolerances",
             by=lambda check: capital(words(check.row.parameter)),
             titled=True,
         ),
@@ -352,10 +352,10 @@ def _check_title(checks: list[Check], sensor: str) -> str:
     part = f"farthest off is {name} with a difference of {size} tolerances"
     if missed:
         return (
-            f"The law does not hold for {missed} of {len(checks)} {sensor} outputs, "
-            f"{part}"
+            f"The law does not hold for {missed} of {len(checks)} {words(sensor)} "
+            f"outputs, {part}"
         )
-    return f"The law holds for all {len(checks)} {sensor} outputs, {part}"
+    return f"The law holds for all {len(checks)} {words(sensor)} outputs, {part}"
 
 
 def _checks(budget: Budget, sensor: str) -> list[Check]:

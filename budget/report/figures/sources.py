@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from math import fsum
 from typing import TYPE_CHECKING
 
+from budget.model.source import ACCELEROMETER
 from budget.model.sources import SENSORS
-from budget.names import key_title, words
+from budget.names import IMU, key_title, words
 from budget.report.blocks import Cell, Field, table_of
 from budget.report.figures.rows import (
     Bar,
@@ -23,6 +24,7 @@ from budget.report.figures.rows import (
 )
 from budget.report.figures.style import (
     BLUE,
+    HATCH,
     INK,
     ON_DARK,
     OTHER,
@@ -91,7 +93,10 @@ def share_chart(group: GroupTable) -> Chart:
         heads=tuple(heads.values()),
         pitch=21.0,
         legend=tuple(
-            (*look_of(name)[:2], _segment_name(name, group, "other, each below 1 %"))
+            (
+                *_segment_look(name, group)[:2],
+                _segment_name(name, group, "other, each below 1 %"),
+            )
             for name in in_order(seen)
             if name not in heads
         ),
@@ -129,13 +134,20 @@ def _segments(group: GroupTable, place: int) -> list[tuple[Name, float]]:
     return [*bar, (OTHER, rest)] if small or rest >= SMALL_SHARE else bar
 
 
+def _segment_look(source: Name, group: GroupTable) -> tuple[str, str, str]:
+    """Return colour, hatch, colour of text; of two triads the second is hatched."""
+    if group.sensor == IMU and source.owner == ACCELEROMETER:
+        return look_of(source)[0], HATCH, ""
+    return look_of(source)
+
+
 def _shares_row(group: GroupTable, place: int, bar: list[tuple[Name, float]]) -> Row:
     """Return one stacked bar; each segment has its tooltip."""
     axis = group.rows[place].axis
     alone = {row.source: row.cells[place].u.text for row in group.sources}
     marks, said, start = [], [], 0.0
     for source, share in bar:
-        colour, hatch, ink = look_of(source)
+        colour, hatch, ink = _segment_look(source, group)
         text = print_share(share)
         name = _segment_name(source, group, "all others together")
         tip = f"{group.title} {axis}: {name} {text} of the variance"
@@ -217,7 +229,7 @@ def coupling_chart(table: CouplingTable, sensor: str) -> Chart | None:
                 )
             ),
         ),
-        lead=f"u from one source alone over u from all, of the {sensor}. ",
+        lead=f"u from one source alone over u from all, of the {words(sensor)}. ",
         after=" All other sources reach nothing.",
         caption="Framed: the own spread of a parameter. Empty: nothing.",
         heads=tuple(
@@ -232,7 +244,7 @@ def coupling_chart(table: CouplingTable, sensor: str) -> Chart | None:
                 *map(column, groups),
             ),
             name=f"coupling-{sensor}-data",
-            caption=f"u of each {sensor} source over u of all, in per cent",
+            caption=f"u of each {words(sensor)} source over u of all, in per cent",
         ),
     )
 
@@ -257,7 +269,7 @@ def _coupling_title(cells: list[Coupling], sensor: str) -> str:
     foreign = [cell for cell in cells if not cell.is_own]
     most = foreign[first_largest([cell.size for cell in foreign])] if foreign else None
     if most is None or not most.reaches:
-        return f"Each {sensor} parameter is reached by its own spread alone"
+        return f"Each {words(sensor)} parameter is reached by its own spread alone"
     title = source_title(most.source, of=sensor)
     return (
         f"Besides own spreads, {title} reaches farthest: "
@@ -427,7 +439,7 @@ def sobol_chart(budget: Budget, sensor: str) -> Chart | None:
                 Field(head="interval", kind="unit", cell=lambda one: _total(one[2])[1]),
             ),
             name=f"sobol-{sensor}-data",
-            caption=f"Sobol' indices of the widest {sensor} outputs",
+            caption=f"Sobol' indices of the widest {words(sensor)} outputs",
             by=lambda one: capital(key_title(one[0].output.name)),
             titled=True,
         ),
@@ -449,12 +461,12 @@ def _sobol_title(found: tuple[Indices, ...], sensor: str) -> str:
         )
     if any(index.interacts for _, _, index in pairs):
         return (
-            f"Products of {sensor} sources make too little to print: first-order and "
-            "total indices agree"
+            f"Products of {words(sensor)} sources make too little to print: "
+            "first-order and total indices agree"
         )
     return (
-        f"No {sensor} source interacts beyond chance: first-order and total indices "
-        "agree"
+        f"No {words(sensor)} source interacts beyond chance: first-order and total "
+        "indices agree"
     )
 
 
