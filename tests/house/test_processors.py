@@ -63,7 +63,11 @@ CODE = """
 import json, sys
 from threadpoolctl import threadpool_info
 from command_line import call
+from keeping import once
+from budget.studies.allocation import allocate
 import numpy, scipy.linalg
+# As in the tests here: what four of the calls search for is searched for once.
+allocate.find_longer_tests = once(allocate.find_longer_tests, {})
 print(json.dumps({
     "kernels": [one["architecture"] for one in threadpool_info()],
     "outs": [call(*words).out for words in json.loads(sys.argv[1])],
