@@ -240,7 +240,8 @@ def draw(chart: Chart) -> Figure:
     below = max(
         sum(_height(chart, panel) for panel in side.panels) for side in chart.sides
     )
-    legend = LINE * ((len(chart.legend) + 1) // 2)
+    abreast = _abreast(chart, room.left)
+    legend = LINE * -(-len(chart.legend) // abreast)
     foot = LINE + EDGE if chart.foot else EDGE
     height = above + below + foot + legend
     figure = blank(height, width=chart.width)
@@ -266,7 +267,7 @@ def draw(chart: Chart) -> Figure:
         base = height - legend - EDGE
         write_on(figure, EDGE, base, chart.foot, colour=MUTED)
     if chart.legend:
-        _draw_legend(figure, chart, room.left)
+        _draw_legend(figure, chart, room.left, abreast)
     return figure
 
 
@@ -509,8 +510,16 @@ def _write_beside(
         start += width
 
 
-def _draw_legend(figure: Figure, chart: Chart, left: float) -> None:
-    """Name colours at the foot, two abreast."""
+def _abreast(chart: Chart, left: float) -> int:
+    """Return how many names of colours stand beside each other: two, if they fit."""
+    # Of the size of a text: a patch, the gap behind it, and that between columns.
+    widest = max((text_width(name) for _, _, name in chart.legend), default=0.0)
+    needed = 2.0 * (widest + 2.0 * SMALL) + 2.0 * SMALL
+    return 2 if left + needed <= chart.width else 1
+
+
+def _draw_legend(figure: Figure, chart: Chart, left: float, abreast: int) -> None:
+    """Name colours at the foot."""
     from matplotlib.patches import Patch
 
     figure.legend(
@@ -521,7 +530,7 @@ def _draw_legend(figure: Figure, chart: Chart, left: float) -> None:
         labels=[name for _, _, name in chart.legend],
         loc="lower left",
         bbox_to_anchor=(left / chart.width, 0.0),
-        ncols=2,
+        ncols=abreast,
         frameon=False,
         fontsize=SMALL,
         labelcolor=INK,
