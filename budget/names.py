@@ -6,7 +6,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Self
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
 AXES = ("x", "y", "z")
 ONE_VALUE = ("",)  # of what has no axes
@@ -16,7 +16,10 @@ PARAMETERS = {"scale_factor": AXES, "mounting_angle": ANGLES, "bias": AXES}
 # What follows from mounting angles (budget.calibration.derived): of a triad, of both.
 DERIVED = {"rotation": AXES, "non_orthogonality": PAIRS}
 BETWEEN = {"misalignment": AXES}
-OUTPUTS = {**PARAMETERS, **DERIVED, **BETWEEN}
+# What a test of accelerometers may find besides: K_p of the input to the power p.
+ORDERS = {"second_order": 2, "third_order": 3}
+HIGHER = dict.fromkeys(ORDERS, AXES)
+OUTPUTS = {**PARAMETERS, **HIGHER, **DERIVED, **BETWEEN}
 IMU = "imu"  # owner of what belongs to both triads together
 
 
@@ -114,15 +117,22 @@ def parameters_of(owner: str) -> tuple[Name, ...]:
     )
 
 
+def quantities_of(owner: str) -> Mapping[str, tuple[str, ...]]:
+    """Return what can be asked of a triad, or of both: IMU; with the axes of each."""
+    if owner == IMU:
+        return BETWEEN
+    higher = HIGHER if owner == "accelerometer" else {}
+    return {**PARAMETERS, **higher, **DERIVED}
+
+
 @cache
 def every_output(owner: str) -> tuple[Name, ...]:
     """Return the names of all that can be asked of a triad, or of both: IMU."""
-    between = [
+    return tuple(
         Name(quantity, owner=owner, axis=axis)
-        for quantity, axes in (BETWEEN if owner == IMU else DERIVED).items()
+        for quantity, axes in quantities_of(owner).items()
         for axis in axes
-    ]
-    return tuple(between) if owner == IMU else (*parameters_of(owner), *between)
+    )
 
 
 def _name(quantity: str, owner: str, axis: str) -> Name:

@@ -32,7 +32,7 @@ NUMBER = r"[+-]?(?:(?:0|[1-9][0-9]*)(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 # unit = term {("/" | "*") term}; a term is a name with or without a square, the root
 # of a name, or a product of such factors in parentheses.
 _NAME = "[A-Za-z]+"
-_FACTOR = rf"(?:sqrt\({_NAME}\)|{_NAME}(?:(?:\^|\*\*)?2)?)"
+_FACTOR = rf"(?:sqrt\({_NAME}\)|{_NAME}(?:(?:\^|\*\*)?[23])?)"
 _PRODUCT = rf"{_FACTOR}(?:[/*]{_FACTOR})*"
 _TERM = rf"(?:{_FACTOR}|\({_PRODUCT}\))"
 _UNIT = re.compile(rf"{_TERM}(?:[/*]{_TERM})*")
@@ -90,6 +90,7 @@ KINDS = (
     Kind("an acceleration random walk", ("ug/sqrt(h)", "m/s^2/sqrt(s)")),
     Kind("a g-sensitivity", ("deg/h/g", "deg/s/g")),
     Kind("a second-order coefficient", ("ug/g^2", "mg/g^2", "ppm/g")),
+    Kind("a third-order coefficient", ("ug/g^3", "mg/g^3", "ppm/g^2")),
     Kind("a temperature rate", ("degC/h", "degC/min")),
     Kind("a temperature coefficient of a rate", ("deg/h/degC", "deg/s/degC")),
     Kind("a temperature coefficient of an acceleration", ("ug/degC", "mg/degC")),
@@ -155,6 +156,7 @@ _SPELLINGS = str.maketrans(
         "\N{PRIME}": "arcmin",
         "\N{DOUBLE PRIME}": "arcsec",
         "\N{SUPERSCRIPT TWO}": "^2",
+        "\N{SUPERSCRIPT THREE}": "^3",
         "\N{VULGAR FRACTION ONE HALF}": "(1/2)",
         "\N{MIDDLE DOT}": "*",
         "\N{DOT OPERATOR}": "*",
@@ -295,7 +297,7 @@ def _size(unit: str, gravity: float) -> _Size | None:
     if not _UNIT.fullmatch(plain) or not DEFINITIONS.keys() >= set(names):
         return None
     powers = re.sub(r"sqrt(\([^)]*\))", r"\1**0.5", plain)
-    powers = re.sub(r"([A-Za-z])(?:\^|\*\*)?2", r"\1**2", powers)
+    powers = re.sub(r"([A-Za-z])(?:\^|\*\*)?([23])", r"\1**\2", powers)
     parsed = _registry(gravity).Quantity(1.0, powers).to_root_units()
     return _Size(parsed.magnitude, frozenset(parsed.dimensionality.items()))
 

@@ -25,7 +25,7 @@ SCHEMES = (
     *("norm-nine-positions", "norm-eighteen-positions", "norm-icosahedron"),
     *("hand-turns", "six-positions", "twelve-positions"),
     *("one-axis-rate-table", "six-positions-and-turns", "twenty-four-positions"),
-    *("zhao-2019", "zhao-2019-eq4"),
+    *("dividing-head", "zhao-2019", "zhao-2019-eq4"),
 )
 HEAD = """# Test schemes that ship
 

@@ -394,7 +394,7 @@ NOT_BUDGETED = {
         *("arcsec/pulse", "°C", "K", "V", "bit"),
     ),
     ACCELERATION: (
-        *("µg/g³", "µg/g²rms", "mg/g²rms", "µg/Gauss"),
+        *("µg/g²rms", "mg/g²rms", "µg/Gauss"),
         *("µg/min", "ft/s/count", "m/s/LSB", "W", "mW", "mA", "gram", "grams", "kg"),
         *("lb", "cc", "cm³", "in³", "mm", "MTBF h", "FIT", "EUR"),
     ),

@@ -32,7 +32,7 @@ import numpy as np
 from budget.calibration.schemes import estimated
 from budget.model.response import COLUMN, ROW, SIGN
 from budget.model.source import ACCELEROMETER, GYRO
-from budget.names import ANGLES, AXES, IMU, PARAMETERS, Name, every_output
+from budget.names import ANGLES, AXES, IMU, Name, every_output
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping, Sequence
@@ -105,9 +105,10 @@ def outputs_for(
     known = known_outputs(kinds, procedure)
     limited = set(limits)
     if asked is None:
-        if all(n.quantity in PARAMETERS for n in known if n in limited):
+        found = [name for name in known if parts_of(name).keys() == {name}]
+        if not {*known} & limited - {*found}:
             return None
-        asked = [name for name in known if name.quantity in PARAMETERS]
+        asked = found
     return tuple(name for name in known if name in limited or name in asked)
 
 

@@ -28,9 +28,9 @@ from budget.model.source import (
     Triad,
 )
 from budget.model.sources import ENVIRONMENT, STATION, source_of
-from budget.names import IMU, Name, every_output
+from budget.names import IMU, ORDERS, Name, every_output
 from budget.problem import Group, Output, Problem, arguments
-from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G, PPM
+from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G, PPM, STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -315,7 +315,21 @@ class TriadCalibration:
             ]
         )
         held = self.scheme.held
-        return errors if held is None else errors[held.estimated]
+        if held is not None:
+            errors = errors[held.estimated]
+        if found.higher is None or not self.scheme.orders:
+            return errors
+        return np.concatenate([errors, found.higher - self._found_before(x)])
+
+    def _found_before(self, x: Array) -> Array:
+        """Return the higher orders that the reference holds, shape (3 m, trials)."""
+        names = [name for name, p in ORDERS.items() if p in self.scheme.orders]
+        held = [np.zeros((3, x.shape[1]), dtype=x.dtype) for _ in names]
+        for place, name in enumerate(names):
+            for constant in self.offsets.get(name, ()):
+                if self.reference != "nominal":  # a constant of the device
+                    held[place] = held[place] + x[constant.now]
+        return np.concatenate(held)
 
     def _add(self, nominal: Array, x: Array, target: str) -> Array:
         """Return nominal values plus their offsets, (n, trials)."""
@@ -391,6 +405,9 @@ def _calibration(
         elif isinstance(effect, Noise):
             noise = place
         elif isinstance(effect, Disturbance):
+            for quantity, order in ORDERS.items():
+                if order == effect.order:
+                    offsets[quantity] = (_Constant(now=place, later=None),)
             act = effect.bind(row.given, triad) if row.given.u.any() else None
             if act is not None:
                 acts.append((place, act))
@@ -433,6 +450,15 @@ def _outputs(owner: str, natural_bias: float) -> tuple[Output, ...]:
     units = {
         "scale_factor": ("ppm", PPM, 1.0),
         "bias": (*BIAS_UNITS.get(owner, ("", 1.0)), natural_bias),
+        **{
+            quantity: (
+                f"ug/g^{p}",
+                MICRO_G / STANDARD_GRAVITY**p,
+                natural_bias ** (1 - p),
+            )
+            for quantity, p in ORDERS.items()
+            if natural_bias
+        },
     }
     return tuple(
         Output(

@@ -206,7 +206,17 @@ def _simulate_triad(
             found.bias - true.bias,
         ]
     )
-    return errors if scheme.held is None else errors[scheme.held.estimated]
+    if scheme.held is not None:
+        errors = errors[scheme.held.estimated]
+    if found.higher is None or not scheme.orders:
+        return errors
+    true_higher = np.zeros_like(found.higher)
+    for one in drawn:
+        order = one.effect.order if isinstance(one.effect, Disturbance) else 0
+        if order in scheme.orders and reference != "nominal":
+            place = 3 * scheme.orders.index(order)
+            true_higher[place : place + 3] = one.value
+    return np.concatenate([errors, found.higher - true_higher])
 
 
 def _turn_on(

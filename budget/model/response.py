@@ -111,6 +111,7 @@ class Errors:
     scale_factor: Array  # relative, shape (3, trials) [1]
     mounting_angle: Array  # shape (6, trials) [rad]
     bias: Array  # shape (3, trials) [unit of the input]
+    higher: Array | None = None  # K_p found, order by order, shape (3 m, trials) [SI]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -120,3 +121,4 @@ class CalibratedTriad:
     scale_factor: Array  # K, shape (3,) [pulses per SI unit of the input]
     mounting_angle: Array  # in the order of ANGLES, shape (6,) [rad]
     bias: Array  # shape (3,) [unit of the input]
+    higher: Array | None = None  # K_p, order by order, shape (3 m,) [SI]

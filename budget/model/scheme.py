@@ -34,7 +34,7 @@ from budget.model.response import (
 from budget.names import AXES
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -59,14 +59,16 @@ class Scheme:
         The n windows.
     earth, gravity : ndarray, shape (3,)
         Earth rate [rad/s] and specific force of gravity [m/s^2], east-north-up.
-    weights : ndarray, shape (3, 4, n)
+    weights : ndarray, shape (3, 4 + m, n)
         W of each axis: rows of its responses to body x, y, z, then of its bias
-        [1/unit of the input, and 1].
+        [1/unit of the input, and 1], then of its higher orders.
     rotated : ndarray, shape (3,), or None
         Mean input at which eq. (4) of Zhao 2019 rotates the bias as printed, in body
         axes; None: the bias is what the weights give.
     held : Held or None
         What is not estimated; None: everything is.
+    orders : tuple of int
+        Powers p of an axis' own input whose coefficients K_p are estimated, m of them.
 
     Raises
     ------
@@ -81,6 +83,7 @@ class Scheme:
     weights: Array = field(repr=False)
     rotated: Array | None = None
     held: Held | None = None
+    orders: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         """Check W A = I: an estimator that misses it has errors without any source."""
@@ -111,8 +114,14 @@ class Scheme:
         return self.schedule.to_body @ self.gravity
 
     @cached_property
+    def powers(self) -> Array:
+        """Powers of the own input of each axis, shape (3, n, m) [SI]."""
+        inputs = (self.turn + self.standing).T[..., None]
+        return np.asarray(inputs ** np.array(self.orders, dtype=float))
+
+    @cached_property
     def seen(self) -> Array:
-        """W A, shape (3, 4, 4): what each statistic takes of each parameter.
+        """W A, shape (3, 4 + m, 4): what each statistic takes of each parameter.
 
         Turns and place apart, so that what cancels within either is exactly 0.
         """
@@ -168,12 +177,18 @@ class Scheme:
         cross = epsilon[ROW, COLUMN] * SIGN[:, None]
         angle = (cross - truth.angle * own[ROW]) / (1.0 + own[ROW])
         bias = (epsilon[:, BIAS] - truth.bias * own) / (1.0 + own)
+        higher = np.moveaxis(epsilon[:, STATISTICS:] / (1.0 + own[:, None]), 0, 1)
         if self.rotated is not None:
             found = truth.angle + angle
             through = tilt(found, self.rotated)
             v = truth.bias + bias + self.rotated[:, None] + through
             bias = bias + through + tilt_transposed(found, v)
-        return Errors(scale_factor=own, mounting_angle=angle, bias=bias)
+        return Errors(
+            scale_factor=own,
+            mounting_angle=angle,
+            bias=bias,
+            higher=higher.reshape(-1, higher.shape[-1]),
+        )
 
     def estimate(self, readings: Array) -> CalibratedTriad:
         """Calibrate one triad from its readings: the same weights, on real windows.
@@ -193,11 +208,14 @@ class Scheme:
         K = statistics[[0, 1, 2], [0, 1, 2]]
         angle = SIGN * statistics[ROW, COLUMN] / K[ROW]
         bias = statistics[:, BIAS] / K
+        higher = (statistics[:, STATISTICS:] / K[:, None]).T.ravel()
         w = self.rotated
         if w is not None:
             v = bias + w + tilt(angle[:, None], w)[:, 0]
             bias = v + tilt_transposed(angle[:, None], v[:, None])[:, 0] - w
-        return CalibratedTriad(scale_factor=K, mounting_angle=angle, bias=bias)
+        return CalibratedTriad(
+            scale_factor=K, mounting_angle=angle, bias=bias, higher=higher
+        )
 
     def _from_held(self, held: Held, truth: Truth) -> Array:
         """Return what held parameters add to epsilon, shape (3, 4, trials).
@@ -217,14 +235,14 @@ class Scheme:
         true = statistics_of(np.ones_like(e), SIGN[:, None] * truth.angle, truth.bias)
         taken = held.value[..., None]
         left = 1.0 * held.which[..., None] * (true - taken - e[:, None] * taken)
-        found = (self.seen[..., None] * left[:, None]).sum(axis=2)
+        found = (self.seen[:, :, :, None] * left[:, None]).sum(axis=2)
         found[[0, 1, 2], [0, 1, 2]] += e
         return np.asarray(found)
 
     def _known(self, held: Held) -> Array:
-        """Return what held scale factors of 1 add to the statistics, shape (3, 4)."""
+        """Return what held scale factors of 1 add to the statistics, (3, 4 + m)."""
         is_own = held.which[[0, 1, 2], [0, 1, 2]]
-        own = held.join(self.seen)[[0, 1, 2], :, [0, 1, 2]]
+        own = held.join(self.seen)[[0, 1, 2], :, [0, 1, 2]]  # (3, 4 + m)
         known = np.where(is_own[:, None], own, 0.0)
         known[[0, 1, 2], [0, 1, 2]] -= is_own
         return np.asarray(known)
@@ -240,20 +258,25 @@ def check_unbiased(scheme: Scheme) -> None:
         parameter.
     """
     weights, found = scheme.weights, scheme.seen
-    size = np.abs(scheme.turn + scheme.standing).max(initial=0.0) or 1.0
-    estimated = np.ones((3, STATISTICS), dtype=bool)
+    inputs = scheme.turn + scheme.standing
+    estimated = np.ones(weights.shape[:2], dtype=bool)
     if scheme.held is not None:
         found = scheme.held.join(found)
-        estimated = ~scheme.held.which
-    scale = np.ones((STATISTICS, STATISTICS))
-    scale[:BIAS, BIAS], scale[BIAS, :BIAS] = size, 1.0 / size
-    missed = np.abs(found - np.eye(STATISTICS)) * scale
-    missed[:, :BIAS, BIAS] /= np.abs(weights[:, :BIAS]).sum(axis=2) * size + 1.0
+        estimated[:, :STATISTICS] = ~scheme.held.which
+    found = np.concatenate([found, weights @ scheme.powers], axis=2)
+    size = np.abs(inputs).max(initial=0.0) or 1.0
+    scale = size ** np.array([1.0, 1.0, 1.0, 0.0, *scheme.orders])
+    size_of_sums = (np.abs(weights).sum(axis=2) * scale)[:, :, None] + 1.0
+    missed = np.abs(found - np.eye(len(scale))) * scale[:, None] / scale / size_of_sums
     missed[~(estimated[:, :, None] & estimated[:, None, :])] = 0.0
     if not (missed < UNBIASED).all():
         axis, row, column = np.unravel_index(int(np.nanargmax(missed)), missed.shape)
-        rows = [*(f"response to {name}" for name in AXES), "bias"]
-        columns = [*(f"an input along {name}" for name in AXES), "a constant bias"]
+        powers = [f"the input to the power {order}" for order in scheme.orders]
+        rows = [*(f"response to {name}" for name in AXES), "bias", *powers]
+        columns = [
+            *(f"an input along {name}" for name in AXES),
+            *("a constant bias", *powers),
+        ]
         raise CallError(
             f"the weights of the {scheme.owner} are biased: of axis {AXES[axis]} the "
             f"{rows[row]} takes {found[axis, row, column]:.6g} of {columns[column]}, "
@@ -302,8 +325,9 @@ def least_squares(
     inputs: Array,
     covariance: Array | None = None,
     held: NDArray[np.bool_] | None = None,
+    powers: Mapping[int, Array] | None = None,
 ) -> Array:
-    """Return the weights of least squares, shape (4, n): W = (A^T C^-1 A)^-1 A^T C^-1.
+    """Return the weights of least squares, (4 + m, n): W = (A^T C^-1 A)^-1 A^T C^-1.
 
     Without a covariance C of the window averages every window counts alike; with it
     they are the best linear unbiased weights (Gauss, Markov, Aitken).
@@ -316,23 +340,31 @@ def least_squares(
         Of the window averages, positive definite [SI squared].
     held : ndarray of bool, shape (4,), optional
         Parameters whose columns are left out; their rows of W are 0.
+    powers : mapping of int to ndarray, shape (n,), optional
+        More columns, m of them: powers of an input, by the order.
 
     Raises
     ------
     CallError
         The windows cannot tell some parameters apart: which.
     """
-    free = np.ones(STATISTICS, dtype=bool) if held is None else ~held
+    powers = {} if powers is None else powers
     size = float(np.abs(inputs).max(initial=0.0)) or 1.0
-    A = np.column_stack([inputs / size, np.ones(len(inputs))])[:, free]
-    W = np.zeros((STATISTICS, len(inputs)))
+    scale = size ** np.array([1.0, 1.0, 1.0, 0.0, *powers])
+    free = np.ones(len(scale), dtype=bool)
+    if held is not None:
+        free[:STATISTICS] = ~held
+    columns = np.column_stack([inputs, np.ones(len(inputs)), *powers.values()])
+    A = (columns / scale)[:, free]
+    W = np.zeros((len(scale), len(inputs)))
     if not free.any():
         return W
     _, singular, rows = np.linalg.svd(A, full_matrices=True)
-    singular = np.concatenate([singular, np.zeros(free.sum() - singular.size)])
+    singular = np.concatenate([singular, np.zeros(max(0, free.sum() - singular.size))])
     unseen = rows[singular <= RANK * singular.max()]
     if unseen.size:
         names = [*(f"the response to {axis}" for axis in AXES), "the bias"]
+        names += [f"order {order} of the input" for order in powers]
         kept = [name for name, is_free in zip(names, free, strict=True) if is_free]
         raise CallError(
             "these windows cannot tell apart: "
@@ -347,8 +379,7 @@ def least_squares(
     else:
         W[free] = np.linalg.pinv(A)
     W[np.abs(W) < ROUNDING * np.abs(W).max(axis=1, keepdims=True)] = 0.0
-    W[:BIAS] /= size
-    return W
+    return np.asarray(W / scale[:, None])
 
 
 def describe_null(row: Array, names: Sequence[str]) -> str:

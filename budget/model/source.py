@@ -182,7 +182,15 @@ Act = Callable[[Array, "Truth", Array], Array]
 
 
 class Disturbance(Effect):
-    """Anything else in a reading, or in the input that the table gives."""
+    """Anything else in a reading, or in the input that the table gives.
+
+    Attributes
+    ----------
+    order : int
+        Power of the axis' own input that it is a coefficient of; 0 of none.
+    """
+
+    order: int = 0
 
     def size(self, given: Given, scheme: Scheme | None) -> int:  # noqa: ARG002
         """Return how many independent inputs the source has; one for each value."""

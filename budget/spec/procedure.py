@@ -11,7 +11,15 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from budget.earth import normal_gravity
 from budget.model.sources import ENVIRONMENT, SENSORS, STATION, lines_of
-from budget.names import PARAMETERS, Name, by_group, keys_of, parameters_of
+from budget.names import (
+    HIGHER,
+    ORDERS,
+    PARAMETERS,
+    Name,
+    by_group,
+    keys_of,
+    parameters_of,
+)
 from budget.spec.checking import check
 from budget.spec.fields import (
     Measured,
@@ -164,13 +172,19 @@ def _some(value: tuple[str, ...]) -> tuple[str, ...]:
     return value
 
 
-Estimated = Annotated[
-    tuple[ParameterWord, ...],
-    BeforeValidator(
-        _every, json_schema_input_type=Literal["all"] | tuple[ParameterWord, ...]
-    ),
-    AfterValidator(_some),
-]
+def _estimated(words: Any) -> Any:  # noqa: ANN401
+    """Return the type of what is estimated of one sensor, of those words."""
+    return Annotated[
+        tuple[words, ...],
+        BeforeValidator(
+            _every, json_schema_input_type=Literal["all"] | tuple[words, ...]
+        ),
+        AfterValidator(_some),
+    ]
+
+
+Estimated: Any = _estimated(ParameterWord)
+EstimatedHigher: Any = _estimated(Literal[(*PARAMETER_WORDS, *HIGHER)])
 
 
 class Estimate(Strict):
@@ -179,9 +193,16 @@ class Estimate(Strict):
     gyro: Estimated = Field(
         default=tuple(PARAMETERS), description="all, or such as [scale_factor, bias]"
     )
-    accelerometer: Estimated = Field(
-        default=tuple(PARAMETERS), description="all, or as [bias, mounting_angle.xy]"
+    accelerometer: EstimatedHigher = Field(
+        default=tuple(PARAMETERS),
+        description="all, or as [bias, mounting_angle.xy]; "
+        "second_order and third_order besides",
     )
+
+    @property
+    def orders(self) -> tuple[int, ...]:
+        """Powers of an accelerometer's input that are estimated besides."""
+        return tuple(p for name, p in ORDERS.items() if name in self.accelerometer)
 
     def held(self) -> tuple[Name, ...]:
         """Return the parameters that are not named, 'gyro.bias.x'."""
@@ -283,6 +304,11 @@ class ProcedureFile(Strict):
                 )
             if self.estimator == "norm":
                 found |= self._norm_faults(self.windows)
+        if self.estimator == "norm" and self.estimate and self.estimate.orders:
+            found["estimate", "accelerometer"] = (
+                "names a higher order, which the norm of gravity does not find; "
+                "remove it, or take another estimator"
+            )
         if self.estimate is not None and self.chosen_estimator == "paper":
             found["estimate",] = (
                 "is of the estimators for windows, and this is paper, "
@@ -368,6 +394,7 @@ def read_procedure(document: Document) -> Procedure:
         else model.chosen_estimator,
         windows=model.laid_out,
         held=model.held,
+        orders=() if model.estimate is None else model.estimate.orders,
         gyro=GyroProcedure(
             rate=gyro.rate.value,
             turns=gyro.turns,

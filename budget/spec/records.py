@@ -176,6 +176,7 @@ class Procedure:
     environment: tuple[ErrorLine, ...] = ()
     windows: tuple[Window, ...] = ()  # in place of the tests of gyro and accelerometer
     held: tuple[Name, ...] = ()  # parameters that are not estimated, 'gyro.bias.x'
+    orders: tuple[int, ...] = ()  # of accelerometers, that are estimated besides: 2, 3
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,13 +9,12 @@ from pydantic import Field, create_model, model_validator
 from budget.distributions import COVERAGES, is_coverage
 from budget.model.sources import SENSORS, SOURCES
 from budget.names import (
-    BETWEEN,
-    DERIVED,
     IMU,
+    ORDERS,
     OUTPUTS,
-    PARAMETERS,
     Name,
     every_output,
+    quantities_of,
 )
 from budget.spec.checking import check
 from budget.spec.fields import (
@@ -32,8 +31,6 @@ from budget.spec.records import Limit, Origin, Requirement
 from budget.units import Quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from budget.spec.tree import Document
 
 COVERAGE = "95 %"
@@ -52,18 +49,21 @@ class Caps(Strict):
 def _limits_type() -> Any:  # noqa: ANN401
     """Return the type of the limits of both sensors, and of both together."""
 
-    def limits(owner: str, quantities: Mapping[str, tuple[str, ...]]) -> dict[str, Any]:
-        units = {"scale_factor": "ppm", "bias": SOURCES[0].like(owner)}
+    def limits(owner: str) -> dict[str, Any]:
+        units = {
+            "scale_factor": "ppm",
+            "bias": SOURCES[0].like(owner),
+            **{quantity: f"ug/g^{order}" for quantity, order in ORDERS.items()},
+        }
         return {
             quantity: per_axis(units.get(quantity, "arcsec"), axes, Sign.POSITIVE)
-            for quantity, axes in quantities.items()
+            for quantity, axes in quantities_of(owner).items()
         }
 
     sensors: dict[str, Any] = {
-        sensor: mapping_of(f"{sensor} limits", limits(sensor, PARAMETERS | DERIVED))
-        for sensor in SENSORS
+        sensor: mapping_of(f"{sensor} limits", limits(sensor)) for sensor in SENSORS
     }
-    return mapping_of("limits", sensors | limits(IMU, BETWEEN))
+    return mapping_of("limits", sensors | limits(IMU))
 
 
 class RequirementBase(Strict):

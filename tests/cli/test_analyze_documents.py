@@ -45,6 +45,7 @@ NOT_GIVEN = [
     "accelerometer.acceleration_random_walk",
     "accelerometer.scale_factor_nonlinearity",
     "accelerometer.scale_factor_quadratic",
+    "accelerometer.scale_factor_cubic",
 ]
 COLUMNS = (
     "sensor,parameter,axis,unit,source,standard_uncertainty,share,"

@@ -17,6 +17,7 @@ from jsonschema import Draft202012Validator
 import budget
 from budget.errors import SpecError
 from budget.model.sources import SENSORS, lines_of, walk_of
+from budget.names import ORDERS
 from budget.spec import load_costs, load_device, validate
 from budget.spec.device import read_device
 from budget.spec.files import find, open_file
@@ -366,7 +367,9 @@ def compared(requirement, load):
         tree[sensor] = {"errors": errors}
     one = load(load_device, tree)
     wanted = load(budget.load_requirement, {"name": "x", **requirement})
-    return budget.compare([one], wanted, [PAPER], method="gum").to_dict()
+    tumbled = any(limit.output.quantity in ORDERS for limit in wanted.limits)
+    plan = budget.load_procedure("dividing-head") if tumbled else PAPER
+    return budget.compare([one], wanted, [plan], method="gum").to_dict()
 
 
 @pytest.mark.parametrize("key", choices("requirement", moving=True), ids=str)

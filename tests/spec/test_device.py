@@ -87,6 +87,7 @@ def test_the_shipped_device_needs_no_assumption_and_misses_nothing_expected():
         "accelerometer.acceleration_random_walk",
         "accelerometer.scale_factor_nonlinearity",
         "accelerometer.scale_factor_quadratic",
+        "accelerometer.scale_factor_cubic",
     )
     assert [sensor.expected_missing for sensor in device.sensors] == [(), ()]
 

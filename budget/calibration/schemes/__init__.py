@@ -16,7 +16,7 @@ from budget.model.scheme import Held
 from budget.model.source import Noise
 from budget.model.sources import source_of
 from budget.model.windows import Schedule
-from budget.names import Name, parameters_of
+from budget.names import ORDERS, PARAMETERS, Name, every_output, parameters_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -70,7 +70,14 @@ def _scheme_of(owner: str, procedure: Procedure, sensor: Sensor | None) -> Schem
         covariances = [
             _covariance(owner, noise, axis, schedule, rate) for axis in range(3)
         ]
-    return scheme_by_least_squares(owner, schedule, procedure, covariances, held)
+    return scheme_by_least_squares(
+        owner,
+        schedule,
+        procedure,
+        covariances,
+        held,
+        orders=orders_of(owner, procedure),
+    )
 
 
 @lru_cache(maxsize=64)
@@ -108,7 +115,18 @@ def estimated(owner: str, procedure: Procedure) -> tuple[Name, ...]:
     """Return the parameters of a triad that a procedure estimates; () without any."""
     if not calibrates(owner, procedure):
         return ()
-    return tuple(name for name in parameters_of(owner) if name not in procedure.held)
+    orders = orders_of(owner, procedure)
+    return tuple(
+        name
+        for name in every_output(owner)
+        if (name.quantity in PARAMETERS and name not in procedure.held)
+        or ORDERS.get(name.quantity) in orders
+    )
+
+
+def orders_of(owner: str, procedure: Procedure) -> tuple[int, ...]:
+    """Return the higher orders that a procedure estimates of a triad."""
+    return procedure.orders if owner == "accelerometer" else ()
 
 
 def calibrates(owner: str, procedure: Procedure) -> bool:

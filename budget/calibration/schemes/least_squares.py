@@ -20,10 +20,15 @@ from budget.model.scheme import Scheme, least_squares
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from numpy.typing import NDArray
+
     from budget.arrays import Array
     from budget.model.scheme import Held
     from budget.model.windows import Schedule
     from budget.spec.records import Procedure
+
+
+Task = tuple["Array", "Array | None", "NDArray[np.bool_] | None", "dict[int, Array]"]
 
 
 def place_of(procedure: Procedure) -> tuple[Array, Array]:
@@ -39,6 +44,8 @@ def scheme_by_least_squares(
     procedure: Procedure,
     covariances: Sequence[Array] | None = None,
     held: Held | None = None,
+    *,
+    orders: tuple[int, ...] = (),
 ) -> Scheme:
     """Return windows and weights of one triad.
 
@@ -54,6 +61,8 @@ def scheme_by_least_squares(
         Of the window averages of each axis [unit of the input, squared].
     held : Held, optional
         What is not estimated.
+    orders : tuple of int
+        Powers of the own input that are estimated besides.
 
     Raises
     ------
@@ -66,11 +75,12 @@ def scheme_by_least_squares(
     columns = np.tile(np.column_stack([inputs, np.ones(len(inputs))]), (3, 1, 1))
     if held is not None:
         columns = held.join(columns)
-    tasks = [
+    tasks: list[Task] = [
         (
             columns[axis, :, :BIAS],
             None if covariances is None else covariances[axis],
             None if held is None else held.which[axis],
+            {order: inputs[:, axis] ** order for order in orders},
         )
         for axis in range(3)
     ]
@@ -89,12 +99,13 @@ def scheme_by_least_squares(
         gravity=gravity,
         weights=np.stack(weights),
         held=held,
+        orders=orders,
     )
 
 
-def _are_equal(a: tuple[Array | None, ...], b: tuple[Array | None, ...]) -> bool:
+def _are_equal(a: Task, b: Task) -> bool:
     """Whether two axes are estimated alike: most have equal noise, and nothing held."""
-    return all(
+    return not (a[3] or b[3]) and all(
         one is other if one is None or other is None else np.array_equal(one, other)
-        for one, other in zip(a, b, strict=True)
+        for one, other in zip(a[:3], b[:3], strict=True)
     )

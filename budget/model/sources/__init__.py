@@ -25,8 +25,8 @@ from budget.model.source import (
 from budget.model.sources.asymmetry import TurnAsymmetry
 from budget.model.sources.g_sensitivity import ELEMENTS, GSensitivity
 from budget.model.sources.levelling import Levelling
+from budget.model.sources.power import Power
 from budget.model.sources.processes import SampleNoise, Stability, Walk, WhiteNoise
-from budget.model.sources.quadratic import Quadratic
 from budget.model.sources.temperature import (
     TemperatureCoefficient,
     TemperatureRamp,
@@ -170,9 +170,18 @@ SOURCES = (
         name="scale_factor_quadratic",
         units={ACCELEROMETER: "ug/g^2"},
         model="random constant of the device: K2 times the square of the input",
-        effect=Quadratic(),
+        effect=Power(2),
         stays=DEVICE,
         colour="black",
+        is_hatched=True,
+    ),
+    Source(
+        name="scale_factor_cubic",
+        units={ACCELEROMETER: "ug/g^3"},
+        model="random constant of the device: K3 times the cube of the input",
+        effect=Power(3),
+        stays=DEVICE,
+        colour="purple",
         is_hatched=True,
     ),
     Source(

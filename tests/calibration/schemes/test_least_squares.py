@@ -30,7 +30,7 @@ from budget.model.windows import OUTER, Setting, Window
 from budget.names import parameters_of
 from budget.spec import load_procedure
 from budget.studies.request import not_weighted
-from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
+from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G, STANDARD_GRAVITY
 
 G = 9.7966933092
 SHIPPED = (
@@ -40,6 +40,7 @@ SHIPPED = (
     "twenty-four-positions",
     "hand-turns",
     "one-axis-rate-table",
+    "dividing-head",
 )
 BY_NORM = ("norm-nine-positions", "norm-eighteen-positions", "norm-icosahedron")
 OF_BOTH = ("six-positions-and-turns", "twenty-four-positions", "hand-turns")
@@ -292,6 +293,52 @@ def test_hand_turns_have_the_error_of_the_hand():
         )
 
 
+def test_a_tumble_is_an_analysis_of_harmonics():
+    """K3 is -4/g^3 times the third harmonic of the angle; K2 and bias do not mix.
+
+    x^3 = g^3 (3 sin t - sin 3t)/4 with x = g sin t, at twelve angles t of a whole turn.
+    """
+    scheme = scheme_of("accelerometer", load_procedure("dividing-head"))
+    t = -np.arange(12) * pi / 6.0  # of axis x, turned about y
+    third = -4.0 / G**3 * np.sin(3.0 * t) / 6.0
+
+    assert_allclose(scheme.weights[0, 5, :12], third, rtol=0, atol=1e-9 / G**3)
+    assert_allclose(scheme.weights[0, 5, 12:], 0.0, rtol=0, atol=1e-9 / G**3)
+    A = np.concatenate([np.tile(design(scheme), (3, 1, 1)), scheme.powers], axis=2)
+    size = np.array([G, G, G, 1.0, G**2, G**3])
+    found = scheme.weights @ A * size[:, None] / size
+    assert_allclose(found, np.tile(np.eye(6), (3, 1, 1)), rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("reference", ["nominal", "as_tested", "next_turn_on"])
+def test_a_tumble_finds_what_harms_other_tests(reference):
+    """K2 and K3 go into no bias and no scale factor there, and into their own outputs.
+
+    The noise of K3 is that of the third harmonic, 4/g^3 N/sqrt(6 L).
+    """
+    N, K2, K3 = 1e-4, 10.0 * MICRO_G / G**2, 20.0 * MICRO_G / G**3
+    lines = {"scale_factor_quadratic": K2, "scale_factor_cubic": K3}
+    plan = load_procedure("dividing-head")
+    device = sensor("accelerometer", {"velocity_random_walk": N, **lines})
+    u = standard(device, plan, reference)
+    without = sensor("accelerometer", {"velocity_random_walk": N})
+    noise = standard(without, plan, reference)
+    other = standard(device, load_procedure("six-positions"), reference)
+
+    assert_allclose(
+        noise["accelerometer.third_order.x"], 4.0 / G**3 * N / sqrt(6 * 60), rtol=1e-9
+    )
+    own = {"second_order": K2, "third_order": K3} if reference == "nominal" else {}
+    for name, value in u.items():
+        true = own.get(name.quantity, 0.0)
+        assert_allclose(value, np.hypot(noise[name], true), rtol=1e-6)
+    # Of six faces two show K2 g^2, and each counts for a sixth of the bias.
+    white = standard(without, load_procedure("six-positions"), reference)
+    bias = "accelerometer.bias.x"
+    assert_allclose(other[bias], np.hypot(white[bias], K2 * G**2 / 3.0), rtol=1e-4)
+    assert not [name for name in other if "order" in name]
+
+
 BOTH = (
     sensor(
         "gyro",
@@ -302,7 +349,12 @@ BOTH = (
     ),
     sensor(
         "accelerometer",
-        {**PAPER_ACCELEROMETER, "velocity_random_walk": 5e-4},
+        {
+            **PAPER_ACCELEROMETER,
+            "velocity_random_walk": 5e-4,
+            "scale_factor_quadratic": 20.0 * MICRO_G / STANDARD_GRAVITY**2,
+            "scale_factor_cubic": 30.0 * MICRO_G / STANDARD_GRAVITY**3,
+        },
         bias=np.array([1000.0, -2000.0, 3000.0]) * MICRO_G,
         angle=np.array([-15.0, 25.0, 35.0, -45.0, 55.0, 5.0]) * ARCSEC,
         tau=120.0,

@@ -127,15 +127,27 @@ def test_second_order_scale_factor_looks_like_a_bias():
     assert_allclose(found[:12], np.zeros(12), rtol=0, atol=0)
 
 
-def test_pulses_show_the_same_second_order_scale_factor(monkeypatch):
+def test_third_order_scale_factor_looks_like_a_scale_factor():
+    """K3 10 ug/g^3: dk = 9.98078 ppm, db = 0.119752 ug on every axis."""
+    K3 = 10.0 * MICRO_G / STANDARD_GRAVITY**3
+    sensors = triads(None, {"scale_factor_cubic": K3})
+    found = errors(sensors, procedure(), accelerometer__scale_factor_cubic=K3)
+    for db, dk in zip(found[ACC_BIAS], found[ACC_SF], strict=True):
+        assert_allclose(db, 0.119752, rtol=1e-4)
+        assert_allclose(dk, 9.98078, rtol=1e-6)
+    assert_allclose(found[:12], np.zeros(12), rtol=0, atol=0)
+
+
+@pytest.mark.parametrize(("line", "order"), [("quadratic", 2), ("cubic", 3)])
+def test_pulses_show_the_same_higher_orders(monkeypatch, line, order):
     """A simulated run with three coefficients gives the closed form's errors."""
-    K2 = np.array([10.0, -200.0, 3000.0]) * MICRO_G / STANDARD_GRAVITY**2
-    sensors = triads(None, {"scale_factor_quadratic": np.abs(K2)})
+    K = np.array([10.0, -200.0, 3000.0]) * MICRO_G / STANDARD_GRAVITY**order
+    sensors = triads(None, {f"scale_factor_{line}": np.abs(K)})
     how = procedure(dwell=5.0, sample_rate=20.0)
-    name = "accelerometer.scale_factor_quadratic"
-    found = simulated(monkeypatch, sensors, how, name, K2)
-    exact = errors(sensors, how, accelerometer__scale_factor_quadratic=K2)
-    assert np.abs(exact[ACC_BIAS]).min() > 9.0
+    name = f"accelerometer.scale_factor_{line}"
+    found = simulated(monkeypatch, sensors, how, name, K)
+    exact = errors(sensors, how, **{f"accelerometer__scale_factor_{line}": K})
+    assert np.abs(exact[ACC_BIAS if order == 2 else ACC_SF]).min() > 9.0
     assert_allclose(found, exact, rtol=1e-7, atol=1e-7)
 
 

@@ -1,0 +1,73 @@
+"""Higher orders of an accelerometer's scale factor, K2 and K3 (IEEE 1293)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from math import comb
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.model.source import Disturbance, Given, Moment, Triad
+
+if TYPE_CHECKING:
+    from budget.arrays import Array
+    from budget.model.response import Truth
+    from budget.model.source import Act
+
+
+@dataclass(frozen=True)
+class Power(Disturbance):
+    """e = K_p x^p with x = (M u)_i + b_i, the input of the axis itself.
+
+    An even order is alike up and down and looks like a bias: db = K2 (g^2 - b^2),
+    dk = 2 K2 b; an odd one like a scale factor: dk = K3 (g^2 + 3 b^2), db = 2 K3 g^2 b.
+    Noise in x^p is left out: its square is 1e-6 of an accelerometer's noise at most.
+
+    Attributes
+    ----------
+    order : int
+        p, 2 or more.
+    """
+
+    order: int
+
+    def bind(self, given: Given, triad: Triad) -> Act:  # noqa: ARG002
+        """Return K_p times the weighed powers.
+
+        sum W (m u + b)^p = sum_k C(p, k) b^(p - k) sum W (m u)^k, the last of them the
+        weighed tensor u...u (k times) contracted with m as often.
+        """
+        scheme = triad.scheme
+        u = scheme.turn + scheme.standing
+        tensors, tensor = [], np.ones((len(u), 1))
+        for _ in range(self.order + 1):
+            tensors.append(scheme.weigh(tensor))
+            tensor = (tensor[:, :, None] * u[:, None]).reshape(len(u), -1)
+        return partial(_powered, tensors=tuple(tensors))
+
+    def reading(self, value: Array, moment: Moment) -> Array:
+        """Return K_p x^p of every sample's input."""
+        return value[:, None] * moment.true_input**self.order
+
+
+def _powered(
+    x: Array,
+    truth: Truth,
+    noise: Array,  # noqa: ARG001
+    *,
+    tensors: tuple[Array, ...],
+) -> Array:
+    """Return K_p times the weighed powers of M u + b."""
+    m = truth.see(np.tile(np.eye(3), (3, 1, 1)))  # rows of M, (3, 3, trials)
+    b = truth.bias[:, None]
+    order = len(tensors) - 1
+    total: Array | float = 0.0
+    for k, tensor in enumerate(tensors):
+        part = tensor[..., None]
+        for left in reversed(range(k)):
+            part = part.reshape(*tensor.shape[:2], 3**left, 3, -1)
+            part = (part * m[:, None, None]).sum(axis=3)
+        total = total + comb(order, k) * b ** (order - k) * part[:, :, 0]
+    return np.asarray(x[:, None] * total)
