@@ -369,9 +369,9 @@ def _not_there(
     if named:
         owners = " and the ".join(sorted(set().union(*map(_owners, named))))
         return (
-            f"{text!r} is of the {owners}, and {procedure.name} does not calibrate "
-            "that here; give a device with it and a procedure that tests it, or leave "
-            "this output out"
+            f"{text!r} is of the {owners}: no device with it is given, or "
+            f"{procedure.name} does not calibrate it; give a device and a procedure "
+            "that do, or leave this output out"
         )
     groups = dict.fromkeys(name.group for name in known)
     words = [*groups, *(group.without_owner for group in groups), *known]
