@@ -281,6 +281,18 @@ def _least_squares_panel(procedure: Procedure) -> Panel:
             " $C$ is the covariance of the window averages by the device's own noise."
             if weighted
             else ""
+        )
+        + (
+            " A parameter that is held has no column of its own: at its nominal value "
+            "it is part of that of the own axis, and its row of $W$ is 0."
+            if procedure.held
+            else ""
+        )
+        + (
+            " The orders that are estimated besides have columns of the own input to "
+            "that power."
+            if procedure.orders
+            else ""
         ),
         [
             f"W = {inverse if weighted else '(A^upright(T) A)^(-1) A^upright(T)'}",
@@ -335,7 +347,11 @@ def _weights(scheme: Scheme, unit: str) -> tuple[list[str], list[tuple[str, Arra
         ]
         return heads, [("", scheme.norm_weights)]
     W = scheme.weights
-    heads = [*(f"W {axis} [1/({unit})]" for axis in AXES), "W bias"]
+    heads = [
+        *(f"W {axis} [1/({unit})]" for axis in AXES),
+        "W bias",
+        *(f"W K{order} [1/({unit})^{order}]" for order in scheme.orders),
+    ]
     if np.array_equal(W[0], W[1]) and np.array_equal(W[0], W[2]):
         return heads, [("", W[0])]
     return heads, [(f"axis {axis}", W[k]) for k, axis in enumerate(AXES)]
