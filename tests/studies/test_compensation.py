@@ -16,6 +16,8 @@ from budget.calibration.problem import calibration_problem
 from budget.calibration.simulation import simulate
 from budget.methods.gum import propagate
 from budget.methods.monte_carlo import sample
+from budget.report.analysis.groups import budget_answer, matrices_sections
+from budget.results import CONVENTION
 from budget.studies.compensation import inversion_of, outputs_of
 from budget.units import ARCSEC, MICRO_G
 
@@ -160,3 +162,31 @@ def test_what_a_test_does_not_find_makes_no_matrix():
     assert found.matrices == {}
     (said,) = [text for text in found.warnings if "matrices" in text]
     assert "gyro.mounting_angle" in said
+
+
+def test_page_and_terminal_print_the_same_matrices():
+    """Convention, value and u of every element, the exact ones behind the rounded."""
+    found = analyze(load_device("zhao-2019"), matrices=True, validate=False)
+    (section,) = [one for one in budget_answer(found) if one.name == "matrices"]
+    assert [*matrices_sections(found)] == [section]
+    convention, _, both = section.blocks
+    assert convention.words == (CONVENTION,)
+    for panel, one in zip(both.blocks, found.matrices.values(), strict=True):
+        (table,) = panel.blocks
+        scale = [output.si_per_unit for output in one.outputs]
+        printed = [
+            [cell.exact for cell in row[1:]]
+            for group in table.groups
+            for row in group.rows
+        ]
+        T, u_T, *biases = (
+            *(np.ravel(printed[k : k + 3]) for k in (0, 3)),
+            *printed[6:],
+        )
+        values = np.concatenate([T, biases[0], biases[2]])
+        u = np.concatenate([u_T, biases[1], biases[3]])
+        assert_allclose(values, one.value / scale, rtol=1e-15)
+        assert_allclose(u, one.standard_uncertainty / scale, rtol=1e-15)
+
+    without = analyze(load_device("zhao-2019"), validate=False)
+    assert [*matrices_sections(without)] == []
