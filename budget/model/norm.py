@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -43,13 +43,16 @@ class NormScheme(Scheme):
 
     The statistics of an axis are, for each parameter that is estimated, its errors
     weighed by W f_x, W f_y, W f_z and W: all that F holds of them to first order.
-    Their squares are left out: 1e-10 of an average of 10 ug.
+    Their squares are left out: of an average of 10 ug 1e-10 of g^2. What turns all of
+    gravity is no such error, as its square undoes it: it is none at all.
 
     Attributes
     ----------
     norm_weights : ndarray, shape (m, n)
         W: of scale factors [s^4/m^2], angles and biases, those that are estimated.
     """
+
+    knows_attitudes: ClassVar[bool] = False
 
     held: Held  # three angles at the least
     norm_weights: Array = field(repr=False)

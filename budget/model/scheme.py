@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -75,6 +75,9 @@ class Scheme:
     CallError
         The weights are not unbiased.
     """
+
+    # Whether a tilt of the base is an error; to who knows no attitude it is none.
+    knows_attitudes: ClassVar[bool] = True
 
     owner: str
     schedule: Schedule

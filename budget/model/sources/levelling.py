@@ -21,7 +21,8 @@ class Levelling(Disturbance):
     """The base is turned by phi about a horizontal axis; du = R^T (Rot(phi)^T - 1) v.
 
     v is the earth rate for gyros and gravity for accelerometers, east-north-up, R the
-    table's attitude. Exact for any angle; both triads stand on the same base.
+    table's attitude. Exact for any angle; both triads stand on the same base. To who
+    knows no attitude it is no error.
 
     Attributes
     ----------
@@ -29,11 +30,15 @@ class Levelling(Disturbance):
         0 for a rotation about east, 1 about north.
     """
 
+    needs = "outputs that a tilt of the table moves (by the norm of gravity none is)"
+
     axis: int
 
-    def bind(self, given: Given, triad: Triad) -> Act:  # noqa: ARG002
-        """Return M_i (sum W R^T) (Rot^T - 1) v."""
+    def bind(self, given: Given, triad: Triad) -> Act | None:  # noqa: ARG002
+        """Return M_i (sum W R^T) (Rot^T - 1) v; None where no attitude is known."""
         scheme = triad.scheme
+        if not scheme.knows_attitudes:
+            return None
         turned = scheme.weigh(scheme.schedule.to_body.reshape(-1, 9))
         turned = turned.reshape(3, -1, 3, 3)  # sum of W R^T, [axis, statistic]
         across = np.cross(scheme.ambient, np.eye(3)[self.axis])

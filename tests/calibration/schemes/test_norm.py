@@ -6,12 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import sensor
+from builders import line, sensor
 from command_line import call
 from numpy.testing import assert_allclose
 
 from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import scheme_of
+from budget.calibration.simulation import simulate
 from budget.errors import CallError, SpecError
 from budget.methods.gum import propagate
 from budget.methods.trials import first_trials
@@ -152,6 +153,23 @@ def test_the_law_is_that_of_the_trials():
     off = np.abs(drawn.std(axis=1, ddof=1) / u - 1.0)
     assert off.max() < allowed
     assert np.abs(drawn.std(axis=1, ddof=1) / (1.02 * u) - 1.0).min() > allowed
+
+
+@pytest.mark.parametrize("angle", [1e-3, 0.1])
+def test_a_tilt_of_the_stand_is_no_error(angle):
+    """Pulses at a stand that is askew, and the problem: the same errors as level."""
+    tilt = (line("levelling.east", [angle]), line("levelling.north", [angle]))
+    plan = load_procedure("norm-eighteen-positions")
+    one = sensor(OWNER, {}, bias=0.05, angle=0.01)
+    askew = replace(plan, sample_rate=1.0, station=tilt)
+    problem = calibration_problem((one,), askew)
+    n = sum(group.size for group in problem.groups)
+    errors = problem.function(np.full((n, 1), angle))[:, 0]
+
+    assert_allclose(errors, problem.function(np.zeros((n, 1)))[:, 0], rtol=0, atol=0)
+    assert_allclose(simulate((one,), askew, run=0), errors, rtol=0, atol=1e-9 * 9.8)
+    known = calibration_problem((one,), replace(askew, formulas="least_squares"))
+    assert np.abs(known.function(np.full((n, 1), angle))).max() > 0.1 * angle
 
 
 def test_faces_alone_do_not_show_angles(tmp_path):
