@@ -271,9 +271,8 @@ def _count(
 ) -> Array:
     """Count the pulses of one window, shape (3,): eqs. (1), (2), K0 = 1, summed."""
     window, at = scheme.schedule.windows[where.place], where.samples
-    turns = np.flatnonzero(scheme.schedule.senses)
     table = Table(
-        turn=int(np.searchsorted(turns, where.place)) if window.sense else None,
+        turn=scheme.schedule.turns.get(where.place),
         angle=window.setting.angle,
         earth=scheme.earth,
         gravity=scheme.gravity,

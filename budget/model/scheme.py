@@ -112,15 +112,19 @@ class Scheme:
         return self.schedule.to_body @ self.ambient
 
     @cached_property
+    def within(self) -> Array:
+        """Inputs within each window, shape (n, p, 3) [unit of the input]."""
+        return np.asarray(self.turn[:, None] + self.schedule.spread(self.ambient))
+
+    @cached_property
     def force(self) -> Array:
         """Mean specific force in body axes, shape (n, 3) [m/s^2]."""
         return self.schedule.to_body @ self.gravity
 
     @cached_property
     def powers(self) -> Array:
-        """Powers of the own input of each axis, shape (3, n, m) [SI]."""
-        inputs = (self.turn + self.standing).T[..., None]
-        return np.asarray(inputs ** np.array(self.orders, dtype=float))
+        """Powers of the own input of each axis, shape (3, n, m), means [SI]."""
+        return mean_powers(self.within, self.orders)
 
     @cached_property
     def seen(self) -> Array:
@@ -249,6 +253,12 @@ class Scheme:
         known = np.where(is_own[:, None], own, 0.0)
         known[[0, 1, 2], [0, 1, 2]] -= is_own
         return np.asarray(known)
+
+
+def mean_powers(inputs: Array, orders: Sequence[int]) -> Array:
+    """Return means of powers over windows, (3, n, m), of inputs (n, p, 3) in them."""
+    own = np.moveaxis(inputs, 2, 0)[..., None]
+    return np.asarray((own ** np.array(orders, dtype=float)).mean(axis=2))
 
 
 def check_unbiased(scheme: Scheme) -> None:

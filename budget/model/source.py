@@ -246,7 +246,7 @@ class Table:
     Attributes
     ----------
     turn : int or None
-        Place of the window among the turns; None of a dwell.
+        Number of the turn among those of all triads; None of a dwell.
     angle : float
         That the table really turns [rad].
     earth, gravity : ndarray, shape (3,)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import cos, pi, sin
 from typing import TYPE_CHECKING
@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from budget.arrays import Array
 
 
@@ -25,6 +27,7 @@ FACES = {  # (axis, sign up or down): how the table holds it, at azimuth zero
 }
 # Cosines and sines below this are rounding of a right angle or a whole turn [1].
 ROUNDING = 1e-15
+POINTS = 4  # of a turn: as many as harmonics 0 to 3 take [1]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,6 +55,14 @@ class Setting:
         """Hold a body axis up (sign +1) or down, the outer axis at an azimuth [rad]."""
         middle, inner = FACES[axis, sign]
         return cls(outer=azimuth, middle=middle, inner=inner)
+
+    def after(self, angle: float) -> Setting:
+        """Return how the table stands when it has turned by an angle [rad]."""
+        if self.turning is None:
+            return self
+        axis = ("inner", "middle", "outer")[self.turning]
+        stands = {axis: getattr(self, axis) + angle}
+        return replace(self, turning=None, angle=0.0, **stands)
 
     @property
     def to_body(self) -> Array:
@@ -146,9 +157,17 @@ class Window:
 
 @dataclass(frozen=True, kw_only=True)
 class Schedule:
-    """The windows of one triad in the order of time."""
+    """The windows of one triad in the order of time.
+
+    Attributes
+    ----------
+    windows : tuple of Window
+    others : tuple of Window
+        Those of the other triad alone, on the same clock.
+    """
 
     windows: tuple[Window, ...]
+    others: tuple[Window, ...] = ()
 
     @cached_property
     def starts(self) -> Array:
@@ -171,6 +190,23 @@ class Schedule:
         return np.array([float(window.sense) for window in self.windows])
 
     @cached_property
+    def turn_starts(self) -> tuple[float, ...]:
+        """Starts of the turns of all triads [s]."""
+        return tuple(
+            sorted(one.start for one in (*self.windows, *self.others) if one.sense)
+        )
+
+    @cached_property
+    def turns(self) -> Mapping[int, int]:
+        """Number of each turn among those of all triads, by its place here."""
+        number = {start: k for k, start in enumerate(self.turn_starts)}
+        return {
+            place: number[window.start]
+            for place, window in enumerate(self.windows)
+            if window.sense
+        }
+
+    @cached_property
     def rates(self) -> Array:
         """Mean rates of the turns in body axes, shape (n_windows, 3) [rad/s]."""
         return np.array([window.rate for window in self.windows])
@@ -179,6 +215,23 @@ class Schedule:
     def to_body(self) -> Array:
         """Mean matrices from east-north-up to body axes, shape (n_windows, 3, 3)."""
         return np.array([window.setting.to_body for window in self.windows])
+
+    def spread(self, vector: Array) -> Array:
+        """Return an east-north-up vector in body axes within each window, (n, p, 3).
+
+        At angles spread evenly over a whole turn: means of products of up to three
+        components are those over the turn. Dwells have it p times alike, p 1 where
+        nothing turns.
+        """
+        if not self.senses.any():
+            return (self.to_body @ vector)[:, None]
+        steps = [2.0 * pi * k / POINTS for k in range(POINTS)]
+        return np.array(
+            [
+                [window.setting.after(step).to_body @ vector for step in steps]
+                for window in self.windows
+            ]
+        )
 
     def pick(self, axis: int, sign: int) -> tuple[int, ...]:
         """Return the places of the windows that turn about, or hold up, that axis."""

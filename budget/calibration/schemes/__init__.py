@@ -99,7 +99,8 @@ def schedule_of(owner: str, procedure: Procedure) -> Schedule:
             f"{procedure.name}: no window is of the {owner}; let one be used by it "
             f"(use: {owner}, or both), or give a device without {owner}"
         )
-    return Schedule(windows=own)
+    others = tuple(one for one in procedure.windows if one.use not in {owner, "both"})
+    return Schedule(windows=own, others=others)
 
 
 def noise_of(owner: str, lines: Sequence[Given]) -> list[Given]:

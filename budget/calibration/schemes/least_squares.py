@@ -15,7 +15,7 @@ import numpy as np
 from budget.earth import ROTATION_RATE
 from budget.errors import CallError
 from budget.model.response import BIAS
-from budget.model.scheme import Scheme, least_squares
+from budget.model.scheme import Scheme, least_squares, mean_powers
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -72,6 +72,7 @@ def scheme_by_least_squares(
     earth, gravity = place_of(procedure)
     turning = schedule.rates if owner == "gyro" else 0.0
     inputs = turning + schedule.to_body @ (earth if owner == "gyro" else gravity)
+    powers = mean_powers(schedule.spread(gravity), orders)  # of accelerometers alone
     columns = np.tile(np.column_stack([inputs, np.ones(len(inputs))]), (3, 1, 1))
     if held is not None:
         columns = held.join(columns)
@@ -80,7 +81,7 @@ def scheme_by_least_squares(
             columns[axis, :, :BIAS],
             None if covariances is None else covariances[axis],
             None if held is None else held.which[axis],
-            {order: inputs[:, axis] ** order for order in orders},
+            dict(zip(orders, powers[axis].T, strict=True)),
         )
         for axis in range(3)
     ]

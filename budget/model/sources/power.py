@@ -37,14 +37,14 @@ class Power(Disturbance):
         """Return K_p times the weighed powers.
 
         sum W (m u + b)^p = sum_k C(p, k) b^(p - k) sum W (m u)^k, the last of them the
-        weighed tensor u...u (k times) contracted with m as often.
+        weighed tensor u...u (k times, mean over a turn) contracted with m as often.
         """
         scheme = triad.scheme
-        u = scheme.turn + scheme.standing
-        tensors, tensor = [], np.ones((len(u), 1))
+        u = scheme.within
+        tensors, tensor = [], np.ones((*u.shape[:2], 1))
         for _ in range(self.order + 1):
-            tensors.append(scheme.weigh(tensor))
-            tensor = (tensor[:, :, None] * u[:, None]).reshape(len(u), -1)
+            tensors.append(scheme.weigh(tensor.mean(axis=1)))
+            tensor = (tensor[..., None] * u[:, :, None]).reshape(*u.shape[:2], -1)
         return partial(_powered, tensors=tuple(tensors))
 
     def reading(self, value: Array, moment: Moment) -> Array:

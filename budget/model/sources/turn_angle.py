@@ -11,8 +11,6 @@ import numpy as np
 from budget.model.source import Disturbance, Given, Table, Triad
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from budget.arrays import Array
     from budget.model.response import Truth
     from budget.model.scheme import Scheme
@@ -21,32 +19,42 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class TurnAngle(Disturbance):
-    """du = eps/L along the axis of a turn of length L, eps of each turn on its own.
+    """A turn of length L by eps too much, eps of each turn on its own.
 
-    The part of a turn beyond a whole one also turns the earth rate a little: second
-    order, 1e-5 of the first, left out. An accelerometer does not feel a turn.
+    A gyro is put in du = eps/L along the axis. An accelerometer stands longer where
+    the turn ends: du = (f_end - f) eps/A, f its mean force over the angle A, so a turn
+    about the vertical is not felt. What the earth rate does likewise is left out: 2e-4
+    of the first at 20 deg/s. Squares of eps are left out too.
     """
 
-    needs = "a gyro that is turned"
+    needs = "a gyro that is turned, or an accelerometer, about a level axis"
 
     def size(self, given: Given, scheme: Scheme | None) -> int:
         """Return the number of turns."""
-        return given.u.size if scheme is None else max(1, _turns(scheme).size)
+        if scheme is None:
+            return given.u.size
+        return max(1, len(scheme.schedule.turn_starts))
 
     def bind(self, given: Given, triad: Triad) -> Act | None:  # noqa: ARG002
         """Return M du, weighed; None where the triad feels no turn."""
         scheme = triad.scheme
-        turns = _turns(scheme)
-        if not scheme.turn.any():
+        turns = scheme.schedule.turns
+        places = list(turns)
+        windows = [scheme.schedule.windows[k] for k in places]
+        if not windows:
             return None
-        windows = scheme.schedule.windows
         # du of an angle error of 1 rad, (m, 3)
-        per_angle = np.array([windows[k].setting.turn_axis for k in turns])
-        per_angle = per_angle / scheme.schedule.lengths[turns, None]
-        weights = scheme.weights[:, :, turns]
-        shown = weights[..., None] * per_angle  # (3, 4, m, 3)
+        if scheme.turn.any():
+            per_angle = np.array([w.setting.turn_axis / w.length for w in windows])
+        else:
+            end = [w.setting.after(w.setting.angle).to_body for w in windows]
+            more = np.array(end) @ scheme.gravity - scheme.force[places]
+            per_angle = more / np.array([[w.setting.angle] for w in windows])
+        shown = scheme.weights[:, :, places, None] * per_angle  # (3, 4, m, 3)
+        if not shown.any():
+            return None
 
-        return partial(_turned, shown=shown)
+        return partial(_turned, shown=shown, rows=tuple(turns.values()))
 
     def table(self, value: Array, table: Table) -> Table:
         """Return the table with the angle that it really turns."""
@@ -55,18 +63,14 @@ class TurnAngle(Disturbance):
         return replace(table, angle=table.angle + value[table.turn])
 
 
-def _turns(scheme: Scheme) -> NDArray[np.intp]:
-    """Return the places of the windows that turn."""
-    return np.flatnonzero(scheme.schedule.senses)
-
-
 def _turned(
     x: Array,
     truth: Truth,
     noise: Array,  # noqa: ARG001
     *,
     shown: Array,
+    rows: tuple[int, ...],
 ) -> Array:
-    """Return M du, summed over the turns."""
+    """Return M du, summed over the turns, whose errors are these rows of x."""
     seen = [truth.see(shown[:, :, k]) for k in range(shown.shape[2])]
-    return np.asarray(sum(v * x[k] for k, v in enumerate(seen)))
+    return np.asarray(sum(v * x[row] for v, row in zip(seen, rows, strict=True)))

@@ -25,6 +25,7 @@ from budget.calibration.problem import calibration_problem
 from budget.calibration.simulation import simulate
 from budget.errors import CallError
 from budget.methods.gum import propagate
+from budget.model.windows import Setting, Window
 from budget.names import Name
 from budget.spec.records import Device, Limit, Requirement
 from budget.studies.allocation.cases import Bounds, set_up, solve
@@ -255,6 +256,54 @@ def test_pulses_show_the_same_turn_angle(monkeypatch):
     assert_allclose(found[GYRO_ANGLE], exact[GYRO_ANGLE], rtol=0, atol=0.05)
     assert_allclose(found[GYRO_BIAS], exact[GYRO_BIAS], rtol=1e-3)
     assert_allclose(found[12:], exact[12:], rtol=0, atol=1e-6)
+
+
+def rolling(**more):
+    """Return six faces, then turns about all axes, some of which one triad reads."""
+    steps = [
+        (Setting.face(axis, sign), "both") for axis in range(3) for sign in (1, -1)
+    ]
+    for use in ("gyro", "both", "accelerometer"):
+        for axis in range(3):
+            for sense in (1, -1):
+                turn = Setting(inner=0.3, turning=axis, angle=sense * 2.0 * np.pi)
+                steps.append((turn, use))
+    windows = tuple(
+        Window(name=str(k), start=20.0 * k, length=18.0, setting=setting, use=use)
+        for k, (setting, use) in enumerate(steps)
+    )
+    plain = procedure(sample_rate=50.0)
+    return replace(plain, windows=windows, formulas="least_squares", **more)
+
+
+def test_an_accelerometer_feels_where_a_turn_about_a_level_axis_ends(monkeypatch):
+    """Eps adds g eps/(2 pi) along the force at the end; pulses of both triads agree."""
+    how = rolling(station=(line("turn_angle", [1.0 * ARCSEC]),))
+    eps = np.random.default_rng(5).normal(0.0, 100.0 * ARCSEC, 18)
+    exact = errors(triads(), how, station__turn_angle=eps)
+    found = simulated(monkeypatch, triads(), how, "station.turn_angle", eps)
+    one = calibration_problem((paper_accelerometer(),), how)
+    alone = one.evaluate(at_sources(one, station__turn_angle=eps)[:, None])[:, 0]
+
+    assert_allclose(alone / UNITS[12:], exact[12:], rtol=1e-9)
+    assert_allclose(found[GYRO_SF], exact[GYRO_SF], rtol=1e-3)
+    assert_allclose(found[ACC_SF], exact[ACC_SF], rtol=0, atol=0.1)
+    assert_allclose(found[ACC_ANGLE], exact[ACC_ANGLE], rtol=0, atol=0.02)
+    assert_allclose(found[ACC_BIAS], exact[ACC_BIAS], rtol=0, atol=0.1)
+    assert np.abs(exact[ACC_BIAS]).max() > 1.0  # ug
+    assert np.abs(exact[ACC_ANGLE]).max() > 0.2  # arcsec
+
+
+@pytest.mark.parametrize("name", ["scale_factor_quadratic", "scale_factor_cubic"])
+def test_powers_of_what_turns_are_means_over_the_turn(monkeypatch, name):
+    """The mean of a square is not the square of a mean: g^2/2 about a level axis."""
+    values = np.array([20.0, -10.0, 15.0]) * MICRO_G / 10.0**2
+    sensors = triads(None, {name: 1e-7})
+    exact = errors(sensors, rolling(), **{f"accelerometer__{name}": values})
+    found = simulated(monkeypatch, sensors, rolling(), f"accelerometer.{name}", values)
+
+    assert_allclose(found, exact, rtol=1e-6, atol=1e-6)
+    assert np.abs(exact).max() > 1.0
 
 
 def test_levelling_about_east_reaches_the_bias_of_the_vertical_gyro():
