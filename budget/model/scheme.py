@@ -381,7 +381,7 @@ def least_squares(
         kept = [name for name, is_free in zip(names, free, strict=True) if is_free]
         raise CallError(
             "these windows cannot tell apart: "
-            + "; ".join(describe_null(row, kept) for row in unseen)
+            + describe_null(unseen, kept)
             + ". Add windows in which these inputs differ (a face turned down, a turn "
             "in the other sense), or hold a parameter (estimate: names the others)"
         )
@@ -395,14 +395,23 @@ def least_squares(
     return np.asarray(W / scale[:, None])
 
 
-def describe_null(row: Array, names: Sequence[str]) -> str:
-    """Say which parameters a null vector mixes, by their names."""
-    largest = np.abs(row).max()
-    parts = [
-        name
-        for name, part in zip(names, row, strict=True)
-        if abs(part) > 1e-6 * largest
-    ]
-    if len(parts) == 1:
-        return f"{parts[0]} from nothing at all (no window shows it)"
-    return " and ".join(parts)
+def describe_null(unseen: Array, names: Sequence[str]) -> str:
+    """Say which parameters null vectors mix, by their names; (k, n), independent.
+
+    Any k of them span the same: each is freed of a parameter that no other has then.
+    """
+    rows = unseen.copy()
+    for k in range(len(rows)):
+        free = np.abs(rows[k:]).argmax()
+        place, column = k + free // rows.shape[1], free % rows.shape[1]
+        rows[[k, place]] = rows[[place, k]]
+        rows[k] /= rows[k, column]
+        others = np.arange(len(rows)) != k
+        rows[others] -= rows[others, column, None] * rows[k]
+    words = []
+    for row in rows:
+        is_mixed = np.abs(row) > 1e-6 * np.abs(row).max()
+        parts = [name for name, is_in in zip(names, is_mixed, strict=True) if is_in]
+        alone = f"{parts[0]} from nothing at all (no window shows it)"
+        words.append(alone if len(parts) == 1 else " and ".join(parts))
+    return "; ".join(sorted(words))

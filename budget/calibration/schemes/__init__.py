@@ -61,7 +61,7 @@ def _scheme_of(owner: str, procedure: Procedure, sensor: Sensor | None) -> Schem
         return zhao_2019.scheme_of(owner, procedure)
     schedule = schedule_of(owner, procedure)
     held = _held(owner, procedure, sensor)
-    if procedure.formulas == NORM and held is not None:
+    if procedure.formulas == NORM:
         return scheme_by_norm(owner, schedule, procedure, held)
     noise = noise_of(owner, sensor.lines if sensor else ())
     covariances = None
@@ -75,7 +75,7 @@ def _scheme_of(owner: str, procedure: Procedure, sensor: Sensor | None) -> Schem
         schedule,
         procedure,
         covariances,
-        held,
+        held if held.which.any() else None,
         orders=orders_of(owner, procedure),
     )
 
@@ -139,12 +139,10 @@ def calibrates(owner: str, procedure: Procedure) -> bool:
     )
 
 
-def _held(owner: str, procedure: Procedure, sensor: Sensor | None) -> Held | None:
+def _held(owner: str, procedure: Procedure, sensor: Sensor | None) -> Held:
     """Return what a procedure holds of a triad, at the nominal values of a sensor."""
     names = parameters_of(owner)
     held = np.array([name in procedure.held for name in names])
-    if not held.any():
-        return None
     angle = np.zeros(6) if sensor is None else sensor.nominal_mounting_angle
     bias = np.zeros(3) if sensor is None else sensor.nominal_bias
     return Held(

@@ -32,7 +32,7 @@ def scheme_by_norm(
     procedure : Procedure
         The place.
     held : Held
-        What is not estimated, three angles at the least.
+        What is not estimated; with less than three angles it is refused.
 
     Raises
     ------
@@ -53,10 +53,11 @@ def scheme_by_norm(
         raise CallError(
             f"{procedure.name}, {owner}: the norm of gravity in these dwells cannot "
             "tell apart: "
-            + "; ".join(describe_null(row, words) for row in unseen)
-            + f". {len(names)} parameters are estimated from {len(force)} dwells; add "
-            "attitudes between the faces, or hold a parameter (estimate: names the "
-            "others)"
+            + describe_null(unseen, words)
+            + f". Parameters are {len(names)}, dwells {len(force)}; how the triad is "
+            "turned no norm shows (three angles are held), nor faces alone an "
+            "angle: add attitudes between the faces, or hold a parameter (estimate: "
+            "names the others)"
         )
     W = np.linalg.pinv(J) * size[:, None] / (2.0 * g**2)
     return NormScheme(

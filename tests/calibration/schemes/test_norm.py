@@ -192,6 +192,19 @@ def test_faces_alone_do_not_show_angles(tmp_path):
     assert "cannot tell apart" in run.err
 
 
+def test_how_a_triad_is_turned_is_refused_and_not_taken_from_the_table():
+    """With no angle held (`estimate: all`): which go together, no other estimator."""
+    plan = replace(load_procedure("norm-eighteen-positions"), held=())
+    with pytest.raises(CallError) as caught:
+        scheme_of(OWNER, plan, device(np.random.default_rng(1), 0.0))
+
+    pairs = str(caught.value).partition("apart: ")[2].partition(". ")[0]
+    assert pairs.split("; ") == [
+        f"mounting_angle.{a} and mounting_angle.{b}"
+        for a, b in (("xy", "zy"), ("xz", "yz"), ("yx", "zx"))
+    ]
+
+
 @pytest.mark.parametrize(
     ("window", "words"),
     [
