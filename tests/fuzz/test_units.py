@@ -58,7 +58,8 @@ NAMES = {
 # The dimension of each kind of quantity, in the order of LIKES.
 KINDS = (
     *((1, -1), (1, -HALF), (1, -3 * HALF), (0, -2, 1), (0, -3 * HALF, 1)),
-    *((0, -5 * HALF, 1), (1, 1, -1), (0, 2, -1), (0, -1, 0, 1), (1, -1, 0, -1)),
+    *((0, -5 * HALF, 1), (1, 1, -1), (0, 2, -1), (0, 4, -2), (0, -1, 0, 1)),
+    (1, -1, 0, -1),
     *((0, -2, 1, -1), (), (1,), (0, 1), (0, -1)),
 )
 STANDARD = 9.80665  # [m/s^2]
@@ -89,13 +90,14 @@ def powers_of(*written):
 
 
 def factor(name, shape):
-    """Return one factor: a name, its square or its root, in one of the spellings."""
+    """Return one factor: a name, its power or its root, in one of the spellings."""
     size, powers = NAMES[name][0], powers_of(*NAMES[name][1])
     if shape in ROOTS:
         return Unit(shape.format(name), sqrt(size), tuple(p / 2 for p in powers))
     if shape == "{}":
         return Unit(name, size, powers)
-    return Unit(shape.format(name), size**2, tuple(2 * p for p in powers))
+    n = 3 if shape in CUBES else 2
+    return Unit(shape.format(name), size**n, tuple(n * p for p in powers))
 
 
 def joined(first, sign, second):
@@ -123,6 +125,7 @@ def in_parentheses(unit):
 
 
 ROOTS = ("sqrt({})", "\N{SQUARE ROOT}{}", "\N{SQUARE ROOT}({})", "rt-{}", "rt{}")
+CUBES = ("{}^3", "{}**3", "{}3", "{}\N{SUPERSCRIPT THREE}")
 SQUARES = ("{}^2", "{}**2", "{}2", "{}\N{SUPERSCRIPT TWO}")
 # In this grammar a root or a square is of a name: of a sign such as % it needs a word.
 WORDS = [name for name in NAMES if name.isalpha()]
@@ -130,7 +133,7 @@ SIGNS = st.lists(
     st.sampled_from(["/", "*", " / ", "/ ", "\N{MIDDLE DOT}"]), min_size=3, max_size=3
 )
 FACTORS = st.builds(factor, st.sampled_from(list(NAMES)), st.just("{}")) | st.builds(
-    factor, st.sampled_from(WORDS), st.sampled_from((*ROOTS, *SQUARES))
+    factor, st.sampled_from(WORDS), st.sampled_from((*ROOTS, *SQUARES, *CUBES))
 )
 PRODUCTS = st.builds(folded, st.lists(FACTORS, min_size=1, max_size=3), SIGNS)
 UNITS = st.builds(
