@@ -31,6 +31,8 @@ class Power(Disturbance):
         p, 2 or more.
     """
 
+    needs = "a bias or a scale factor that is estimated without that order"
+
     order: int
 
     def bind(self, given: Given, triad: Triad) -> Act:  # noqa: ARG002

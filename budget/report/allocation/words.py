@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from budget.names import words
+from budget.names import by_group, key_title, words
 from budget.report.tables import (
     Number,
     bound_number,
@@ -134,6 +134,11 @@ def headline(allocation: Allocation) -> str:
         if allocation.not_allocated:  # 'met' alone would speak for what is not there
             kinds = dict.fromkeys(row.sensor for row in allocation.outputs)
             met += f" for the {' and the '.join(kinds)}"
+        if allocation.not_estimated:
+            held = ", ".join(
+                key_title(one) for one in by_group(allocation.not_estimated)
+            )
+            met += f" but for {held}, not estimated by this test"
         names = join_outputs([row.output.name for row in allocation.binding])
         if not names:
             return f"{met}; no limit is reached."

@@ -32,7 +32,10 @@ def answer(comparison: Comparison) -> str:
         if comparison.is_met:
             return "Each required sensor has a device that meets."
         return "A required sensor has no device that meets."
-    has = "has a" if comparison.is_met else "has no"
+    if len(comparison.required) == 1:
+        has = "has a" if comparison.is_met else "has no"
+    else:
+        has = "each have a" if comparison.is_met else "do not each have a"
     left = comparison.not_compared
     return (
         f"The {' and the '.join(comparison.required)} {has} device that meets; the "

@@ -38,6 +38,7 @@ from budget.studies.allocation.rows import (
 )
 from budget.studies.judgement import judge, limit_problem
 from budget.studies.request import (
+    limited_but_held,
     not_estimated,
     not_of_one_sensor,
     not_weighted,
@@ -164,6 +165,9 @@ def allocate(
         seed=seed,
         feasible=feasible,
         not_allocated=missing,
+        not_estimated=limited_but_held(
+            there, procedure, {limit.output for limit in requirement.limits}
+        ),
         sources=(
             *(
                 row

@@ -296,6 +296,7 @@ class Allocation:
     not_given: tuple[Name, ...]
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
+    not_estimated: tuple[Name, ...] = ()  # have limits and are held in the test
 
     @property
     def binding(self) -> tuple[LimitedOutput, ...]:
@@ -324,6 +325,7 @@ class Allocation:
             },
             "feasible": self.feasible,
             "not_allocated": list(self.not_allocated),
+            **({"not_estimated": held} if (held := list(self.not_estimated)) else {}),
             "sources": [source.to_dict() for source in self.sources],
             "outputs": [row.to_dict() for row in self.outputs],
             "relaxations": [

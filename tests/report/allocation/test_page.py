@@ -11,18 +11,20 @@ from document_text import find, lines, on_terminal, rows
 from figure_text import cut_texts
 from saying import assert_says
 
-from budget import load_device, load_requirement
+from budget import load_device, load_procedure, load_requirement
+from budget.names import Name
 from budget.report.allocation.figures import headroom_chart, waterfall_chart
 from budget.report.allocation.page import (
     allocation_answer,
     allocation_section,
     figured,
 )
-from budget.report.allocation.words import print_headroom
+from budget.report.allocation.words import headline, print_headroom
 from budget.report.blocks import Document, Picture, Table
 from budget.report.figures.rows import draw
 from budget.report.page import render_page
 from budget.report.typeset import typeset
+from budget.spec.records import Limit
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.cases import Bounds
 
@@ -281,6 +283,29 @@ def test_limits_of_a_sensor_not_given_are_said():
     assert said in shown.replace("The requirement", "the requirement")
     assert "Remarks on the allocation" in text
     assert "Warnings" not in text
+
+
+def test_limits_on_what_the_test_holds_are_no_part_of_what_can_be_met():
+    """Six positions find no second order: the headline says so."""
+    limit = Limit(
+        output=Name("second_order", owner="accelerometer", axis="x"),
+        limit=1e-6,
+        printed="1 ug/g^2",
+    )
+    edge = load_requirement("catalogue-edge")
+    found = allocate(
+        load_device("zhao-2019"),
+        requirement=replace(edge, limits=(*edge.limits, limit)),
+        procedure=load_procedure("six-positions"),
+        catalogue=(),
+        validate=False,
+    )
+
+    assert found.not_estimated == (limit.output,)
+    assert_says(
+        headline(found), "can be met", "but for accelerometer second order", "x"
+    )
+    assert found.to_dict()["not_estimated"] == ["accelerometer.second_order.x"]
 
 
 def test_nothing_is_said_of_sensors_that_are_all_given(allocation):
