@@ -17,6 +17,16 @@ from budget.studies.allocation.longer_tests import find_longer_tests
 # depend on their number is run with several by .ci/kernels.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+# A worker more than processors: while one waits for a process, another goes on.
+MORE_WORKERS = 1
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers() -> int:
+    """Return what `-n auto` means."""
+    return (os.cpu_count() or 1) + MORE_WORKERS
+
+
 # Who draws the figures of every kind of report.
 PAGES = ("analysis.build", "comparison.page", "allocation.page", "paper.page")
 DRAWN: dict = {}

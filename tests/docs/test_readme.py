@@ -102,6 +102,7 @@ def test_the_printed_block_is_the_terminals():
     assert block in call("analyze", "--no-validate").out
 
 
+@pytest.mark.slow
 def test_the_figures_and_the_page_of_schemes_are_the_tools(tmp_path):
     """Titles and labels of the committed figures are those that would be drawn now."""
     script = ROOT / "docs" / "make_figures.py"

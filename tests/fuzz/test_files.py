@@ -15,6 +15,8 @@ from hypothesis import strategies as st
 from budget.errors import SpecError
 from budget.spec import validate
 
+pytestmark = pytest.mark.slow  # hostile files
+
 SEEDS = st.integers(0, 2**32 - 1)
 
 # What hostile and careless people write; joined at random and put into sound files.

@@ -19,6 +19,8 @@ from places import ROOT
 import budget
 from budget.resources import shipped
 
+pytestmark = pytest.mark.slow  # builds and installs a wheel
+
 CODE = """\
 import json, budget
 from budget.resources import shipped
@@ -125,7 +127,6 @@ def test_wheel_runs_the_main_job(python, tmp_path):
     assert there.document == here.document
 
 
-@pytest.mark.slow
 def test_wheel_writes_the_report(python, tmp_path, monkeypatch):
     """From the wheel, the report is the same bytes as from the checkout."""
     monkeypatch.chdir(tmp_path)
@@ -154,7 +155,6 @@ def test_wheel_computes_the_paper_again(python, tmp_path):
     assert there.document == here.document
 
 
-@pytest.mark.slow
 def test_wheel_checks_its_references(python, tmp_path):
     """From the wheel, every shipped reference holds, by its own copy of the inputs."""
     run = start("check", cwd=tmp_path, python=python)
