@@ -32,7 +32,9 @@ HEAD = """# Test schemes that ship
 What each sees, and how large the errors are that it adds to what the unit truly is
 (`--reference as_tested`): the optical unit of the paper, largest axis, U at 95 %. A
 dash: not estimated. Each is a file in `specs/procedures/`, to be copied and changed
-([files.md](files.md), Procedure).
+([files.md](files.md), Procedure). Plate, cube, axes and table are ideal here, but for
+the angle of a turn by hand: their errors come on top (`station`), where a norm of
+gravity needs none of them.
 
 """
 HEADS = (

@@ -2,8 +2,8 @@
 
 A dwell holds |f| = g whatever its attitude. With D = K/K^ and F = |s|^2 - g^2 of what
 the calibrated triad shows, s = M^^-1 (D y - b^), the parameters solve W F = 0 (Skog and
-Handel 2006; Tedaldi, Pretto and Menegatti 2014). W = J^+ with J the sensitivity of F at
-the nominal values and attitudes: the normal equations of Gauss and Newton to first
+Haendel 2006; Tedaldi, Pretto and Menegatti 2014). W = J^+ with J the sensitivity of F
+at the nominal values and attitudes: the normal equations of Gauss and Newton to first
 order, so that by the implicit function theorem the errors are W applied to those of F.
 How the triad as a whole is turned no norm shows: three angles are held.
 """

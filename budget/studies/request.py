@@ -14,12 +14,12 @@ from budget.calibration.derived import (
     parts_of,
 )
 from budget.calibration.problem import REFERENCES, calibration_problem
-from budget.calibration.schemes import WEIGHTED, calibrates, estimated, noise_of
+from budget.calibration.schemes import NORM, WEIGHTED, calibrates, estimated, noise_of
 from budget.distributions import COVERAGES, is_coverage
 from budget.errors import CallError
 from budget.methods.gum import propagate
 from budget.methods.intervals import KINDS as INTERVALS
-from budget.model.sources import ENVIRONMENT, SENSORS, STATION, lines_of
+from budget.model.sources import ACCELEROMETER, ENVIRONMENT, SENSORS, STATION, lines_of
 from budget.names import IMU, Name, by_group, every_output, meant
 from budget.spec import load_procedure
 from budget.spec.records import Device
@@ -237,6 +237,12 @@ def sensors_of(
     kept = tuple(one for one in found if calibrates(one.kind, procedure))
     if not kept:
         kinds = " and ".join(one.kind for one in found)
+        if procedure.formulas == NORM and ACCELEROMETER not in kinds:
+            raise CallError(
+                f"{procedure.name} calibrates accelerometers alone, by the norm of "
+                f"gravity, and what is given is a {kinds}; give a device with "
+                "accelerometers, or a procedure with another estimator"
+            )
         raise CallError(
             f"{procedure.name} has no window of the {kinds}; let one be used by it "
             "(use: both), or give another device"

@@ -9,6 +9,7 @@ import pytest
 from builders import line, sensor
 from command_line import call
 from numpy.testing import assert_allclose
+from saying import assert_says
 
 from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import scheme_of
@@ -221,6 +222,15 @@ def test_windows_that_have_no_norm_are_refused(tmp_path, window, words):
 
     for word in words:
         assert word in str(caught.value)
+
+
+def test_a_gyro_alone_has_no_norm_of_gravity():
+    """The remedy is another estimator, no window."""
+    run = call("analyze", "adxrs453", "--procedure", SHIPPED[0])
+
+    assert run.code == 2
+    assert_says(run.err, "accelerometers alone", "another estimator")
+    assert "window" not in run.err
 
 
 def test_three_angles_are_held_and_said_to_be():
