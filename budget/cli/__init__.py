@@ -131,7 +131,7 @@ def _guard(journal: Journal) -> None:
     except MemoryError:
         _stop(
             f"there is not enough memory for this run, {_written(journal)}; expected "
-            "some 300 MB and more for each worker: use fewer workers or trials"
+            "some 300 MB and more for each worker: use fewer workers, trials or windows"
         )
     except SystemExit as end:
         said = ENDINGS.get(end.code) if isinstance(end.code, int) else None
