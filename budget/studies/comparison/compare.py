@@ -121,8 +121,9 @@ def compare(
     judged = [one for one in candidates if one.sensor.lines]
     if not candidates:
         raise CallError(
-            f"{requirement.name} limits no sensor that these devices have; "
-            "add limits for them, or give other devices"
+            f"{requirement.name} limits no sensor that these devices have, or nothing "
+            f"that {' and '.join(one.name for one in procedures)} estimates of it; add "
+            "limits for what is estimated, or give other devices or procedures"
         )
     judging = Judging(
         method=method,

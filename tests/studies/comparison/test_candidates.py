@@ -273,8 +273,9 @@ def test_nothing_to_compare_is_an_error():
         assumptions=(),
         origin=NOWHERE,
     )
-    with pytest.raises(CallError, match="limits no sensor"):
+    with pytest.raises(CallError, match="limits no sensor") as caught:
         compared([paper_device()], wanted)
+    assert f"nothing that {procedure().name} estimates" in str(caught.value)
 
 
 @pytest.mark.parametrize(
