@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.problem import Group, Problem
 
-HEARTBEAT = 2.0  # [s] between looks at whether a cluster still answers
+HEARTBEAT = 2.0  # [s] between looks at whether the others are still there
 BLOCK = 4096  # trials; inputs of a block (some 2 MB) stay in the cache
 
 Task = TypeVar("Task")
@@ -118,6 +118,23 @@ class RemoteExecutor(Executor):
         raise NotImplementedError
 
 
+class _Pool(ProcessPoolExecutor, RemoteExecutor):
+    """Processes of this machine. One that is killed may leave half a result behind.
+
+    Then the pool waits for the other half, which no one will write, and never sees that
+    the worker died. Without workers, and with its own end of the pipe closed, it does.
+    """
+
+    def fault(self) -> str:
+        """Let the pool see that a worker died; it says so itself."""
+        workers = list((self._processes or {}).values())
+        if any(worker.exitcode is not None for worker in workers):
+            for worker in workers:
+                worker.kill()
+            self._result_queue._writer.close()  # type: ignore[attr-defined]  # noqa: SLF001
+        return ""
+
+
 @contextmanager
 def local_executor(workers: int) -> Iterator[Executor | None]:
     """Provide processes of this machine, or None where this one does the work itself.
@@ -129,7 +146,7 @@ def local_executor(workers: int) -> Iterator[Executor | None]:
     if workers == 1:
         yield None
         return
-    pool = ProcessPoolExecutor(
+    pool = _Pool(
         workers,
         mp_context=get_context("spawn"),  # no copy of threads and locks of this one
         initializer=_begin_worker,
