@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from budget.errors import CallError, WorkerError
-from budget.methods.execution import RemoteExecutor
+from budget.methods.execution import WatchedExecutor
 from budget.version import __version__
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ def read_address(text: str) -> Address:
     return Address(scheme=scheme or "tcp", host=host, port=int(found["port"]))
 
 
-class DaskExecutor(RemoteExecutor):
+class DaskExecutor(WatchedExecutor):
     """Dask's own executor, and whether anyone is left to do its work."""
 
     def __init__(self, client: Any, address: Address) -> None:  # noqa: ANN401 - of an extra

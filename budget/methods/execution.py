@@ -110,7 +110,7 @@ def _blas() -> ThreadpoolController:
     return ThreadpoolController()
 
 
-class RemoteExecutor(Executor):
+class WatchedExecutor(Executor):
     """An executor whose other end may go away without a word."""
 
     def fault(self) -> str:
@@ -118,7 +118,7 @@ class RemoteExecutor(Executor):
         raise NotImplementedError
 
 
-class _Pool(ProcessPoolExecutor, RemoteExecutor):
+class _Pool(ProcessPoolExecutor, WatchedExecutor):
     """Processes of this machine. One that is killed may leave half a result behind.
 
     Then the pool waits for the other half, which no one will write, and never sees that
@@ -212,16 +212,16 @@ def in_order(
 
 def _result(future: Future[Result], executor: Executor) -> Result:
     """Return a result; say what to do where none will come."""
-    remote = executor if isinstance(executor, RemoteExecutor) else None
+    watched = executor if isinstance(executor, WatchedExecutor) else None
     while True:
         try:
-            return future.result(timeout=None if remote is None else HEARTBEAT)
+            return future.result(timeout=None if watched is None else HEARTBEAT)
         except (BrokenExecutor, CancelledError):
             raise
         except Exception as error:
             if isinstance(error, BudgetError):
                 raise  # what the model itself has to say
-            fault = "" if remote is None else remote.fault()
+            fault = "" if watched is None else watched.fault()
             if fault:
                 raise WorkerError(fault) from None
             if isinstance(error, TimeoutError) and not future.done():

@@ -10,7 +10,7 @@ How the triad as a whole is turned no norm shows: three angles are held.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
@@ -22,9 +22,11 @@ from budget.model.response import (
     COLUMN,
     ROW,
     SIGN,
+    STATISTICS,
     CalibratedTriad,
     Errors,
-    statistics_of,
+    inverse,
+    tilt_matrix,
 )
 from budget.model.scheme import UNBIASED, Held, Scheme
 
@@ -32,8 +34,9 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.model.response import Truth
 
-# Steps of the solution; each takes off all but the part that the truth differs from the
-# design by [1]: one is the law's first order, two its second.
+# Steps of the solution; each takes off all but the part that the truth differs from
+# the design by [1]: one is the law's first order, two its second. Five leave 2e-8 where
+# that part is 1 %.
 STEPS = 5
 
 
@@ -48,20 +51,18 @@ class NormScheme(Scheme):
 
     Attributes
     ----------
-    norm_weights : ndarray, shape (m, n)
-        W: of scale factors [s^4/m^2], angles and biases, those that are estimated.
+    held : Held
+        Three angles at the least.
     """
 
     knows_attitudes: ClassVar[bool] = False
 
-    held: Held  # three angles at the least
-    norm_weights: Array = field(repr=False)
+    held: Held
 
-    @classmethod
-    def weights_of(cls, norm_weights: Array, force: Array) -> Array:
-        """Return the weights of the statistics, shape (3, 4 m, n)."""
-        rows = norm_weights[:, None] * np.column_stack([force, np.ones(len(force))]).T
-        return np.tile(rows.reshape(-1, len(force)), (3, 1, 1))
+    @property
+    def norm_weights(self) -> Array:
+        """W of what is estimated, shape (m, n) [s^4/m^2, of a bias s^2/m]."""
+        return self.weights[0, BIAS::STATISTICS]
 
     def __post_init__(self) -> None:
         """Check W J = I.
@@ -97,20 +98,17 @@ class NormScheme(Scheme):
         -------
         Errors
         """
-        k = np.zeros_like(truth.bias)
-        if truth.scale_factor is not None:
-            k = k + truth.scale_factor
         value = self.held.value
         found = np.concatenate(
             [
-                -1.0 * k / (1.0 + k),
+                truth.from_design,
                 (SIGN * value[ROW, COLUMN])[:, None] - truth.angle,
                 value[:, BIAS, None] - truth.bias,
             ]
         )
         places = self.held.estimated
         found[places] = 0.0 * found[places]
-        noise = epsilon.reshape(3, len(places), 4, -1)
+        noise = epsilon.reshape(3, len(places), STATISTICS, -1)
         for _ in range(STEPS):
             found[places] = found[places] - self._misfit(found, truth, noise)
         return Errors(scale_factor=found[:3], mounting_angle=found[3:9], bias=found[9:])
@@ -121,16 +119,15 @@ class NormScheme(Scheme):
         s = f + P f + q + C e, P = M^^-1 ((D - 1) M - dM), q = M^^-1 ((D - 1) b - db)
         and C = M^^-1 D; F = 2 f.(P f + q) + |P f + q|^2 + 2 (f + P f + q).C e.
         """
-        own, angle, bias = found[:3], found[3:9], found[9:]
-        one, zero = np.ones_like(own), np.zeros_like(own)
-        M = statistics_of(one, SIGN[:, None] * truth.angle, zero)[:, :BIAS]
-        dM = statistics_of(zero, SIGN[:, None] * angle, zero)[:, :BIAS]
-        inverse = _inverse(M + dM)
+        own, bias = found[:3], found[9:]
+        M = np.eye(3)[..., None] + tilt_matrix(truth.angle)
+        dM = tilt_matrix(found[3:9])
+        back = inverse(M + dM)
         D = 1.0 / (1.0 + own)
         less = -1.0 * own * D
-        P = _product(inverse, less[:, None] * M - dM)
-        q = (inverse * (less * truth.bias - bias)).sum(axis=1)
-        C = inverse * D
+        P = _product(back, less[:, None] * M - dM)
+        q = (back * (less * truth.bias - bias)).sum(axis=1)
+        C = back * D
         turned = np.moveaxis(P, 0, 1)  # P^T
         squares, means, total = self.moments
         wanted = 2.0 * P + _product(turned, P)
@@ -145,17 +142,7 @@ class NormScheme(Scheme):
         )
 
     def estimate(self, readings: Array) -> CalibratedTriad:
-        """Calibrate one triad from its readings, by nonlinear least squares of F.
-
-        Parameters
-        ----------
-        readings : ndarray, shape (3, n)
-            Mean pulses per second of each axis in each window.
-
-        Returns
-        -------
-        CalibratedTriad
-        """
+        """Calibrate as Scheme does, (3, n), by nonlinear least squares of F."""
         from scipy.optimize import least_squares
 
         g = float(np.linalg.norm(self.gravity))
@@ -172,7 +159,7 @@ class NormScheme(Scheme):
 
         def residual(part: Array) -> Array:
             p = whole(part)
-            M = statistics_of(np.ones(3), SIGN * p[3:9], np.zeros(3))[:, :BIAS]
+            M = np.eye(3) + tilt_matrix(p[3:9])
             shown = np.linalg.solve(M, readings / p[:3, None] - p[9:, None])
             return np.asarray(((shown / g) ** 2).sum(axis=0) - 1.0)
 
@@ -181,6 +168,12 @@ class NormScheme(Scheme):
         )
         p = whole(solved.x)
         return CalibratedTriad(scale_factor=p[:3], mounting_angle=p[3:9], bias=p[9:])
+
+
+def statistics_weights(norm_weights: Array, force: Array) -> Array:
+    """Return the weights of the statistics, (3, 4 m, n), of W (m, n) and f (n, 3)."""
+    rows = norm_weights[:, None] * np.column_stack([force, np.ones(len(force))]).T
+    return np.tile(rows.reshape(-1, len(force)), (3, 1, 1))
 
 
 def sensitivity(force: Array, held: Held) -> Array:
@@ -209,10 +202,3 @@ def sensitivity(force: Array, held: Held) -> Array:
 def _product(a: Array, b: Array) -> Array:
     """Return the matrix product of (3, 3, trials) and (3, 3, trials)."""
     return np.asarray((a[:, :, None] * b[None]).sum(axis=1))
-
-
-def _inverse(A: Array) -> Array:
-    """Return the inverse of matrices (3, 3, trials): adjugate over determinant."""
-    i, j = np.array([1, 2, 0]), np.array([2, 0, 1])
-    cofactor = A[i][:, i] * A[j][:, j] - A[i][:, j] * A[j][:, i]
-    return np.asarray(np.moveaxis(cofactor, 0, 1) / (A[0] * cofactor[0]).sum(axis=0))

@@ -44,6 +44,14 @@ class Truth:
     bias: Array
     scale_factor: Array | None = None
 
+    @property
+    def from_design(self) -> Array:
+        """K0/K - 1, the error of a scale factor that is held, shape (3, trials) [1]."""
+        k = np.zeros_like(self.bias)
+        if self.scale_factor is not None:
+            k = k + self.scale_factor
+        return -1.0 * k / (1.0 + k)
+
     def see(self, vectors: Array) -> Array:
         """Return M_i v_ik, shape (3, k, trials): what each axis shows of vectors.
 
@@ -76,6 +84,19 @@ def statistics_of(own: Array, cross: Array, bias: Array) -> Array:
     table[ROW, COLUMN] = cross
     table[:, BIAS] = bias
     return table
+
+
+def tilt_matrix(angle: Array) -> Array:
+    """Return dT of eq. (1), shape (3, 3, ...), of angles in the order of ANGLES."""
+    nothing = np.zeros_like(angle[:3])
+    return statistics_of(nothing, (SIGN * angle.T).T, nothing)[:, :BIAS]
+
+
+def inverse(A: Array) -> Array:
+    """Return the inverse of matrices, (3, 3, trials): adjugate over determinant."""
+    i, j = np.array([1, 2, 0]), np.array([2, 0, 1])
+    cofactor = A[i][:, i] * A[j][:, j] - A[i][:, j] * A[j][:, i]
+    return np.asarray(np.moveaxis(cofactor, 0, 1) / (A[0] * cofactor[0]).sum(axis=0))
 
 
 def tilt(angle: Array, u: Array) -> Array:

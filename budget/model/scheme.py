@@ -232,13 +232,7 @@ class Scheme:
         with the held column in it). Of the own column both are 1. W sees it as it sees
         that column, and the statistic of a held scale factor is off by e itself.
         """
-        is_own = held.which[[0, 1, 2], [0, 1, 2]][:, None]
-        k = (
-            np.zeros_like(truth.bias)
-            if truth.scale_factor is None
-            else truth.scale_factor
-        )
-        e = -1.0 * is_own * k / (1.0 + k)
+        e = held.which[[0, 1, 2], [0, 1, 2]][:, None] * truth.from_design
         true = statistics_of(np.ones_like(e), SIGN[:, None] * truth.angle, truth.bias)
         taken = held.value[..., None]
         left = 1.0 * held.which[..., None] * (true - taken - e[:, None] * taken)
@@ -279,8 +273,8 @@ def check_unbiased(scheme: Scheme) -> None:
     found = np.concatenate([found, weights @ scheme.powers], axis=2)
     size = np.abs(inputs).max(initial=0.0) or 1.0
     scale = size ** np.array([1.0, 1.0, 1.0, 0.0, *scheme.orders])
-    size_of_sums = (np.abs(weights).sum(axis=2) * scale)[:, :, None] + 1.0
-    missed = np.abs(found - np.eye(len(scale))) * scale[:, None] / scale / size_of_sums
+    missed = np.abs(found - np.eye(len(scale))) * scale[:, None] / scale
+    missed[:, :BIAS, BIAS] /= np.abs(weights[:, :BIAS]).sum(axis=2) * size + 1.0
     missed[~(estimated[:, :, None] & estimated[:, None, :])] = 0.0
     if not (missed < UNBIASED).all():
         axis, row, column = np.unravel_index(int(np.nanargmax(missed)), missed.shape)
@@ -372,18 +366,14 @@ def least_squares(
     W = np.zeros((len(scale), len(inputs)))
     if not free.any():
         return W
-    _, singular, rows = np.linalg.svd(A, full_matrices=True)
-    singular = np.concatenate([singular, np.zeros(max(0, free.sum() - singular.size))])
-    unseen = rows[singular <= RANK * singular.max()]
-    if unseen.size:
-        names = [*(f"the response to {axis}" for axis in AXES), "the bias"]
-        names += [f"order {order} of the input" for order in powers]
-        kept = [name for name, is_free in zip(names, free, strict=True) if is_free]
+    names = [*(f"the response to {axis}" for axis in AXES), "the bias"]
+    names += [f"order {order} of the input" for order in powers]
+    kept = [name for name, is_free in zip(names, free, strict=True) if is_free]
+    if mixed := not_told_apart(A, kept):
         raise CallError(
-            "these windows cannot tell apart: "
-            + describe_null(unseen, kept)
-            + ". Add windows in which these inputs differ (a face turned down, a turn "
-            "in the other sense), or hold a parameter (estimate: names the others)"
+            f"these windows cannot tell apart: {mixed}. Add windows in which these "
+            "inputs differ (a face turned down, a turn in the other sense), or hold a "
+            "parameter (estimate: names the others)"
         )
     if covariance is not None:
         root = np.linalg.cholesky(covariance)
@@ -395,12 +385,14 @@ def least_squares(
     return np.asarray(W / scale[:, None])
 
 
-def describe_null(unseen: Array, names: Sequence[str]) -> str:
-    """Say which parameters null vectors mix, by their names; (k, n), independent.
+def not_told_apart(A: Array, names: Sequence[str]) -> str:
+    """Say which columns of A, (n, m), its null vectors mix, by their names; '' if none.
 
-    Any k of them span the same: each is freed of a parameter that no other has then.
+    Any set of them spans the same: each is freed of a parameter that no other has then.
     """
-    rows = unseen.copy()
+    _, singular, vectors = np.linalg.svd(A, full_matrices=True)
+    singular = np.concatenate([singular, np.zeros(len(vectors) - singular.size)])
+    rows = vectors[singular <= RANK * singular.max()]
     for k in range(len(rows)):
         free = np.abs(rows[k:]).argmax()
         place, column = k + free // rows.shape[1], free % rows.shape[1]

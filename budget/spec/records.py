@@ -201,9 +201,14 @@ class Requirement:
     origin: Origin
 
     @property
+    def outputs(self) -> tuple[Name, ...]:
+        """What has a limit, in the order of the outputs."""
+        return tuple(limit.output for limit in self.limits)
+
+    @property
     def kinds(self) -> tuple[str, ...]:
         """The kinds of sensor that have limits, in their order."""
-        return tuple(dict.fromkeys(limit.output.owner for limit in self.limits))
+        return tuple(dict.fromkeys(name.owner for name in self.outputs))
 
 
 @dataclass(frozen=True, kw_only=True)

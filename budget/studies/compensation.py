@@ -20,7 +20,7 @@ import numpy as np
 
 from budget.calibration.schemes import estimated
 from budget.methods.gum import propagate
-from budget.model.response import BIAS, SIGN, statistics_of
+from budget.model.response import inverse, tilt_matrix
 from budget.names import AXES, Name, by_group, parameters_of
 from budget.results import Compensation
 
@@ -50,18 +50,10 @@ class Inversion:
 
     def __call__(self, y: Array) -> Array:
         """Return T row by row, b, T b, shape (15, trials), of errors (n, trials)."""
-        dT = SIGN[:, None] * (y[list(self.angles)] + self.angle[:, None])
+        dT = tilt_matrix(y[list(self.angles)] + self.angle[:, None])
         b = y[list(self.biases)] + self.bias[:, None]
-        M = statistics_of(np.ones_like(b), dT, b)[:, :BIAS]
-        following = [(1, 2), (2, 0), (0, 1)]
-        adjugate = [
-            [M[j, k] * M[n, m] - M[j, m] * M[n, k] for j, n in following]
-            for k, m in following
-        ]
-        determinant = sum(M[0, j] * adjugate[j][0] for j in range(3))
-        T = [[element / determinant for element in row] for row in adjugate]
-        after = [sum(T[i][j] * b[j] for j in range(3)) for i in range(3)]
-        return np.stack([*T[0], *T[1], *T[2], *b, *after])
+        T = inverse(np.eye(3)[..., None] + dT)
+        return np.concatenate([*T, b, (T * b).sum(axis=1)])
 
 
 def inversion_of(sensor: Sensor, parameters: Problem) -> Inversion:

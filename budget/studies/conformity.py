@@ -84,7 +84,7 @@ def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Asses
     found: list[Judged] = []
     verdicts: list[SensorAssessment] = []
     kinds = [sensor.kind for sensor in analysis.sensors]
-    limited = {limit.output for limit in requirement.limits}
+    limited = requirement.outputs
     known = known_outputs(kinds, analysis.procedure)
     for owner in dict.fromkeys(name.owner for name in known if name in limited):
         own = replace(analysis, requirement=requirement).alone(owner)

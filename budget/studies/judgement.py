@@ -77,7 +77,7 @@ def required_problem(
     sensor: Sensor, procedure: Procedure, requirement: Requirement
 ) -> Problem:
     """Return the calibration of one sensor, with all that is limited of it."""
-    limited = [limit.output for limit in requirement.limits]
+    limited = requirement.outputs
     return calibration_problem(
         (sensor,),
         procedure,

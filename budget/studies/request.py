@@ -162,11 +162,11 @@ class Analysis:
     @cached_property
     def outputs(self) -> tuple[Name, ...] | None:
         """What is asked for and what is limited; None: all parameters, no others."""
-        limits = () if self.requirement is None else self.requirement.limits
+        limited = () if self.requirement is None else self.requirement.outputs
         return outputs_for(
             [sensor.kind for sensor in self.sensors],
             self.procedure,
-            [limit.output for limit in limits],
+            limited,
             self.asked,
         )
 
@@ -252,14 +252,17 @@ def sensors_of(
 
 def not_calibrated(devices: Sequence[Device], procedure: Procedure) -> tuple[str, ...]:
     """Say of which triads that are there a procedure finds nothing."""
-    present = dict.fromkeys(
-        sensor.kind for device in devices for sensor in device.sensors
-    )
     return tuple(
         f"{procedure.name} does not calibrate the {kind}: nothing is said of it"
-        for kind in present
+        for kind in _kinds(devices)
         if not calibrates(kind, procedure)
     )
+
+
+def _kinds(devices: Sequence[Device]) -> tuple[str, ...]:
+    """Return the kinds of triad that are there, each once."""
+    kinds = (sensor.kind for device in devices for sensor in device.sensors)
+    return tuple(dict.fromkeys(kinds))
 
 
 def limited_but_held(
@@ -280,21 +283,18 @@ def not_estimated(
     devices: Sequence[Device], procedure: Procedure, requirement: Requirement | None
 ) -> tuple[str, ...]:
     """Say which limits a procedure says nothing of, as it holds what they are on."""
-    limits = () if requirement is None else [one.output for one in requirement.limits]
-    kinds = dict.fromkeys(sensor.kind for one in devices for sensor in one.sensors)
+    limits = () if requirement is None else requirement.outputs
     return tuple(
         f"{procedure.name} does not estimate {parameters}, which the requirement "
         "limits: whether that limit is kept is not known, and nothing meets it by "
         "this test"
-        for parameters in by_group(limited_but_held(kinds, procedure, limits))
+        for parameters in by_group(limited_but_held(_kinds(devices), procedure, limits))
     )
 
 
 def not_of_one_sensor(requirement: Requirement) -> tuple[str, ...]:
     """Say which limits are judged by nobody who takes the sensors one by one."""
-    of_both = [
-        limit.output for limit in requirement.limits if limit.output.owner == IMU
-    ]
+    of_both = [name for name in requirement.outputs if name.owner == IMU]
     return tuple(
         f"the limit on {parameters} is on gyro and accelerometer together: they are "
         "taken one by one here, so whether that limit is kept is not known, and "

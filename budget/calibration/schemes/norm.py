@@ -8,8 +8,8 @@ import numpy as np
 
 from budget.calibration.schemes.least_squares import place_of
 from budget.errors import CallError
-from budget.model.norm import NormScheme, sensitivity
-from budget.model.scheme import RANK, describe_null
+from budget.model.norm import NormScheme, sensitivity, statistics_weights
+from budget.model.scheme import not_told_apart
 from budget.names import parameters_of
 
 if TYPE_CHECKING:
@@ -45,19 +45,13 @@ def scheme_by_norm(
     names = [parameters_of(owner)[k] for k in held.estimated]
     size = np.array([g if name.quantity == "bias" else 1.0 for name in names])
     J = sensitivity(force, held) * size / (2.0 * g**2)
-    _, singular, rows = np.linalg.svd(J, full_matrices=True)
-    singular = np.concatenate([singular, np.zeros(len(names) - singular.size)])
-    unseen = rows[singular <= RANK * singular.max()]
-    if unseen.size:
-        words = [name.without_owner for name in names]
+    if mixed := not_told_apart(J, [name.without_owner for name in names]):
         raise CallError(
             f"{procedure.name}, {owner}: the norm of gravity in these dwells cannot "
-            "tell apart: "
-            + describe_null(unseen, words)
-            + f". Parameters are {len(names)}, dwells {len(force)}; how the triad is "
-            "turned no norm shows (three angles are held), nor faces alone an "
-            "angle: add attitudes between the faces, or hold a parameter (estimate: "
-            "names the others)"
+            f"tell apart: {mixed}. Parameters are {len(names)}, dwells {len(force)}; "
+            "how the triad is turned no norm shows (three angles are held), nor faces "
+            "alone an angle: add attitudes between the faces, or hold a parameter "
+            "(estimate: names the others)"
         )
     W = np.linalg.pinv(J) * size[:, None] / (2.0 * g**2)
     return NormScheme(
@@ -65,7 +59,6 @@ def scheme_by_norm(
         schedule=schedule,
         earth=earth,
         gravity=gravity,
-        weights=NormScheme.weights_of(W, force),
+        weights=statistics_weights(W, force),
         held=held,
-        norm_weights=W,
     )

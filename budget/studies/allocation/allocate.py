@@ -165,9 +165,7 @@ def allocate(
         seed=seed,
         feasible=feasible,
         not_allocated=missing,
-        not_estimated=limited_but_held(
-            there, procedure, {limit.output for limit in requirement.limits}
-        ),
+        not_estimated=limited_but_held(there, procedure, requirement.outputs),
         sources=(
             *(
                 row
