@@ -27,6 +27,18 @@ def pytest_xdist_auto_num_workers() -> int:
     return (os.cpu_count() or 1) + MORE_WORKERS
 
 
+def pytest_ignore_collect(collection_path, config) -> bool | None:
+    """Leave out a module without the mark that `-m` asks for: nothing is imported.
+
+    Of an expression, which may say `not`, every module is collected.
+    """
+    mark = config.option.markexpr
+    if not mark.isidentifier() or not collection_path.match("test_*.py"):
+        return None
+    wanted = f"pytest.mark.{mark}" in collection_path.read_text(encoding="utf-8")
+    return None if wanted else True
+
+
 # Who draws the figures of every kind of report.
 PAGES = ("analysis.build", "comparison.page", "allocation.page", "paper.page")
 DRAWN: dict = {}
