@@ -7,13 +7,16 @@ import os
 import platform
 import subprocess
 import sys
-from functools import cache
+from contextlib import ExitStack, contextmanager
+from copy import deepcopy
+from pathlib import Path
 
 import numpy as np
 import pytest
 from command_line import call, surroundings
 from numpy.testing import assert_allclose
 from places import DOCS, TESTS
+from threadpoolctl import threadpool_info
 
 from budget.methods.least_cost import GOOD
 
@@ -23,7 +26,7 @@ pytestmark = pytest.mark.skipif(
 
 # Kernels of the linear algebra library by processor type, with numbers of threads. The
 # first, SSE3 and no more, chooses the code of numpy and of the C library too.
-PROCESSORS = (("Prescott", "1"), ("Haswell", "2"), ("SKYLAKEX", "1"))
+PROCESSORS = (("Prescott", 1), ("Haswell", 2), ("SkylakeX", 1))
 OLD = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F"}
 WANTED = str(DOCS / "example" / "requirement.yaml")
 LEAST_COST = ("allocate", "--requirement", WANTED, "--strategy", "cost")
@@ -55,54 +58,67 @@ PRINTED = (
     (*LEAST_COST, "--no-validate"),
     ("diff", "zhao-2019", "hg4930#A"),
 )
-CALLS = (*((*words, "--json", "-") for words in DOCUMENTS), *PRINTED)
+# One that is asked for both is called once.
+CALLS = tuple(dict.fromkeys((*DOCUMENTS, *PRINTED)))
+DOCUMENT = "document.json"
 # Of the least cost: how far at most an answer is from the optimum, and the solver's own
 # words, which decide nothing.
 PROOFS, SOLVER = ("residual", "gap"), "solver"
 CODE = """
-import json, sys
-from threadpoolctl import threadpool_info
-from command_line import call
+import json
 from keeping import once
 from budget.studies.allocation import allocate
+from house.test_processors import outputs
 import numpy, scipy.linalg
 # As in the tests here: what four of the calls search for is searched for once.
 allocate.find_longer_tests = once(allocate.find_longer_tests, {})
-print(json.dumps({
-    "kernels": [one["architecture"] for one in threadpool_info()],
-    "outs": [call(*words).out for words in json.loads(sys.argv[1])],
-}))
+print(json.dumps(outputs()))
 """
 
 
-def outputs_on(kernel, threads):
-    """Return the outputs of the calls as on another processor."""
+def outputs():
+    """Return the kernels here, and of every call its document and what it prints."""
+    found = []
+    for words in CALLS:
+        wanted = ("--json", DOCUMENT) * (words in DOCUMENTS)
+        printed = call(*words, *wanted).out
+        document = Path(DOCUMENT).read_text(encoding="utf-8") if wanted else "null"
+        found.append((json.loads(document), printed))
+    kernels = [[one["architecture"], one["num_threads"]] for one in threadpool_info()]
+    return {"kernels": kernels, "found": found}
+
+
+@contextmanager
+def computing_on(kernel, threads, folder):
+    """Start the calls as on another processor; give what waits for their outputs."""
     from numpy._core import _multiarray_umath as core
 
     features = [one for one in core.__cpu_dispatch__ if core.__cpu_features__.get(one)]
     old = OLD | {"NPY_DISABLE_CPU_FEATURES": " ".join(features)}
-    run = subprocess.run(
-        [sys.executable, "-c", CODE, json.dumps(CALLS)],
-        capture_output=True,
+    folder.mkdir()
+    with subprocess.Popen(
+        [sys.executable, "-c", CODE],
+        cwd=folder,
+        stdout=subprocess.PIPE,
         text=True,
-        check=True,
         env=surroundings()
         | {
             "OPENBLAS_CORETYPE": kernel,
-            "OPENBLAS_NUM_THREADS": threads,
+            "OPENBLAS_NUM_THREADS": str(threads),
             "PYTHONPATH": os.pathsep.join([str(TESTS), *sys.path]),
         }
         | (old if kernel == "Prescott" else {}),
-    )
-    found = json.loads(run.stdout.splitlines()[-1])
-    assert found["kernels"]
-    return dict(zip(CALLS, found["outs"], strict=True))
+    ) as process:
 
+        def wait():
+            out, _ = process.communicate()
+            assert process.returncode == 0
+            found = json.loads(out.splitlines()[-1])
+            # The library has names of its own for some kernels.
+            assert {number for _, number in found["kernels"]} == {threads}
+            return found["found"]
 
-@cache
-def here(words):
-    """Return what a call prints on this processor."""
-    return call(*words).out
+        yield wait
 
 
 def assert_same(here, there, *, where="document"):
@@ -126,26 +142,40 @@ def assert_same(here, there, *, where="document"):
         assert here == there, where
 
 
+def assert_same_document(mine, theirs, where):
+    """Assert that two agree; a covariance is compared beside its two spreads."""
+    own, other = (np.array((one or {}).pop("covariance", [])) for one in (mine, theirs))
+    if own.size:
+        u = np.sqrt(np.diag(own))
+        assert_allclose(
+            other / np.outer(u, u), own / np.outer(u, u), rtol=0, atol=1e-12
+        )
+    assert_same(mine, theirs, where=where)
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("processor", PROCESSORS, ids="-".join)
-def test_documents_and_what_is_printed_agree(processor):
+def test_documents_and_what_is_printed_agree(tmp_path, monkeypatch):
     """Numbers of a document to 1e-12, its words and what is printed to the letter.
 
-    A covariance is compared beside its two spreads.
+    The processors compute side by side; one that is like this one would say the same.
     """
-    elsewhere = outputs_on(*processor)
-    for words in CALLS[: len(DOCUMENTS)]:
-        mine, theirs = json.loads(here(words)), json.loads(elsewhere[words])
-        own, other = (np.array(one.pop("covariance", [])) for one in (mine, theirs))
-        if own.size:
-            u = np.sqrt(np.diag(own))
-            assert_allclose(
-                other / np.outer(u, u), own / np.outer(u, u), rtol=0, atol=1e-12
-            )
-        assert_same(mine, theirs, where=" ".join(words))
-    # Verdicts, ranks and digits.
-    for words in PRINTED:
-        assert here(words) == elsewhere[words], words
+    own = {(one["architecture"], one["num_threads"]) for one in threadpool_info()}
+    others = [one for one in PROCESSORS if own != {one}]
+    monkeypatch.chdir(tmp_path)
+    with ExitStack() as stack:
+        waiting = {
+            one: stack.enter_context(computing_on(*one, tmp_path / one[0]))
+            for one in others
+        }
+        here = outputs()["found"]
+        elsewhere = {one: wait() for one, wait in waiting.items()}
+    for one, theirs in elsewhere.items():
+        for words, (mine, printed), (other, there) in zip(
+            CALLS, deepcopy(here), theirs, strict=True
+        ):
+            where = f"{' '.join(words)} on {one}"
+            assert_same_document(mine, other, where)
+            assert printed == there, where  # verdicts, ranks and digits
 
 
 def test_the_comparison_can_fail():
