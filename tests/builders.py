@@ -7,6 +7,7 @@ from math import radians
 import numpy as np
 
 from budget.distributions import NORMAL
+from budget.model.sources import SOURCES
 from budget.spec.records import (
     AccelerometerProcedure,
     ErrorLine,
@@ -46,7 +47,7 @@ PAPER_ACCELEROMETER = {
 def line(name, u, *, tau=300.0, distribution=NORMAL):
     """Return one line of a data sheet; `u` is a number or one for each axis."""
     n = max(6 if name == "mounting_repeatability" else 3, np.size(u))
-    n = 1 if "." in name or name == "turn_angle" else n
+    n = next((len(s.axes) for s in SOURCES if s.name == name and s.shared), n)
     return ErrorLine(
         name=name,
         u=np.broadcast_to(np.asarray(u, dtype=float), (n,)).copy(),

@@ -30,6 +30,7 @@ from budget.model.source import (
     Table,
 )
 from budget.model.sources import ENVIRONMENT, STATION, source_of
+from budget.model.windows import OUTER
 from budget.names import Name
 
 if TYPE_CHECKING:
@@ -273,6 +274,10 @@ def _count(
     window, at = scheme.schedule.windows[where.place], where.samples
     table = Table(
         turn=scheme.schedule.turns.get(where.place),
+        stop=scheme.schedule.stops[where.place],
+        turning=None
+        if window.setting.turning is None
+        else OUTER - window.setting.turning,
         angle=window.setting.angle,
         earth=scheme.earth,
         gravity=scheme.gravity,
@@ -311,13 +316,15 @@ def _inputs(window: Window, table: Table, at: Samples) -> tuple[Array, Array]:
     """Return body rate and specific force of the samples, each (3, n) or (3, 1).
 
     The table's axes are turned back one after the other, the outer first; the one that
-    turns by the angle that it has reached in the middle of each sample.
+    turns by the angle that it has reached in the middle of each sample. What is askew
+    at a joint is turned back by its matrix, base and mount at the ends of the chain.
     """
     setting = window.setting
-    earth, gravity = table.earth[:, None], table.gravity[:, None]
+    base, *joints = (joint.T for joint in table.joints)
+    earth, gravity = base @ table.earth[:, None], base @ table.gravity[:, None]
     turn_rate = table.angle / window.length
     turn = np.zeros((3, 1))
-    for axis, start in ((2, setting.outer), (1, setting.middle), (0, setting.inner)):
+    for axis, start, joint in zip((2, 1, 0), setting.angles, joints, strict=True):
         angle = np.array([start])
         if axis == setting.turning:
             angle = start + turn_rate * at.dt * (np.arange(at.n, dtype=float) + 0.5)
@@ -326,6 +333,8 @@ def _inputs(window: Window, table: Table, at: Samples) -> tuple[Array, Array]:
             turn = _turned_back(turn, axis, angle)
         earth = _turned_back(earth, axis, angle)
         gravity = _turned_back(gravity, axis, angle)
+        if not np.array_equal(joint, np.eye(3)):
+            turn, earth, gravity = joint @ turn, joint @ earth, joint @ gravity
     return earth + turn, gravity
 
 

@@ -60,8 +60,13 @@ class Truth:
         vectors : ndarray, shape (3, k, 3)
             k inputs for each axis, the same in all trials.
         """
-        own = vectors[[0, 1, 2], :, [0, 1, 2]][..., None]
-        return own + self.see_across(vectors)
+        return self.see_each(vectors[..., None])
+
+    def see_each(self, vectors: Array) -> Array:
+        """Return the same of inputs that differ by trial, shape (3, k, 3, trials)."""
+        own = vectors[[0, 1, 2], :, [0, 1, 2]]
+        part = SIGN[:, None, None] * vectors[ROW, :, COLUMN] * self.angle[:, None]
+        return np.asarray(own + (part[0::2] + part[1::2]))
 
     def see_across(self, vectors: Array) -> Array:
         """Return dT_i v_ik, shape (3, k, trials): what the angles let through."""

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -144,9 +144,12 @@ class Effect:
     ----------
     needs : str
         What has to be there, besides the source, for it to reach anything.
+    removed : str
+        What makes it cancel, where a good test is made so that it does; else ''.
     """
 
     needs: ClassVar[str] = "windows that it reaches"
+    removed: ClassVar[str] = ""
 
 
 @dataclass(frozen=True)
@@ -247,16 +250,36 @@ class Table:
     ----------
     turn : int or None
         Number of the turn among those of all triads; None of a dwell.
+    stop : int
+        Number of the stop among those of all triads.
+    turning : int or None
+        Place of the axis that turns in the chain from the base; None of a dwell.
     angle : float
         That the table really turns [rad].
     earth, gravity : ndarray, shape (3,)
-        Earth rate [rad/s] and specific force of gravity [m/s^2] in the table's base.
+        Earth rate [rad/s] and specific force of gravity [m/s^2], east-north-up.
+    joints : ndarray, shape (4, 3, 3)
+        Rotations that should not be there: of the base, and after each axis of the
+        table, the last one that of the body in its mount.
     """
 
     turn: int | None
+    stop: int
+    turning: int | None
     angle: float
     earth: Array
     gravity: Array
+    joints: Array = field(default_factory=lambda: np.tile(np.eye(3), (4, 1, 1)))
+
+    def askew(self, joint: int, axis: int, angle: float) -> Table:
+        """Return the table with one joint turned about a coordinate axis [rad]."""
+        a = np.eye(3)[axis]
+        cross = np.cross(a, np.eye(3)).T  # cross @ v = a x v
+        turned = np.eye(3) + np.sin(angle) * cross
+        turned += (1.0 - np.cos(angle)) * cross @ cross  # Rodrigues
+        joints = self.joints.copy()
+        joints[joint] = joints[joint] @ turned
+        return replace(self, joints=joints)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -325,6 +348,11 @@ class Source:
     def like(self, owner: str) -> str:
         """Return the most usual unit with that owner; '' where it has none."""
         return self.units.get(owner, "")
+
+    @property
+    def shared(self) -> bool:
+        """Whether it comes from outside the sensors, to all triads alike."""
+        return not self.units.keys() & {*SENSORS}
 
     @property
     def process(self) -> bool:

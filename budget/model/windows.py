@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 
 OUTER, MIDDLE, INNER = 2, 1, 0  # the body axis that each turns about at table zero
+CHAIN = (OUTER, MIDDLE, INNER)  # from the base to the body
 RIGHT = pi / 2.0
 FACES = {  # (axis, sign up or down): how the table holds it, at azimuth zero
     (2, 1): (0.0, 0.0),  # middle, inner [rad]
@@ -70,15 +71,36 @@ class Setting:
         x, y, z = (self._back(axis) for axis in range(3))
         return np.asarray(x @ y @ z)
 
+    def between(self, first: int, last: int) -> Array:
+        """Matrix from the frame after `first` axes to that after `last`, (3, 3), mean.
+
+        Axes are counted from the base: after none of them the frame is east-north-up,
+        after outer, middle and inner it is the body's.
+        """
+        matrix = np.eye(3)
+        for axis in CHAIN[first:last]:
+            matrix = self._back(axis) @ matrix
+        return matrix
+
+    def turn_axis_after(self, number: int) -> Array:
+        """Axis of the turn in the frame after that many axes, shape (3,).
+
+        Zeros where nothing turns, or where what turns stands further out.
+        """
+        if self.turning is None or CHAIN.index(self.turning) >= number:
+            return np.zeros(3)
+        onward = self.between(CHAIN.index(self.turning) + 1, number)
+        return np.asarray(onward @ np.eye(3)[self.turning])
+
     @property
     def turn_axis(self) -> Array:
         """Axis of the turn in body axes, shape (3,); zeros where nothing turns."""
-        if self.turning is None:
-            return np.zeros(3)
-        axis: Array = np.eye(3)[self.turning]
-        for inner in range(self.turning - 1, -1, -1):
-            axis = np.asarray(self._back(inner) @ axis)
-        return axis
+        return self.turn_axis_after(len(CHAIN))
+
+    @property
+    def angles(self) -> tuple[float, float, float]:
+        """Outer, middle and inner angle, where it stands or the turn begins [rad]."""
+        return self.outer, self.middle, self.inner
 
     def _back(self, axis: int) -> Array:
         """Return the transposed rotation about one axis, mean over the turn."""
@@ -164,10 +186,14 @@ class Schedule:
     windows : tuple of Window
     others : tuple of Window
         Those of the other triad alone, on the same clock.
+    before, later : tuple of Window
+        Those of the other triad's own test, where that comes before, or after this.
     """
 
     windows: tuple[Window, ...]
     others: tuple[Window, ...] = ()
+    before: tuple[Window, ...] = ()
+    later: tuple[Window, ...] = ()
 
     @cached_property
     def starts(self) -> Array:
@@ -205,6 +231,34 @@ class Schedule:
             for place, window in enumerate(self.windows)
             if window.sense
         }
+
+    @cached_property
+    def _stops(self) -> tuple[Mapping[int, int], int]:
+        """Number of the stop at each place here, and how many there are in all."""
+        own = {id(window): place for place, window in enumerate(self.windows)}
+        clock = sorted((*self.windows, *self.others), key=lambda one: one.start)
+        number, found = -1, {}
+        for test in (self.before, clock, self.later):
+            angles = None
+            for window in test:
+                if window.setting.angles != angles:
+                    number, angles = number + 1, window.setting.angles
+                if id(window) in own and test is clock:
+                    found[own[id(window)]] = number
+        return found, number + 1
+
+    @property
+    def stops(self) -> Mapping[int, int]:
+        """Number of each stop of the table among those of all triads, by its place.
+
+        Windows one after the other at the same angles are one stop.
+        """
+        return self._stops[0]
+
+    @property
+    def n_stops(self) -> int:
+        """Stops of the table in the tests of all triads."""
+        return self._stops[1]
 
     @cached_property
     def rates(self) -> Array:

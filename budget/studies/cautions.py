@@ -115,12 +115,28 @@ def unknown_zeros(problem: Problem, law: Propagation) -> tuple[str, ...]:
 def unfelt(
     problem: Problem, law: Propagation, sensors: Sequence[Sensor]
 ) -> tuple[str, ...]:
-    """Name what is given and reaches no output of this test, and what it needs.
+    """Name what is given and reaches no output of this test: what removes it, or lacks.
 
     Disturbances and coefficients only: that an offset is shared by the reference is
     said elsewhere.
     """
     zero = np.array([output.resolution**2 for output in problem.outputs])
+    first_order = [
+        ((law.C[:, rows] @ np.asarray(group.covariance)) * law.C[:, rows]).sum(axis=1)
+        for group, rows in zip(problem.groups, problem.slices, strict=True)
+    ]
+    removed = {
+        group.name: effect.removed
+        for group, variance in zip(problem.groups, first_order, strict=True)
+        if not group.is_constant
+        and (variance <= zero).all()
+        and (effect := source_of(group.name.owner, group.name.quantity).effect).removed
+    }
+    by_what = [
+        f"{', '.join(name for name in removed if removed[name] == what)}: no output of "
+        f"this test moves to first order, removed by {what}"
+        for what in dict.fromkeys(removed.values())
+    ]
     names = [
         group.name
         for group, variance in zip(problem.groups, law.source_variance, strict=True)
@@ -134,8 +150,12 @@ def unfelt(
             for line in sensor.lines
             if line.u.any() and not source_of(sensor.kind, line.name).varies
         ]
-    effects = [(name, source_of(name.owner, name.quantity).effect) for name in names]
-    return tuple(
+    effects = [
+        (name, source_of(name.owner, name.quantity).effect)
+        for name in names
+        if name not in removed
+    ]
+    return tuple(by_what) + tuple(
         f"{name} is given and reaches no output of this test: it takes {effect.needs}"
         for name, effect in effects
         if isinstance(effect, Disturbance | Coefficient)

@@ -294,6 +294,8 @@ ESTIMATED = {"estimator": "weighted", "pause": "7 s"}
 def place_of(key):
     """Return a procedure in which a key of a figure stands beside its value."""
     tree = {"latitude": "34.2394 deg"}
+    if key.path[0] == "station":  # where nothing of it cancels
+        tree["gyro"] = {"azimuths": ["10 deg"]}
     if key.path[0] in {"windows", "pause"}:
         first = WINDOW.get(key.path[-1], {"face": "x up", "dwell": "60 s"})
         if key.path[2:3] == ("windows",):
@@ -301,19 +303,22 @@ def place_of(key):
         tree["windows"] = [first, *DWELLS]
     if key.path[0] == "estimate":
         tree["estimator"] = "least_squares"
-    if key.path[0] in {"station", "environment"} and key.path[-1] in FIGURE_KEYS:
-        *folders, name = key.path[:-1]
-        (line,) = (
-            one for one in lines_of(folders[0]) if one.name == ".".join(key.path[1:-1])
+    if key.path[0] in {"station", "environment"} and {"axes", *FIGURE_KEYS} & {
+        *key.path
+    }:
+        owner, *steps = key.path[:-1]
+        line = next(
+            one
+            for n in range(len(steps), 0, -1)
+            for one in lines_of(owner)
+            if one.name == ".".join(steps[:n])
         )
-        figure = {
-            "value": f"100 {line.like(folders[0])}",
-            **BESIDE.get(key.path[-1], {}),
-        }
-        branch = tree
-        for folder in folders:
-            branch = branch.setdefault(folder, {})
-        branch[name] = figure
+        value = {"value": f"100 {line.like(owner)}"}
+        figure = {**value, **BESIDE.get(key.path[-1], {})}
+        own = (owner, *line.name.split("."))
+        tree = replaced(tree, own, value)
+        if key.path[-1] in FIGURE_KEYS:
+            tree = replaced(tree, key.path[:-1], figure)
     return tree
 
 

@@ -90,9 +90,7 @@ def schedule_of(owner: str, procedure: Procedure) -> Schedule:
         No window is the triad's.
     """
     if not procedure.windows:
-        if owner == "gyro":
-            return zhao_2019.schedule_gyro(procedure.gyro)
-        return zhao_2019.schedule_accelerometer(procedure.accelerometer)
+        return zhao_2019.schedule_of(owner, procedure)
     own = tuple(one for one in procedure.windows if one.use in {owner, "both"})
     if not own:
         raise CallError(

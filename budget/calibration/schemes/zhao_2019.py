@@ -48,7 +48,7 @@ def scheme_of(owner: str, procedure: Procedure) -> Scheme:
     """
     earth, gravity = place_of(procedure)
     if owner == "accelerometer":
-        schedule = schedule_accelerometer(procedure.accelerometer)
+        schedule = schedule_of(owner, procedure)
         return Scheme(
             owner=owner,
             schedule=schedule,
@@ -56,7 +56,7 @@ def scheme_of(owner: str, procedure: Procedure) -> Scheme:
             gravity=gravity,
             weights=_accelerometer_weights(schedule, procedure.gravity),
         )
-    schedule = schedule_gyro(procedure.gyro)
+    schedule = schedule_of(owner, procedure)
     mean_earth = _mean_earth(procedure.gyro.azimuths, earth)
     return Scheme(
         owner=owner,
@@ -66,6 +66,15 @@ def scheme_of(owner: str, procedure: Procedure) -> Scheme:
         weights=_gyro_weights(schedule, procedure.gyro.rate, mean_earth),
         rotated=mean_earth if procedure.formulas == "paper" else None,
     )
+
+
+def schedule_of(owner: str, procedure: Procedure) -> Schedule:
+    """Lay out the test of one triad, that of gyros before that of accelerometers."""
+    gyro = schedule_gyro(procedure.gyro)
+    accelerometer = schedule_accelerometer(procedure.accelerometer)
+    if owner == "gyro":
+        return replace(gyro, later=accelerometer.windows)
+    return replace(accelerometer, before=gyro.windows)
 
 
 @lru_cache(maxsize=16)

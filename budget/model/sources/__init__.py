@@ -24,15 +24,24 @@ from budget.model.source import (
 )
 from budget.model.sources.asymmetry import TurnAsymmetry
 from budget.model.sources.g_sensitivity import ELEMENTS, GSensitivity
-from budget.model.sources.levelling import Levelling
 from budget.model.sources.power import Power
 from budget.model.sources.processes import SampleNoise, Stability, Walk, WhiteNoise
+from budget.model.sources.rotation import (
+    AFTER_MIDDLE,
+    AFTER_OUTER,
+    BASE,
+    BODY,
+    Mount,
+    Positioning,
+    Rotation,
+    Wobble,
+)
 from budget.model.sources.temperature import (
     TemperatureCoefficient,
     TemperatureRamp,
 )
 from budget.model.sources.turn_angle import TurnAngle
-from budget.names import ANGLES, ONE_VALUE
+from budget.names import ANGLES, AXES, ONE_VALUE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -208,21 +217,73 @@ SOURCES = (
         effect=TurnAngle(),
         stays=TEST,
         axes=ONE_VALUE,
-        colour="green",
-        is_hatched=True,
     ),
     *(
         Source(
-            name=f"levelling.{name}",
+            name=name,
             units={STATION: "arcsec"},
-            model=f"tilt of the table's base about {name}",
-            effect=Levelling(axis),
+            model=model,
+            effect=effect,
             stays=TEST,
-            axes=ONE_VALUE,
-            colour=colour,
-            is_hatched=True,
+            axes=axes,
         )
-        for axis, (name, colour) in enumerate((("east", "blue"), ("north", "yellow")))
+        for name, model, effect, axes in (
+            (
+                "orthogonality.outer_middle",
+                "angle that outer and middle axis miss of a right one",
+                Rotation(AFTER_OUTER, 0),
+                ONE_VALUE,
+            ),
+            (
+                "orthogonality.middle_inner",
+                "angle that middle and inner axis miss of a right one",
+                Rotation(AFTER_MIDDLE, 2),
+                ONE_VALUE,
+            ),
+            (
+                "encoder_zero.middle",
+                "zero of the middle axis' encoder",
+                Rotation(AFTER_MIDDLE, 1),
+                ONE_VALUE,
+            ),
+            (
+                "encoder_zero.inner",
+                "zero of the inner axis' encoder",
+                Rotation(BODY, 0),
+                ONE_VALUE,
+            ),
+            (
+                "positioning",
+                "angle that each axis of the table misses at each stop, on its own",
+                Positioning(),
+                ONE_VALUE,
+            ),
+            (
+                "levelling.east",
+                "tilt of the table's base about east",
+                Rotation(BASE, 0),
+                ONE_VALUE,
+            ),
+            (
+                "levelling.north",
+                "tilt of the table's base about north",
+                Rotation(BASE, 1),
+                ONE_VALUE,
+            ),
+            (
+                "azimuth",
+                "turn of the table's base against north, with the outer zero",
+                Rotation(BASE, 2),
+                ONE_VALUE,
+            ),
+            (
+                "wobble",
+                "lean of each rotor while it turns, that turns with it",
+                Wobble(),
+                ONE_VALUE,
+            ),
+            ("mount", "turn of the body against the inner axis", Mount(), AXES),
+        )
     ),
 )
 

@@ -10,6 +10,7 @@ import io
 import re
 from contextlib import contextmanager
 from functools import lru_cache
+from itertools import product
 from typing import TYPE_CHECKING, Any
 from warnings import catch_warnings, filterwarnings
 
@@ -50,9 +51,20 @@ ON_DARK, ON_LIGHT = "#ffffff", "#111111"  # text on a segment
 DARK = ("blue", "black")
 HATCH = "////"
 OTHER = Name("other")
+# Of station and environment, in the order of the table: every ink, hatch by hatch.
+SHARED = {
+    source.name: (ink, hatch, "")
+    for source, (hatch, ink) in zip(
+        (one for one in SOURCES if one.varies and one.shared),
+        product(("....", "\\\\\\\\", "----", "++++"), INKS.values()),
+        strict=False,
+    )
+}
 STYLES = {  # source: (colour, hatch, colour of text), in the order of the segments
     **{
-        source.name: (INKS[source.colour], HATCH, "")  # no text on a hatch
+        source.name: SHARED[source.name]
+        if source.name in SHARED
+        else (INKS[source.colour], HATCH, "")  # no text on a hatch
         if source.is_hatched
         else (INKS[source.colour], "", ON_DARK if source.colour in DARK else ON_LIGHT)
         for source in SOURCES

@@ -7,6 +7,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from acting import (
+    ACC_ANGLE,
+    ACC_BIAS,
+    ACC_SF,
+    GYRO_ANGLE,
+    GYRO_BIAS,
+    GYRO_SF,
+    UNITS,
+    assert_printed,
+    errors,
+    simulated,
+    triads,
+)
 from builders import (
     NOWHERE,
     at_sources,
@@ -20,7 +33,6 @@ from numpy.testing import assert_allclose, assert_array_equal
 from saying import assert_says
 from scipy.special import ndtri
 
-from budget.calibration import simulation
 from budget.calibration.problem import calibration_problem
 from budget.calibration.simulation import simulate
 from budget.errors import CallError
@@ -33,47 +45,8 @@ from budget.studies.analysis import analyze
 from budget.studies.comparison.compare import compare
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G, PPM, STANDARD_GRAVITY
 
-UNITS = np.array(
-    [PPM] * 3
-    + [ARCSEC] * 6
-    + [DEG_PER_HOUR] * 3
-    + [PPM] * 3
-    + [ARCSEC] * 6
-    + [MICRO_G] * 3
-)
-GYRO_SF, GYRO_ANGLE, GYRO_BIAS = slice(0, 3), slice(3, 9), slice(9, 12)
-ACC_SF, ACC_ANGLE, ACC_BIAS = slice(12, 15), slice(15, 21), slice(21, 24)
 DEG_PER_HOUR_PER_G = DEG_PER_HOUR / STANDARD_GRAVITY
 PER_HOUR = 1.0 / 3600.0  # degC/h [degC/s]
-
-
-def last_digit(printed):
-    """One unit in the last printed digit."""
-    mantissa, _, exponent = printed.lower().partition("e")
-    return 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
-
-
-def assert_printed(actual, printed):
-    """Compare with a number as it is printed."""
-    assert_allclose(actual, float(printed), rtol=0, atol=last_digit(printed))
-
-
-def triads(gyro=None, accelerometer=None):
-    """Return both triads of the paper with more lines."""
-    return paper_gyro(**(gyro or {})), paper_accelerometer(**(accelerometer or {}))
-
-
-def errors(sensors, how, **values):
-    """Return the 24 errors, in printed units, with sources at values, others at 0."""
-    problem = calibration_problem(sensors, how)
-    return problem.evaluate(at_sources(problem, **values)[:, None])[:, 0] / UNITS
-
-
-def simulated(monkeypatch, sensors, how, name, values):
-    """Return the 24 errors of a simulated run with one source at values."""
-    monkeypatch.setattr(simulation, "_values", lambda *_: np.array(values, dtype=float))
-    only = frozenset({name})
-    return simulate(sensors, how, run=0, only=only) / UNITS
 
 
 def test_an_unknown_line_is_an_error_and_no_noise():
