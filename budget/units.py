@@ -30,11 +30,11 @@ MICRO_G = 1e-6 * STANDARD_GRAVITY  # [m/s^2]
 NUMBER = r"[+-]?(?:(?:0|[1-9][0-9]*)(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 
 # unit = term {("/" | "*") term}; a term is a name with or without a square, the root
-# of a name, or a product of such factors in parentheses.
+# of a name, or a product of such factors in parentheses, which may have a power.
 _NAME = "[A-Za-z]+"
 _FACTOR = rf"(?:sqrt\({_NAME}\)|{_NAME}(?:(?:\^|\*\*)?[23])?)"
 _PRODUCT = rf"{_FACTOR}(?:[/*]{_FACTOR})*"
-_TERM = rf"(?:{_FACTOR}|\({_PRODUCT}\))"
+_TERM = rf"(?:{_FACTOR}|\({_PRODUCT}\)(?:(?:\^|\*\*)[23])?)"
 _UNIT = re.compile(rf"{_TERM}(?:[/*]{_TERM})*")
 _QUANTITY = re.compile(rf"((?>{NUMBER}))\s*([^\s\d.,:_+-]\S*(?: \S+)*)")
 # Sizes a quantity may have, beside 0 [SI]. The law of propagation takes fourth powers
@@ -67,7 +67,14 @@ class Kind:
 
     name: str  # with its article
     units: tuple[str, ...]  # the preferred spellings, the most usual first
+    of_ratio: str = ""  # what to do with a ratio in its place
 
+
+_OF_FULL_SCALE = (
+    "; a ratio is of a full scale: give it as scale_factor_nonlinearity, with "
+    "full_scale and shape: {}"
+)
+_QUADRATIC, _CUBIC = (_OF_FULL_SCALE.format(word) for word in ("quadratic", "cubic"))
 
 KINDS = (
     Kind("an angular rate", ("deg/h", "deg/s", "rad/s", "mrad/s", "arcsec/s")),
@@ -89,8 +96,18 @@ KINDS = (
     ),
     Kind("an acceleration random walk", ("ug/sqrt(h)", "m/s^2/sqrt(s)")),
     Kind("a g-sensitivity", ("deg/h/g", "deg/s/g")),
-    Kind("a second-order coefficient", ("ug/g^2", "mg/g^2", "ppm/g")),
-    Kind("a third-order coefficient", ("ug/g^3", "mg/g^3", "ppm/g^2")),
+    Kind("a second-order coefficient", ("ug/g^2", "mg/g^2", "ppm/g"), _QUADRATIC),
+    Kind("a third-order coefficient", ("ug/g^3", "mg/g^3", "ppm/g^2"), _CUBIC),
+    Kind(
+        "a second-order coefficient of a rate",
+        ("ppm/(deg/s)", "deg/h/(deg/s)^2"),
+        _QUADRATIC,
+    ),
+    Kind(
+        "a third-order coefficient of a rate",
+        ("ppm/(deg/s)^2", "deg/h/(deg/s)^3"),
+        _CUBIC,
+    ),
     Kind("a temperature rate", ("degC/h", "degC/min")),
     Kind("a temperature coefficient of a rate", ("deg/h/degC", "deg/s/degC")),
     Kind("a temperature coefficient of an acceleration", ("ug/degC", "mg/degC")),
@@ -297,7 +314,7 @@ def _size(unit: str, gravity: float) -> _Size | None:
     if not _UNIT.fullmatch(plain) or not DEFINITIONS.keys() >= set(names):
         return None
     powers = re.sub(r"sqrt(\([^)]*\))", r"\1**0.5", plain)
-    powers = re.sub(r"([A-Za-z])(?:\^|\*\*)?([23])", r"\1**\2", powers)
+    powers = re.sub(r"([A-Za-z)])(?:\^|\*\*)?([23])", r"\1**\2", powers)
     parsed = _registry(gravity).Quantity(1.0, powers).to_root_units()
     return _Size(parsed.magnitude, frozenset(parsed.dimensionality.items()))
 
@@ -384,6 +401,8 @@ def _explain_unit(
         part = plain.startswith(tuple(f"{u}/" for u in kind.units))
         odd = why.endswith("does not fit")
         foreign = size is None and (part or _FOREIGN.search(plain))
+        if kind.of_ratio and size is not None and not size.dimension:
+            return f"found {text!r}, {why}, {allowed}{kind.of_ratio}"
         advice = f"; {_UNUSED}" if odd or foreign else ""
     return f"found {text!r}, {why}, {allowed}{advice}"
 

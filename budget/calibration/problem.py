@@ -126,7 +126,8 @@ class _Row:
     @classmethod
     def of(cls, owner: str, given: Given) -> _Row:
         """Find the source; an unknown one is an error."""
-        return cls(owner=owner, given=given, source=source_of(owner, given.name))
+        source = source_of(owner, given.name).meant(given)
+        return cls(owner=owner, given=given, source=source)
 
     @property
     def is_input(self) -> bool:
@@ -407,7 +408,8 @@ def _calibration(
         elif isinstance(effect, Disturbance):
             for quantity, order in ORDERS.items():
                 if order == effect.order:
-                    offsets[quantity] = (_Constant(now=place, later=None),)
+                    constant = _Constant(now=place, later=None)
+                    offsets[quantity] = (*offsets.get(quantity, ()), constant)
             act = effect.bind(row.given, triad) if row.given.u.any() else None
             if act is not None:
                 acts.append((place, act))

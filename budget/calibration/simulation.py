@@ -159,7 +159,7 @@ def _draw(
     rng_of: Callable[[str], np.random.Generator],
 ) -> _Drawn:
     """Draw what a source is in this run; any scheme tells how many turns there are."""
-    source = source_of(owner, line.name)
+    source = source_of(owner, line.name).meant(line)
     effect, name = source.effect, Name(line.name, owner=owner)
     rng = rng_of(name)
     value = later = np.zeros_like(line.u)
@@ -216,7 +216,7 @@ def _simulate_triad(
         order = one.effect.order if isinstance(one.effect, Disturbance) else 0
         if order in scheme.orders and reference != "nominal":
             place = 3 * scheme.orders.index(order)
-            true_higher[place : place + 3] = one.value
+            true_higher[place : place + 3] += one.value
     return np.concatenate([errors, found.higher - true_higher])
 
 

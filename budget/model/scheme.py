@@ -117,6 +117,20 @@ class Scheme:
         return np.asarray(self.turn[:, None] + self.schedule.spread(self.ambient))
 
     @cached_property
+    def harmonics(self) -> Array:
+        """Inputs within each window as A + C cos + S sin, shape (3, n, 3) [SI].
+
+        A, C and S of the angle that the table has turned by; C and S of dwells are 0.
+        """
+        u = self.within
+        if u.shape[1] == 1:
+            return np.stack([u[:, 0], 0.0 * u[:, 0], 0.0 * u[:, 0]])
+        mean = self.turn + self.standing
+        swing = (u[:, :2] - u[:, 2:]) / 2.0  # at 0 and 180, 90 and 270 deg
+        swing[self.schedule.senses == 0.0] = 0.0
+        return np.stack([mean, swing[:, 0], swing[:, 1]])
+
+    @cached_property
     def force(self) -> Array:
         """Mean specific force in body axes, shape (n, 3) [m/s^2]."""
         return self.schedule.to_body @ self.gravity

@@ -54,12 +54,15 @@ class Given:
         Shape by axis; processes are normal.
     correlation_time : ndarray, shape (n_axes,), or None
         Of a source that has one [s].
+    form : str
+        Which of the effects of its source it is meant as; '' the usual one.
     """
 
     name: str
     u: Array
     distributions: tuple[Distribution, ...]
     correlation_time: Array | None = None
+    form: str = ""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -333,6 +336,8 @@ class Source:
         In figures: one of Okabe and Ito's, by name.
     is_hatched : bool
         The second source of a colour.
+    forms : mapping of str to Effect
+        What else a file may mean by it, by the word that says so.
     """
 
     name: str
@@ -344,6 +349,11 @@ class Source:
     expected: str = ""
     colour: str = "purple"
     is_hatched: bool = False
+    forms: Mapping[str, Effect] = field(default_factory=dict)
+
+    def meant(self, given: Given) -> Source:
+        """Return the source with the effect that a file means by it."""
+        return replace(self, effect=self.forms.get(given.form, self.effect))
 
     def like(self, owner: str) -> str:
         """Return the most usual unit with that owner; '' where it has none."""

@@ -176,7 +176,14 @@ class NominalProperty:
 
 
 # What this version can say something of: quantities of sources and of outputs.
-KNOWN_NOW = frozenset({*(source.name for source in SOURCES), *OUTPUTS})
+# Lines that one kind of sensor had before the other: known by their full names.
+LATER = frozenset(
+    {
+        "accelerometer.scale_factor_asymmetry",
+        *("gyro.scale_factor_quadratic", "gyro.scale_factor_cubic"),
+    }
+)
+KNOWN_NOW = frozenset({*(source.name for source in SOURCES), *OUTPUTS, *LATER})
 # What the version had that did not yet write it into its references.
 KNOWN_FIRST = frozenset(
     {
@@ -205,14 +212,19 @@ class Snapshot:
     def knows(self, item: Item) -> bool:
         """Whether the tool that made it had the quantities that an item is of."""
         names = [n for n in (item.subject, item.partner) if isinstance(n, Name)]
-        return all(not n.owner or n.quantity in self.known for n in names)
+        return all(not n.owner or self._has(n) for n in names)
+
+    def _has(self, name: Name) -> bool:
+        """Whether the tool that made it had a quantity of that owner."""
+        return (name.group if name.group in LATER else name.quantity) in self.known
 
     def known_part(self, text: str) -> str:
         """Return a list of sources without those that the tool did not have."""
         unknown = {
-            Name(quantity, owner=owner)
-            for quantity in KNOWN_NOW - self.known
+            name
+            for quantity in KNOWN_NOW
             for owner in OWNERS
+            if not self._has(name := Name(quantity, owner=owner))
         }
         return ", ".join(name for name in text.split(", ") if name not in unknown)
 

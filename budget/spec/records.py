@@ -36,6 +36,11 @@ class ErrorLine(Given):
         Of a random walk per root of hertz 'one-sided' or 'two-sided', else ''.
     adds_to : str
         The random walk that a noise of every sample is no part of; '' if not said.
+    factor : float
+        u over the value that is printed, beside its meaning [SI], where the model has
+        another quantity than the maker.
+    says : tuple of (str, str)
+        What else the file says of it that moves its numbers, as (key, text).
     definition, includes, horizon, condition, source : str
         The maker's own words; '' where not given.
     """
@@ -46,6 +51,8 @@ class ErrorLine(Given):
     meaning: str = "1 sigma"
     density: str = ""
     adds_to: str = ""
+    factor: float = 1.0
+    says: tuple[tuple[str, str], ...] = ()
     definition: str = ""
     includes: str = ""
     horizon: str = ""

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, cast
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, cast
 
 import numpy as np
 from pydantic import Field, create_model, model_validator
 
 from budget.distributions import BY_NAME, NORMAL, Distribution
-from budget.model.sources import SAMPLE_NOISE, WALKS, walk_of
+from budget.model.sources import ACCELEROMETER, GYRO, SAMPLE_NOISE, WALKS, walk_of
 from budget.names import ONE_VALUE, Name
 from budget.spec.fields import (
     Measured,
@@ -57,7 +57,15 @@ CORRELATION_TIME = 300.0  # of a stability that names none [s]
 
 
 class SpecificationValue(Strict):
-    """What a file may say about one specification value, or about one axis of it."""
+    """What a file may say about one specification value, or about one axis of it.
+
+    Attributes
+    ----------
+    of_axis : type or None
+        What it may say about one axis, where that is less.
+    """
+
+    of_axis: ClassVar[type[SpecificationValue] | None] = None
 
     value: Quantity | None = None
     meaning: Annotated[
@@ -101,6 +109,121 @@ class ConstantValue(SpecificationValue):
             )
             raise faults({("distribution",): message})
         return self
+
+
+class NonlinearityValue(ConstantValue):
+    """Specification value of a nonlinearity: a constant, or of a curve over a range."""
+
+    of_axis: ClassVar[type[SpecificationValue] | None] = ConstantValue
+    full_scale: Quantity | None = None  # of the sensor's own unit, below
+    line: Literal["best", "least_squares"] | None = Field(
+        default=None,
+        description="what the largest deviation is from; unset, with full_scale: best",
+    )
+    shape: Literal["cubic", "quadratic"] | None = Field(
+        default=None, description="of the curve; unset, with full_scale: cubic"
+    )
+
+    @model_validator(mode="after")
+    def _check_curve(self) -> Self:
+        if self.full_scale is None and (self.line or self.shape):
+            key = "line" if self.line else "shape"
+            message = (
+                "is of the curve over a full scale, expected full_scale beside it "
+                f"({{value: 30 ppm, full_scale: ..., {key}: ...}}); or remove it"
+            )
+            raise faults({(key,): message})
+        return self
+
+    def curve(self) -> _Form:
+        """Return the curve as the coefficient of its power [SI].
+
+        NL R is the largest deviation of K_p x^p from the line over -R to R: of the best
+        (minimax) line K3 R^3/4 and K2 R^2/2, of that of least squares 2 K3 R^3/5 and
+        2 K2 R^2/3.
+        """
+        if self.full_scale is None:
+            return _Form()
+        line, shape = self.line or "best", self.shape or "cubic"
+        part = {
+            ("cubic", "best"): 1.0 / 4.0,
+            ("quadratic", "best"): 1.0 / 2.0,
+            ("cubic", "least_squares"): 2.0 / 5.0,
+            ("quadratic", "least_squares"): 2.0 / 3.0,
+        }[shape, line]
+        power = 3 if shape == "cubic" else 2
+        notes = [] if self.line else ["line not given, the best one assumed"]
+        notes += [] if self.shape else ["shape not given, cubic assumed"]
+        range_ = self.full_scale
+        return _Form(
+            form=shape,
+            factor=1.0 / (part * range_.value ** (power - 1)),
+            says=(("full_scale", self._lasting()), ("line", line), ("shape", shape)),
+            definition=f"{shape}, from the {line} line over {range_.printed}",
+            notes=tuple(notes),
+        )
+
+    def _lasting(self) -> str:
+        """Return the full scale as any file has it."""
+        return self.full_scale.printed if self.full_scale else ""
+
+
+class RateNonlinearity(NonlinearityValue):
+    """Of a gyro."""
+
+    full_scale: Annotated[Quantity, Measured("deg/s", Sign.POSITIVE)] | None = Field(
+        default=None, description="half the range, over which the value holds"
+    )
+
+
+class ForceNonlinearity(NonlinearityValue):
+    """Of an accelerometer."""
+
+    full_scale: Annotated[Quantity, Measured("g", Sign.POSITIVE)] | None = Field(
+        default=None, description="half the range, over which the value holds"
+    )
+
+    def _lasting(self) -> str:
+        """Return the full scale without g, which may be another one elsewhere."""
+        return f"{self.full_scale.value!r} m/s^2" if self.full_scale else ""
+
+
+class RateAsymmetry(ConstantValue):
+    """Of a gyro."""
+
+    of_axis: ClassVar[type[SpecificationValue] | None] = ConstantValue
+    sign_of: Literal["turn", "input"] = Field(
+        default="turn", description="whose sign decides which scale factor holds"
+    )
+
+    def curve(self) -> _Form:
+        """Return whose sign decides."""
+        if "sign_of" not in self.model_fields_set:
+            return _Form()
+        return _Form(
+            form=self.sign_of,
+            says=(("sign_of", self.sign_of),),
+            definition=f"by the sign of the {self.sign_of}",
+        )
+
+
+class ForceAsymmetry(RateAsymmetry):
+    """Of an accelerometer, which knows of no turns."""
+
+    sign_of: Literal["input"] = Field(
+        default="input", description="whose sign decides which scale factor holds"
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Form:
+    """What a file means by a value that can be meant in several ways."""
+
+    form: str = ""
+    factor: float = 1.0  # [SI]
+    says: tuple[tuple[str, str], ...] = ()
+    definition: str = ""
+    notes: tuple[str, ...] = ()
 
 
 class ProcessValue(SpecificationValue):
@@ -185,7 +308,7 @@ class ReadValue:
 def value_type(line: Source, sensor: str) -> Any:  # noqa: ANN401
     """Return the type of a value of that line: a text or a mapping."""
     beside = walk_of(sensor) if line.name == SAMPLE_NOISE else ""
-    return _value_type(line.like(sensor), _family(line), line.axes, beside)
+    return _value_type(line.like(sensor), _family(line, sensor), line.axes, beside)
 
 
 def read_value(
@@ -202,7 +325,8 @@ def read_value(
     A value per root of hertz is a spectral density D, whose random walk coefficient is
     N = D / sqrt(2) if it is one-sided (rms in a band B is D sqrt(B)), and N = D if not.
     """
-    part = _family(line)(value=given) if isinstance(given, Quantity) else given
+    family = _family(line, sensor)
+    part = family(value=given) if isinstance(given, Quantity) else given
     axes = [_axis(part, axis) for axis in line.axes]
     notes = list(dict.fromkeys(note for a in axes for note in a.notes))
     key = Name(line.name, owner=sensor)
@@ -223,18 +347,25 @@ def read_value(
         return ", ".join(f"{axis} {word}" for axis, word in named if word)
 
     times = [a.correlation_time for a in axes if a.correlation_time is not None]
+    form = part.curve() if isinstance(part, FORMED) else _Form()
+    assumptions += [f"{key}: {note}" for note in form.notes]
     taken = ErrorLine(
         name=line.name,
-        u=np.array([a.u for a in axes]),
+        u=np.array([a.u for a in axes]) * form.factor,
         distributions=tuple(NORMAL if line.process else a.shape for a in axes),
         correlation_time=np.array(times) if times else None,
         printed=say([a.quantity.printed for a in axes]),
         unit=axes[0].quantity.unit,
-        si_per_unit=axes[0].quantity.si_per_unit * WALK_PER_DENSITY[axes[0].density],
+        si_per_unit=axes[0].quantity.si_per_unit
+        * WALK_PER_DENSITY[axes[0].density]
+        * form.factor,
+        form=form.form,
+        factor=form.factor,
+        says=form.says,
         density=axes[0].density,
         adds_to=getattr(part, "adds_to", None) or "",
         meaning=say([a.part.meaning for a in axes]),
-        definition=say([a.definition for a in axes]),
+        definition=form.definition or say([a.definition for a in axes]),
         includes=say([a.part.includes or "" for a in axes]),
         horizon=say([a.part.horizon or "" for a in axes]),
         condition=say([a.part.condition or "" for a in axes]),
@@ -267,7 +398,8 @@ def _value_type(
     if axes == ONE_VALUE:
         alone = create_model(title, __base__=family, value=(value, ...))
         return Annotated[alone, OrText(measured)]
-    one_axis = create_model(f"{title}, one axis", __base__=family, value=(value, ...))
+    of_axis = family.of_axis or family
+    one_axis = create_model(f"{title}, one axis", __base__=of_axis, value=(value, ...))
     by_axis = mapping_of(
         f"{title}, by axis", dict.fromkeys(axes, Annotated[one_axis, OrText(measured)])
     )
@@ -283,8 +415,19 @@ def _value_type(
     return Annotated[whole, OrText(measured)]
 
 
-def _family(line: Source) -> type[SpecificationValue]:
+FORMED = NonlinearityValue | RateAsymmetry
+SPECIAL: dict[tuple[str, str], type[SpecificationValue]] = {
+    ("scale_factor_nonlinearity", GYRO): RateNonlinearity,
+    ("scale_factor_nonlinearity", ACCELEROMETER): ForceNonlinearity,
+    ("scale_factor_asymmetry", GYRO): RateAsymmetry,
+    ("scale_factor_asymmetry", ACCELEROMETER): ForceAsymmetry,
+}
+
+
+def _family(line: Source, sensor: str) -> type[SpecificationValue]:
     """Return what a file may say about a value of that line."""
+    if (line.name, sensor) in SPECIAL:
+        return SPECIAL[line.name, sensor]
     if line.name == "bias_stability":
         return StabilityValue
     if line.name in WALKS:

@@ -171,5 +171,6 @@ def shared_constants(sensors: Sequence[Sensor], reference: str) -> tuple[str, ..
         f"also in the reference {reference} and counts nothing"
         for sensor in sensors
         for line in sensor.lines
-        if (source := source_of(sensor.kind, line.name)).own and source.stays == DEVICE
+        for source in [source_of(sensor.kind, line.name).meant(line)]
+        if source.own and source.stays == DEVICE
     )

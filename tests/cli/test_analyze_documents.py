@@ -42,8 +42,11 @@ NOT_GIVEN = [
     "gyro.scale_factor_nonlinearity",
     "gyro.scale_factor_asymmetry",
     "gyro.g_sensitivity",
+    "gyro.scale_factor_quadratic",
+    "gyro.scale_factor_cubic",
     "accelerometer.acceleration_random_walk",
     "accelerometer.scale_factor_nonlinearity",
+    "accelerometer.scale_factor_asymmetry",
     "accelerometer.scale_factor_quadratic",
     "accelerometer.scale_factor_cubic",
 ]

@@ -77,6 +77,8 @@ def silent(kind, path):
             "every file but costs": kind != "costs" and path[0] in keys,
             "a specification value": figure and path[-1] in keys,
             "a specification value of a process": process and path[-1] in keys,
+            "an asymmetry of an accelerometer": path[0] == "accelerometer"
+            and path[-1] in keys,
             "g sensitivity by axis": "g_sensitivity" in path
             and any(axis in keys for axis in path),
         }.get(where, where == kind and path[0] in keys)

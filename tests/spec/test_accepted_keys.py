@@ -93,6 +93,8 @@ def device(key):
         (line,) = (one for one in lines_of(sensor) if one.name == name)
         figure = {"value": f"1 {line.like(sensor)}"}
         beside = BESIDE.get(key.path[-1], {})
+        if key.path[-1] in {"line", "shape"}:
+            beside = {"full_scale": "400 deg/s" if sensor == "gyro" else "9 g"}
         if key.path[-1] == "density":
             beside = {"value": f"1 {DENSITIES[line.like(sensor)]}"}
         tree[sensor]["errors"][name] = figure | beside

@@ -82,10 +82,13 @@ def test_the_shipped_device_needs_no_assumption_and_misses_nothing_expected():
         "gyro.scale_factor_nonlinearity",
         "gyro.scale_factor_asymmetry",
         "gyro.g_sensitivity",
+        "gyro.scale_factor_quadratic",
+        "gyro.scale_factor_cubic",
     )
     assert device.accelerometer.not_given == (
         "accelerometer.acceleration_random_walk",
         "accelerometer.scale_factor_nonlinearity",
+        "accelerometer.scale_factor_asymmetry",
         "accelerometer.scale_factor_quadratic",
         "accelerometer.scale_factor_cubic",
     )
@@ -125,6 +128,76 @@ def test_a_meaning_gives_its_standard_uncertainty_and_shape(gyro, words):
     line = gyro(f"bias_repeatability: {{value: 6 deg/h, {words}}}").gyro.lines[0]
     assert_allclose(line.u, [u * DEG_H] * 3, rtol=1e-14)
     assert {one.name for one in line.distributions} == {shape}
+
+
+CURVES = {
+    "full_scale: 300 deg/s": ("cubic", 4.0, 2),
+    "full_scale: 300 deg/s, line: best, shape: quadratic": ("quadratic", 2.0, 1),
+    "full_scale: 300 deg/s, line: least_squares": ("cubic", 2.5, 2),
+    "full_scale: 300 deg/s, line: least_squares, shape: quadratic": (
+        "quadratic",
+        1.5,
+        1,
+    ),
+}
+
+
+@pytest.mark.parametrize("words", CURVES)
+def test_a_nonlinearity_of_a_full_scale_is_the_coefficient_of_a_curve(gyro, words):
+    """K_p is the factor times NL over R^(p-1); what it does not say is assumed."""
+    form, factor, power = CURVES[words]
+    device = gyro(f"scale_factor_nonlinearity: {{value: 30 ppm, {words}}}")
+    (line,) = device.gyro.lines
+    assert line.form == form
+    assert_allclose(line.u, factor * 30e-6 / (300.0 * DEG) ** power, rtol=1e-14)
+    assert_allclose(line.u / line.si_per_unit, 30.0, rtol=1e-14)
+    said = [f"{key} not given" for key in ("line", "shape") if f"{key}:" not in words]
+    assert len(device.assumptions) == len(said) + 2  # and the nominal values
+    assert all(any(one in text for text in device.assumptions) for one in said)
+
+
+def test_the_extreme_of_a_curve_is_its_nonlinearity():
+    """K_p x^p leaves the line that the maker draws by NL R at the most."""
+    x = np.linspace(-1.0, 1.0, 200_001)
+    for factor, power, line in (
+        (4.0, 3, "best"),
+        (2.0, 2, "best"),
+        (2.5, 3, "least_squares"),
+        (1.5, 2, "least_squares"),
+    ):
+        curve = factor * x**power
+        if line == "best":  # the minimax line: Chebyshev's polynomial is left
+            left = curve - (0.75 * factor * x if power == 3 else 0.5 * factor)
+        else:
+            left = curve - np.polyval(np.polyfit(x, curve, 1), x)
+        assert_allclose(np.abs(left).max(), 1.0, rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("scale_factor_nonlinearity: {value: 1 ppm, line: best}", "full_scale"),
+        ("scale_factor_nonlinearity: {value: 1 ppm, shape: cubic}", "full_scale"),
+        ("scale_factor_nonlinearity: {value: 1 ppm, full_scale: 5 g}", "deg/s"),
+        ("scale_factor_quadratic: 10 ppm", "scale_factor_nonlinearity.*quadratic"),
+        ("scale_factor_cubic: 10 ppm", "scale_factor_nonlinearity.*shape: cubic"),
+    ],
+)
+def test_a_curve_without_its_range_is_refused_with_the_remedy(gyro, line, words):
+    """A ratio says nothing of a coefficient unless the full scale stands beside it."""
+    with pytest.raises(SpecError, match=words):
+        gyro(line)
+
+
+def test_an_asymmetry_says_whose_sign_decides(gyro):
+    """Unset it is the turn's, as in the paper."""
+    for words, form in (
+        ("", ""),
+        (", sign_of: turn", "turn"),
+        (", sign_of: input",) * 2,
+    ):
+        device = gyro(f"scale_factor_asymmetry: {{value: 9 ppm{words}}}")
+        assert device.gyro.lines[0].form == form.rpartition(" ")[2]
 
 
 PROCESSES = {

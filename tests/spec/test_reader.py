@@ -69,7 +69,7 @@ BAD = {
         "did you mean 'velocity_random_walk'",
     ),
     "line of one sensor only": (
-        "name: x\naccelerometer: {errors: {scale_factor_asymmetry: 1 ppm}}\n",
+        "name: x\naccelerometer: {errors: {g_sensitivity: 1 deg/h/g}}\n",
         "2:26",
         "bias_temperature_coefficient$",
     ),

@@ -22,7 +22,7 @@ from budget.model.source import (
     Offset,
     Source,
 )
-from budget.model.sources.asymmetry import TurnAsymmetry
+from budget.model.sources.asymmetry import InputAsymmetry, TurnAsymmetry
 from budget.model.sources.g_sensitivity import ELEMENTS, GSensitivity
 from budget.model.sources.power import Power
 from budget.model.sources.processes import SampleNoise, Stability, Walk, WhiteNoise
@@ -146,14 +146,22 @@ SOURCES = (
         stays=DEVICE,
         colour="vermilion",
         is_hatched=True,
+        forms={"cubic": Power(3), "quadratic": Power(2)},
     ),
-    Source(
-        name="scale_factor_asymmetry",
-        units={GYRO: "ppm"},
-        model="random constant of the device: K(+) minus K(-), over their mean",
-        effect=TurnAsymmetry(),
-        stays=DEVICE,
-        colour="black",
+    *(
+        Source(
+            name="scale_factor_asymmetry",
+            units={owner: "ppm"},
+            model="random constant of the device: K(+) minus K(-), over their mean",
+            effect=next(iter(forms.values())),
+            stays=DEVICE,
+            colour="black",
+            forms=forms,
+        )
+        for owner, forms in (
+            (GYRO, {"turn": TurnAsymmetry(), "input": InputAsymmetry()}),
+            (ACCELEROMETER, {"input": InputAsymmetry()}),
+        )
     ),
     Source(
         name="mounting_repeatability",
@@ -177,7 +185,7 @@ SOURCES = (
     ),
     Source(
         name="scale_factor_quadratic",
-        units={ACCELEROMETER: "ug/g^2"},
+        units={GYRO: "ppm/(deg/s)", ACCELEROMETER: "ug/g^2"},
         model="random constant of the device: K2 times the square of the input",
         effect=Power(2),
         stays=DEVICE,
@@ -186,7 +194,7 @@ SOURCES = (
     ),
     Source(
         name="scale_factor_cubic",
-        units={ACCELEROMETER: "ug/g^3"},
+        units={GYRO: "ppm/(deg/s)^2", ACCELEROMETER: "ug/g^3"},
         model="random constant of the device: K3 times the cube of the input",
         effect=Power(3),
         stays=DEVICE,

@@ -1,4 +1,4 @@
-"""Higher orders of an accelerometer's scale factor, K2 and K3 (IEEE 1293)."""
+"""Higher orders of a scale factor, K2 and K3 (IEEE 1293, 952)."""
 
 from __future__ import annotations
 
@@ -21,9 +21,10 @@ if TYPE_CHECKING:
 class Power(Disturbance):
     """e = K_p x^p with x = (M u)_i + b_i, the input of the axis itself.
 
-    An even order is alike up and down and looks like a bias: db = K2 (g^2 - b^2),
-    dk = 2 K2 b; an odd one like a scale factor: dk = K3 (g^2 + 3 b^2), db = 2 K3 g^2 b.
-    Noise in x^p is left out: its square is 1e-6 of an accelerometer's noise at most.
+    Of accelerometers an even order is alike up and down and looks like a bias: db =
+    K2 (g^2 - b^2), dk = 2 K2 b; an odd one like a scale factor: dk = K3 (g^2 + 3 b^2),
+    db = 2 K3 g^2 b. Of gyros a turn shows dk = K3 Omega^2, dk = 2 K2 (b + earth rate);
+    what they add at other rates a later run meets. Noise is no part of x.
 
     Attributes
     ----------

@@ -124,7 +124,7 @@ def _figure(line: ErrorLine, gravity: float) -> str:
     """Write one line: a text where nothing but a value has to be said."""
     axes = ANGLES if line.u.size == len(ANGLES) else AXES
     one = parse_quantity(f"1 {line.unit}", line.unit, gravity=gravity)
-    size = one.si_per_unit * WALK_PER_DENSITY[line.density]
+    size = one.si_per_unit * WALK_PER_DENSITY[line.density] * line.factor
     values = [_quantity(float(u) / size, line.unit) for u in line.u]
     shapes = [shape.name for shape in line.distributions]
     times: list[float | None] = [None] * line.u.size
@@ -137,7 +137,10 @@ def _figure(line: ErrorLine, gravity: float) -> str:
     }
     whole = {
         key: text
-        for key, text in (("density", line.density), ("adds_to", line.adds_to))
+        for key, text in (
+            *(("density", line.density), ("adds_to", line.adds_to)),
+            *line.says,
+        )
         if text
     }
     own = [

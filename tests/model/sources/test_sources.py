@@ -33,6 +33,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from saying import assert_says
 from scipy.special import ndtri
 
+from budget import load_procedure
+from budget.calibration import simulation
 from budget.calibration.problem import calibration_problem
 from budget.calibration.simulation import simulate
 from budget.errors import CallError
@@ -123,6 +125,127 @@ def test_pulses_show_the_same_higher_orders(monkeypatch, line, order):
     exact = errors(sensors, how, **{f"accelerometer__scale_factor_{line}": K})
     assert np.abs(exact[ACC_BIAS if order == 2 else ACC_SF]).min() > 9.0
     assert_allclose(found, exact, rtol=1e-7, atol=1e-7)
+
+
+def test_second_and_third_order_of_a_gyro_have_the_printed_effects():
+    """A turn shows dk = K3 Omega^2 and dk = 2 K2 (b + earth rate); angles -d dk."""
+    rate, w = np.radians(20.0), np.array([0.0, 12.434358, 8.462886]) * DEG_PER_HOUR
+    K3 = 4.0 * 30.0 * PPM / np.radians(300.0) ** 2  # 30 ppm of 300 deg/s, best line
+    K2 = 2.0 * 30.0 * PPM / np.radians(300.0)
+    sensors = triads({"scale_factor_quadratic": K2, "scale_factor_cubic": K3})
+    found = errors(sensors, procedure(), gyro__scale_factor_cubic=K3)
+    for dk in found[GYRO_SF]:
+        assert_printed(dk, "0.533")
+    assert_allclose(found[GYRO_ANGLE], -2.0 * K3 * rate**2, rtol=2e-3)
+    assert np.abs(found[GYRO_BIAS]).max() < 1e-5
+    fast = errors(sensors, procedure(rate=300.0), gyro__scale_factor_cubic=K3)
+    assert_allclose(fast[GYRO_SF], 120.0, rtol=1e-6)
+
+    found = errors(sensors, procedure(), gyro__scale_factor_quadratic=K2)
+    dk = 2.0 * K2 * (2.5 * DEG_PER_HOUR + w) / PPM
+    assert_allclose(found[GYRO_SF], dk, rtol=1e-4)  # angles let in other turns
+
+
+@pytest.mark.parametrize(("name", "order"), [("quadratic", 2), ("cubic", 3)])
+def test_pulses_show_the_same_higher_orders_of_a_gyro(monkeypatch, name, order):
+    """A simulated run of gyros, whose inputs turn, gives the closed form's errors."""
+    K = np.array([1.0, -20.0, 300.0]) * 1e-4
+    sensors = triads({f"scale_factor_{name}": np.abs(K)})
+    how = procedure(dwell=5.0, sample_rate=20.0, latitude=-40.0)
+    found = simulated(monkeypatch, sensors, how, f"gyro.scale_factor_{name}", K)
+    exact = errors(sensors, how, **{f"gyro__scale_factor_{name}": K})
+    assert np.abs(exact[GYRO_SF]).min() > (0.002 if order == 2 else 10.0)
+    assert_allclose(found, exact, rtol=1e-7, atol=1e-7)
+
+
+def asymmetric(gyro=50e-6, accelerometer=50e-6):
+    """Return both triads with an asymmetry by the sign of the input."""
+    return tuple(
+        replace(
+            one,
+            lines=tuple(
+                replace(line, form="input")
+                if line.name == "scale_factor_asymmetry"
+                else line
+                for line in one.lines
+            ),
+        )
+        for one in triads(
+            {"scale_factor_asymmetry": gyro}, {"scale_factor_asymmetry": accelerometer}
+        )
+    )
+
+
+def test_asymmetry_by_the_sign_of_the_input_has_the_printed_effects():
+    """Ka 50 ppm on both triads: Ka g/2 is a bias of the accelerometers."""
+    found = errors(
+        asymmetric(),
+        procedure(),
+        gyro__scale_factor_asymmetry=50e-6,
+        accelerometer__scale_factor_asymmetry=50e-6,
+    )
+    for dk, printed in zip(
+        found[GYRO_SF], ("8.680556e-4", "5.185541e-3", "3.806558e-3"), strict=True
+    ):
+        assert_printed(dk, printed)
+    assert np.abs(found[GYRO_ANGLE]).max() < 1e-5
+    for db, printed in zip(
+        found[GYRO_BIAS], ("1.86677e-4", "1.86667e-4", "2.74030e-4"), strict=True
+    ):
+        assert_printed(db, printed)
+    for db, dk in zip(found[ACC_BIAS], found[ACC_SF], strict=True):
+        assert_printed(db, "24.9737")
+        assert_printed(dk, "0.150152")
+
+
+@pytest.mark.parametrize("owner", ["gyro", "accelerometer"])
+@pytest.mark.parametrize("turned", [False, True])
+def test_pulses_show_the_same_asymmetry_by_the_input(monkeypatch, owner, turned):
+    """Also where an input changes its sign within a turn, at another bias."""
+    Ka = np.array([100.0, -300.0, 500.0]) * PPM
+    how = rolling() if turned else procedure(dwell=5.0, sample_rate=200.0)
+    how = replace(how, sample_rate=400.0)
+    name = f"{owner}.scale_factor_asymmetry"
+    found = simulated(monkeypatch, asymmetric(), how, name, Ka)
+    exact = errors(asymmetric(), how, **{name.replace(".", "__"): Ka})
+    size = np.array([1e-3] * 3 + [1e-5] * 6 + [1e-3] * 3 + [1e-1] * 12)
+    assert np.abs(exact[:12] if owner == "gyro" else exact[12:]).max() > 1e-3
+    assert_allclose(found / size, exact / size, rtol=1e-6, atol=2e-3)
+
+
+def test_the_law_of_an_asymmetry_takes_a_side_where_an_input_is_nothing():
+    """Without a bias the level faces have no input: no corner stops the law."""
+    plain = sensor("accelerometer", {"scale_factor_asymmetry": 50e-6})
+    law = propagate(calibration_problem((plain,), procedure()))
+    u = law.standard_uncertainty / UNITS[12:]
+    assert_allclose(u[9:], 50e-6 * 9.7966933092 / 2.0 / MICRO_G, rtol=1e-9)
+    assert_allclose(u[:9], np.zeros(9), rtol=0, atol=1e-9)
+
+
+def test_a_curve_over_a_full_scale_is_found_with_the_higher_order(monkeypatch):
+    """A tumble that estimates K3 finds the nonlinearity's too; pulses agree."""
+    how = load_procedure("dividing-head")
+    how = replace(how, sample_rate=1.0)
+    K3 = 30.0 * MICRO_G / STANDARD_GRAVITY**3
+    curved = replace(line("scale_factor_nonlinearity", K3), form="cubic")
+    sensors = (sensor("accelerometer", [curved, line("scale_factor_cubic", 2.0 * K3)]),)
+    for reference, seen in (("nominal", 3.0), ("as_tested", 0.0)):
+        problem = calibration_problem(sensors, how, reference=reference)
+        x = at_sources(
+            problem,
+            accelerometer__scale_factor_nonlinearity=K3,
+            accelerometer__scale_factor_cubic=2.0 * K3,
+        )
+        found = problem.evaluate(x[:, None])[:, 0]
+        order = [output.name.quantity for output in problem.outputs]
+        third = found[[k for k, name in enumerate(order) if name == "third_order"]]
+        assert_allclose(third, seen * K3, rtol=1e-9, atol=1e-12 * K3)
+        rest = [k for k, name in enumerate(order) if name != "third_order"]
+        assert_allclose(found[rest], 0.0, rtol=0, atol=1e-11)
+
+        monkeypatch.setattr(simulation, "_values", lambda line, *_: line.u)
+        drawn = simulate(sensors, how, run=0, reference=reference)
+        assert_allclose(drawn, found, rtol=1e-6, atol=1e-10)
 
 
 BT_GYRO = 0.01 * DEG_PER_HOUR
