@@ -10,13 +10,13 @@ import re
 from dataclasses import dataclass
 from decimal import Decimal
 from functools import cache, lru_cache
-from math import pi, sqrt
+from math import pi, prod, sqrt
 from typing import TYPE_CHECKING
 
 from budget.errors import UnitError
 
 if TYPE_CHECKING:
-    import pint
+    from collections.abc import Iterable, Iterator, Mapping
 
 HOUR = 3600.0  # [s]
 DEGREE = pi / 180.0  # [rad]
@@ -36,6 +36,9 @@ _FACTOR = rf"(?:sqrt\({_NAME}\)|{_NAME}(?:(?:\^|\*\*)?[23])?)"
 _PRODUCT = rf"{_FACTOR}(?:[/*]{_FACTOR})*"
 _TERM = rf"(?:{_FACTOR}|\({_PRODUCT}\)(?:(?:\^|\*\*)[23])?)"
 _UNIT = re.compile(rf"{_TERM}(?:[/*]{_TERM})*")
+_TERMS = re.compile(
+    rf"([/*]?)(?:\(({_PRODUCT})\)|sqrt\(({_NAME})\)|({_NAME}))(?:\^|\*\*)?([23])?"
+)
 _QUANTITY = re.compile(rf"((?>{NUMBER}))\s*([^\s\d.,:_+-]\S*(?: \S+)*)")
 # Sizes a quantity may have, beside 0 [SI]. The law of propagation takes fourth powers
 # of values and products of them, which must neither overflow nor vanish.
@@ -117,31 +120,32 @@ KINDS = (
     Kind("a frequency", ("Hz", "kHz")),
 )
 
-# Our own registry: pint's default one reads ug and mg as masses and turns deg/s into
-# Hz. An angle is a dimension here, so that a rate is never taken for a frequency.
-_BASES = {
-    "rad": "[angle]",
-    "deg": f"{DEGREE!r} * rad",
-    "arcmin": f"{DEGREE / 60.0!r} * rad",
-    "arcsec": f"{ARCSEC!r} * rad",
-    "s": "[time]",
-    "min": "60 * s",
-    "h": "3600 * s",
-    "Hz": "1 / s",
-    "m": "[length]",
-    "degC": "[temperature]",
-    "K": "degC",
-    "ft": "0.3048 * m",
-    "dps": "deg / s",
-    "dph": "deg / h",
-    "fps": "ft / s",
-    "Gal": "1e-2 * m / s ** 2",
-    "g": "GRAVITY * m / s ** 2",
-    "percent": "1e-2",
-    "ppm": "1e-6",
+# What a name means: a number times powers of other names. Those without a meaning are
+# the base units, each with a dimension of its own; an angle has one, so that a rate is
+# never taken for a frequency.
+_BASES: dict[str, tuple[float, dict[str, float]] | None] = {
+    "rad": None,
+    "deg": (DEGREE, {"rad": 1.0}),
+    "arcmin": (DEGREE / 60.0, {"rad": 1.0}),
+    "arcsec": (ARCSEC, {"rad": 1.0}),
+    "s": None,
+    "min": (60.0, {"s": 1.0}),
+    "h": (HOUR, {"s": 1.0}),
+    "Hz": (1.0, {"s": -1.0}),
+    "m": None,
+    "degC": None,
+    "K": (1.0, {"degC": 1.0}),
+    "ft": (0.3048, {"m": 1.0}),
+    "dps": (1.0, {"deg": 1.0, "s": -1.0}),
+    "dph": (1.0, {"deg": 1.0, "h": -1.0}),
+    "fps": (1.0, {"ft": 1.0, "s": -1.0}),
+    "Gal": (1e-2, {"m": 1.0, "s": -2.0}),
+    "g": (STANDARD_GRAVITY, {"m": 1.0, "s": -2.0}),  # or that of the place
+    "percent": (1e-2, {}),
+    "ppm": (PPM, {}),
 }
 # Metric prefixes, and the units that take them. Never k before g, which is a mass.
-_PREFIXES = {"n": "1e-9", "u": "1e-6", "m": "1e-3", "c": "1e-2", "k": "1e3"}
+_PREFIXES = {"n": 1e-9, "u": 1e-6, "m": 1e-3, "c": 1e-2, "k": 1e3}
 _PREFIXED = {
     **dict.fromkeys(("rad", "deg", "dps", "s", "Gal", "g"), "mun"),
     "m": "cmun",
@@ -149,7 +153,7 @@ _PREFIXED = {
     "Hz": "k",
 }
 DEFINITIONS = _BASES | {
-    prefix + base: f"{_PREFIXES[prefix]} * {base}"
+    prefix + base: (_PREFIXES[prefix], {base: 1.0})
     for base, prefixes in _PREFIXED.items()
     for prefix in prefixes
 }
@@ -292,18 +296,7 @@ class _Size:
     """What a unit stands for."""
 
     si_per_unit: float  # [SI]
-    dimension: frozenset[tuple[str, object]]  # base dimension and its power
-
-
-@lru_cache(maxsize=8)
-def _registry(gravity: float) -> pint.UnitRegistry[float]:
-    """Return the registry in which `g` is that gravity [m/s^2]."""
-    import pint  # a quarter of a second, so not before a unit is read
-
-    registry: pint.UnitRegistry[float] = pint.UnitRegistry(None)
-    for name, definition in DEFINITIONS.items():
-        registry.define(f"{name} = {definition.replace('GRAVITY', repr(gravity))}")
-    return registry
+    dimension: frozenset[tuple[str, float]]  # base units and their powers
 
 
 @lru_cache(maxsize=1024)
@@ -313,14 +306,48 @@ def _size(unit: str, gravity: float) -> _Size | None:
     names = re.findall(_NAME, plain.replace("sqrt(", "("))
     if not _UNIT.fullmatch(plain) or not DEFINITIONS.keys() >= set(names):
         return None
-    powers = re.sub(r"sqrt(\([^)]*\))", r"\1**0.5", plain)
-    powers = re.sub(r"([A-Za-z)])(?:\^|\*\*)?([23])", r"\1**\2", powers)
-    parsed = _registry(gravity).Quantity(1.0, powers).to_root_units()
-    return _Size(parsed.magnitude, frozenset(parsed.dimensionality.items()))
+    parts = list(_parts(_gathered(_powers(plain)), gravity))
+    bases = _gathered((base, power) for _, base, power in parts if base)
+    return _Size(prod(factor for factor, *_ in parts), frozenset(bases.items()))
+
+
+def _powers(unit: str, of_all: float = 1.0) -> Iterator[tuple[str, float]]:
+    """Yield the names of a unit of our grammar with their powers, in its order."""
+    for operator, product, root, name, digit in _TERMS.findall(unit):
+        power = of_all * float(digit or 1) * (-1.0 if operator == "/" else 1.0)
+        if product:
+            yield from _powers(product, power)
+        else:
+            yield root or name, 0.5 * power if root else power
+
+
+def _parts(
+    powers: Mapping[str, float], gravity: float
+) -> Iterator[tuple[float, str, float]]:
+    """Yield what powers of names are made of: a number, a base unit and its power.
+
+    One of both at a time: the number stands with '' and 0, the base unit with 1.
+    """
+    for name, power in powers.items():
+        meaning = DEFINITIONS[name]
+        if meaning is None:
+            yield 1.0, name, power
+            continue
+        factor, of = meaning
+        yield (gravity if name == "g" else factor) ** power, "", 0.0
+        yield from _parts({base: p * power for base, p in of.items()}, gravity)
+
+
+def _gathered(powers: Iterable[tuple[str, float]]) -> dict[str, float]:
+    """Add up the powers of each name, and leave out those that cancel."""
+    total: dict[str, float] = {}
+    for name, power in powers:
+        total[name] = total.get(name, 0.0) + power
+    return {name: power for name, power in total.items() if power}
 
 
 @cache
-def _dimension(like: str) -> frozenset[tuple[str, object]]:
+def _dimension(like: str) -> frozenset[tuple[str, float]]:
     """Return the dimension of one of our own example units."""
     size = _size(like, STANDARD_GRAVITY)
     if size is None:

@@ -265,7 +265,7 @@ def test_the_check_of_names_can_fail(tmp_path):
 
 
 def test_help_wakes_nothing_heavy():
-    """`budget --help` imports no numpy, scipy, pandas, matplotlib, pint or pydantic."""
+    """`budget --help` imports no numpy, scipy, pandas, matplotlib or pydantic."""
     code = (
         "import sys, budget.cli\n"
         "try:\n    budget.cli.app(['--help'])\n"
@@ -282,6 +282,6 @@ def test_help_wakes_nothing_heavy():
     loaded = run.stdout.splitlines()[-1]
     for heavy in (
         *("numpy", "scipy", "pandas", "matplotlib", "SALib"),
-        *("pint", "pydantic", "ruamel", "jinja2"),
+        *("pydantic", "ruamel", "jinja2"),
     ):
         assert f"'{heavy}'" not in loaded

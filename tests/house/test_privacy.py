@@ -66,19 +66,8 @@ import os, sys
 WATCHED = frozenset({WATCHED!r})
 
 
-def is_dask():
-    # pint imports dask where it is there, which names its own functions by pickling
-    # them in memory.
-    frame = sys._getframe(2)
-    while frame is not None:
-        if frame.f_globals.get("__name__", "").startswith("dask."):
-            return True
-        frame = frame.f_back
-    return False
-
-
 def watch(event, arguments):
-    if event in WATCHED and not (event == "pickle.find_class" and is_dask()):
+    if event in WATCHED:
         place = os.open(os.environ["AUDIT_LOG"], os.O_WRONLY | os.O_APPEND | os.O_CREAT)
         os.write(place, (event + " " + repr(arguments)[:200] + "\\n").encode())
         os.close(place)
