@@ -11,26 +11,35 @@ from budget.cli.streams import say
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+    from contextlib import AbstractContextManager
 
-    from rich.progress import TaskID
+    from rich.progress import Progress, TaskID
 
+    from budget.methods.cluster import Cluster
     from budget.studies.progress import Engine
 
 
 @contextmanager
 def computing(*, workers: int, cluster: str | None) -> Iterator[Engine]:
     """Provide workers, local or on a cluster, and a progress bar."""
-    from budget.methods.cluster import connect
     from budget.studies.progress import Engine
 
-    place = nullcontext() if cluster is None else connect(cluster)
-    with place as found, progress() as show:
+    with _place(cluster) as found, progress() as show:
         yield Engine(
             executor=None if found is None else found.executor,
             workers=workers if found is None else found.workers,
             progress=show,
             talk=say,
         )
+
+
+def _place(cluster: str | None) -> AbstractContextManager[Cluster | None]:
+    """Return where the work is done: on a cluster, or here."""
+    if cluster is None:
+        return nullcontext()
+    from budget.methods.cluster import connect
+
+    return connect(cluster)
 
 
 PATIENCE = 1.0  # [s] before a bar appears
@@ -43,6 +52,34 @@ def progress() -> Iterator[Callable[[str, int, int], None]]:
     The bar says what is being done and starts again for each task; tasks that are done
     stay above it. Nothing is shown where stderr is no terminal.
     """
+    begun = monotonic()
+    tasks: dict[str, tuple[int, int]] = {}
+    rows: dict[str, TaskID] = {}
+    bar: Progress | None = None
+
+    def show(what: str, done: int, total: int) -> None:
+        nonlocal bar
+        if what not in tasks:  # adaptive work ends before all its steps are done
+            tasks.update({task: (most, most) for task, (_, most) in tasks.items()})
+        tasks[what] = (done, total)
+        if bar is None and monotonic() - begun >= PATIENCE and sys.stderr.isatty():
+            bar = _started_bar()
+        if bar is None:
+            return
+        for task, (made, most) in tasks.items():
+            if task not in rows:
+                rows[task] = bar.add_task(task, total=None)
+            bar.update(rows[task], completed=made, total=most)
+
+    try:
+        yield show
+    finally:
+        if bar is not None:
+            bar.stop()
+
+
+def _started_bar() -> Progress:
+    """Return a bar that shows on stderr."""
     from rich.console import Console
     from rich.progress import Progress, TimeRemainingColumn
 
@@ -52,24 +89,5 @@ def progress() -> Iterator[Callable[[str, int, int], None]]:
         console=Console(file=sys.stderr),
         transient=True,
     )
-    begun = monotonic()
-    rows: dict[str, TaskID] = {}
-
-    def show(what: str, done: int, total: int) -> None:
-        if what not in rows:
-            for row in bar.tasks:  # adaptive work ends before all its steps are done
-                bar.update(row.id, completed=row.total)
-            rows[what] = bar.add_task(what, total=None)
-        bar.update(rows[what], completed=done, total=total)
-        if (
-            not bar.live.is_started
-            and monotonic() - begun >= PATIENCE
-            and sys.stderr.isatty()
-        ):
-            bar.start()
-
-    try:
-        yield show
-    finally:
-        if bar.live.is_started:
-            bar.stop()
+    bar.start()
+    return bar
