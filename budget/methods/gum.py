@@ -17,6 +17,7 @@ products of two sources over (1 + e), and e is far below 1. For a model that ben
 from __future__ import annotations
 
 from dataclasses import dataclass
+from statistics import NormalDist
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -86,16 +87,19 @@ class Propagation:
         CallError
             The coverage is none that intervals can be computed for.
         """
-        from scipy.special import ndtri, stdtrit
-
         if not is_coverage(coverage):
             raise CallError(f"coverage is {coverage!r}, allowed: {COVERAGES}")
         p = (1.0 + coverage) / 2.0
         known = np.isinf(self.degrees_of_freedom)
+        normal = np.full(known.shape, NormalDist().inv_cdf(p))
+        if known.all():
+            return normal
+        from scipy.special import stdtrit
+
         # A whole number of degrees of freedom must not fall short of it by rounding.
         v = np.where(known, 1.0, self.degrees_of_freedom) * (1.0 + ROUNDING)
         whole = np.floor(v)
-        return np.asarray(np.where(known, ndtri(p), stdtrit(np.maximum(whole, 1.0), p)))
+        return np.asarray(np.where(known, normal, stdtrit(np.maximum(whole, 1.0), p)))
 
     def interval(self, coverage: float) -> Array:
         """Return mean +- k u, shape (n_out, 2)."""

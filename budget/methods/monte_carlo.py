@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial, reduce
+from functools import cache, partial, reduce
 from itertools import chain
-from math import ceil
+from math import ceil, pi, sqrt
 from operator import add
 from typing import TYPE_CHECKING
 
@@ -468,19 +468,53 @@ class Gathering:
 
 def _exceeded_by_none(error: Array, degrees_of_freedom: int) -> Array:
     """Return r of each column with sum_j P(|t| > r/error_j) = ERROR_RATE, (n_out,)."""
-    from scipy.special import stdtr, stdtrit
-
     v = degrees_of_freedom
     largest, counts = error.max(axis=0), len(error)
     # As if only the largest counted, and as if all were as large.
-    low = largest * float(stdtrit(v, 1.0 - ERROR_RATE / 2.0))
-    high = largest * float(stdtrit(v, 1.0 - ERROR_RATE / (2.0 * counts)))
+    low = largest * student_quantile(ERROR_RATE, v)
+    high = largest * student_quantile(ERROR_RATE / counts, v)
     safe = np.where(error > 0.0, error, 1.0)
     for _ in range(HALVINGS):
         r = 0.5 * (low + high)
-        beyond = np.where(error > 0.0, 2.0 * stdtr(v, -r / safe), 0.0).sum(axis=0)
+        beyond = np.where(error > 0.0, student_tails(r / safe, v), 0.0).sum(axis=0)
         low, high = (
             np.where(beyond > ERROR_RATE, r, low),
             np.where(beyond > ERROR_RATE, high, r),
         )
     return np.asarray(high)
+
+
+def student_tails(t: Array, v: int) -> Array:
+    """Return P(|T| > t) of Student's t with v degrees of freedom, whole and few.
+
+    By t = sqrt(v) tan a the density of T is cos^(v-1) a over its integral B_v, and
+    integration by parts gives P(|T| <= t) = A_v with
+
+        A_1 = 2 a/pi, A_2 = sin a, A_(n+2) = A_n + 2 sin a cos^n a / (n B_n) ,
+
+    B_1 = pi, B_2 = 2, B_(n+2) = B_n n/(n+1). To rounding of 1, not of the tails; what
+    scipy has to rounding of these takes longer to import than a short run to compute.
+    """
+    tangent = t / sqrt(v)
+    cosine = 1.0 / np.sqrt(1.0 + tangent**2)
+    sine = tangent * cosine
+    n, B, power = (1, pi, cosine) if v % 2 else (2, 2.0, cosine**2)
+    within = 2.0 / pi * np.arctan(tangent) if v % 2 else sine
+    while n < v:
+        within = within + 2.0 / (n * B) * sine * power
+        n, B, power = n + 2, B * n / (n + 1), power * cosine**2
+    return np.asarray(1.0 - within)
+
+
+@cache
+def student_quantile(tails: float, v: int) -> float:
+    """Return t with P(|T| > t) = tails, of v degrees of freedom, whole and few."""
+    low, high = 0.0, 1.0
+    while student_tails(np.array(high), v) > tails:
+        high *= 2.0
+    while low < (t := 0.5 * (low + high)) < high:
+        if student_tails(np.array(t), v) > tails:
+            low = t
+        else:
+            high = t
+    return high

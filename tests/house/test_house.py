@@ -264,11 +264,22 @@ def test_the_check_of_names_can_fail(tmp_path):
     assert len(list(handled_names(bad))) == 4
 
 
-def test_help_wakes_nothing_heavy():
-    """`budget --help` imports no numpy, scipy, pandas, matplotlib or pydantic."""
+DRAWING = ("pandas", "matplotlib", "SALib", "jinja2", "fontTools", "typst")
+
+
+@pytest.mark.parametrize(
+    ("words", "spared"),
+    [
+        (["--help"], (*DRAWING, "numpy", "scipy", "pydantic", "ruamel", "rich")),
+        (["analyze"], (*DRAWING, "scipy", "distributed", "dask", "asyncio")),
+    ],
+)
+def test_a_command_loads_what_it_needs_alone(words, spared):
+    """`--help` loads no numpy, `analyze` nothing that draws, solves or distributes."""
     code = (
         "import sys, budget.cli\n"
-        "try:\n    budget.cli.app(['--help'])\n"
+        f"sys.argv = ['budget', *{words!r}]\n"
+        "try:\n    budget.cli.main()\n"
         "except SystemExit:\n    pass\n"
         "print(sorted({m.split('.')[0] for m in sys.modules}))"
     )
@@ -280,8 +291,6 @@ def test_help_wakes_nothing_heavy():
         env={**os.environ, "PYTHONPATH": str(PACKAGE.parent)},
     )
     loaded = run.stdout.splitlines()[-1]
-    for heavy in (
-        *("numpy", "scipy", "pandas", "matplotlib", "SALib"),
-        *("pydantic", "ruamel", "jinja2"),
-    ):
+    assert "'typer'" in loaded
+    for heavy in spared:
         assert f"'{heavy}'" not in loaded

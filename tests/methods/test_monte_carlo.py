@@ -8,7 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from builders import paper_accelerometer, paper_gyro, procedure
+from command_line import last_digit
 from numpy.testing import assert_allclose, assert_array_equal
+from scipy import special
 from scipy.stats import binom
 
 from budget.calibration.problem import calibration_problem
@@ -16,7 +18,7 @@ from budget.distributions import ARCSINE, NORMAL, TRIANGULAR, UNIFORM
 from budget.errors import WorkerError
 from budget.methods import monte_carlo
 from budget.methods.execution import BLOCK, draw
-from budget.methods.monte_carlo import sample
+from budget.methods.monte_carlo import sample, student_quantile, student_tails
 from budget.problem import Group, Output, Problem
 
 TRIALS = 3 * BLOCK + 17
@@ -355,3 +357,22 @@ def test_an_adaptive_run_counts_once_too_many_were_kept(monkeypatch):
     counted = sample(problem, digits=2, seed=1)
     assert counted.trials == kept.trials
     assert np.abs(counted.interval - kept.interval).max() < 2e-3
+
+
+@pytest.mark.parametrize(
+    ("v", "printed"),
+    # Tables of Student's t, for 95 %: JCGM 100:2008, Table G.2.
+    [
+        *((1, "12.71"), (2, "4.30"), (3, "3.18"), (4, "2.78"), (9, "2.26")),
+        *((10, "2.23"), (20, "2.09"), (30, "2.04")),
+    ],
+)
+def test_student_quantiles_are_those_of_the_tables(v, printed):
+    """The t of 5 % in both tails agrees with the printed one, the tails with scipy."""
+    t = np.array([0.0, 0.1, 1.0, 2.0, 10.0, 1e3])
+
+    found = student_quantile(0.05, v)
+    assert_allclose(found, float(printed), rtol=0, atol=0.5 * last_digit(printed))
+    # To rounding of 1, from which the tails are what is left.
+    expected = 2.0 * special.stdtr(v, -t)
+    assert_allclose(student_tails(t, v), expected, rtol=0, atol=1e-14)
