@@ -222,6 +222,7 @@ def expand(function, sizes):
 
     plus = [at(1, i) for i in range(n)]
     minus = [at(-1, i) for i in range(n)]
+    # Mixed derivatives are of one side: right to a STEP, which is far below 1e-12.
     C = [
         mpmath.matrix([[(plus[i][k] - minus[i][k]) / (2 * h[i]) for i in range(n)]])
         for k in outputs
@@ -231,11 +232,10 @@ def expand(function, sizes):
         for k in outputs:
             H[k][i, i] = (plus[i][k] - 2 * middle[k] + minus[i][k]) / h[i] ** 2
         for j in range(i):
-            both, none = at(1, i, j), at(-1, i, j)
+            both = at(1, i, j)
             for k in outputs:
-                mixed = both[k] + none[k] + 2 * middle[k]
-                mixed -= plus[i][k] + minus[i][k] + plus[j][k] + minus[j][k]
-                H[k][i, j] = H[k][j, i] = mixed / (2 * h[i] * h[j])
+                mixed = both[k] - plus[i][k] - plus[j][k] + middle[k]
+                H[k][i, j] = H[k][j, i] = mixed / (h[i] * h[j])
     return Expansion(C=C, H=H)
 
 
@@ -245,8 +245,14 @@ def propagate(expansion, U):
     JCGM 100:2008, eq. (13) and the note to 5.1.2.
     """
     n, u = U.rows, []
+    # Most of U and H is 0: the axes have little in common.
+    columns = [[(i, U[i, j]) for i in range(n) if U[i, j]] for j in range(n)]
     for row, H in zip(expansion.C, expansion.H, strict=True):
-        HU = H * U
+        HU = mpmath.zeros(n)
+        for i in range(n):
+            bent = {k: H[i, k] for k in range(n) if H[i, k]}
+            for j, column in enumerate(columns):
+                HU[i, j] = sum(bent[k] * part for k, part in column if k in bent)
         first = (row * U * row.T)[0]
         second = sum(HU[i, j] * HU[j, i] for i in range(n) for j in range(n)) / 2
         u.append(mpmath.sqrt(first + second))
