@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from contextlib import ExitStack
 from functools import wraps
 from hashlib import sha256
 from unittest.mock import patch
@@ -10,6 +11,7 @@ from unittest.mock import patch
 import numpy as np
 
 from budget.calibration import simulation
+from budget.model.scheme import Scheme
 
 
 def once(function, kept):
@@ -30,10 +32,10 @@ def once(function, kept):
 
 
 class Pulses:
-    """Runs of one simulated test, whose pulses are counted once.
+    """Runs of one simulated test, drawn, counted and calibrated once.
 
-    What the windows of a run count depends on no formula and no reference, and takes
-    nearly all the time; estimators and references are computed anew.
+    What the sources of a run are and what its windows count depends on no formula and
+    no reference; what is calibrated from it depends on no reference.
     """
 
     def __init__(self, sensors, procedure, *, seed, only=None):
@@ -43,20 +45,21 @@ class Pulses:
 
     def errors(self, runs, *, reference, procedure=None):
         """Return the errors of runs, shape (runs, n_outputs), by any formulas."""
-        count = simulation._count  # noqa: SLF001 - the dear part
-
-        def counted(sensor, scheme, tested, drawn, where):
-            key = run, sensor.kind, where.place
-            if key not in self.kept:
-                self.kept[key] = count(sensor, scheme, tested, drawn, where)
-            return self.kept[key]
-
+        plan = procedure or self.procedure
+        how = pickle.dumps(plan), Scheme.estimate
+        keys = {
+            "_draw": lambda owner, line, *_: (run, owner, line.name),
+            "_count": lambda sensor, *rest: (run, sensor.kind, rest[-1].place),
+            "_calibrate": lambda sensor, *_: (run, sensor.kind, how),
+        }
         found = []
-        with patch.object(simulation, "_count", counted):
+        with ExitStack() as stack:
+            for name, key_of in keys.items():
+                stack.enter_context(self._keep(name, key_of))
             for run in range(runs):
                 one = simulation.simulate(
                     self.sensors,
-                    procedure or self.procedure,
+                    plan,
                     run=run,
                     seed=self.seed,
                     reference=reference,
@@ -64,3 +67,15 @@ class Pulses:
                 )
                 found.append(one)
         return np.array(found)
+
+    def _keep(self, name, key_of):
+        """Return a patch of the simulation: one of its steps keeps what it returned."""
+        step = getattr(simulation, name)
+
+        def kept(*args):
+            key = name, *key_of(*args)
+            if key not in self.kept:
+                self.kept[key] = step(*args)
+            return self.kept[key]
+
+        return patch.object(simulation, name, kept)
