@@ -117,6 +117,7 @@ KINDS = (
     Kind("a ratio", ("ppm", "%")),
     Kind("an angle", ("arcsec", "arcmin", "deg", "mrad", "urad", "rad")),
     Kind("a time", ("s", "min", "h")),
+    Kind("a length", ("m", "ft")),
     Kind("a frequency", ("Hz", "kHz")),
 )
 

@@ -107,6 +107,8 @@ def procedure(
     azimuths=(0.0, 180.0, 270.0, 450.0),
     station=(),
     environment=(),
+    flip_axis="inner",
+    **more,
 ):
     """Return a procedure, the paper's by default; latitude, azimuths, rate in deg."""
     return Procedure(
@@ -123,11 +125,14 @@ def procedure(
             azimuths=tuple(radians(a) for a in azimuths),
             dwell=dwell,
         ),
-        accelerometer=AccelerometerProcedure(dwell=dwell, pause=pause),
+        accelerometer=AccelerometerProcedure(
+            dwell=dwell, pause=pause, flip_axis=flip_axis
+        ),
         assumptions=(),
         origin=NOWHERE,
         station=station,
         environment=environment,
+        **more,
     )
 
 

@@ -279,8 +279,9 @@ def _count(
         if window.setting.turning is None
         else OUTER - window.setting.turning,
         angle=window.setting.angle,
-        earth=scheme.earth,
-        gravity=scheme.gravity,
+        length=window.length,
+        place=scheme.place,
+        timing=scheme.timing,
     )
     disturbances = [
         (one.effect, one) for one in drawn if isinstance(one.effect, Disturbance)
@@ -308,8 +309,8 @@ def _count(
         reading = reading + effect.reading(one.value, moment)
     K = 1.0 + tested.k
     if reading.shape[1] == 1:  # nothing varies within the window
-        return np.asarray(K * reading[:, 0] * window.length)
-    return np.asarray(K * reading.sum(axis=1) * at.dt)
+        return np.asarray(K * reading[:, 0] * window.length * table.pace)
+    return np.asarray(K * reading.sum(axis=1) * at.dt * table.pace)
 
 
 def _inputs(window: Window, table: Table, at: Samples) -> tuple[Array, Array]:
@@ -321,13 +322,17 @@ def _inputs(window: Window, table: Table, at: Samples) -> tuple[Array, Array]:
     """
     setting = window.setting
     base, *joints = (joint.T for joint in table.joints)
-    earth, gravity = base @ table.earth[:, None], base @ table.gravity[:, None]
-    turn_rate = table.angle / window.length
+    earth, gravity = (
+        base @ table.place.earth[:, None],
+        base @ table.place.force[:, None],
+    )
+    dt = at.dt * table.pace
+    turn_rate = table.angle / (window.length * table.pace)
     turn = np.zeros((3, 1))
     for axis, start, joint in zip((2, 1, 0), setting.angles, joints, strict=True):
         angle = np.array([start])
         if axis == setting.turning:
-            angle = start + turn_rate * at.dt * (np.arange(at.n, dtype=float) + 0.5)
+            angle = start + turn_rate * dt * (np.arange(at.n, dtype=float) + 0.5)
             turn = turn_rate * np.eye(3)[:, [axis]]
         elif turn.any():
             turn = _turned_back(turn, axis, angle)

@@ -31,6 +31,7 @@ from budget.model.response import (
     tilt,
     tilt_transposed,
 )
+from budget.model.windows import Timing
 from budget.names import AXES
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from budget.arrays import Array
+    from budget.model.place import Place
     from budget.model.response import Truth
     from budget.model.windows import Schedule
 
@@ -57,8 +59,8 @@ class Scheme:
         'gyro' or 'accelerometer'.
     schedule : Schedule
         The n windows.
-    earth, gravity : ndarray, shape (3,)
-        Earth rate [rad/s] and specific force of gravity [m/s^2], east-north-up.
+    place : Place
+        What the test takes it for.
     weights : ndarray, shape (3, 4 + m, n)
         W of each axis: rows of its responses to body x, y, z, then of its bias
         [1/unit of the input, and 1], then of its higher orders.
@@ -67,6 +69,8 @@ class Scheme:
         axes; None: the bias is what the weights give.
     held : Held or None
         What is not estimated; None: everything is.
+    timing : Timing
+        What it goes by where the table turns.
     orders : tuple of int
         Powers p of an axis' own input whose coefficients K_p are estimated, m of them.
 
@@ -81,16 +85,26 @@ class Scheme:
 
     owner: str
     schedule: Schedule
-    earth: Array
-    gravity: Array
+    place: Place
     weights: Array = field(repr=False)
     rotated: Array | None = None
     held: Held | None = None
+    timing: Timing = field(default_factory=Timing)
     orders: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         """Check W A = I: an estimator that misses it has errors without any source."""
         check_unbiased(self)
+
+    @property
+    def earth(self) -> Array:
+        """Earth rate, east-north-up, shape (3,) [rad/s]."""
+        return self.place.earth
+
+    @property
+    def gravity(self) -> Array:
+        """Specific force of gravity, east-north-up, shape (3,) [m/s^2]."""
+        return self.place.force
 
     @property
     def ambient(self) -> Array:

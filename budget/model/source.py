@@ -27,9 +27,10 @@ if TYPE_CHECKING:
 
     from budget.distributions import Distribution
     from budget.model.noise import Process
+    from budget.model.place import Place
     from budget.model.response import Truth
     from budget.model.scheme import Scheme
-    from budget.model.windows import Window
+    from budget.model.windows import Timing, Window
 
 GYRO, ACCELEROMETER = "gyro", "accelerometer"
 STATION, ENVIRONMENT = "station", "environment"
@@ -259,8 +260,14 @@ class Table:
         Place of the axis that turns in the chain from the base; None of a dwell.
     angle : float
         That the table really turns [rad].
-    earth, gravity : ndarray, shape (3,)
-        Earth rate [rad/s] and specific force of gravity [m/s^2], east-north-up.
+    length : float
+        Of the window, by the clock [s].
+    place : Place
+        Where it really is.
+    timing : Timing
+        What the test goes by where the table turns.
+    pace : float
+        Real length of a window over that by the clock [1].
     joints : ndarray, shape (4, 3, 3)
         Rotations that should not be there: of the base, and after each axis of the
         table, the last one that of the body in its mount.
@@ -270,8 +277,10 @@ class Table:
     stop: int
     turning: int | None
     angle: float
-    earth: Array
-    gravity: Array
+    length: float
+    place: Place
+    timing: Timing
+    pace: float = 1.0
     joints: Array = field(default_factory=lambda: np.tile(np.eye(3), (4, 1, 1)))
 
     def askew(self, joint: int, axis: int, angle: float) -> Table:

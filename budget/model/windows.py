@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 
 OUTER, MIDDLE, INNER = 2, 1, 0  # the body axis that each turns about at table zero
+FLIPS = {"inner": INNER, "middle": MIDDLE}  # axes that z comes down by
 CHAIN = (OUTER, MIDDLE, INNER)  # from the base to the body
 RIGHT = pi / 2.0
 FACES = {  # (axis, sign up or down): how the table holds it, at azimuth zero
@@ -26,9 +27,28 @@ FACES = {  # (axis, sign up or down): how the table holds it, at azimuth zero
     (1, 1): (0.0, RIGHT),
     (1, -1): (0.0, -RIGHT),
 }
+ANGLE, RATE = "angle", "rate"  # that scale factors are taken from
+EDGES = ("index", "rest", "time")  # of windows: at an index of the table, at rest
+EDGES_BY_TIME = EDGES[-1]
 # Cosines and sines below this are rounding of a right angle or a whole turn [1].
 ROUNDING = 1e-15
 POINTS = 4  # of a turn: as many as harmonics 0 to 3 take [1]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Timing:
+    """What a test goes by where its table turns.
+
+    Attributes
+    ----------
+    scale_from : str
+        ANGLE, of whole turns whose time is measured, or RATE, that the table is set to.
+    edges : str
+        One of EDGES, of windows.
+    """
+
+    scale_from: str = ANGLE
+    edges: str = EDGES[0]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,9 +72,16 @@ class Setting:
     angle: float = 0.0
 
     @classmethod
-    def face(cls, axis: int, sign: int, azimuth: float = 0.0) -> Setting:
-        """Hold a body axis up (sign +1) or down, the outer axis at an azimuth [rad]."""
+    def face(
+        cls, axis: int, sign: int, azimuth: float = 0.0, flip: int = INNER
+    ) -> Setting:
+        """Hold a body axis up (sign +1) or down, the outer axis at an azimuth [rad].
+
+        z comes down by half a turn of the inner axis, or of the middle one (`flip`).
+        """
         middle, inner = FACES[axis, sign]
+        if flip == MIDDLE and (axis, sign) == (2, -1):
+            middle, inner = inner, middle
         return cls(outer=azimuth, middle=middle, inner=inner)
 
     def after(self, angle: float) -> Setting:

@@ -11,6 +11,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from budget.earth import normal_gravity
 from budget.model.sources import ENVIRONMENT, SENSORS, STATION, lines_of
+from budget.model.windows import ANGLE, EDGES, RATE, Timing
 from budget.names import (
     HIGHER,
     ORDERS,
@@ -43,6 +44,8 @@ from budget.spec.windows import WindowItem, lay_out
 from budget.units import Quantity
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from pydantic import GetJsonSchemaHandler
     from pydantic.json_schema import JsonSchemaValue
     from pydantic_core import CoreSchema, core_schema
@@ -60,8 +63,12 @@ NO_PAPER = (
     "estimate",
     "windows",
     "pause",
+    "height",
+    "flip_axis",
 )  # keys it has none of
 MOST_AZIMUTHS = 360  # one for every degree; all windows are correlated with all
+IDEAL = "station: not given, an ideal one assumed"
+MOST_HEIGHT = 100_000.0  # of a laboratory; the series of normal gravity ends there [m]
 _ROUNDING = 1e-12  # relative; a latitude of 90 deg is no more than that in radians
 
 
@@ -225,6 +232,10 @@ class ProcedureFile(Strict):
     gravity: Annotated[
         Quantity | Literal["normal"], Gravity("m/s^2", Sign.POSITIVE, bare=True)
     ] = _paper("normal", "at the place; normal: WGS 84 at that latitude")
+    height: Annotated[Quantity, Measured("m", Sign.ANY, bare=True)] | None = Field(
+        default=None,
+        description="above the ellipsoid, for normal gravity; unset: 0 m",
+    )
     sample_rate: Annotated[Quantity, Measured("Hz", Sign.POSITIVE, bare=True)] = _paper(
         "100 Hz", "of the sensor outputs"
     )
@@ -246,6 +257,9 @@ class ProcedureFile(Strict):
     pause: Time | None = Field(
         default=None, description="between all windows; unset: 0 s"
     )
+    flip_axis: Literal["inner", "middle"] = Field(
+        default="inner", description="axis of the table that z comes down by"
+    )
     formulas: Literal["corrected", "paper"] = _paper(
         "corrected", "of the gyro bias: corrected, or as the paper prints them"
     )
@@ -264,6 +278,15 @@ class ProcedureFile(Strict):
         if abs(self.latitude.value) > 0.5 * pi * (1.0 + _ROUNDING):
             messages["latitude",] = (
                 f"found {self.latitude.printed!r}, expected -90 deg to 90 deg"
+            )
+        if self.height is not None and self.gravity != "normal":
+            messages["height",] = (
+                "is for normal gravity, and gravity is given; remove one of them"
+            )
+        if self.height is not None and abs(self.height.value) > MOST_HEIGHT:
+            messages["height",] = (
+                f"found {self.height.printed!r}, expected {-MOST_HEIGHT:g} m to "
+                f"{MOST_HEIGHT:g} m"
             )
         turn = 2.0 * pi * self.gyro.turns / self.gyro.rate.value
         messages |= self._scheme_faults()
@@ -363,7 +386,12 @@ class ProcedureFile(Strict):
     def laid_out(self) -> tuple[Window, ...]:
         """The windows on the clock of the file."""
         pause = 0.0 if self.pause is None else self.pause.value
-        return lay_out(self.windows or (), pause, self.sample_rate.value)
+        return lay_out(
+            self.windows or (),
+            pause,
+            self.sample_rate.value,
+            flip_axis=self.flip_axis,
+        )
 
 
 def read_procedure(document: Document) -> Procedure:
@@ -375,7 +403,7 @@ def read_procedure(document: Document) -> Procedure:
         Every issue of the file.
     """
     model = check(document, ProcedureFile)
-    gravity = model.gravity
+    gravity, height = model.gravity, model.height.value if model.height else 0.0
     idle = () if model.chosen_estimator == "paper" else ("formulas",)
     gyro, accelerometer = model.gyro, model.accelerometer
     shared = {
@@ -385,9 +413,15 @@ def read_procedure(document: Document) -> Procedure:
     return Procedure(
         name=model.name or document.base_name.partition(".")[0],
         latitude=model.latitude.value,
-        gravity=normal_gravity(model.latitude.value)
+        gravity=normal_gravity(model.latitude.value, height)
         if gravity == "normal"
         else gravity.value,
+        height=height,
+        is_gravity_normal=gravity == "normal",
+        timing=Timing(
+            scale_from=getattr(model.station, "scale_from", None) or ANGLE,
+            edges=getattr(model.station, "window", None) or EDGES[0],
+        ),
         sample_rate=model.sample_rate.value,
         formulas=model.formulas
         if model.chosen_estimator == "paper"
@@ -404,12 +438,20 @@ def read_procedure(document: Document) -> Procedure:
             dwell=gyro.dwell.value,
         ),
         accelerometer=AccelerometerProcedure(
-            dwell=accelerometer.dwell.value, pause=accelerometer.pause.value
+            dwell=accelerometer.dwell.value,
+            pause=accelerometer.pause.value,
+            flip_axis=model.flip_axis,
         ),
         assumptions=(
             *_assumptions("", model, (*NO_PAPER, *SENSORS, *shared, *idle)),
             *(() if model.windows else _assumptions("gyro.", gyro)),
             *(() if model.windows else _assumptions("accelerometer.", accelerometer)),
+            *(
+                ("height: not given, 0 m assumed",)
+                if gravity == "normal" and model.height is None
+                else ()
+            ),
+            *((IDEAL,) if model.station is None else ()),
             *_windows_assumptions(model),
             *_held_assumptions(model),
             *(
@@ -480,7 +522,7 @@ def surroundings_type(owner: str) -> Any:  # noqa: ANN401
         for folder in folders:
             branch = branch.setdefault(folder, {})
         branch[last] = source
-    return _mapping(owner, owner, tree)
+    return _mapping(owner, owner, tree, WORDS if owner == STATION else {})
 
 
 def take_surroundings(owner: str, mapping: Strict | None) -> tuple[ReadValue, ...]:
@@ -507,10 +549,30 @@ def describe_surroundings(owner: str, taken: tuple[ReadValue, ...]) -> tuple[str
     )
 
 
-def _mapping(title: str, owner: str, tree: dict[str, Any]) -> Any:  # noqa: ANN401
+# What a station says besides its figures, and what an unset word means.
+WORDS: dict[str, tuple[Any, str]] = {
+    "scale_from": (
+        Literal[ANGLE, RATE],
+        "what scale factors of gyros are taken from; unset: angle, of whole turns",
+    ),
+    "window": (
+        Literal[EDGES],
+        "where windows of turns are cut: index of the table, rest, time; unset: index",
+    ),
+}
+
+
+def _mapping(
+    title: str,
+    owner: str,
+    tree: dict[str, Any],
+    words: Mapping[str, tuple[Any, str]] | None = None,
+) -> Any:  # noqa: ANN401
     """Return the type of one level of the mapping."""
     fields: dict[str, Any] = {}
     meanings: dict[str, str] = {}
+    for key, (kind, meaning) in (words or {}).items():
+        fields[key], meanings[key] = kind, meaning
     for key, branch in tree.items():
         if isinstance(branch, dict):
             fields[key] = _mapping(f"{title} {key}", owner, branch)

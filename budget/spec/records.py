@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from budget.model.place import Place
 from budget.model.source import Given
+from budget.model.windows import Timing
 from budget.names import ANGLES, AXES, Name
 from budget.units import STANDARD_GRAVITY
 
@@ -164,6 +166,7 @@ class AccelerometerProcedure:
 
     dwell: float  # at each position [s]
     pause: float  # between all windows [s]
+    flip_axis: str = "inner"  # that z comes down by
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -184,6 +187,19 @@ class Procedure:
     windows: tuple[Window, ...] = ()  # in place of the tests of gyro and accelerometer
     held: tuple[Name, ...] = ()  # parameters that are not estimated, 'gyro.bias.x'
     orders: tuple[int, ...] = ()  # of accelerometers, that are estimated besides: 2, 3
+    height: float = 0.0  # above the ellipsoid, where gravity is the normal one [m]
+    is_gravity_normal: bool = False
+    timing: Timing = field(default_factory=Timing)
+
+    @property
+    def place(self) -> Place:
+        """What the test takes the place for."""
+        return Place(
+            latitude=self.latitude,
+            gravity=self.gravity,
+            height=self.height,
+            is_normal=self.is_gravity_normal,
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from budget.model.windows import INNER, MIDDLE, OUTER, Setting, Window
+from budget.model.windows import FLIPS, INNER, MIDDLE, OUTER, Setting, Window
 from budget.names import AXES
 from budget.spec.fields import Measured, Sign, Strict, faults
 from budget.units import Quantity
@@ -141,16 +141,16 @@ class WindowLine(Strict):
             for face, azimuth, turn in product(faces, azimuths, turns)
         ]
 
-    @property
-    def setting(self) -> Setting:
-        """How the table stands, and turns [rad]."""
+    def setting(self, flip_axis: str) -> Setting:
+        """Return how the table stands, and turns [rad]; z comes down by that axis."""
         turning = None if self.turn is None else TABLE_AXES[self.turn]
         angle = 2.0 * pi * (self.turns or 0)
         if self.face is not None:
             axis, word = self.face.split()
             azimuth = self.azimuth.value if self.azimuth else 0.0
-            held = Setting.face(AXES.index(axis), 1 if word == "up" else -1, azimuth)
-            angles = (held.outer, held.middle, held.inner)
+            sign = 1 if word == "up" else -1
+            flip = FLIPS[flip_axis]
+            angles = Setting.face(AXES.index(axis), sign, azimuth, flip).angles
         else:
             outer, middle, inner = (getattr(self, key) for key in ANGLES)
             values = [one.value if one else 0.0 for one in (outer, middle, inner)]
@@ -180,9 +180,8 @@ class WindowLine(Strict):
             if self.azimuth is not None:
                 text += f", azimuth {degrees(self.azimuth.value):.6g} deg"
         else:
-            held = self.setting
-            angles = (held.outer, held.middle, held.inner)
-            text = "/".join(f"{degrees(angle):.6g}" for angle in angles) + " deg"
+            held = self.setting("inner").angles
+            text = "/".join(f"{degrees(angle):.6g}" for angle in held) + " deg"
         if self.turn is None:
             return text
         return f"turn {self.turns:+d} {self.turn} at {text}"
@@ -227,7 +226,11 @@ class WindowItem(WindowLine):
 
 
 def lay_out(
-    items: Sequence[WindowItem], pause: float, sample_rate: float
+    items: Sequence[WindowItem],
+    pause: float,
+    sample_rate: float,
+    *,
+    flip_axis: str = "inner",
 ) -> tuple[Window, ...]:
     """Put windows on one clock: each after the one before, or when it says.
 
@@ -238,6 +241,8 @@ def lay_out(
         Before each that does not say its start [s].
     sample_rate : float
         [Hz].
+    flip_axis : str
+        That z comes down by, 'inner' or 'middle'.
 
     Raises
     ------
@@ -275,7 +280,7 @@ def lay_out(
                     name=line.title,
                     start=0.0,
                     length=line.length,
-                    setting=line.setting,
+                    setting=line.setting(flip_axis),
                     use=line.use,
                 )
             windows.append(replace(made[id(line)], start=start))

@@ -290,6 +290,13 @@ WINDOW = {
         key: {"outer": "1 deg", "dwell": "60 s"} for key in ("outer", "middle", "inner")
     },
 }
+# What a key of the station does nothing without.
+NEEDED = {
+    "scale_from": {"rate_error": "100 ppm"},
+    "rate_error": {"scale_from": "rate"},
+    "window": {"edge_jitter": "1 s"},
+    "edge_jitter": {"window": "time"},
+}
 ESTIMATED = {"estimator": "weighted", "pause": "7 s"}
 
 
@@ -298,6 +305,9 @@ def place_of(key):
     tree = {"latitude": "34.2394 deg"}
     if key.path[0] == "station":  # where nothing of it cancels
         tree["gyro"] = {"azimuths": ["10 deg"]}
+        tree["station"] = NEEDED.get(key.path[1], {})
+    if key.path == ("flip_axis",):
+        tree["station"] = {"orthogonality": {"outer_middle": "100 arcsec"}}
     if key.path[0] in {"windows", "pause"}:
         first = WINDOW.get(key.path[-1], {"face": "x up", "dwell": "60 s"})
         if key.path[2:3] == ("windows",):

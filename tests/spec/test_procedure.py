@@ -8,6 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from budget.errors import SpecError
+from budget.model.windows import Timing
 from budget.spec import load_procedure
 
 DEG = pi / 180.0
@@ -42,7 +43,11 @@ def test_the_shipped_procedure_has_the_values_of_the_paper():
     for test in (paper.gyro, paper.accelerometer):
         assert_allclose(test.dwell, 300.0, rtol=0)
         assert_allclose(test.pause, 0.0, rtol=0, atol=0)
-    assert paper.assumptions == ()
+    # The paper leaves these open.
+    assert paper.assumptions == (
+        "height: not given, 0 m assumed",
+        "station: not given, an ideal one assumed",
+    )
     assert paper.origin.file == "zhao-2019.yaml"
 
 
@@ -66,6 +71,7 @@ def test_unset_keys_take_the_values_of_the_shipped_file(procedure):
         "gyro.dwell: not given, 300 s assumed, as in Zhao 2019",
         "accelerometer.dwell: not given, 300 s assumed, as in Zhao 2019",
         "accelerometer.pause: not given, 0 s assumed, as in Zhao 2019",
+        *paper.assumptions,
     )
 
 
@@ -82,6 +88,8 @@ def test_every_key_can_be_set(procedure):
         "gyro: {rate: 1 rad/s, turns: 3, order: [x, y, z], pause: 2 s, "
         "azimuths: [-1 rad], dwell: 1 min}\n"
         "accelerometer: {dwell: 1 h, pause: 3 s}\n"
+        "flip_axis: middle\n"
+        "station: {scale_from: rate, window: time}\n"
     )
     assert (mine.latitude, mine.gravity, mine.sample_rate) == (-1.0, 9.80665, 1000.0)
     assert (mine.name, mine.formulas, mine.assumptions) == ("mine", "paper", ())
@@ -89,6 +97,34 @@ def test_every_key_can_be_set(procedure):
     assert (mine.gyro.order, mine.gyro.azimuths) == (("x", "y", "z"), (-1.0,))
     assert (mine.gyro.dwell, mine.accelerometer.dwell) == (60.0, 3600.0)
     assert mine.accelerometer.pause == 3.0
+    assert mine.accelerometer.flip_axis == "middle"
+    assert mine.timing == Timing(scale_from="rate", edges="time")
+
+
+def test_normal_gravity_is_that_of_the_height(procedure):
+    """1600 m up it is 504 ppm less; a measured gravity knows no height."""
+    high, low = procedure("height: 1600 m\n"), procedure("height: 0 m\n")
+    assert_allclose(high.gravity / low.gravity, 1.0 - 504e-6, rtol=1e-6)
+    assert high.place.height == 1600.0
+    assert not any(text.startswith("height") for text in high.assumptions)
+    for text, what in (
+        ("height: 10 m\ngravity: 9.8 m/s^2\n", "gravity is given"),
+        ("height: 6371 km\n", "no known unit"),
+        ("height: 1000000 m\n", "100000 m"),
+    ):
+        with pytest.raises(SpecError, match=what):
+            procedure(text)
+
+
+def test_z_comes_down_by_the_axis_that_is_named(procedure):
+    """Faces of windows turn about the middle axis then; all other faces stay."""
+    faces = "windows: [{face: all, dwell: 60 s}]\n"
+    inner = procedure(faces).windows
+    middle = procedure(f"flip_axis: middle\n{faces}").windows
+    moved = [a.name for a, b in zip(inner, middle, strict=True) if a != b]
+    assert moved == ["z down"]
+    (down,) = (one for one in middle if one.name == "z down")
+    assert down.setting.angles == (0.0, pi, 0.0)
 
 
 @pytest.mark.parametrize(

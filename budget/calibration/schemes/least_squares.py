@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.earth import ROTATION_RATE
 from budget.errors import CallError
 from budget.model.response import BIAS
 from budget.model.scheme import Scheme, least_squares, mean_powers
@@ -29,13 +28,6 @@ if TYPE_CHECKING:
 
 
 Task = tuple["Array", "Array | None", "NDArray[np.bool_] | None", "dict[int, Array]"]
-
-
-def place_of(procedure: Procedure) -> tuple[Array, Array]:
-    """Return earth rate [rad/s] and gravity [m/s^2], east-north-up, each shape (3,)."""
-    L = procedure.latitude
-    earth = ROTATION_RATE * np.array([0.0, np.cos(L), np.sin(L)])
-    return earth, np.array([0.0, 0.0, procedure.gravity])
 
 
 def scheme_by_least_squares(
@@ -69,7 +61,7 @@ def scheme_by_least_squares(
     CallError
         The windows cannot tell some parameters apart: which.
     """
-    earth, gravity = place_of(procedure)
+    earth, gravity = procedure.place.earth, procedure.place.force
     turning = schedule.rates if owner == "gyro" else 0.0
     inputs = turning + schedule.to_body @ (earth if owner == "gyro" else gravity)
     powers = mean_powers(schedule.spread(gravity), orders)  # of accelerometers alone
@@ -96,8 +88,8 @@ def scheme_by_least_squares(
     return Scheme(
         owner=owner,
         schedule=schedule,
-        earth=earth,
-        gravity=gravity,
+        place=procedure.place,
+        timing=procedure.timing,
         weights=np.stack(weights),
         held=held,
         orders=orders,

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.calibration.schemes.least_squares import place_of
 from budget.errors import CallError
 from budget.model.norm import NormScheme, sensitivity, statistics_weights
 from budget.model.scheme import not_told_apart
@@ -39,8 +38,7 @@ def scheme_by_norm(
     CallError
         The dwells cannot tell some parameters apart: which.
     """
-    earth, gravity = place_of(procedure)
-    force = schedule.to_body @ gravity
+    force = schedule.to_body @ procedure.place.force
     g = procedure.gravity
     names = [parameters_of(owner)[k] for k in held.estimated]
     size = np.array([g if name.quantity == "bias" else 1.0 for name in names])
@@ -57,8 +55,8 @@ def scheme_by_norm(
     return NormScheme(
         owner=owner,
         schedule=schedule,
-        earth=earth,
-        gravity=gravity,
+        place=procedure.place,
+        timing=procedure.timing,
         weights=statistics_weights(W, force),
         held=held,
     )

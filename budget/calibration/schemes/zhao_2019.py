@@ -18,10 +18,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.calibration.schemes.least_squares import place_of
 from budget.model.response import BIAS, STATISTICS
 from budget.model.scheme import Scheme
-from budget.model.windows import INNER, MIDDLE, OUTER, Schedule, Setting, Window
+from budget.model.windows import FLIPS, INNER, MIDDLE, OUTER, Schedule, Setting, Window
 from budget.names import AXES
 
 if TYPE_CHECKING:
@@ -46,23 +45,22 @@ def scheme_of(owner: str, procedure: Procedure) -> Scheme:
     procedure : Procedure
         Turns and dwells, the place, the formulas.
     """
-    earth, gravity = place_of(procedure)
     if owner == "accelerometer":
         schedule = schedule_of(owner, procedure)
         return Scheme(
             owner=owner,
             schedule=schedule,
-            earth=earth,
-            gravity=gravity,
+            place=procedure.place,
+            timing=procedure.timing,
             weights=_accelerometer_weights(schedule, procedure.gravity),
         )
     schedule = schedule_of(owner, procedure)
-    mean_earth = _mean_earth(procedure.gyro.azimuths, earth)
+    mean_earth = _mean_earth(procedure.gyro.azimuths, procedure.place.earth)
     return Scheme(
         owner=owner,
         schedule=schedule,
-        earth=earth,
-        gravity=gravity,
+        place=procedure.place,
+        timing=procedure.timing,
         weights=_gyro_weights(schedule, procedure.gyro.rate, mean_earth),
         rotated=mean_earth if procedure.formulas == "paper" else None,
     )
@@ -119,7 +117,12 @@ def schedule_accelerometer(procedure: AccelerometerProcedure) -> Schedule:
                         name=f"{axis} {'up' if sign > 0 else 'down'} {visit}",
                         start=0.0,
                         length=procedure.dwell,
-                        setting=Setting.face(place, sign, pi * (visit - 1)),
+                        setting=Setting.face(
+                            place,
+                            sign,
+                            pi * (visit - 1),
+                            flip=FLIPS[procedure.flip_axis],
+                        ),
                         axis=place,
                         sign=sign,
                     )

@@ -24,6 +24,7 @@ from budget.model.source import (
 )
 from budget.model.sources.asymmetry import InputAsymmetry, TurnAsymmetry
 from budget.model.sources.g_sensitivity import ELEMENTS, GSensitivity
+from budget.model.sources.place import EarthRate, Gravity, Height, Latitude
 from budget.model.sources.power import Power
 from budget.model.sources.processes import SampleNoise, Stability, Walk, WhiteNoise
 from budget.model.sources.rotation import (
@@ -40,6 +41,7 @@ from budget.model.sources.temperature import (
     TemperatureCoefficient,
     TemperatureRamp,
 )
+from budget.model.sources.timing import Clock, EdgeJitter, RateError
 from budget.model.sources.turn_angle import TurnAngle
 from budget.names import ANGLES, AXES, ONE_VALUE
 
@@ -291,6 +293,35 @@ SOURCES = (
                 ONE_VALUE,
             ),
             ("mount", "turn of the body against the inner axis", Mount(), AXES),
+        )
+    ),
+    *(
+        Source(
+            name=name,
+            units={STATION: unit},
+            model=model,
+            effect=effect,
+            stays=TEST,
+            axes=ONE_VALUE,
+        )
+        for name, unit, model, effect in (
+            ("rate_error", "ppm", "rate that the table turns too fast", RateError()),
+            ("latitude", "arcsec", "latitude that is used, minus the true", Latitude()),
+            ("height", "m", "height that is used, minus the true", Height()),
+            ("gravity", "mGal", "gravity that is used, minus the true", Gravity()),
+            (
+                "earth_rate",
+                "deg/h",
+                "earth rate that is used, minus the true",
+                EarthRate(),
+            ),
+            (
+                "edge_jitter",
+                "s",
+                "time that each edge of a window on a moving table misses, on its own",
+                EdgeJitter(),
+            ),
+            ("clock", "ppm", "time that the clock counts too much", Clock()),
         )
     ),
 )

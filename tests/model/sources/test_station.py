@@ -13,14 +13,17 @@ from saying import assert_says
 
 from budget.calibration.problem import calibration_problem
 from budget.calibration.simulation import simulate
+from budget.distributions import NORMAL as NORMAL_SHAPE
+from budget.distributions import UNIFORM
+from budget.earth import ECCENTRICITY_SQUARED, ROTATION_RATE, normal_gravity
 from budget.methods.gum import propagate
 from budget.model.sources import SOURCES, STATION
 from budget.model.sources.rotation import Rotation
-from budget.model.windows import Setting, Window
+from budget.model.windows import Setting, Timing, Window
 from budget.names import parameters_of
 from budget.spec.records import Device
 from budget.studies.analysis import analyze
-from budget.units import ARCSEC
+from budget.units import ARCSEC, DEG_PER_HOUR, PPM
 
 TWO = ("gyro", "accelerometer")
 NAMES = [*parameters_of("gyro"), *parameters_of("accelerometer")]
@@ -61,6 +64,14 @@ TABLE = {
     ),
     "levelling.north": (),
     "azimuth": (),
+}
+
+
+# With z down by the middle axis these differ, in accelerometers alone.
+BY_MIDDLE = {
+    **TABLE,
+    "orthogonality.outer_middle": ("gyro.yx", "accelerometer.zx"),
+    "encoder_zero.middle": ("gyro.xy", "accelerometer.xy", "accelerometer.zy"),
 }
 
 
@@ -291,3 +302,133 @@ def test_what_cancels_by_symmetry_is_nothing_and_is_named():
     )
     east = procedure(station=(line("levelling.east", 5.0 * ARCSEC),))
     assert analyze(device, procedure=east, validate=False).warnings == ()
+
+
+def only(name, value, **how):
+    """Return the 24 errors with one source of the station at a value."""
+    plan = procedure(station=(line(name, np.abs(value)),), **how)
+    return errors(triads(), plan, **{f"station__{name.replace('.', '__')}": value})
+
+
+MINUTE = 60.0 * ARCSEC
+NORMAL = {"is_gravity_normal": True, "gravity": normal_gravity(np.radians(34.2394))}
+BY_RATE = {"timing": Timing(scale_from="rate", edges="time")}
+FALSE_RATE = 15.0 * DEG_PER_HOUR - ROTATION_RATE
+
+
+def test_latitude_leans_the_earth_rate():
+    """+1 arcmin: db_z = -3.617010e-3 deg/h; geocentric for geodetic +0.0388417."""
+    found = only("latitude", MINUTE)
+    # Printed to first order; of the second -w_v dL^2/2, -3.6e-7 deg/h.
+    assert_allclose(found[11], -3.617010e-3 - W_V * MINUTE**2 / 2.0, rtol=1e-6)
+    others = np.delete(found, 11)
+    assert_allclose(others, np.zeros(23), rtol=0, atol=2e-5)
+    L = np.radians(34.2394)
+    less = L - np.arctan((1.0 - ECCENTRICITY_SQUARED) * np.tan(L))
+    assert_printed(less / MINUTE, "10.7273")
+    geocentric = only("latitude", -less, latitude=np.degrees(L - less))
+    assert_printed(geocentric[11], "0.0388417")
+
+
+def test_normal_gravity_follows_latitude_and_height():
+    """100 m too low: dk = -31.5 ppm; 1 arcmin: Somigliana; gravity given: nothing."""
+    L = np.radians(34.2394)
+    for name, value, used in (
+        ("height", -100.0, normal_gravity(L) / normal_gravity(L, 100.0)),
+        ("latitude", MINUTE, normal_gravity(L) / normal_gravity(L - MINUTE)),
+    ):
+        found = only(name, value, **NORMAL)
+        assert_allclose(found[12:15], (1.0 / used - 1.0) / PPM, rtol=2e-4)
+        assert_allclose(only(name, value)[12:], np.zeros(12), rtol=0, atol=0)
+
+
+def test_gravity_and_earth_rate_have_their_printed_values():
+    """1 mGal: dk = -1.02075 ppm, db = b dg/g; 15 deg/h: db_z = +0.0231064 deg/h."""
+    found = only("gravity", 1e-5)
+    for value in found[12:15]:
+        assert_printed(value, "-1.02075")
+    assert_allclose(found[21:], 6000.0 * 1.02075e-6, rtol=1e-5)
+    assert_allclose(found[:12], 0.0, rtol=0, atol=0)
+    earth = only("earth_rate", FALSE_RATE)
+    assert_printed(earth[11], "0.0231064")
+    assert_allclose(np.delete(earth, 11), 0.0, rtol=0, atol=1e-6)
+
+
+def test_a_rate_error_acts_where_the_rate_is_trusted():
+    """By angle nothing at all; by rate dk = rho, db = -rho (b + input)."""
+    assert not only("rate_error", 5.0 * PPM).any()
+    found = only("rate_error", 5.0 * PPM, **BY_RATE)
+    assert_allclose(found[:3], 5.0, rtol=1e-9)
+    b = 2.5 + np.array([0.0, 0.0, W_V])
+    assert_allclose(found[9:12], -5e-6 * b, rtol=1e-4)
+    assert_allclose(found[3:9], 0.0, rtol=0, atol=1e-9)
+    assert_allclose(found[12:], 0.0, rtol=0, atol=0)
+
+
+def test_a_fast_clock_makes_all_readings_small():
+    """Gyros db = -delta (b + input), accelerometers dk = -delta; by rate gyros too."""
+    delta = 20.0 * PPM
+    found = only("clock", delta)
+    exact = -delta / (1.0 + delta)
+    b = 2.5 + np.array([-2.0 * ARCSEC * W_V, 2.0 * ARCSEC * W_V, W_V])
+    assert_allclose(found[9:12], exact * b, rtol=1e-5)
+    assert_allclose(found[:9], 0.0, rtol=0, atol=1e-9)
+    assert_allclose(found[12:15], exact / PPM, rtol=1e-9)
+    assert_allclose(found[15:], 0.0, rtol=0, atol=1e-6)
+    by_rate = only("clock", delta, **BY_RATE)
+    assert_allclose(by_rate[:3], exact / PPM, rtol=1e-9)
+    assert_allclose(by_rate[9:12], 0.0, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("shape", "u", "printed"),
+    [(NORMAL_SHAPE, 1e-3, "55.6"), (UNIFORM, 5e-3 / np.sqrt(3.0), "160.375")],
+)
+def test_edges_by_time_cost_sigma_over_the_turn(shape, u, printed):
+    """u(dk) = sigma_t/T: 1 ms at 18 s 55.6 ppm, half a sample 160.375 ppm."""
+    jitter = (line("edge_jitter", u, distribution=shape),)
+    name = frozenset({"station.edge_jitter"})
+    plan = procedure(station=jitter, **BY_RATE)
+    u = propagate(calibration_problem(triads(), plan, only=name)).standard_uncertainty
+    for value in u[:3] / PPM:
+        assert_printed(value, printed)
+    plain = procedure(station=jitter)
+    law = propagate(calibration_problem(triads(), plain, only=name))
+    assert not law.covariance.any()
+
+
+PLACE = {
+    "latitude": MINUTE,
+    "height": 100.0,
+    "gravity": 1e-3,
+    "earth_rate": FALSE_RATE,
+    "clock": 2e-4,
+    "rate_error": 1e-4,
+    "edge_jitter": 1e-3,
+}
+
+
+@pytest.mark.parametrize("name", PLACE)
+@pytest.mark.parametrize("timing", [Timing(), BY_RATE["timing"]])
+@pytest.mark.parametrize("plan", ["paper", "windows"])
+def test_pulses_at_that_place_and_time_show_the_same(monkeypatch, name, timing, plan):
+    """Samples of another place, of windows that are cut otherwise, and the problem."""
+    station = (line(name, abs(PLACE[name])),)
+    make = everything if plan == "windows" else procedure
+    how = replace(make(station=station), timing=timing, sample_rate=20.0, **NORMAL)
+    problem = calibration_problem(triads(), how)
+    (size,) = [g.size for g in problem.groups if g.name.owner == STATION]
+    by_rate = timing == BY_RATE["timing"]
+    draws = np.random.default_rng(11).normal(size=size) if size > 1 else 1.0
+    value = np.full(size, PLACE[name]) * draws
+    exact = errors(triads(), how, **{f"station__{name}": value})
+    found = simulated(monkeypatch, triads(), how, f"station.{name}", value)
+    if name in {"rate_error", "edge_jitter"} or (name == "clock" and by_rate):
+        # Left out: the place over the part of a turn that is too much, 2e-4 of it, and
+        # what an accelerometer sees there: g times the square of that part.
+        allowed = np.repeat([0.1, 0.05, 0.01, 0.2, 0.05, 1.0], [3, 6, 3, 3, 6, 3])
+    else:  # slopes of gravity stand for it, 7e-10 of it at 100 m
+        allowed = np.repeat([1e-3, 1e-4, 1e-5, 2e-3, 1e-4, 2e-3], [3, 6, 3, 3, 6, 3])
+    assert (np.abs(found - exact) < allowed).all()
+    felt = by_rate or name not in {"rate_error", "edge_jitter"}
+    assert (np.abs(exact) > 10.0 * allowed).any() == felt

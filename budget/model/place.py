@@ -1,0 +1,64 @@
+"""The place of a test: what it is taken for, or what it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.earth import ROTATION_RATE, gravity_by_height, gravity_by_latitude
+
+if TYPE_CHECKING:
+    from budget.arrays import Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class Place:
+    """What a test takes the place for, or what the place is.
+
+    Attributes
+    ----------
+    latitude : float
+        Geodetic [rad].
+    gravity : float
+        [m/s^2].
+    height : float
+        Above the ellipsoid [m].
+    is_normal : bool
+        Whether gravity is the normal one of latitude and height, and not measured.
+    earth_rate : float
+        [rad/s].
+    """
+
+    latitude: float
+    gravity: float
+    height: float = 0.0
+    is_normal: bool = False
+    earth_rate: float = ROTATION_RATE
+
+    @cached_property
+    def earth(self) -> Array:
+        """Earth rate, east-north-up, shape (3,) [rad/s]."""
+        L = self.latitude
+        return self.earth_rate * np.array([0.0, np.cos(L), np.sin(L)])
+
+    @cached_property
+    def force(self) -> Array:
+        """Specific force of gravity, east-north-up, shape (3,) [m/s^2]."""
+        return np.array([0.0, 0.0, self.gravity])
+
+    @property
+    def gravity_by_latitude(self) -> float:
+        """dg/dL of the gravity that is used [m/s^2 per rad]; 0 of a measured one."""
+        if not self.is_normal:
+            return 0.0
+        return gravity_by_latitude(self.latitude, self.height)
+
+    @property
+    def gravity_by_height(self) -> float:
+        """dg/dh of the gravity that is used [1/s^2]; 0 of a measured one."""
+        if not self.is_normal:
+            return 0.0
+        return gravity_by_height(self.latitude, self.height)

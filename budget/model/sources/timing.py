@@ -1,0 +1,150 @@
+"""Timing of a test: rate of the table, clock, edges of windows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.model.source import Disturbance, Given, Table, Triad
+from budget.model.sources.turn_angle import TurnAngle
+from budget.model.windows import ANGLE, EDGES_BY_TIME
+
+if TYPE_CHECKING:
+    from budget.arrays import Array
+    from budget.model.response import Truth
+    from budget.model.scheme import Scheme
+    from budget.model.source import Act
+
+
+@dataclass(frozen=True)
+class RateError(Disturbance):
+    """The table turns by rho faster than it says, in all turns alike.
+
+    Where scale factors are taken from the rate, every turn is too large by rho, as in
+    TurnAngle: dk = rho of gyros, 1 to 1, and db = -rho (b + input). Where they are from
+    whole angles, whose time is measured, there is nothing.
+    """
+
+    needs = "turns, and scale factors that are taken from the rate (scale_from: rate)"
+
+    def bind(self, given: Given, triad: Triad) -> Act | None:
+        """Return what turns do that are too large in proportion."""
+        if triad.scheme.timing.scale_from == ANGLE:
+            return None
+        act = TurnAngle().bind(given, triad)
+        return act and partial(_in_proportion, act=act, angles=_angles(triad.scheme))
+
+    def table(self, value: Array, table: Table) -> Table:
+        """Return the table with the angle that it turns in the time."""
+        if table.timing.scale_from == ANGLE:
+            return table
+        return replace(table, angle=table.angle * (1.0 + value[0]))
+
+
+@dataclass(frozen=True)
+class Clock(Disturbance):
+    """The clock counts 1 + delta s in a second: readings are too small by that factor.
+
+    dk = -delta of accelerometers; db = -delta (b + input) of gyros. A turn that is
+    known by its angle ends when it ends, so its rate follows the clock too; where scale
+    factors are taken from the rate, turns are too small in proportion and dk = -delta
+    of gyros. Products with noise are left out.
+    """
+
+    def bind(self, given: Given, triad: Triad) -> Act | None:
+        """Return -delta/(1 + delta) (M u + b), weighed, u without turns by angle."""
+        scheme = triad.scheme
+        by_rate = scheme.timing.scale_from != ANGLE
+        return partial(
+            _slowed,
+            shown=scheme.weigh(scheme.standing),
+            total=scheme.weights.sum(axis=2),
+            act=TurnAngle().bind(given, triad) if by_rate else None,
+            angles=_angles(scheme),
+        )
+
+    def table(self, value: Array, table: Table) -> Table:
+        """Return the table in windows that are really shorter."""
+        pace = 1.0 / (1.0 + value[0])
+        angle = table.angle
+        if table.timing.scale_from != ANGLE:
+            angle *= pace
+        return replace(table, pace=table.pace * pace, angle=angle)
+
+
+def _angles(scheme: Scheme) -> Array:
+    """Return the angles of the turns of all triads; 0 of those of others [rad]."""
+    angles = np.zeros(max(1, len(scheme.schedule.turn_starts)))
+    for place, number in scheme.schedule.turns.items():
+        angles[number] = scheme.schedule.windows[place].setting.angle
+    return angles
+
+
+def _in_proportion(
+    x: Array, truth: Truth, noise: Array, *, act: Act, angles: Array
+) -> Array:
+    """Return what turns do that are too large by x of their angle."""
+    return act(x[:1] * angles[:, None], truth, noise)
+
+
+def _slowed(
+    x: Array,
+    truth: Truth,
+    noise: Array,
+    *,
+    shown: Array,
+    total: Array,
+    act: Act | None,
+    angles: Array,
+) -> Array:
+    """Return -delta/(1 + delta) (M u + b), weighed, and what turns are too small."""
+    part = -1.0 * x / (1.0 + x)
+    slowed = (truth.see(shown) + total[:, :, None] * truth.bias[:, None]) * part[0]
+    if act is None:
+        return np.asarray(slowed)
+    turned = _in_proportion(part, truth, noise, act=act, angles=angles)
+    return np.asarray(slowed + turned)
+
+
+@dataclass(frozen=True)
+class EdgeJitter(TurnAngle):
+    """Edges of windows on a table that moves, each off by t on its own.
+
+    Between them the table turns by eps = rate (t_end - t_start) more: u(dk) = sigma_t/T
+    of a pair of turns of length T: 1 ms at 18 s is 55.6 ppm, half a sample at 100 Hz
+    (uniform, 5 ms either way) 160.375 ppm. Edges at an index of the table, or at rest
+    before and after it moves, make nothing.
+    """
+
+    needs = "windows of turns that are cut by time (window: time)"
+
+    def size(self, given: Given, scheme: Scheme | None) -> int:
+        """Return the number of edges: a start and an end for each turn."""
+        return 2 * super().size(given, scheme)
+
+    def bind(self, given: Given, triad: Triad) -> Act | None:
+        """Return what the angles do that lie between the edges."""
+        scheme = triad.scheme
+        act = super().bind(given, triad)
+        if act is None or scheme.timing.edges != EDGES_BY_TIME:
+            return None
+        rates = np.zeros_like(_angles(scheme))
+        for place, number in scheme.schedule.turns.items():
+            window = scheme.schedule.windows[place]
+            rates[number] = window.setting.angle / window.length
+        return partial(_cut, act=act, rates=rates)
+
+    def table(self, value: Array, table: Table) -> Table:
+        """Return the table with the angle that it turns between the edges."""
+        if table.turn is None or table.timing.edges != EDGES_BY_TIME:
+            return table
+        start, end = value[2 * table.turn : 2 * table.turn + 2]
+        return replace(table, angle=table.angle * (1.0 + (end - start) / table.length))
+
+
+def _cut(x: Array, truth: Truth, noise: Array, *, act: Act, rates: Array) -> Array:
+    """Return what turns show whose edges are off by x, start and end in turn."""
+    return act((x[1::2] - x[0::2]) * rates[:, None], truth, noise)
