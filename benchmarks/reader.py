@@ -14,7 +14,7 @@ from time import process_time
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 
-from fuzz.test_cost import CASES
+from fuzz.test_cost import cases
 
 from budget.errors import SpecError
 from budget.spec import validate
@@ -38,7 +38,7 @@ def main() -> None:
     times = {}
     with TemporaryDirectory() as folder:
         path = Path(folder) / "case.yaml"
-        for case, text in CASES.items():
+        for case, text in cases().items():
             path.write_text(text, encoding="utf-8", newline="")
             times[case] = min(seconds(path) for _ in range(REPEATS))
     for case in sorted(times, key=times.__getitem__, reverse=True)[:SHOWN]:
