@@ -7,7 +7,6 @@ the process that forks: there is one for each environment.
 
 from __future__ import annotations
 
-import ast
 import atexit
 import gc
 import io
@@ -32,6 +31,10 @@ SELDOM += ("scipy.signal", "scipy.stats")
 # Read while a command runs, not while Python or a library starts; the last by nobody.
 READ_LATE = ("COLUMNS", "SOURCE_DATE_EPOCH", "PYTEST_CURRENT_TEST")
 NO_READER = ">&|"  # as a redirection: stdout is a pipe that its reader has closed
+# A line that imports one module, or from one.
+_IMPORT = re.compile(
+    r"^ *(?:from|import) ([\w.]+)(?: as \w+| import .*)?$", re.MULTILINE
+)
 _REDIRECTION = re.compile(r"([012]?)([<>])(&-|&\||\s*\S+)")
 
 
@@ -95,13 +98,10 @@ def _modules():
     """Return the modules that any command imports, those of seldom used ones apart."""
     import budget
 
-    names = set()
-    for path in Path(budget.__file__).parent.rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Import):
-                names |= {alias.name for alias in node.names}
-            elif isinstance(node, ast.ImportFrom):
-                names.add(node.module)
+    files = Path(budget.__file__).parent.rglob("*.py")
+    names = {
+        name for file in files for name in _IMPORT.findall(file.read_text("utf-8"))
+    }
     return sorted(n for n in names if not n.startswith((*SELDOM, "_")))
 
 

@@ -209,7 +209,10 @@ def test_a_signal_to_the_main_process(number, code, word, start, tmp_path):
 def test_ctrl_c_leaves_no_process_and_no_file(workers, start, tmp_path):
     """Interrupted as a terminal does, all of them at once: 130, and nothing is left."""
     process = start(*BUDGET, *LONG_RUN, "--workers", workers, "--json", "a.json")
-    wait_until_at_work(*(workers_of(process) if workers == "2" else [process.pid]))
+    if workers == "2":
+        workers_of(process)
+    else:
+        wait_until_at_work(process.pid)
     os.killpg(process.pid, signal.SIGINT)
     _, talk = process.communicate(timeout=PATIENCE)
     assert process.returncode == 130
