@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from budget.problem import Group, Problem
 
 HEARTBEAT = 2.0  # [s] between looks at whether the others are still there
+KEPT = 2**25 - 2**16  # bytes, of memory that the C library is told to keep
 BLOCK = 4096  # trials; inputs of a block (some 2 MB) stay in the cache
 
 Task = TypeVar("Task")
@@ -93,13 +94,19 @@ def _draw_unit(group: Group, rng: np.random.Generator, out: Array) -> None:
 
 
 @contextmanager
-def one_blas_thread() -> Iterator[None]:
-    """Keep the linear algebra of small blocks on one core.
+def small_blocks() -> Iterator[None]:
+    """Keep the linear algebra of small blocks on one core, and their memory here.
 
     Blocks are too small to share out: a second BLAS thread gains nothing on a quiet
     machine and waits for the first one, spinning, on a busy one (18 times slower
     measured). Cores are used by giving them blocks.
+
+    What one block frees the next one needs. The C library of Linux gives freed memory
+    back to the system, which zeroes it page by page for the next block, and that takes
+    as long as the arithmetic: but not memory below twice the largest piece that was
+    ever mapped and freed, so one of the largest that counts (32 MiB) is, untouched.
     """
+    np.empty(KEPT, dtype=np.uint8)
     with _blas().limit(limits=1, user_api="blas"):
         yield
 

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.methods.execution import one_blas_thread, stream
+from budget.methods.execution import small_blocks, stream
 from budget.methods.intervals import interval_of_values
 
 if TYPE_CHECKING:
@@ -185,7 +185,7 @@ def _two_sided() -> float:
 def _noise(per_batch: Array) -> Array:
     """Draw joint noise, shape (DRAWS, n), from that of batches, (n_batches, n)."""
     total = np.zeros((DRAWS, per_batch.shape[1]))
-    with one_blas_thread():
+    with small_blocks():
         for chunk, start in enumerate(range(0, len(per_batch), CHUNK)):
             part = per_batch[start : start + CHUNK]
             total += _multipliers(chunk)[:, : len(part)] @ part

@@ -18,7 +18,7 @@ from budget.methods.execution import (
     draw,
     in_order,
     local_executor,
-    one_blas_thread,
+    small_blocks,
 )
 from budget.methods.intervals import (
     KINDS,
@@ -276,7 +276,7 @@ def _macro_blocks(
     problem: Problem, plan: _Plan, tasks: tuple[_Task, ...]
 ) -> list[MacroBlock]:
     """Do the macro-blocks of one task."""
-    with one_blas_thread():
+    with small_blocks():
         return [_macro_block(problem, plan, task) for task in tasks]
 
 

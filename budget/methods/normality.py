@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.distributions import NORMAL
-from budget.methods.execution import draw, one_blas_thread
+from budget.methods.execution import draw, small_blocks
 
 if TYPE_CHECKING:
     from budget.arrays import Array
@@ -73,7 +73,7 @@ def _shape(problem: Problem, law: Propagation, u: Array) -> tuple[Array, Array]:
             for d in g.distributions
         ]
     )
-    with one_blas_thread():
+    with small_blocks():
         # Over u first: cubes and fourth powers of 1e-8 rad/s leave few digits.
         C, HU = law.C / u[:, None], law.H @ U / u[:, None, None]
         CU = C @ U
@@ -89,7 +89,7 @@ def _shape(problem: Problem, law: Propagation, u: Array) -> tuple[Array, Array]:
 def _deviation(problem: Problem, law: Propagation) -> Array:
     """Return the largest deviation of trials from the expansion, (n_out,) [SI]."""
     x = draw(problem, PROBE_SEED, 0, np.empty((problem.n_inputs, PROBES)))
-    with one_blas_thread():
+    with small_blocks():
         y = problem.evaluate(x)
         dx = x - problem.mean[:, None]
         second = np.array([(dx * (H @ dx)).sum(axis=0) for H in law.H])

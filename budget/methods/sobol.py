@@ -22,7 +22,7 @@ import numpy as np
 
 from budget.distributions import NORMAL
 from budget.errors import CallError, ProblemError
-from budget.methods.execution import in_order, local_executor, one_blas_thread
+from budget.methods.execution import in_order, local_executor, small_blocks
 from budget.methods.gum import propagate
 from budget.methods.trials import check_finite
 
@@ -252,7 +252,7 @@ def _one_scramble(
     scramble: int,
 ) -> tuple[Array, Array]:
     """Return first-order and total indices from one scramble, (n_factors, n_out)."""
-    with one_blas_thread():
+    with small_blocks():
         return _estimate(problem, factors, linear, draws, scramble)
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.errors import CallError, ProblemError
-from budget.methods.execution import BLOCK, draw, one_blas_thread
+from budget.methods.execution import BLOCK, draw, small_blocks
 from budget.methods.intervals import interval_of_values
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def first_trials(
     rows = np.arange(len(problem.outputs)) if outputs is None else np.asarray(outputs)
     values = np.empty((rows.size, trials))
     x = np.empty((problem.n_inputs, BLOCK))
-    with one_blas_thread():
+    with small_blocks():
         for block, start in enumerate(range(0, trials, BLOCK)):
             y = problem.evaluate(draw(problem, seed, block, x))[rows]
             values[:, start : start + BLOCK] = y[:, : trials - start]

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from budget.errors import CallError
-from budget.methods.execution import one_blas_thread
+from budget.methods.execution import small_blocks
 from budget.references.quantities import device_of, snapshot_of
 from budget.references.records import JOBS, Asked, files_fault
 from budget.references.sampling import standard_errors
@@ -105,7 +105,7 @@ def compute(
     }
     # The matrices are small, threads of BLAS only wait for each other; and with one the
     # order of every sum is the same on any machine.
-    with one_blas_thread():
+    with small_blocks():
         if job == "analyze":
             requirement = limits[0] if limits else None
             return _analyze(devices, procedures[0], requirement, given, workers)

@@ -20,7 +20,7 @@ import numpy as np
 from budget.arrays import root_of_correlation
 from budget.calibration.derived import outputs_for
 from budget.calibration.problem import calibration_problem
-from budget.methods.execution import BLOCK, one_blas_thread, stream
+from budget.methods.execution import BLOCK, small_blocks, stream
 from budget.methods.intervals import interval_of_values
 from budget.methods.largest import (
     CONFIDENCE,
@@ -396,7 +396,7 @@ def _inside_normal(held: Limited, law: Propagation, seed: int) -> Array:
     safe = np.where(u > 0.0, u, 1.0)
     factor = u[:, None] * root_of_correlation(covariance / np.outer(safe, safe))
     inside = np.empty(NORMAL_TRIALS, dtype=bool)
-    with one_blas_thread():
+    with small_blocks():
         for start in range(0, NORMAL_TRIALS, BLOCK):  # blocks stay in the cache
             y = factor @ normals.z[:, start : start + BLOCK]
             y += mean[:, None]

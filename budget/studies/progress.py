@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.methods.execution import BLOCK, draw, one_blas_thread
+from budget.methods.execution import BLOCK, draw, small_blocks
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -50,7 +50,7 @@ def seconds_per_trial(problem: Problem) -> float:
     """Time a block of trials, drawn and evaluated, on this machine: best of three."""
     x = np.empty((problem.n_inputs, BLOCK))
     times = []
-    with one_blas_thread():
+    with small_blocks():
         for block in range(3):
             begun = perf_counter()
             problem.evaluate(draw(problem, 0, block, x))
