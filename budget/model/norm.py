@@ -109,24 +109,24 @@ class NormScheme(Scheme):
         places = self.held.estimated
         found[places] = 0.0 * found[places]
         noise = epsilon.reshape(3, len(places), STATISTICS, -1)
+        M = np.eye(3)[..., None] + tilt_matrix(truth.angle)
         for _ in range(STEPS):
-            found[places] = found[places] - self._misfit(found, truth, noise)
+            found[places] = found[places] - self._misfit(found, M, truth.bias, noise)
         return Errors(scale_factor=found[:3], mounting_angle=found[3:9], bias=found[9:])
 
-    def _misfit(self, found: Array, truth: Truth, noise: Array) -> Array:
+    def _misfit(self, found: Array, M: Array, b: Array, noise: Array) -> Array:
         """Return W F, shape (m, trials), at errors of all parameters.
 
         s = f + P f + q + C e, P = M^^-1 ((D - 1) M - dM), q = M^^-1 ((D - 1) b - db)
         and C = M^^-1 D; F = 2 f.(P f + q) + |P f + q|^2 + 2 (f + P f + q).C e.
         """
         own, bias = found[:3], found[9:]
-        M = np.eye(3)[..., None] + tilt_matrix(truth.angle)
         dM = tilt_matrix(found[3:9])
         back = inverse(M + dM)
         D = 1.0 / (1.0 + own)
         less = -1.0 * own * D
         P = _product(back, less[:, None] * M - dM)
-        q = (back * (less * truth.bias - bias)).sum(axis=1)
+        q = (back * (less * b - bias)).sum(axis=1)
         C = back * D
         turned = np.moveaxis(P, 0, 1)  # P^T
         squares, means, total = self.moments
@@ -201,4 +201,4 @@ def sensitivity(force: Array, held: Held) -> Array:
 
 def _product(a: Array, b: Array) -> Array:
     """Return the matrix product of (3, 3, trials) and (3, 3, trials)."""
-    return np.asarray((a[:, :, None] * b[None]).sum(axis=1))
+    return np.asarray(np.einsum("abt,bct->act", a, b))

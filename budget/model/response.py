@@ -24,6 +24,7 @@ SIGN = np.array([-1.0, 1.0, 1.0, -1.0, -1.0, 1.0])
 
 BIAS = 3  # row of the weights, after the responses to x, y, z
 STATISTICS = 4
+CYCLES = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -99,9 +100,11 @@ def tilt_matrix(angle: Array) -> Array:
 
 def inverse(A: Array) -> Array:
     """Return the inverse of matrices, (3, 3, trials): adjugate over determinant."""
-    i, j = np.array([1, 2, 0]), np.array([2, 0, 1])
-    cofactor = A[i][:, i] * A[j][:, j] - A[i][:, j] * A[j][:, i]
-    return np.asarray(np.moveaxis(cofactor, 0, 1) / (A[0] * cofactor[0]).sum(axis=0))
+    adjugate = np.empty_like(A)
+    for p, i, j in CYCLES:  # element by element: rows and columns would be copies
+        for q, m, n in CYCLES:
+            adjugate[q, p] = A[i, m] * A[j, n] - A[i, n] * A[j, m]
+    return np.asarray(adjugate / (A[0] * adjugate[:, 0]).sum(axis=0))
 
 
 def tilt(angle: Array, u: Array) -> Array:
