@@ -24,7 +24,7 @@ from budget.methods.intervals import (
     KINDS,
     Grid,
     Histogram,
-    interval_of_values,
+    interval_of_trials,
     numerical_tolerance,
 )
 from budget.methods.trials import check_finite
@@ -294,8 +294,10 @@ def _macro_block(problem: Problem, plan: _Plan, task: _Task) -> MacroBlock:
     check_finite(total.deviations)
     settling = None
     if task.index < plan.first_stage:
-        ends = interval_of_values(np.sort(y), plan.coverage, plan.interval)
-        settling = np.stack([total.mean, total.standard_uncertainty, *ends.T])
+        ends = [interval_of_trials(row, plan.coverage, plan.interval) for row in y]
+        settling = np.stack(
+            [total.mean, total.standard_uncertainty, *np.transpose(ends)]
+        )
     if task.grid is None:
         return MacroBlock(moments=total, values=y, settling=settling)
     return MacroBlock(moments=total, histogram=task.grid.count(y), settling=settling)
@@ -428,14 +430,12 @@ class Gathering:
         """Return the coverage intervals of all trials so far, shape (n_out, 2)."""
         if self._histogram is not None:
             return self._histogram.interval(coverage, kind)
-        # Output after output: never a sorted copy of all trials.
+        # Output after output: never a second copy of all trials.
         rows = range(len(self.moments.mean))
-        return np.concatenate(
+        return np.stack(
             [
-                interval_of_values(
-                    np.sort(np.concatenate([kept[k] for kept in self._kept]))[None],
-                    coverage,
-                    kind,
+                interval_of_trials(
+                    np.concatenate([kept[k] for kept in self._kept]), coverage, kind
                 )
                 for k in rows
             ]

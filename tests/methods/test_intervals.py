@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from budget.methods.intervals import interval_of_values, numerical_tolerance
+from budget.methods.intervals import (
+    interval_of_trials,
+    interval_of_values,
+    numerical_tolerance,
+)
 from budget.problem import Output
 
 TEN = np.sort([0.0, 9.5, 1.0, 8.0, 2.0, 7.0, 3.0, 6.0, 4.0, 50.0])[None]
@@ -24,6 +28,23 @@ def test_intervals_exist_for_tiny_samples(coverage, kind):
     """Two values give themselves as the interval at any coverage."""
     two = np.array([[1.0, 2.0]])
     assert_array_equal(interval_of_values(two, coverage, kind), two)
+
+
+@pytest.mark.parametrize("kind", ["symmetric", "shortest"])
+@pytest.mark.parametrize("coverage", [0.1, 0.5, 0.95, 0.9999])
+@pytest.mark.parametrize("n", [2, 3, 999, 1000, 12_345])
+def test_trials_need_not_be_sorted(n, coverage, kind):
+    """The interval is the same to the bit: ties, tails, trials that ascend, any n."""
+    rng = np.random.default_rng(n)
+    for trials in (
+        rng.standard_normal(n),
+        rng.standard_cauchy(n),
+        np.zeros(n),
+        np.arange(n, 0.0, -1.0),
+        np.where(np.arange(n) % 12 == 0, rng.random(n), 5.0),  # some tell little
+    ):
+        expected = interval_of_values(np.sort(trials)[None], coverage, kind)[0]
+        assert_array_equal(interval_of_trials(trials, coverage, kind), expected)
 
 
 @pytest.mark.parametrize(
