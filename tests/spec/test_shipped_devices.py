@@ -25,7 +25,7 @@ FILES = sorted(p for p in DEVICES.glob("*.yaml") if p.stem not in ELSEWHERE)
 REFS = [
     f"{path.stem}#{name}" if name else path.stem
     for path in FILES
-    for name in variants(path)
+    for name in variants(path.stem)
 ]
 # A spelling that the reader does not know, and the one that stands for it.
 READ_AS = {"deg/Hr": "deg/hr"}
