@@ -372,20 +372,30 @@ RESPELLED = [
 ]
 
 # What is measured has no line, whatever the spelling; where somebody might put it.
+READ += [
+    ("ppm/°C", "ppm/degC", 1e-6),
+    ("%/°C", "ppm/degC", 1e-2),
+    ("K", "degC", 1.0),
+    ("mm", "m", 1e-3),
+    ("°C", "degC", 1.0),
+    ("µrad/°C", "deg/h/(degC/min)", 1e-6),
+    ("ppm/(°/s)²", "ppm/(deg/s)^2", 1e-6 / DEG**2),
+    ("(°/h)/g²", "deg/h/g^2", DEG / 3600.0 / 9.80665**2),
+]
 NOT_BUDGETED = {
     RATIO: (
-        *("% FS", "ppm of FS", "% span", "ppm of span/°C", "ppm/°C", "%/°C"),
+        *("% FS", "ppm of FS", "% span", "ppm of span/°C"),
         *("mA/g", "mV/g", "LSB/g", "LSB/(°/s)", "mV/°/s"),
     ),
-    ANGLE: ("% cross-axis", "µrad/°C", "arcsec/pulse", "arc-sec/pulse", "µrad/LSB"),
+    ANGLE: ("% cross-axis", "arcsec/pulse", "arc-sec/pulse", "µrad/LSB"),
     RATE: (
         *("°/h/g²rms", "°/h/Gauss"),
-        *("arcsec/pulse", "°C", "K", "V", "bit"),
+        *("arcsec/pulse", "V", "bit"),
     ),
     ACCELERATION: (
         *("µg/g²rms", "mg/g²rms", "µg/Gauss"),
         *("µg/min", "ft/s/count", "m/s/LSB", "W", "mW", "mA", "gram", "grams", "kg"),
-        *("lb", "cc", "cm³", "in³", "mm", "MTBF h", "FIT", "EUR"),
+        *("lb", "cc", "cm³", "in³", "MTBF h", "FIT", "EUR"),
     ),
 }
 

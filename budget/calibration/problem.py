@@ -21,6 +21,7 @@ from budget.earth import ROTATION_RATE
 from budget.model.response import STATISTICS, Truth
 from budget.model.source import (
     TURN_ON,
+    Change,
     Disturbance,
     Noise,
     Offset,
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.model.scheme import Scheme
-    from budget.model.source import Act, Given, Source
+    from budget.model.source import Act, Gains, Given, Source
     from budget.spec.records import Procedure, Sensor
 
 REFERENCES = ("nominal", "as_tested", "next_turn_on")
@@ -89,6 +90,7 @@ def calibration_problem(
         *(_Row.of(owner, line) for owner, lines in shared.items() for line in lines),
     ]
     triads = {sensor.kind: _triad(sensor, procedure, rows) for sensor in sensors}
+    every = tuple(triads.values())
     members = [
         (row, row.group(triads, procedure, reference, only=only))
         for row in rows
@@ -105,8 +107,8 @@ def calibration_problem(
         outputs=tuple(made[name] for name in names),
         function=Calibration(
             triads=tuple(
-                _calibration(sensor, triads[sensor.kind], places, reference)
-                for sensor in sensors
+                _calibration(sensor, every, place, places, reference)
+                for place, sensor in enumerate(sensors)
             )
         ),
     )
@@ -168,6 +170,15 @@ class _Row:
             )
         times = 1 + (reference == "next_turn_on" and self.is_new)
         if isinstance(effect, Disturbance):
+            joint = effect.covariance(given, tuple(triads.values()))
+            if joint is not None:
+                n = len(joint)
+                return Group(
+                    name=name,
+                    mean=np.zeros(n),
+                    covariance=joint * included,
+                    distributions=(NORMAL,) * n,
+                )
             own = triads.get(self.owner) or next(iter(triads.values()))
             times = effect.size(given, own.scheme) // given.u.size
         return Group.independent(
@@ -224,17 +235,21 @@ def _triad(sensor: Sensor, procedure: Procedure, rows: list[_Row]) -> Triad:
     ]
     return Triad(
         scheme=scheme,
-        given={line.name: line for line in sensor.lines},
+        given={line.name: line for line in (*procedure.environment, *sensor.lines)},
         statistics=Statistics.of(scheme, wanted),
     )
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Constant:
-    """An Offset of one triad: its rows, those of a later turn-on, how it is counted."""
+    """An Offset of one triad: its rows, those of a later turn-on, how it is counted.
+
+    Or a Change: what the parameter takes of the same rows, in the test and later.
+    """
 
     now: slice
-    later: slice | None
+    later: slice | None = None
+    gains: Gains | None = None
 
     def deviation(self, x: Array, reference: str) -> Array | float:
         """Return true value minus what the reference holds.
@@ -243,12 +258,21 @@ class _Constant:
         new at each turn-on, an independent draw (next_turn_on).
         """
         if reference == "nominal":
-            return x[self.now]
-        return 0.0 if self.later is None else x[self.now] - x[self.later]
+            return self.value(x)
+        is_same = self.later is None and self.gains is None
+        if reference == "as_tested" or is_same:
+            return 0.0
+        return self.value(x) - self.next_value(x)
+
+    def value(self, x: Array) -> Array:
+        """Return the value during the test."""
+        own = x[self.now]
+        return own if self.gains is None else np.asarray(self.gains[0] @ own)
 
     def next_value(self, x: Array) -> Array:
         """Return the value at the later turn-on."""
-        return x[self.now if self.later is None else self.later]
+        own = x[self.now if self.later is None else self.later]
+        return own if self.gains is None else np.asarray(self.gains[1] @ own)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -336,7 +360,7 @@ class TriadCalibration:
         """Return nominal values plus their offsets, (n, trials)."""
         value = np.repeat(nominal[:, None], x.shape[1], axis=1).astype(x.dtype)
         for constant in self.offsets[target]:
-            value += x[constant.now]
+            value += constant.value(x)
         return value
 
     def _deviation(self, x: Array, target: str) -> Array | float:
@@ -381,11 +405,13 @@ class Calibration:
 
 def _calibration(
     sensor: Sensor,
-    triad: Triad,
+    triads: tuple[Triad, ...],
+    number: int,
     places: tuple[tuple[_Row, slice], ...],
     reference: str,
 ) -> TriadCalibration:
-    """Bind every source to one triad."""
+    """Bind every source to one triad, that of this number."""
+    triad = triads[number]
     own = [(row, place) for row, place in places if row.acts_on(sensor.kind)]
     offsets: dict[str, tuple[_Constant, ...]] = dict.fromkeys(
         ("bias", "scale_factor", "mounting_angle"), ()
@@ -412,7 +438,12 @@ def _calibration(
                     offsets[quantity] = (*offsets.get(quantity, ()), constant)
             act = effect.bind(row.given, triad) if row.given.u.any() else None
             if act is not None:
-                acts.append((place, act))
+                part = effect.part(triads, number)
+                rows = range(place.start, place.stop)[part]
+                acts.append((slice(rows.start, rows.stop), act))
+        elif isinstance(effect, Change):
+            for target, gains in effect.gains(triad.given).items():
+                offsets[target] += (_Constant(now=place, gains=gains),)
     return TriadCalibration(
         scheme=triad.scheme,
         bias=sensor.nominal_bias,

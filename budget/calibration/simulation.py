@@ -22,6 +22,7 @@ from budget.distributions import LEAST
 from budget.errors import CallError
 from budget.model.source import (
     TURN_ON,
+    Change,
     Disturbance,
     Moment,
     Noise,
@@ -131,6 +132,7 @@ def simulate(
                 sensor,
                 schemes[sensor.kind],
                 [*draw(sensor.kind, sensor.lines), *shared],
+                {line.name: line for line in (*procedure.environment, *sensor.lines)},
                 sample_rate=procedure.sample_rate,
                 reference=reference,
             )
@@ -167,8 +169,10 @@ def _draw(
     if isinstance(effect, Noise):
         samples = effect.sampler(line, rng, sample_rate)
     elif isinstance(effect, Disturbance):
-        value = _values(line, rng, effect.size(line, scheme) // line.u.size)
-    elif isinstance(effect, Offset):
+        drawn = effect.draw(line, rng)
+        times = effect.size(line, scheme) // line.u.size
+        value = _values(line, rng, times) if drawn is None else drawn
+    elif isinstance(effect, Offset | Change):
         value = later = _values(line, rng)
         if source.stays == TURN_ON:
             later = _values(line, rng_of(f"{name}, later"))
@@ -187,19 +191,19 @@ def _simulate_triad(
     sensor: Sensor,
     scheme: Scheme,
     drawn: list[_Drawn],
+    known: Mapping[str, Given],
     *,
     sample_rate: float,
     reference: str,
 ) -> Array:
     """Simulate one triad; shape (n_outputs,): 12 less those held."""
-    during = {one.given.name: one.value for one in drawn}
-    tested = _turn_on(sensor, drawn, during)
+    tested = _turn_on(sensor, drawn, known)
     true = {
-        "nominal": _turn_on(sensor, drawn, {}),
+        "nominal": _turn_on(sensor, [], known),
         "as_tested": tested,
-        "next_turn_on": _turn_on(sensor, drawn, {o.given.name: o.later for o in drawn}),
+        "next_turn_on": _turn_on(sensor, drawn, known, is_later=True),
     }[reference]
-    found = _calibrate(sensor, scheme, tested, drawn, sample_rate)
+    found = _calibrate(sensor, scheme, tested, drawn, known, sample_rate=sample_rate)
     errors = np.concatenate(
         [
             (found.scale_factor - (1.0 + true.k)) / (1.0 + true.k),
@@ -221,17 +225,25 @@ def _simulate_triad(
 
 
 def _turn_on(
-    sensor: Sensor, drawn: list[_Drawn], values: Mapping[str, Array]
+    sensor: Sensor,
+    drawn: list[_Drawn],
+    known: Mapping[str, Given],
+    *,
+    is_later: bool = False,
 ) -> TurnOn:
-    """Add the offsets to the nominal values."""
+    """Add offsets and changes to the nominal values."""
     truth = {
         "scale_factor": np.zeros(3),  # eq. (14)
         "mounting_angle": sensor.nominal_mounting_angle.copy(),
         "bias": sensor.nominal_bias.copy(),
     }
     for one in drawn:
-        if isinstance(one.effect, Offset) and one.given.name in values:
-            truth[one.effect.target] += values[one.given.name]
+        value = one.later if is_later else one.value
+        if isinstance(one.effect, Offset):
+            truth[one.effect.target] += value
+        elif isinstance(one.effect, Change):
+            for target, gains in one.effect.gains(known).items():
+                truth[target] += gains[is_later] @ value
     return TurnOn(
         k=truth["scale_factor"], angle=truth["mounting_angle"], bias=truth["bias"]
     )
@@ -239,10 +251,11 @@ def _turn_on(
 
 @dataclass(frozen=True, kw_only=True)
 class _At:
-    """One window, and its samples."""
+    """One window, and its samples; what the files give."""
 
     place: int
     samples: Samples
+    known: Mapping[str, Given]
 
 
 def _calibrate(
@@ -250,6 +263,8 @@ def _calibrate(
     scheme: Scheme,
     tested: TurnOn,
     drawn: list[_Drawn],
+    known: Mapping[str, Given],
+    *,
     sample_rate: float,
 ) -> CalibratedTriad:
     """Run the windows in the order of time, and calibrate from the pulses."""
@@ -258,7 +273,8 @@ def _calibrate(
         n = max(1, round(window.length * sample_rate))
         dt = window.length / n
         at = Samples(n=n, dt=dt, first=window.start + dt / 2.0)
-        pulses = _count(sensor, scheme, tested, drawn, _At(place=place, samples=at))
+        where = _At(place=place, samples=at, known=known)
+        pulses = _count(sensor, scheme, tested, drawn, where)
         rates.append(pulses / window.length)
     return scheme.estimate(np.array(rates).T)
 
@@ -296,17 +312,18 @@ def _count(
     for one in drawn:
         if one.samples is not None:
             reading = reading + one.samples(at)
-    moment = Moment(
+    moment = partial(
+        Moment,
         owner=sensor.kind,
         window=window,
         samples=at,
         force=force,
         true_input=true_input,
         reading=reading,
-        given={line.name: line for line in sensor.lines},
+        known=where.known,
     )
     for effect, one in disturbances:
-        reading = reading + effect.reading(one.value, moment)
+        reading = reading + effect.reading(one.value, moment(given=one.given))
     K = 1.0 + tested.k
     if reading.shape[1] == 1:  # nothing varies within the window
         return np.asarray(K * reading[:, 0] * window.length * table.pace)

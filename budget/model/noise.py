@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from budget.arrays import Array
     from budget.model.windows import Schedule
 
@@ -152,6 +154,44 @@ def _correlation(schedule: Schedule, tau: float) -> _Correlation:
     for one in (whole, rest):
         one.flags.writeable = False
     return _Correlation(whole=whole, without_constant=rest)
+
+
+def stationary(
+    starts: Array,
+    lengths: Array,
+    integrals: tuple[Callable[[Array], Array], ...],
+) -> tuple[Array, ...]:
+    """Return covariances of a stationary process over windows that may overlap.
+
+    With S_F the second difference of F over the edges, F(e_b - e_a) - F(e_b - s_a) -
+    F(s_b - e_a) + F(s_b - s_a), over L_a L_b: -S_G of means, S_H of a mean rate of
+    change with a mean, S_R of two such rates, R = H' = G'' the autocovariance.
+
+    Parameters
+    ----------
+    starts, lengths : ndarray, shape (n,)
+        [s].
+    integrals : tuple of functions
+        G, H and R, or as many of them as are asked for.
+
+    Returns
+    -------
+    tuple of ndarray, shape (n, n)
+        One for each function.
+    """
+    ends = starts + lengths
+
+    def difference(F: Callable[[Array], Array]) -> Array:
+        parts = (
+            F(b[None] - a[:, None]) for a in (ends, starts) for b in (ends, starts)
+        )
+        ee, es, se, ss = parts  # the edge of a, then that of b
+        return (ee - es - se + ss) / np.outer(lengths, lengths)
+
+    signs = (-1.0, 1.0, 1.0)
+    return tuple(
+        sign * difference(F) for sign, F in zip(signs, integrals, strict=False)
+    )
 
 
 def _log_mean_exponential(x: Array) -> Array:

@@ -1,9 +1,10 @@
 """Error sources: owner, duration, effect on a window average.
 
-A source acts in one of four ways. An Offset is part of the truth: a constant added to a
+A source acts in one of five ways. An Offset is part of the truth: a constant added to a
 bias, a scale factor or a mounting angle. A Noise is a process, seen through its window
 averages. A Disturbance is anything else that a reading or the table's input may hold. A
-Coefficient does nothing alone: a disturbance that both triads share multiplies it.
+Change is part of the truth that is another one at a later turn-on. A Coefficient does
+nothing alone: a source that multiplies it does.
 
 Each Noise and Disturbance says the same thing twice, by closed form for the window
 averages and sample by sample for the simulation; their agreement is tested.
@@ -23,7 +24,7 @@ from budget.model.response import STATISTICS
 from budget.names import AXES
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from budget.distributions import Distribution
     from budget.model.noise import Process
@@ -74,7 +75,7 @@ class Triad:
     ----------
     scheme : Scheme
     given : mapping of str to Given
-        What its data sheet gives, by key.
+        What its data sheet and the environment give, by key.
     statistics : Statistics
         Of the window averages of its noise.
     """
@@ -150,9 +151,12 @@ class Effect:
         What has to be there, besides the source, for it to reach anything.
     removed : str
         What makes it cancel, where a good test is made so that it does; else ''.
+    is_process : bool
+        Whether it is a random process, though no Noise.
     """
 
     needs: ClassVar[str] = "windows that it reaches"
+    is_process: ClassVar[bool] = False
     removed: ClassVar[str] = ""
 
 
@@ -203,6 +207,18 @@ class Disturbance(Effect):
         """Return how many independent inputs the source has; one for each value."""
         return given.u.size
 
+    def covariance(self, given: Given, triads: Sequence[Triad]) -> Array | None:  # noqa: ARG002
+        """Return the covariance of its inputs, where they are of one process."""
+        return None
+
+    def part(self, triads: Sequence[Triad], place: int) -> slice:  # noqa: ARG002
+        """Return which of its inputs reach the triad at that place."""
+        return slice(None)
+
+    def draw(self, given: Given, rng: np.random.Generator) -> Array | None:  # noqa: ARG002
+        """Draw what the simulation is given of it; None: a value of each input."""
+        return None
+
     def weights(self, scheme: Scheme) -> Array | None:  # noqa: ARG002
         """Return rows of weights, (3, m, n), whose noise the effect needs besides W."""
         return None
@@ -223,8 +239,31 @@ class Disturbance(Effect):
         return table
 
 
+Gains = tuple[Array, Array]  # of a source's inputs in a parameter: in the test, later
+
+
+class Change(Effect):
+    """A constant part of the truth that is another one at a later turn-on."""
+
+    @abstractmethod
+    def gains(self, known: Mapping[str, Given]) -> Mapping[str, Gains]:
+        """Return what each parameter takes of it, (3, n) in the test and later.
+
+        By 'bias', 'scale_factor' or 'mounting_angle', from all that data sheet and
+        environment give.
+        """
+
+
 class Coefficient(Effect):
-    """A fixed sensitivity of a device to something that its surroundings do."""
+    """A fixed sensitivity of a device, or a known size of what it is sensitive to.
+
+    Attributes
+    ----------
+    partner : str
+        The line of a sensor that a known size is multiplied by; '' of a sensitivity.
+    """
+
+    partner: ClassVar[str] = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -308,8 +347,10 @@ class Moment:
         Specific force in body axes [m/s^2].
     true_input, reading : ndarray, shape (3, n) or (3, 1)
         M u + b, and with the noise [unit of the input].
-    given : mapping of str to Given
-        What the data sheet of the triad gives.
+    known : mapping of str to Given
+        What the data sheet of the triad and the environment give.
+    given : Given
+        What the file gives of the source that is asked.
     """
 
     owner: str
@@ -318,7 +359,8 @@ class Moment:
     force: Array
     true_input: Array
     reading: Array
-    given: Mapping[str, Given]
+    known: Mapping[str, Given]
+    given: Given
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -347,6 +389,8 @@ class Source:
         The second source of a colour.
     forms : mapping of str to Effect
         What else a file may mean by it, by the word that says so.
+    time : str
+        Key beside it, under environment, of a time that it needs; '' if none.
     """
 
     name: str
@@ -359,6 +403,7 @@ class Source:
     colour: str = "purple"
     is_hatched: bool = False
     forms: Mapping[str, Effect] = field(default_factory=dict)
+    time: str = ""
 
     def meant(self, given: Given) -> Source:
         """Return the source with the effect that a file means by it."""
@@ -379,7 +424,7 @@ class Source:
 
         Else it is the spread of a constant, whose shape matters.
         """
-        return isinstance(self.effect, Noise | Coefficient)
+        return self.effect.is_process or isinstance(self.effect, Noise | Coefficient)
 
     @property
     def varies(self) -> bool:

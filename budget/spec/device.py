@@ -53,6 +53,16 @@ class UnusedEntry(Strict):
     source: ShortText = ""
 
 
+# What is left over temperature, and the coefficients of what it is left of.
+RESIDUALS = {
+    "bias_over_temperature": (
+        "bias_temperature_coefficient",
+        "bias_temperature_rate_coefficient",
+    ),
+    "scale_factor_over_temperature": ("scale_factor_temperature_coefficient",),
+}
+
+
 class SensorPart(Strict):
     """One triad of gyros or accelerometers."""
 
@@ -78,6 +88,22 @@ class SensorPart(Strict):
             "are two noises, write {value: ..., adds_to: " + walk + "}"
         )
         raise faults({("errors", SAMPLE_NOISE): message})
+
+    @model_validator(mode="after")
+    def _check_temperature(self) -> Self:
+        found: dict[tuple[str, ...], str] = {}
+        for residual, coefficients in RESIDUALS.items():
+            given = [key for key in coefficients if getattr(self.errors, key, None)]
+            if given and getattr(self.errors, residual, None):
+                found["errors", residual] = (
+                    f"stands beside {' and '.join(given)}: what is left over "
+                    "temperature and what a temperature changes are one effect, and "
+                    "would count twice; expected one of them. Remove the coefficient, "
+                    "where the maker compensates it, or the residual"
+                )
+        if found:
+            raise faults(found)
+        return self
 
 
 def _sensor_type(sensor: str) -> Any:  # noqa: ANN401

@@ -190,7 +190,10 @@ class OrText:
 
 
 def mapping_of(
-    title: str, fields: Mapping[str, Any], meanings: Mapping[str, str] | None = None
+    title: str,
+    fields: Mapping[str, Any],
+    meanings: Mapping[str, str] | None = None,
+    base: type[Strict] = Strict,
 ) -> type[Strict]:
     """Return the type of a mapping whose keys may all be left out."""
     optional: dict[str, Any] = {
@@ -198,7 +201,7 @@ def mapping_of(
         for key, kind in fields.items()
     }
     name = re.sub("[^A-Za-z]+", "_", title)
-    return create_model(name, __base__=Strict, **optional)
+    return create_model(name, __base__=base, **optional)
 
 
 @cache

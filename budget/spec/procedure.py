@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from math import pi
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from budget.earth import normal_gravity
@@ -20,6 +21,7 @@ from budget.names import (
     by_group,
     keys_of,
     parameters_of,
+    words,
 )
 from budget.spec.checking import check
 from budget.spec.fields import (
@@ -219,6 +221,27 @@ class Estimate(Strict):
             for name in parameters_of(owner)
             if not {name.quantity, name.without_owner} & {*getattr(self, owner)}
         )
+
+
+class Timed(Strict):
+    """A level of station or environment, some of whose values need a time beside."""
+
+    @model_validator(mode="after")
+    def _check_times(self) -> Self:
+        times = {one.time: one for one in lines_of(ENVIRONMENT) if one.time}
+        found = {}
+        for time in [time for time in times if time in type(self).model_fields]:
+            key = keys_of(times[time].name)[-1]
+            value, of = getattr(self, key), getattr(self, time)
+            if value is not None and of is None:
+                found[key,] = f"stands without {time}, expected that beside it"
+            if value is None and of is not None:
+                found[time,] = (
+                    f"is of {key}, which is not there; add it, or remove this"
+                )
+        if found:
+            raise faults(found)
+        return self
 
 
 class ProcedureFile(Strict):
@@ -530,10 +553,20 @@ def take_surroundings(owner: str, mapping: Strict | None) -> tuple[ReadValue, ..
     taken = []
     for source in lines_of(owner):
         figure: Any = mapping
+        level: Any = None
         for key in keys_of(source.name):
-            figure = getattr(figure, key, None)
+            figure, level = getattr(figure, key, None), figure
         if figure is not None:
-            taken.append(read_value(source, owner, figure))
+            one = read_value(source, owner, figure)
+            if source.time:
+                time = getattr(level, source.time)
+                says = replace(
+                    one.line,
+                    correlation_time=np.array([time.value]),
+                    definition=f"{words(source.time)} {time.printed}",
+                )
+                one = replace(one, line=says)
+            taken.append(one)
     return tuple(taken)
 
 
@@ -541,10 +574,13 @@ def describe_surroundings(owner: str, taken: tuple[ReadValue, ...]) -> tuple[str
     """Say which figures of that owner count, with the words that stand beside them."""
     return tuple(
         f"{Name(line.name, owner=owner)}: {line.printed}, "
-        + ", ".join(word for word in words if word)
+        + ", ".join(word for word in said if word)
         for line in (one.line for one in taken)
-        for words in [
-            (line.meaning, line.includes, line.horizon, line.condition, line.source)
+        for said in [
+            (
+                *(line.meaning, line.definition, line.includes, line.horizon),
+                *(line.condition, line.source),
+            )
         ]
     )
 
@@ -579,4 +615,7 @@ def _mapping(
         else:
             source: Source = branch
             fields[key], meanings[key] = value_type(source, owner), source.model
-    return mapping_of(title, fields, meanings)
+            if source.time:
+                fields[source.time] = Annotated[Quantity, Measured("s", Sign.POSITIVE)]
+                meanings[source.time] = f"of {key}"
+    return mapping_of(title, fields, meanings, Timed)

@@ -227,7 +227,9 @@ def analyze_as(
     if chosen is None:
         warnings += cautions.unknown_zeros(problem, law)
         whole = analysis if analysis.asked is None else replace(analysis, asked=None)
-        warnings += cautions.unfelt(whole.problem, whole.law, sensors)
+        warnings += cautions.unfelt(
+            whole.problem, whole.law, sensors, procedure.environment
+        )
     estimate = ESTIMATORS[settings.method](analysis, settings, engine)
     warnings += estimate.warnings
     warnings += cautions.few_trials(estimate.trials, settings.coverage)

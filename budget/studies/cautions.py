@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.model.source import Coefficient, Disturbance
+from budget.model.source import Change, Coefficient, Disturbance
 from budget.model.sources import DEVICE, ENVIRONMENT, source_of
 from budget.names import Name, key_title
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from budget.methods.monte_carlo import Sample
     from budget.problem import Problem
     from budget.results import Assessment, Validation
-    from budget.spec.records import Sensor
+    from budget.spec.records import ErrorLine, Sensor
 
 # Trials that a tail of the interval should hold at the least: JCGM 101:2008, 7.2.2 asks
 # for M much larger than 1/(1 - p).
@@ -113,12 +113,15 @@ def unknown_zeros(problem: Problem, law: Propagation) -> tuple[str, ...]:
 
 
 def unfelt(
-    problem: Problem, law: Propagation, sensors: Sequence[Sensor]
+    problem: Problem,
+    law: Propagation,
+    sensors: Sequence[Sensor],
+    environment: Sequence[ErrorLine],
 ) -> tuple[str, ...]:
     """Name what is given and reaches no output of this test: what removes it, or lacks.
 
-    Disturbances and coefficients only: that an offset is shared by the reference is
-    said elsewhere.
+    Disturbances, changes and coefficients only: that an offset is shared by the
+    reference is said elsewhere.
     """
     zero = np.array([output.resolution**2 for output in problem.outputs])
     first_order = [
@@ -150,6 +153,14 @@ def unfelt(
             for line in sensor.lines
             if line.u.any() and not source_of(sensor.kind, line.name).varies
         ]
+    has = {line.name for sensor in sensors for line in sensor.lines if line.u.any()}
+    names += [
+        Name(line.name, owner=ENVIRONMENT)
+        for line in environment
+        if line.u.any()
+        and isinstance(known := source_of(ENVIRONMENT, line.name).effect, Coefficient)
+        and known.partner not in has
+    ]
     effects = [
         (name, source_of(name.owner, name.quantity).effect)
         for name in names
@@ -158,7 +169,7 @@ def unfelt(
     return tuple(by_what) + tuple(
         f"{name} is given and reaches no output of this test: it takes {effect.needs}"
         for name, effect in effects
-        if isinstance(effect, Disturbance | Coefficient)
+        if isinstance(effect, Disturbance | Change | Coefficient)
     )
 
 

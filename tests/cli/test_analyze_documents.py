@@ -44,11 +44,17 @@ NOT_GIVEN = [
     "gyro.g_sensitivity",
     "gyro.scale_factor_quadratic",
     "gyro.scale_factor_cubic",
+    "gyro.bias_over_temperature",
+    "gyro.scale_factor_over_temperature",
+    "gyro.vibration_rectification",
     "accelerometer.acceleration_random_walk",
     "accelerometer.scale_factor_nonlinearity",
     "accelerometer.scale_factor_asymmetry",
     "accelerometer.scale_factor_quadratic",
     "accelerometer.scale_factor_cubic",
+    "accelerometer.bias_over_temperature",
+    "accelerometer.scale_factor_over_temperature",
+    "accelerometer.vibration_rectification",
 ]
 COLUMNS = (
     "sensor,parameter,axis,unit,source,standard_uncertainty,share,"

@@ -65,10 +65,9 @@ def silent(kind, path):
     """Say whether the docs have this key among those that move no number."""
     surroundings = kind == "procedure" and path[0] in {"station", "environment"}
     figure = (kind == "device" and "errors" in path) or surroundings
-    process = (
-        not surroundings
-        and figure
-        and any(line.process for line in lines_of(path[0]) if line.name == path[2])
+    name = ".".join(path[1:-1]) if surroundings else "".join(path[2:3])
+    process = figure and any(
+        line.process for line in lines_of(path[0]) if line.name == name
     )
     for where, words in TABLE:
         keys = re.findall("`([a-z_]+)`", words)

@@ -27,7 +27,13 @@ from budget.studies.allocation.allocate import allocate
 CHANGED = 1e-9  # relative; far above rounding, far below what any perturbation does
 PAPER = budget.load_procedure()
 # With a temperature that changes, so that its coefficients are felt.
-WARM = replace(PAPER, environment=(line("temperature.ramp", [1.0 / 3600.0]),))
+WARM = replace(
+    PAPER,
+    environment=(
+        line("temperature.ramp", [1.0 / 3600.0]),
+        line("vibration.test", [9.80665]),
+    ),
+)
 MARK = "Quagga"  # a word that stands in no file and no message
 
 
@@ -145,8 +151,19 @@ def differ(first, second):
 
 
 def analyzed(one, procedure=WARM):
-    """Return the numbers of `budget analyze`, by the law and not validated."""
-    document = budget.analyze(one, procedure=procedure, validate=False).to_dict()
+    """Return the numbers of `budget analyze`, by the law and not validated.
+
+    Of a later turn-on where something waits for one.
+    """
+    names = " ".join(line.name for line in procedure.environment)
+    names += " ".join(line.name for sensor in one.sensors for line in sensor.lines)
+    waits = "mission" in names or "over_temperature" in names
+    document = budget.analyze(
+        one,
+        procedure=procedure,
+        reference="next_turn_on" if waits else "nominal",
+        validate=False,
+    ).to_dict()
     return numbers([document["outputs"], document["covariance"]])
 
 
@@ -298,6 +315,17 @@ NEEDED = {
     "edge_jitter": {"window": "time"},
 }
 ESTIMATED = {"estimator": "weighted", "pause": "7 s"}
+# What has to stand there so that a key of it may, and means something.
+ENVIRONMENTS = {
+    "temperature": {
+        "sigma": "1 degC",
+        "correlation_time": "300 s",
+        "mission": "1 degC",
+        "warm_up": "1 degC",
+        "warm_up_time": "300 s",
+    },
+    "vibration": {"test": "1 g", "mission": "2 g"},
+}
 
 
 def place_of(key):
@@ -315,6 +343,8 @@ def place_of(key):
         tree["windows"] = [first, *DWELLS]
     if key.path[0] == "estimate":
         tree["estimator"] = "least_squares"
+    if key.path[0] == "environment":
+        tree["environment"] = {key.path[1]: ENVIRONMENTS[key.path[1]]}
     if key.path[0] in {"station", "environment"} and {"axes", *FIGURE_KEYS} & {
         *key.path
     }:
@@ -342,7 +372,7 @@ def test_a_key_of_a_procedure_moves_a_number(key, load):
         errors = {
             line.name: f"10 {line.like(sensor)}"
             for line in lines_of(sensor)
-            if line.process
+            if line.process or line.name == "vibration_rectification"
         }
         walk = walk_of(sensor)
         noise = {"value": errors["sample_noise"], "adds_to": walk}

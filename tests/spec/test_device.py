@@ -84,6 +84,9 @@ def test_the_shipped_device_needs_no_assumption_and_misses_nothing_expected():
         "gyro.g_sensitivity",
         "gyro.scale_factor_quadratic",
         "gyro.scale_factor_cubic",
+        "gyro.bias_over_temperature",
+        "gyro.scale_factor_over_temperature",
+        "gyro.vibration_rectification",
     )
     assert device.accelerometer.not_given == (
         "accelerometer.acceleration_random_walk",
@@ -91,6 +94,9 @@ def test_the_shipped_device_needs_no_assumption_and_misses_nothing_expected():
         "accelerometer.scale_factor_asymmetry",
         "accelerometer.scale_factor_quadratic",
         "accelerometer.scale_factor_cubic",
+        "accelerometer.bias_over_temperature",
+        "accelerometer.scale_factor_over_temperature",
+        "accelerometer.vibration_rectification",
     )
     assert [sensor.expected_missing for sensor in device.sensors] == [(), ()]
 

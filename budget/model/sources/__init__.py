@@ -24,6 +24,13 @@ from budget.model.source import (
 )
 from budget.model.sources.asymmetry import InputAsymmetry, TurnAsymmetry
 from budget.model.sources.g_sensitivity import ELEMENTS, GSensitivity
+from budget.model.sources.later import (
+    MISSION_VIBRATION,
+    TEST_VIBRATION,
+    OverTemperature,
+    Vibration,
+    VibrationRectification,
+)
 from budget.model.sources.place import EarthRate, Gravity, Height, Latitude
 from budget.model.sources.power import Power
 from budget.model.sources.processes import SampleNoise, Stability, Walk, WhiteNoise
@@ -38,8 +45,11 @@ from budget.model.sources.rotation import (
     Wobble,
 )
 from budget.model.sources.temperature import (
+    RandomTemperature,
+    TemperatureChange,
     TemperatureCoefficient,
     TemperatureRamp,
+    WarmUp,
 )
 from budget.model.sources.timing import Clock, EdgeJitter, RateError
 from budget.model.sources.turn_angle import TurnAngle
@@ -211,14 +221,93 @@ SOURCES = (
         stays=DEVICE,
     ),
     Source(
+        name="bias_temperature_rate_coefficient",
+        units={GYRO: "deg/h/(degC/min)", ACCELEROMETER: "ug/(degC/min)"},
+        model="fixed change of the bias with the rate of change of that temperature",
+        effect=TemperatureCoefficient(),
+        stays=DEVICE,
+    ),
+    Source(
+        name="scale_factor_temperature_coefficient",
+        units={GYRO: "ppm/degC", ACCELEROMETER: "ppm/degC"},
+        model="fixed relative change of the scale factor with that temperature",
+        effect=TemperatureCoefficient(),
+        stays=DEVICE,
+    ),
+    Source(
+        name="bias_over_temperature",
+        units={GYRO: "deg/h", ACCELEROMETER: "ug"},
+        model="random constant of a later turn-on, at another temperature",
+        effect=OverTemperature("bias"),
+        stays=DEVICE,
+        colour="blue",
+        is_hatched=True,
+    ),
+    Source(
+        name="scale_factor_over_temperature",
+        units={GYRO: "ppm", ACCELEROMETER: "ppm"},
+        model="random constant of a later turn-on, at another temperature",
+        effect=OverTemperature("scale_factor"),
+        stays=DEVICE,
+        colour="orange",
+        is_hatched=True,
+    ),
+    Source(
+        name="vibration_rectification",
+        units={GYRO: "deg/h/g^2", ACCELEROMETER: "ug/g^2"},
+        model="random constant of the device: bias over the square of a vibration",
+        effect=VibrationRectification(),
+        stays=DEVICE,
+        colour="yellow",
+        is_hatched=True,
+    ),
+    Source(
         name="temperature.ramp",
         units={ENVIRONMENT: "degC/h"},
         model="steady change of the temperature from the start of each triad's test",
         effect=TemperatureRamp(),
         stays=TEST,
         axes=ONE_VALUE,
-        colour="orange",
-        is_hatched=True,
+    ),
+    Source(
+        name="temperature.sigma",
+        units={ENVIRONMENT: "degC"},
+        model="random temperature, a stationary first-order Gauss-Markov process",
+        effect=RandomTemperature(),
+        stays=IN_RUN,
+        axes=ONE_VALUE,
+        time="correlation_time",
+    ),
+    Source(
+        name="temperature.warm_up",
+        units={ENVIRONMENT: "degC"},
+        model="what is missing at the start of each triad's test, less and less",
+        effect=WarmUp(),
+        stays=TEST,
+        axes=ONE_VALUE,
+        time="warm_up_time",
+    ),
+    Source(
+        name="temperature.mission",
+        units={ENVIRONMENT: "degC"},
+        model="temperature of a later turn-on less that of the test",
+        effect=TemperatureChange(),
+        stays=TURN_ON,
+        axes=ONE_VALUE,
+    ),
+    *(
+        Source(
+            name=name,
+            units={ENVIRONMENT: "g"},
+            model=f"known vibration, rms, {when}",
+            effect=Vibration(),
+            stays=TEST,
+            axes=ONE_VALUE,
+        )
+        for name, when in (
+            (TEST_VIBRATION, "during the test"),
+            (MISSION_VIBRATION, "at a later turn-on"),
+        )
     ),
     Source(
         name="turn_angle",

@@ -1,74 +1,301 @@
 """A temperature that both triads share, and what their parameters make of it.
 
-T(t) - T0 = r t from the start of a triad's test; b = b0 + bT (T - T0) and K = K0 (1 +
-kT (T - T0)), IEEE 1293 and 952. The coefficients are the device's, fixed
-and of one sign on all axes; the ramp is what nobody knows.
+b = b0 + bT (T - T0) + bR dT/dt and K = K0 (1 + kT (T - T0)), IEEE 1293 and 952. The
+coefficients are the device's, fixed and of one sign on all axes; the history T(t) is
+what nobody knows. It is the same for all axes and both triads, whose tests it takes as
+begun together where each has a clock of its own. Within a turn kT acts by the means of
+T and of the input; that both change there is left out, 1e-7 of kT (T - T0) g.
 """
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.model.source import Coefficient, Disturbance, Given, Moment, Triad
+from budget.model.noise import stationary
+from budget.model.response import BIAS
+from budget.model.source import Change, Coefficient, Disturbance, Given, Moment, Triad
+from budget.model.waves import Waves
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import NDArray
 
     from budget.arrays import Array
     from budget.model.response import Truth
-    from budget.model.source import Act
+    from budget.model.scheme import Scheme
+    from budget.model.source import Act, Gains
+    from budget.model.windows import Schedule
 
 BIAS_COEFFICIENT = "bias_temperature_coefficient"
+RATE_COEFFICIENT = "bias_temperature_rate_coefficient"
+SCALE_COEFFICIENT = "scale_factor_temperature_coefficient"
+COEFFICIENTS = (BIAS_COEFFICIENT, RATE_COEFFICIENT, SCALE_COEFFICIENT)
+WAVES = 300  # of a random temperature in the simulation
 
 
 @dataclass(frozen=True)
 class TemperatureCoefficient(Coefficient):
-    """bT: change of a bias with the temperature."""
+    """bT, bR or kT: change of a parameter with the temperature."""
 
-    needs = "a temperature that changes (temperature.ramp of the environment)"
+    needs = "a temperature that changes (temperature of the environment)"
 
 
 @dataclass(frozen=True)
-class TemperatureRamp(Disturbance):
-    """e_i = bT_i r t, t the time in the middle of a window."""
+class History(Disturbance):
+    """e_i = bT_i T + bR_i dT/dt + kT_i T x_i, x_i the input of the axis."""
 
-    needs = f"a sensor with a coefficient ({BIAS_COEFFICIENT})"
+    needs = f"a sensor with a coefficient ({', '.join(COEFFICIENTS)})"
 
-    def bind(self, given: Given, triad: Triad) -> Act | None:  # noqa: ARG002
-        """Return r times the weighed times, axis by axis; None without coefficients."""
-        coefficient = _coefficient(triad.given)
-        if coefficient is None:
-            return None
-        times = triad.scheme.weigh(triad.scheme.schedule.middles[:, None])  # (3, 4, 1)
-        drift = coefficient[:, None, None] * times
-
-        return partial(_drifted, drift=drift)
+    @abstractmethod
+    def course(self, value: Array, given: Given, times: Array) -> Array:
+        """Return T - T0 at those times [K]."""
 
     def reading(self, value: Array, moment: Moment) -> Array:
-        """Return bT r t of every sample."""
-        coefficient = _coefficient(moment.given)
-        if coefficient is None:
+        """Return what the temperature of every sample adds."""
+        coefficients = _coefficients(moment.known)
+        if coefficients is None:
             return np.zeros((3, 1))
-        drift = value[0] * moment.samples.times
-        return np.asarray(coefficient[:, None] * drift)
+        bT, bR, kT = coefficients[..., None]
+        at, given = moment.samples, moment.given
+        edges = np.append(at.times - at.dt / 2.0, at.last + at.dt / 2.0)
+        T = self.course(value, given, at.times)
+        rate = np.diff(self.course(value, given, edges)) / at.dt
+        return np.asarray(bT * T + bR * rate + kT * T * moment.true_input)
 
 
-def _coefficient(given: Mapping[str, Given]) -> Array | None:
-    """Return bT by axis [SI], None where the data sheet gives none."""
-    line = given.get(BIAS_COEFFICIENT)
-    return None if line is None else line.u
+@dataclass(frozen=True)
+class TemperatureCourse(History):
+    """A history of known shape; its size is what nobody knows."""
+
+    @abstractmethod
+    def shape(self, given: Given, times: Array) -> Array:
+        """Return T - T0 at those times, for a size of 1 [1]."""
+
+    @abstractmethod
+    def means(self, given: Given, schedule: Schedule) -> Array:
+        """Return the means of that over windows, shape (n,) [1]."""
+
+    def course(self, value: Array, given: Given, times: Array) -> Array:
+        """Return T - T0 at those times [K]."""
+        return np.asarray(value[0] * self.shape(given, times))
+
+    def bind(self, given: Given, triad: Triad) -> Act | None:
+        """Return the size times what 1 of it leaves; None without coefficients."""
+        coefficients = _coefficients(triad.given)
+        if coefficients is None:
+            return None
+        bT, bR, kT = coefficients[..., None, None]
+        scheme, schedule = triad.scheme, triad.scheme.schedule
+        T = self.means(given, schedule)
+        ends = schedule.starts + schedule.lengths
+        rate = self.shape(given, ends) - self.shape(given, schedule.starts)
+        weighed = scheme.weigh(T[:, None])  # (3, m, 1)
+        shift = bT * weighed + bR * scheme.weigh((rate / schedule.lengths)[:, None])
+        inputs = (scheme.turn + scheme.standing) * T[:, None]
+
+        return partial(
+            _warmed, shift=shift, seen=kT * scheme.weigh(inputs), constant=kT * weighed
+        )
 
 
-def _drifted(
+@dataclass(frozen=True)
+class TemperatureRamp(TemperatureCourse):
+    """T - T0 = r t from the start of a triad's test."""
+
+    def shape(self, given: Given, times: Array) -> Array:  # noqa: ARG002
+        """Return t."""
+        return times
+
+    def means(self, given: Given, schedule: Schedule) -> Array:  # noqa: ARG002
+        """Return the times in the middle of the windows."""
+        return schedule.middles
+
+
+@dataclass(frozen=True)
+class WarmUp(TemperatureCourse):
+    """T - T0 = -D e^(-t/tau) from the start of a triad's test."""
+
+    def shape(self, given: Given, times: Array) -> Array:
+        """Return -e^(-t/tau)."""
+        return np.asarray(-np.exp(-times / _time(given)))
+
+    def means(self, given: Given, schedule: Schedule) -> Array:
+        """Return -(tau/L) e^(-s/tau) (1 - e^(-L/tau))."""
+        x = schedule.lengths / _time(given)
+        return np.asarray(self.shape(given, schedule.starts) * -np.expm1(-x) / x)
+
+
+@dataclass(frozen=True)
+class RandomTemperature(History):
+    """T - T0 is a stationary first-order Gauss-Markov process.
+
+    Its inputs are what the statistics of the triads take of its window means and of its
+    mean rates of change: of each triad those that differ, one triad after the other.
+    """
+
+    is_process = True
+
+    def covariance(self, given: Given, triads: Sequence[Triad]) -> Array | None:
+        """Return the covariance of the inputs of those triads [K^2, K^2/s, ...]."""
+        parts = [(_rows(triad), triad.scheme.schedule) for triad in triads]
+        felt = [(rows, schedule) for rows, schedule in parts if len(rows)]
+        if not felt:
+            return None
+        starts = np.concatenate([schedule.starts for _, schedule in felt])
+        lengths = np.concatenate([schedule.lengths for _, schedule in felt])
+        n = [len(schedule.windows) for _, schedule in felt]
+        weights = np.zeros((sum(len(rows) for rows, _ in felt), 2, starts.size))
+        row = place = 0
+        for (rows, _), count in zip(felt, n, strict=True):
+            weights[row : row + len(rows), :, place : place + count] = rows
+            row, place = row + len(rows), place + count
+        sigma, tau = float(given.u[0]), _time(given)
+        C = stationary(
+            starts,
+            lengths,
+            (
+                lambda t: tau**2 * (np.abs(t) / tau + np.expm1(-np.abs(t) / tau)),
+                lambda t: -tau * np.sign(t) * np.expm1(-np.abs(t) / tau),
+                lambda t: np.exp(-np.abs(t) / tau),
+            ),
+        )
+        mean, change = weights[:, 0], weights[:, 1]
+        mixed = change @ C[1] @ mean.T
+        whole = mean @ C[0] @ mean.T + mixed + mixed.T + change @ C[2] @ change.T
+        return np.asarray(sigma**2 * 0.5 * (whole + whole.T))
+
+    def part(self, triads: Sequence[Triad], place: int) -> slice:
+        """Return where the inputs of one triad stand among those of all."""
+        counts = [len(_rows(triad)) for triad in triads[: place + 1]]
+        return slice(sum(counts[:-1]), sum(counts))
+
+    def bind(self, given: Given, triad: Triad) -> Act | None:  # noqa: ARG002
+        """Return what a triad makes of its inputs; None without coefficients."""
+        coefficients = _coefficients(triad.given)
+        if coefficients is None:
+            return None
+        all_rows = _all_rows(triad)
+        flat = all_rows.reshape(-1, all_rows[0, 0, 0].size)
+        place = np.unique(flat, axis=0, return_inverse=True)[1]
+        at = np.asarray(place, dtype=np.intp).reshape(all_rows.shape[:3])
+        return partial(_mixed, coefficients=coefficients, place=at)
+
+    def draw(self, given: Given, rng: np.random.Generator) -> Array | None:
+        """Draw waves whose frequencies have the spectrum, a Lorentz curve."""
+        p = (np.arange(WAVES) + rng.uniform(size=WAVES)) / WAVES
+        frequencies = np.tan(0.5 * np.pi * p) / (2.0 * np.pi * _time(given))
+        sizes = np.full(WAVES, float(given.u[0]) / np.sqrt(WAVES))
+        return Waves.draw(frequencies, sizes, rng).values
+
+    def course(self, value: Array, given: Given, times: Array) -> Array:  # noqa: ARG002
+        """Return the sum of the waves."""
+        return Waves(value).at(times)
+
+
+@dataclass(frozen=True)
+class TemperatureChange(Change):
+    """Another temperature at the later turn-on than in the test: db = bT dT."""
+
+    needs = (
+        "a sensor with a coefficient of bias or scale factor, and the error reference "
+        "next_turn_on"
+    )
+
+    def gains(self, known: Mapping[str, Given]) -> Mapping[str, Gains]:
+        """Return bT and kT at the later turn-on."""
+        coefficients = _coefficients(known)
+        if coefficients is None:
+            return {}
+        bT, _, kT = coefficients[..., None]
+        return {"bias": (0.0 * bT, bT), "scale_factor": (0.0 * kT, kT)}
+
+
+def _coefficients(known: Mapping[str, Given]) -> Array | None:
+    """Return bT, bR and kT by axis, shape (3, 3) [SI]; None where none is given."""
+    found = [known.get(name) for name in COEFFICIENTS]
+    if not any(line is not None and line.u.any() for line in found):
+        return None
+    return np.array([np.zeros(3) if line is None else line.u for line in found])
+
+
+def _time(given: Given) -> float:
+    """Return the time of a source that has one [s]; the reader sees to it."""
+    if given.correlation_time is None:
+        raise ValueError(f"{given.name} without its time")
+    return float(given.correlation_time[0])
+
+
+def _all_rows(triad: Triad) -> Array:
+    """Return what each statistic takes of T and of its rate, (5, 3, m, 2, n).
+
+    Of the biases' own change, of its rate, and of the scale factor times the input
+    along x, y and z, for each axis and each statistic.
+    """
+    scheme: Scheme = triad.scheme
+    W = scheme.weights
+    nothing = np.zeros_like(W)
+    inputs = scheme.turn + scheme.standing  # (n, 3)
+    parts = [
+        (W, nothing),
+        (nothing, W),
+        *((W * inputs[:, axis], nothing) for axis in range(BIAS)),
+    ]
+    coefficients = _coefficients(triad.given)
+    _, bR, kT = np.zeros((3, 3)) if coefficients is None else coefficients
+    used = (True, bR.any(), *(kT.any(),) * BIAS)
+    return np.array(
+        [
+            np.stack(pair, axis=2) * float(is_used)
+            for pair, is_used in zip(parts, used, strict=True)
+        ]
+    )
+
+
+def _rows(triad: Triad) -> Array:
+    """Return those that differ, shape (k, 2, n); none without coefficients."""
+    rows = _all_rows(triad)
+    if _coefficients(triad.given) is None:
+        return np.zeros((0, *rows.shape[3:]))
+    flat = rows.reshape(-1, rows.shape[3] * rows.shape[4])
+    return np.unique(flat, axis=0).reshape(-1, *rows.shape[3:])
+
+
+def _warmed(
     x: Array,
-    truth: Truth,  # noqa: ARG001
+    truth: Truth,
     noise: Array,  # noqa: ARG001
     *,
-    drift: Array,
+    shift: Array,
+    seen: Array,
+    constant: Array,
 ) -> Array:
-    """Return r times what a ramp of 1 leaves."""
-    return np.asarray(drift * x[None])
+    """Return the size times what a history of size 1 leaves."""
+    left = shift + truth.see(seen) + constant * truth.bias[:, None]
+    return np.asarray(left * x[None])
+
+
+def _mixed(
+    x: Array,
+    truth: Truth,
+    noise: Array,  # noqa: ARG001
+    *,
+    coefficients: Array,
+    place: NDArray[np.intp],
+) -> Array:
+    """Return bT T + bR dT/dt + kT T (M u + b) for the statistics of T."""
+    bT, bR, kT = coefficients[..., None, None]
+    mean, rate, *along = x[place]  # (3, m, trials) each
+    total = bT * mean + bR * rate
+    if not kT.any():
+        return np.asarray(total)
+    M = truth.see(np.tile(np.eye(3), (3, 1, 1)))  # rows, (3, 3, trials)
+    seen = mean * truth.bias[:, None]
+    for axis, part in enumerate(along):
+        seen = seen + M[:, axis, None] * part
+    return np.asarray(total + kT * seen)
