@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.problem import Output
-    from budget.spec.records import Costs, Device, Procedure, Requirement
+    from budget.spec.records import Costs, Device, Origin, Procedure, Requirement
 
 SCHEMA = "budget/1"
 INTERACTION = Name("interaction")  # the row of products of two sources
@@ -247,6 +247,19 @@ def input_files(
             for place, device in enumerate(devices, start=1)
         ),
         *(input_file(role, file) for role, file in files.items() if file is not None),
+        *stations_of([*files.values()]),
+    )
+
+
+def stations_of(
+    files: Sequence[Device | Procedure | Requirement | Costs | None],
+) -> tuple[InputFile, ...]:
+    """Return the station files that the procedures among them are done at."""
+    found: list[Origin | None] = [getattr(one, "station_origin", None) for one in files]
+    origins = {origin for origin in found if origin is not None}
+    return tuple(
+        InputFile(role="station", name=origin.file, sha256=origin.sha256)
+        for origin in sorted(origins, key=lambda one: one.file)
     )
 
 

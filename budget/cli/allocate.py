@@ -23,6 +23,7 @@ def allocate(
     *,
     requirement: Annotated[Path, options.REQUIREMENT],
     procedure: options.ProcedureFile = None,
+    station: options.StationFile = None,
     strategy: Annotated[
         Literal["equal", "proportional", "cost"] | None,
         typer.Option(
@@ -101,7 +102,7 @@ def allocate(
         json,
         csv,
         *others,
-        inputs=[*(devices or ()), procedure, requirement, costs],
+        inputs=[*(devices or ()), procedure, station, requirement, costs],
     )
     _check_suffix(write)
     loaded = options.load_devices(devices)
@@ -116,7 +117,7 @@ def allocate(
         allocation = run(
             *loaded,
             requirement=wanted,
-            procedure=load_procedure(procedure),
+            procedure=load_procedure(procedure, station=station),
             strategy=strategy,
             costs=None if costs is None else load_costs(costs),
             bounds=bounds,

@@ -10,6 +10,7 @@ def analyze(
     devices: options.Devices = None,
     *,
     procedure: options.ProcedureFile = None,
+    station: options.StationFile = None,
     asked: options.Asked,
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
@@ -24,13 +25,13 @@ def analyze(
     from budget.spec import load_procedure
     from budget.studies.analysis import analyze_as
 
-    check_destinations(json, csv, inputs=[*(devices or ()), procedure])
+    check_destinations(json, csv, inputs=[*(devices or ()), procedure, station])
     loaded = options.load_devices(devices)
     with computing(workers=asked.workers, cluster=asked.cluster) as engine:
         budget = analyze_as(
             asked.settings(None),
             *loaded,
-            procedure=load_procedure(procedure),
+            procedure=load_procedure(procedure, station=station),
             engine=engine,
         )
     deliver(budget, json=json, csv=csv)

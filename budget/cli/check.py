@@ -342,9 +342,10 @@ def _show_schedule(name: str) -> None:
 
 def schema(
     kind: Annotated[
-        Literal["device", "procedure", "requirement", "costs", "reference"],
+        Literal["device", "procedure", "station", "requirement", "costs", "reference"],
         typer.Argument(
-            metavar="KIND", help="device, procedure, requirement, costs, reference"
+            metavar="KIND",
+            help="device, procedure, station, requirement, costs, reference",
         ),
     ],
 ) -> None:

@@ -33,6 +33,7 @@ def compare(
             help="Procedure file (the paper's); may be given again.",
         ),
     ] = None,
+    station: options.StationFile = None,
     method: Annotated[
         Literal["gum", "monte-carlo"],
         typer.Option(help="gum is the fast screen."),
@@ -111,13 +112,13 @@ def compare(
         json,
         csv,
         *(output or ()),
-        inputs=[*devices, *(procedure or ()), requirement],
+        inputs=[*devices, *(procedure or ()), station, requirement],
     )
     check_suffixes(output or [])
     column = None if sort is None else find_column(sort)
     wanted = load_requirement(requirement)
     paths: list[Path | None] = [*procedure] if procedure else [None]
-    procedures = [load_procedure(path) for path in paths]
+    procedures = [load_procedure(path, station=station) for path in paths]
     loaded, issues = try_devices(devices)
     if strict and issues:
         raise SpecError(tuple(issues))

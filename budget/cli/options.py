@@ -90,6 +90,16 @@ ProcedureFile = Annotated[
     Path | None,
     typer.Option("--procedure", metavar="FILE", help="Procedure file (the paper's)."),
 ]
+StationFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--station",
+        metavar="FILE",
+        help="Station file: what is not known of table, place and environment (an "
+        "ideal one).",
+        show_default=False,
+    ),
+]
 REQUIREMENT: Any = typer.Option(
     "--requirement",
     metavar="FILE",

@@ -24,6 +24,7 @@ def report(
     *,
     output: Annotated[list[Path], options.OUTPUT],
     procedure: options.ProcedureFile = None,
+    station: options.StationFile = None,
     requirement: options.RequirementFile = None,
     asked: options.Asked,
     compare: Annotated[
@@ -79,13 +80,13 @@ def report(
         json,
         csv,
         *output,
-        inputs=[*(devices or ()), *(compare or ()), procedure, requirement],
+        inputs=[*(devices or ()), *(compare or ()), procedure, station, requirement],
     )
     _check_extras(
         requirement, allocate=allocate, compare=bool(compare), only=bool(asked.only)
     )
     loaded = options.load_devices(devices)
-    how = load_procedure(procedure)
+    how = load_procedure(procedure, station=station)
     wanted = None if requirement is None else load_requirement(requirement)
     others = load_all(compare or [])
     settings = asked.settings(wanted)

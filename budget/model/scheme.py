@@ -381,7 +381,8 @@ def least_squares(
     Raises
     ------
     CallError
-        The windows cannot tell some parameters apart: which.
+        The windows cannot tell some parameters apart: which; or their covariance has
+        no inverse.
     """
     powers = {} if powers is None else powers
     size = float(np.abs(inputs).max(initial=0.0)) or 1.0
@@ -404,7 +405,14 @@ def least_squares(
             "parameter (estimate: names the others)"
         )
     if covariance is not None:
-        root = np.linalg.cholesky(covariance)
+        try:
+            root = np.linalg.cholesky(covariance)
+        except np.linalg.LinAlgError:
+            raise CallError(
+                "the noise of these windows is one and the same to rounding, so that "
+                "none can be weighed against another; take least_squares, or see to "
+                "the lengths, starts and noise that are given"
+            ) from None
         inverse = np.linalg.pinv(np.linalg.solve(root, A))
         W[free] = np.linalg.solve(root.T, inverse.T).T
     else:

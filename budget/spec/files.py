@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 FOLDERS = {
     "device": "devices",
     "procedure": "procedures",
+    "station": "stations",
     "requirement": "requirements",
     "costs": "costs",
 }
@@ -42,10 +43,10 @@ def find(typed: str | Path, kind: str | None = None) -> NamedFile:
     """Find the file behind FILE, FILE#VARIANT or the bare name of a shipped one."""
     text = str(typed)
     shown, mark, variant = text.rpartition("#")
-    if not mark or _exists(Path(text)):
+    if not mark or exists(Path(text)):
         shown, mark = text, ""
     path = Path(shown)
-    if _BARE_NAME.fullmatch(shown) and not (_exists(path) and path.is_file()):
+    if _BARE_NAME.fullmatch(shown) and not (exists(path) and path.is_file()):
         same_name = (one for one in _shipped(kind) if one.stem == shown)
         path = next(same_name, path)
     return NamedFile(path=path, shown=shown, variant=variant if mark else "")
@@ -59,8 +60,8 @@ def open_file(file: NamedFile, kind: str | None = None) -> Document:
     SpecError
         It cannot be read, has a newer format, or is of another kind or of none.
     """
-    if not _exists(file.path):
-        names = tuple(path.stem for path in _shipped(kind))
+    if not exists(file.path):
+        names = shipped_names(kind)
         bare = f", or a shipped one: {', '.join(names)}" if names else ""
         message = f"no such file, expected a YAML file{bare}"
         raise refuse(file.shown, f"{message}{nearest(file.shown, names)}")
@@ -73,8 +74,10 @@ def open_file(file: NamedFile, kind: str | None = None) -> Document:
         raise all_of([*document.issues, document.issue(root, message)])
     _check_format(document)
     sign = next(_signs(root), None)
-    if sign is not None and kind in {None, sign.kind}:
-        return replace(document, kind=sign.kind)
+    # A procedure may hold no more than its station, all else being the paper's.
+    fits = {sign.kind, "procedure"} if sign and sign.kind == "station" else set()
+    if sign is not None and kind in {None, sign.kind, *fits}:
+        return replace(document, kind=kind or sign.kind)
     if sign is None and kind is not None:  # its model says what is missing
         return replace(document, kind=kind)
     if sign is not None:
@@ -83,7 +86,8 @@ def open_file(file: NamedFile, kind: str | None = None) -> Document:
     else:
         message = (
             "is of no known kind, expected limits (in a requirement), costs (costs), "
-            "latitude or windows (procedure), gyro or accelerometer (device)"
+            "latitude or windows (procedure), station (station), gyro or "
+            "accelerometer (device)"
         )
         issue = document.issue(root, message)
     raise all_of([*document.issues, issue])
@@ -99,7 +103,12 @@ def _shipped(kind: str | None) -> list[Path]:
     ]
 
 
-def _exists(path: Path) -> bool:
+def shipped_names(kind: str | None) -> tuple[str, ...]:
+    """Return the bare names of the shipped files of a kind, or of all."""
+    return tuple(path.stem for path in _shipped(kind))
+
+
+def exists(path: Path) -> bool:
     """Say whether there is such a file; a name that cannot be one is none."""
     try:
         return path.exists()
@@ -146,9 +155,13 @@ def _signs(root: Node) -> Iterator[_Sign]:
             ),
         ),
         *(("procedure", sensor, inside) for sensor in sensors),
+        ("procedure", root, ("height", "flip_axis", "pause")),
         ("device", root, ("gyro", "accelerometer")),
+        ("station", root, ("station", "environment")),
     ]
     for kind, place, keys in places:
         for key in keys:
             if node := place.child(key):
-                yield _Sign(kind, node)
+                # The name of a station stands in procedures alone.
+                names = key == "station" and isinstance(node.value, str)
+                yield _Sign("procedure" if names else kind, node)

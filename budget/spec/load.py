@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, TypeVar
 
 from budget.errors import SpecError
+from budget.model.sources import ENVIRONMENT, STATION
 from budget.resources import shipped
 from budget.spec.costs import read_costs
 from budget.spec.device import read_device, variant_names
@@ -13,6 +14,7 @@ from budget.spec.procedure import read_procedure
 from budget.spec.reader import refuse
 from budget.spec.records import Checked
 from budget.spec.requirement import read_requirement
+from budget.spec.station import IDEAL, at_station, read_station
 from budget.spec.tree import MOST_ISSUES, all_of
 
 if TYPE_CHECKING:
@@ -21,7 +23,7 @@ if TYPE_CHECKING:
 
     from budget.errors import Issue
     from budget.spec.files import NamedFile
-    from budget.spec.records import Costs, Device, Procedure, Requirement
+    from budget.spec.records import Costs, Device, Procedure, Requirement, Station
     from budget.spec.tree import Document
 
 
@@ -50,11 +52,40 @@ def load_device(path: str | Path) -> Device:
     return read_device(open_file(file, "device"), file.variant)
 
 
-def load_procedure(path: str | Path | None = None) -> Procedure:
-    """Read a procedure; without a path that of the paper. Raises as load_device."""
+def load_procedure(
+    path: str | Path | None = None, *, station: str | Path | None = None
+) -> Procedure:
+    """Read a procedure; without a path that of the paper. Raises as load_device.
+
+    Parameters
+    ----------
+    path : str or Path, optional
+        As in load_device.
+    station : str or Path, optional
+        A station file to do it at, for a procedure that names no station itself.
+    """
     if path is None:
         path = shipped("specs") / FOLDERS["procedure"] / f"{PAPER}.yaml"
-    return read_procedure(_open(path, "procedure"))
+    procedure = read_procedure(_open(path, "procedure"))
+    if station is None:
+        return procedure
+    there = load_station(station)
+    for has, what in (
+        (IDEAL not in procedure.assumptions, STATION),
+        (procedure.environment and there.environment, ENVIRONMENT),
+    ):
+        if has:
+            message = (
+                f"has a {what} of its own, and {there.origin.file} is given beside it; "
+                "remove one of them"
+            )
+            raise refuse(str(path), message)
+    return at_station(procedure, there)
+
+
+def load_station(path: str | Path) -> Station:
+    """Read a test station. Raises as load_device."""
+    return read_station(_open(path, "station"))
 
 
 def load_requirement(path: str | Path) -> Requirement:
@@ -125,8 +156,9 @@ def validate(path: str | Path) -> Checked:
     )
 
 
-_READERS: dict[str, Callable[[Document], Procedure | Requirement | Costs]] = {
+_READERS: dict[str, Callable[[Document], Procedure | Station | Requirement | Costs]] = {
     "procedure": read_procedure,
+    "station": read_station,
     "requirement": read_requirement,
     "costs": read_costs,
 }

@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from dataclasses import dataclass
+from functools import cached_property
 from math import pi
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from budget.earth import normal_gravity
-from budget.model.sources import ENVIRONMENT, SENSORS, STATION, lines_of
-from budget.model.windows import ANGLE, EDGES, RATE, Timing
+from budget.model.sources import ENVIRONMENT, SENSORS, STATION
 from budget.names import (
     HIGHER,
     ORDERS,
     PARAMETERS,
     Name,
     by_group,
-    keys_of,
     parameters_of,
-    words,
 )
 from budget.spec.checking import check
 from budget.spec.fields import (
@@ -31,7 +27,6 @@ from budget.spec.fields import (
     Strict,
     fault,
     faults,
-    mapping_of,
 )
 from budget.spec.records import (
     AXES,
@@ -40,21 +35,24 @@ from budget.spec.records import (
     Origin,
     Procedure,
 )
-from budget.spec.specification import read_value, value_type
-from budget.spec.tree import describe
+from budget.spec.station import (
+    IDEAL,
+    OrFile,
+    at_station,
+    station_beside,
+    station_of,
+    surroundings_type,
+)
+from budget.spec.tree import all_of, describe
 from budget.spec.windows import WindowItem, lay_out
 from budget.units import Quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from pydantic import GetJsonSchemaHandler
     from pydantic.json_schema import JsonSchemaValue
     from pydantic_core import CoreSchema, core_schema
 
-    from budget.model.source import Source
     from budget.model.windows import Window
-    from budget.spec.specification import ReadValue
     from budget.spec.tree import Document
 
 
@@ -69,7 +67,6 @@ NO_PAPER = (
     "flip_axis",
 )  # keys it has none of
 MOST_AZIMUTHS = 360  # one for every degree; all windows are correlated with all
-IDEAL = "station: not given, an ideal one assumed"
 MOST_HEIGHT = 100_000.0  # of a laboratory; the series of normal gravity ends there [m]
 _ROUNDING = 1e-12  # relative; a latitude of 90 deg is no more than that in radians
 
@@ -223,27 +220,6 @@ class Estimate(Strict):
         )
 
 
-class Timed(Strict):
-    """A level of station or environment, some of whose values need a time beside."""
-
-    @model_validator(mode="after")
-    def _check_times(self) -> Self:
-        times = {one.time: one for one in lines_of(ENVIRONMENT) if one.time}
-        found = {}
-        for time in [time for time in times if time in type(self).model_fields]:
-            key = keys_of(times[time].name)[-1]
-            value, of = getattr(self, key), getattr(self, time)
-            if value is not None and of is None:
-                found[key,] = f"stands without {time}, expected that beside it"
-            if value is None and of is not None:
-                found[time,] = (
-                    f"is of {key}, which is not there; add it, or remove this"
-                )
-        if found:
-            raise faults(found)
-        return self
-
-
 class ProcedureFile(Strict):
     """A calibration procedure; an unset key takes the value of Zhao 2019."""
 
@@ -288,8 +264,10 @@ class ProcedureFile(Strict):
     )
     gyro: GyroTest = Field(default_factory=GyroTest)
     accelerometer: AccelerometerTest = Field(default_factory=AccelerometerTest)
-    station: surroundings_type(STATION) | None = Field(  # type: ignore[valid-type]
-        default=None, description="uncertainties of table and place; unset: none"
+    station: Annotated[surroundings_type(STATION), OrFile()] | None = Field(  # type: ignore[valid-type]
+        default=None,
+        description="uncertainties of table and place, or the file of a station; "
+        "unset: none",
     )
     environment: surroundings_type(ENVIRONMENT) | None = Field(  # type: ignore[valid-type]
         default=None, description="what changes during the test; unset: nothing"
@@ -429,22 +407,21 @@ def read_procedure(document: Document) -> Procedure:
     gravity, height = model.gravity, model.height.value if model.height else 0.0
     idle = () if model.chosen_estimator == "paper" else ("formulas",)
     gyro, accelerometer = model.gyro, model.accelerometer
-    shared = {
-        owner: take_surroundings(owner, getattr(model, owner))
-        for owner in (STATION, ENVIRONMENT)
-    }
-    return Procedure(
-        name=model.name or document.base_name.partition(".")[0],
+    shared = (STATION, ENVIRONMENT)
+    origin = Origin(file=document.base_name, sha256=document.sha256)
+    name = model.name or document.base_name.partition(".")[0]
+    named = model.station if isinstance(model.station, str) else None
+    own = None if named else model.station
+    here = station_of(own, model.environment, name=name, origin=origin)
+    procedure = Procedure(
+        name=name,
         latitude=model.latitude.value,
         gravity=normal_gravity(model.latitude.value, height)
         if gravity == "normal"
         else gravity.value,
         height=height,
         is_gravity_normal=gravity == "normal",
-        timing=Timing(
-            scale_from=getattr(model.station, "scale_from", None) or ANGLE,
-            edges=getattr(model.station, "window", None) or EDGES[0],
-        ),
+        timing=here.timing,
         sample_rate=model.sample_rate.value,
         formulas=model.formulas
         if model.chosen_estimator == "paper"
@@ -477,22 +454,20 @@ def read_procedure(document: Document) -> Procedure:
             *((IDEAL,) if model.station is None else ()),
             *_windows_assumptions(model),
             *_held_assumptions(model),
-            *(
-                text
-                for taken in shared.values()
-                for one in taken
-                for text in one.assumptions
-            ),
-            *(
-                text
-                for owner, taken in shared.items()
-                for text in describe_surroundings(owner, taken)
-            ),
+            *here.assumptions,
         ),
-        station=tuple(one.line for one in shared[STATION]),
-        environment=tuple(one.line for one in shared[ENVIRONMENT]),
-        origin=Origin(file=document.base_name, sha256=document.sha256),
+        station=here.station,
+        environment=here.environment,
+        origin=origin,
     )
+    if named is None:
+        return procedure
+    there = station_beside(document, named)
+    if model.environment is not None and there.environment:
+        node = document.root.nearest(("environment",))
+        message = f"stands beside that of {named}, which has one; remove one of them"
+        raise all_of([document.issue(node, message, on_key=True)])
+    return at_station(procedure, there)
 
 
 def _windows_assumptions(model: ProcedureFile) -> tuple[str, ...]:
@@ -533,89 +508,3 @@ def _assumptions(
 def _shown(value: object) -> str:
     """Return a value as a file spells it."""
     return f"[{', '.join(value)}]" if isinstance(value, tuple) else str(value)
-
-
-@cache
-def surroundings_type(owner: str) -> Any:  # noqa: ANN401
-    """Return the type of the mapping of that owner, nested as its names are dotted."""
-    tree: dict[str, Any] = {}
-    for source in lines_of(owner):
-        *folders, last = keys_of(source.name)
-        branch = tree
-        for folder in folders:
-            branch = branch.setdefault(folder, {})
-        branch[last] = source
-    return _mapping(owner, owner, tree, WORDS if owner == STATION else {})
-
-
-def take_surroundings(owner: str, mapping: Strict | None) -> tuple[ReadValue, ...]:
-    """Return the sources that a mapping of that owner names, in the table's order."""
-    taken = []
-    for source in lines_of(owner):
-        figure: Any = mapping
-        level: Any = None
-        for key in keys_of(source.name):
-            figure, level = getattr(figure, key, None), figure
-        if figure is not None:
-            one = read_value(source, owner, figure)
-            if source.time:
-                time = getattr(level, source.time)
-                says = replace(
-                    one.line,
-                    correlation_time=np.array([time.value]),
-                    definition=f"{words(source.time)} {time.printed}",
-                )
-                one = replace(one, line=says)
-            taken.append(one)
-    return tuple(taken)
-
-
-def describe_surroundings(owner: str, taken: tuple[ReadValue, ...]) -> tuple[str, ...]:
-    """Say which figures of that owner count, with the words that stand beside them."""
-    return tuple(
-        f"{Name(line.name, owner=owner)}: {line.printed}, "
-        + ", ".join(word for word in said if word)
-        for line in (one.line for one in taken)
-        for said in [
-            (
-                *(line.meaning, line.definition, line.includes, line.horizon),
-                *(line.condition, line.source),
-            )
-        ]
-    )
-
-
-# What a station says besides its figures, and what an unset word means.
-WORDS: dict[str, tuple[Any, str]] = {
-    "scale_from": (
-        Literal[ANGLE, RATE],
-        "what scale factors of gyros are taken from; unset: angle, of whole turns",
-    ),
-    "window": (
-        Literal[EDGES],
-        "where windows of turns are cut: index of the table, rest, time; unset: index",
-    ),
-}
-
-
-def _mapping(
-    title: str,
-    owner: str,
-    tree: dict[str, Any],
-    words: Mapping[str, tuple[Any, str]] | None = None,
-) -> Any:  # noqa: ANN401
-    """Return the type of one level of the mapping."""
-    fields: dict[str, Any] = {}
-    meanings: dict[str, str] = {}
-    for key, (kind, meaning) in (words or {}).items():
-        fields[key], meanings[key] = kind, meaning
-    for key, branch in tree.items():
-        if isinstance(branch, dict):
-            fields[key] = _mapping(f"{title} {key}", owner, branch)
-        else:
-            source: Source = branch
-            fields[key], meanings[key] = value_type(source, owner), source.model
-            if source.time:
-                fields[source.time] = Annotated[Quantity, Measured("s", Sign.POSITIVE)]
-                meanings[source.time] = f"of {key}"
-    return mapping_of(title, fields, meanings, Timed)

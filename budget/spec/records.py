@@ -148,6 +148,18 @@ class Device:
         return tuple(s for s in (self.gyro, self.accelerometer) if s is not None)
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Station:
+    """What is not known of a table, its place, its timing, and of the environment."""
+
+    name: str
+    station: tuple[ErrorLine, ...]
+    environment: tuple[ErrorLine, ...]
+    timing: Timing
+    assumptions: tuple[str, ...]
+    origin: Origin
+
+
 @dataclass(frozen=True, kw_only=True)
 class GyroProcedure:
     """Rate turns, then a static test at several azimuths."""
@@ -190,6 +202,7 @@ class Procedure:
     height: float = 0.0  # above the ellipsoid, where gravity is the normal one [m]
     is_gravity_normal: bool = False
     timing: Timing = field(default_factory=Timing)
+    station_origin: Origin | None = None  # where the station has a file of its own
 
     @property
     def place(self) -> Place:
@@ -258,6 +271,6 @@ class Checked:
     """What is said of a file in which nothing is wrong."""
 
     file: str  # as the user gave it
-    kind: str  # 'device', 'procedure', 'requirement' or 'costs'
+    kind: str  # 'device', 'procedure', 'station', 'requirement' or 'costs'
     variants: tuple[str, ...]  # of a device, '' for its base; () of the others
     assumptions: tuple[str, ...]  # of the base and every variant, each once

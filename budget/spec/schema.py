@@ -12,6 +12,7 @@ from budget.spec.costs import CostsFile
 from budget.spec.device import DeviceFile
 from budget.spec.procedure import ProcedureFile
 from budget.spec.requirement import RequirementFile
+from budget.spec.station import StationFile
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
@@ -23,6 +24,7 @@ DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _MODELS: dict[str, type[BaseModel]] = {
     "device": DeviceFile,
     "procedure": ProcedureFile,
+    "station": StationFile,
     "requirement": RequirementFile,
     "costs": CostsFile,
 }

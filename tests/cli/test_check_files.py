@@ -15,8 +15,9 @@ FOLDERS = {
     "devices": "device",
     "procedures": "procedure",
     "requirements": "requirement",
+    "stations": "station",
 }
-KINDS = ("device", "procedure", "requirement", "costs")
+KINDS = ("device", "procedure", "station", "requirement", "costs")
 GYRO = "name: g\ngyro: {errors: {bias_repeatability: 1 deg/h}}\n"
 
 

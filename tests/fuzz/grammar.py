@@ -132,13 +132,16 @@ def _keep_rules(tree):
         tree["abstract"] = Raw("false")
     if tree.get("costs") == {}:
         tree["costs"] = {"gyro.bias_stability": {"a": Raw("2")}}
-    if "latitude" in tree:
-        tree["latitude"] = "-12.5 deg"
     return tree
 
 
 def _keep_windows(tree):
     """Mend a procedure: windows or the paper's tests, each window one that can be."""
+    tree["latitude"] = "-12.5 deg"
+    if "height" in tree:
+        tree["height"], tree["gravity"] = "120 m", "normal"
+    if "station" in tree and not isinstance(tree["station"], dict):
+        tree["station"] = "three-axis-table"
     if "windows" not in tree:
         tree.pop("pause", None)
         if tree.get("estimator") in {"least_squares", "weighted", "norm"}:

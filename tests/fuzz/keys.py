@@ -63,7 +63,10 @@ TABLE = table()
 
 def silent(kind, path):
     """Say whether the docs have this key among those that move no number."""
-    surroundings = kind == "procedure" and path[0] in {"station", "environment"}
+    surroundings = kind in {"procedure", "station"} and path[0] in {
+        "station",
+        "environment",
+    }
     figure = (kind == "device" and "errors" in path) or surroundings
     name = ".".join(path[1:-1]) if surroundings else "".join(path[2:3])
     process = figure and any(
@@ -86,4 +89,7 @@ def silent(kind, path):
     return False
 
 
-KEYS = {kind: keys_of(kind) for kind in ("device", "procedure", "requirement", "costs")}
+KEYS = {
+    kind: keys_of(kind)
+    for kind in ("device", "procedure", "station", "requirement", "costs")
+}

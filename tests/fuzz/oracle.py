@@ -15,6 +15,7 @@ from budget.spec import (
     load_device,
     load_procedure,
     load_requirement,
+    load_station,
     validate,
 )
 from budget.spec.tree import MOST_ISSUES
@@ -23,6 +24,7 @@ from budget.units import KINDS, parse_quantity
 LOADERS = {
     "device": load_device,
     "procedure": load_procedure,
+    "station": load_station,
     "requirement": load_requirement,
     "costs": load_costs,
 }
@@ -69,7 +71,7 @@ def judge_file(path, data, kinds=tuple(LOADERS)):
         _check_issues(error, path, data)
         # Of a device one variant may be wrong and the base sound; `name: x` alone is a
         # procedure where one is asked for, and nothing says so where none is.
-        assert loaded <= {"device", "procedure"}, loaded
+        assert loaded <= {"device", "procedure", "station"}, loaded
         return ""
     # The base of a device may be hidden, so that only its variants load.
     if checked.kind in kinds and "" in (checked.variants or ("",)):

@@ -14,7 +14,7 @@ from budget.spec.reader import read
 from budget.spec.tree import plain
 
 FILES = sorted(shipped("specs").rglob("*.yaml"))
-KINDS = ("device", "procedure", "requirement", "costs")
+KINDS = ("device", "procedure", "station", "requirement", "costs")
 
 
 def values(node):
@@ -90,5 +90,5 @@ def test_the_schema_stops_bad_devices(case, tmp_path):
 
 def test_there_is_no_schema_of_an_unknown_kind():
     """The kinds there are stand in the message."""
-    with pytest.raises(CallError, match="device, procedure, requirement, costs"):
+    with pytest.raises(CallError, match="device, procedure, station, requirement"):
         json_schema("devices")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from budget.errors import CallError
 from budget.methods.execution import local_executor
 from budget.names import IMU
-from budget.results import Settings, input_file
+from budget.results import Settings, input_file, stations_of
 from budget.spec import load_procedure
 from budget.studies.comparison.candidates import Candidate, bound_missing
 from budget.studies.comparison.judging import JudgedCandidate, Judging, judge_all
@@ -153,6 +153,7 @@ def compare(
             *(input_file("device", device) for device in devices),
             *(input_file("procedure", procedure) for procedure in procedures),
             input_file("requirement", requirement),
+            *stations_of(procedures),
         ),
         settings=Settings(
             method=method,

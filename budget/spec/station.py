@@ -1,0 +1,298 @@
+"""Station files: uncertainties of table, place and timing, and of the environment."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+from pydantic_core import core_schema
+
+from budget.model.sources import ENVIRONMENT, STATION, lines_of
+from budget.model.windows import ANGLE, EDGES, RATE, Timing
+from budget.names import Name, keys_of, words
+from budget.spec.checking import check, nearest
+from budget.spec.fields import (
+    Measured,
+    ShortText,
+    Sign,
+    Strict,
+    fault,
+    faults,
+    mapping_of,
+)
+from budget.spec.files import exists, find, open_file, shipped_names
+from budget.spec.records import Origin, Station
+from budget.spec.specification import read_value, value_type
+from budget.spec.tree import all_of, describe
+from budget.units import Quantity
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+    from pydantic.json_schema import JsonSchemaValue
+    from pydantic_core import CoreSchema
+
+    from budget.model.source import Source
+    from budget.spec.records import Procedure
+    from budget.spec.specification import ReadValue
+    from budget.spec.tree import Document
+
+IDEAL = "station: not given, an ideal one assumed"
+LONGEST_NAME = 200  # of a file
+
+
+class Timed(Strict):
+    """A level of station or environment, some of whose values need a time beside."""
+
+    @model_validator(mode="after")
+    def _check_times(self) -> Self:
+        times = {one.time: one for one in lines_of(ENVIRONMENT) if one.time}
+        found = {}
+        for time in [time for time in times if time in type(self).model_fields]:
+            key = keys_of(times[time].name)[-1]
+            value, of = getattr(self, key), getattr(self, time)
+            if value is not None and of is None:
+                found[key,] = f"stands without {time}, expected that beside it"
+            if value is None and of is not None:
+                found[time,] = (
+                    f"is of {key}, which is not there; add it, or remove this"
+                )
+        if found:
+            raise faults(found)
+        return self
+
+
+@cache
+def surroundings_type(owner: str) -> Any:  # noqa: ANN401
+    """Return the type of the mapping of that owner, nested as its names are dotted."""
+    tree: dict[str, Any] = {}
+    for source in lines_of(owner):
+        *folders, last = keys_of(source.name)
+        branch = tree
+        for folder in folders:
+            branch = branch.setdefault(folder, {})
+        branch[last] = source
+    return _mapping(owner, owner, tree, WORDS if owner == STATION else {})
+
+
+def take_surroundings(owner: str, mapping: Strict | None) -> tuple[ReadValue, ...]:
+    """Return the sources that a mapping of that owner names, in the table's order."""
+    taken = []
+    for source in lines_of(owner):
+        figure: Any = mapping
+        level: Any = None
+        for key in keys_of(source.name):
+            figure, level = getattr(figure, key, None), figure
+        if figure is not None:
+            one = read_value(source, owner, figure)
+            if source.time:
+                time = getattr(level, source.time)
+                says = replace(
+                    one.line,
+                    correlation_time=np.array([time.value]),
+                    definition=f"{words(source.time)} {time.printed}",
+                )
+                one = replace(one, line=says)
+            taken.append(one)
+    return tuple(taken)
+
+
+def describe_surroundings(owner: str, taken: tuple[ReadValue, ...]) -> tuple[str, ...]:
+    """Say which figures of that owner count, with the words that stand beside them."""
+    return tuple(
+        f"{Name(line.name, owner=owner)}: {line.printed}, "
+        + ", ".join(word for word in said if word)
+        for line in (one.line for one in taken)
+        for said in [
+            (
+                *(line.meaning, line.definition, line.includes, line.horizon),
+                *(line.condition, line.source),
+            )
+        ]
+    )
+
+
+@dataclass(frozen=True)
+class OrFile:
+    """Beside the mapping it annotates, the name of a station file."""
+
+    def __get_pydantic_core_schema__(
+        self, source: object, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        """Tell pydantic how to read either."""
+
+        def read(
+            value: object, mapping: core_schema.ValidatorFunctionWrapHandler
+        ) -> object:
+            if not isinstance(value, str):
+                return mapping(value)
+            if not value.strip() or len(value) > LONGEST_NAME or "\x00" in value:
+                message = "is no file name, expected one, or a mapping of keys"
+                raise fault(message)
+            return value
+
+        return core_schema.no_info_wrap_validator_function(read, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Tell pydantic how to describe either."""
+        name = {"type": "string", "description": "a station file, or a shipped one"}
+        return {"anyOf": [name, handler(schema["schema"])]}
+
+
+class StationFile(Strict):
+    """A test station: what is not known of its table, its place and its environment."""
+
+    format: Literal["budget-station/1"] = "budget-station/1"
+    name: ShortText | None = Field(default=None, description="unset: the file's name")
+    station: surroundings_type(STATION) | None = Field(  # type: ignore[valid-type]
+        default=None, description="uncertainties of table, place and timing"
+    )
+    environment: surroundings_type(ENVIRONMENT) | None = Field(  # type: ignore[valid-type]
+        default=None, description="what changes during the test; unset: nothing"
+    )
+
+    @model_validator(mode="after")
+    def _check_parts(self) -> Self:
+        if self.station is None:
+            message = "is missing, expected its figures; of an ideal one 'station: {}'"
+            raise faults({("station",): message})
+        return self
+
+
+def read_station(document: Document) -> Station:
+    """Turn a station file into a record, in SI.
+
+    Raises
+    ------
+    SpecError
+        Every issue of the file.
+    """
+    model = check(document, StationFile)
+    return station_of(
+        model.station,
+        model.environment,
+        name=model.name or document.base_name.partition(".")[0],
+        origin=Origin(file=document.base_name, sha256=document.sha256),
+    )
+
+
+def station_of(
+    station: Strict | None, environment: Strict | None, *, name: str, origin: Origin
+) -> Station:
+    """Return the record of both mappings, as a file of either kind holds them."""
+    shared = {
+        STATION: take_surroundings(STATION, station),
+        ENVIRONMENT: take_surroundings(ENVIRONMENT, environment),
+    }
+    return Station(
+        name=name,
+        station=tuple(one.line for one in shared[STATION]),
+        environment=tuple(one.line for one in shared[ENVIRONMENT]),
+        timing=Timing(
+            scale_from=getattr(station, "scale_from", None) or ANGLE,
+            edges=getattr(station, "window", None) or EDGES[0],
+        ),
+        assumptions=(
+            *_unsaid(station),
+            *(
+                text
+                for taken in shared.values()
+                for one in taken
+                for text in one.assumptions
+            ),
+            *(
+                text
+                for owner, taken in shared.items()
+                for text in describe_surroundings(owner, taken)
+            ),
+        ),
+        origin=origin,
+    )
+
+
+def _unsaid(station: Strict | None) -> tuple[str, ...]:
+    """Say which words a station leaves out that its figures need."""
+    needed = {"scale_from": ("rate_error", ANGLE), "window": ("edge_jitter", EDGES[0])}
+    return tuple(
+        f"{STATION}.{word}: not given, {usual} assumed"
+        for word, (figure, usual) in needed.items()
+        if getattr(station, figure, None) and not getattr(station, word)
+    )
+
+
+def station_beside(document: Document, name: str) -> Station:
+    """Read the station that a procedure names: beside it, else as commands find it.
+
+    Raises
+    ------
+    SpecError
+        There is none, or every issue of it.
+    """
+    beside = Path(document.file).parent / name
+    file = find(beside if exists(beside) else name, STATION)
+    if not exists(file.path):
+        node = document.root.nearest((STATION,))
+        known = shipped_names(STATION)
+        message = (
+            f"found {describe(name)}, expected a station file, beside this one or "
+            f"where the command runs, or a shipped one: {', '.join(known)}"
+            f"{nearest(name, known)}"
+        )
+        raise all_of([document.issue(node, message)])
+    return read_station(open_file(file, STATION))
+
+
+def at_station(procedure: Procedure, station: Station) -> Procedure:
+    """Return a procedure at another station, whose environment counts if it has one."""
+    left = tuple(text for text in procedure.assumptions if text != IDEAL)
+    return replace(
+        procedure,
+        station=station.station,
+        environment=station.environment or procedure.environment,
+        timing=station.timing,
+        station_origin=station.origin,
+        assumptions=(*left, *station.assumptions),
+    )
+
+
+# What a station says besides its figures, and what an unset word means.
+WORDS: dict[str, tuple[Any, str]] = {
+    "scale_from": (
+        Literal[ANGLE, RATE],
+        "what scale factors of gyros are taken from; unset: angle, of whole turns",
+    ),
+    "window": (
+        Literal[EDGES],
+        "where windows of turns are cut: index of the table, rest, time; unset: index",
+    ),
+}
+
+
+def _mapping(
+    title: str,
+    owner: str,
+    tree: dict[str, Any],
+    words: Mapping[str, tuple[Any, str]] | None = None,
+) -> Any:  # noqa: ANN401
+    """Return the type of one level of the mapping."""
+    fields: dict[str, Any] = {}
+    meanings: dict[str, str] = {}
+    for key, (kind, meaning) in (words or {}).items():
+        fields[key], meanings[key] = kind, meaning
+    for key, branch in tree.items():
+        if isinstance(branch, dict):
+            fields[key] = _mapping(f"{title} {key}", owner, branch)
+        else:
+            source: Source = branch
+            fields[key], meanings[key] = value_type(source, owner), source.model
+            if source.time:
+                fields[source.time] = Annotated[Quantity, Measured("s", Sign.POSITIVE)]
+                meanings[source.time] = f"of {key}"
+    return mapping_of(title, fields, meanings, Timed)
