@@ -121,6 +121,7 @@ KINDS = (
     Kind("a temperature coefficient of an acceleration", ("ug/degC", "mg/degC")),
     Kind("a ratio", ("ppm", "%")),
     Kind("an angle", ("arcsec", "arcmin", "deg", "mrad", "urad", "rad")),
+    Kind("a velocity", ("m/s", "mm/s", "um/s", "ft/s")),
     Kind("a time", ("s", "min", "h")),
     Kind("a length", ("m", "ft")),
     Kind("a frequency", ("Hz", "kHz")),

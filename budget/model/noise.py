@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.model.windows import Schedule
 
+SAME_EDGE = 1e-9  # part of a window that edges of two may be apart by rounding [1]
 SERIES_TERMS = 20  # of the exponential series; the last one is 1/21! at x = 1
 
 
@@ -118,6 +119,64 @@ class GaussMarkov:
             slow[:, None] & slow[None, :], np.outer(constant, constant) + rest, whole
         )
         return np.asarray(self.sigma**2 * C)
+
+
+@dataclass(frozen=True)
+class Quantized:
+    """Rounding of an increment, by at most half a step: IEEE 952, quantisation noise.
+
+    What is left over at the end of a window is counted in the one that follows it.
+    """
+
+    step: float  # q, of the integral of the unit [SI unit times s]
+
+    def covariance(self, schedule: Schedule) -> Array:
+        """Return the covariance of the averages, shape (n, n) [SI squared].
+
+        Each edge is off by q^2/12: q^2/(6 L^2) on the diagonal, -q^2/(12 L_a L_b) for
+        windows that share one.
+        """
+        starts, lengths = schedule.starts, schedule.lengths
+        apart = starts[None] - (starts + lengths)[:, None]
+        meets = np.abs(apart) <= SAME_EDGE * lengths.max()
+        shared = -1.0 * (meets | meets.T)
+        np.fill_diagonal(shared, 2.0)
+        return np.asarray(self.step**2 / 12.0 * shared / np.outer(lengths, lengths))
+
+    def reduce(self, schedule: Schedule, weights: Array) -> Array:
+        """Return the covariance of weighted window averages; see Process."""
+        return np.asarray(weights @ self.covariance(schedule) @ weights.T)
+
+
+@dataclass(frozen=True)
+class Flicker:
+    """Flicker noise: two-sided density B^2/(2 pi |f|) above a low cut, IEEE 952."""
+
+    coefficient: float  # B [SI]
+    low_cut: float  # f_L [Hz]
+
+    def covariance(self, schedule: Schedule) -> Array:
+        """Return the covariance of the averages, shape (n, n) [SI squared]."""
+        (C,) = stationary(schedule.starts, schedule.lengths, (self._integral,))
+        return np.asarray(0.5 * (C + C.T))
+
+    def _integral(self, t: Array) -> Array:
+        """Return G, whose second derivative is the autocovariance [SI squared, s^2].
+
+        With a = 2 pi f_L and x = a |t|: -(B^2/(pi a^2)) [(x^2/2) Ci(x) - (x/2) sin x -
+        (1 - cos x)/2].
+        """
+        from scipy.special import sici
+
+        a = 2.0 * np.pi * self.low_cut
+        x = a * np.abs(t)
+        cosine = sici(np.where(x > 0.0, x, 1.0))[1]
+        inner = 0.5 * x**2 * cosine - 0.5 * x * np.sin(x) - np.sin(0.5 * x) ** 2
+        return np.asarray(-(self.coefficient**2) / (np.pi * a**2) * inner)
+
+    def reduce(self, schedule: Schedule, weights: Array) -> Array:
+        """Return the covariance of weighted window averages; see Process."""
+        return np.asarray(weights @ self.covariance(schedule) @ weights.T)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -56,6 +56,8 @@ class Given:
         Shape by axis; processes are normal.
     correlation_time : ndarray, shape (n_axes,), or None
         Of a source that has one [s].
+    low_cut : ndarray, shape (n_axes,), or None
+        Frequency below which a flicker has no power [Hz].
     form : str
         Which of the effects of its source it is meant as; '' the usual one.
     """
@@ -64,6 +66,7 @@ class Given:
     u: Array
     distributions: tuple[Distribution, ...]
     correlation_time: Array | None = None
+    low_cut: Array | None = None
     form: str = ""
 
 
@@ -384,7 +387,7 @@ class Source:
         What a verdict 'meets' cannot do without: the line itself, 'noise' where any one
         noise line will do, '' where the line may be absent.
     colour : str
-        In figures: one of Okabe and Ito's, by name.
+        In figures: one of Okabe and Ito's, by name; '' of one that is left over.
     is_hatched : bool
         The second source of a colour.
     forms : mapping of str to Effect

@@ -75,6 +75,16 @@ class SensorPart(Strict):
 
     @model_validator(mode="after")
     def _check_noise(self) -> Self:
+        flicker = getattr(self.errors, "flicker", None)
+        stable = getattr(self.errors, "bias_stability", None)
+        if flicker and stable and not getattr(flicker, "adds_to", None):
+            message = (
+                "stands beside bias_stability: the bias instability that a maker "
+                "prints, given as flicker and as a Gauss-Markov process, would count "
+                "twice; expected one of them. Remove one, or, where they are two "
+                "noises, write {value: ..., adds_to: bias_stability}"
+            )
+            raise faults({("errors", "flicker"): message})
         noise = getattr(self.errors, SAMPLE_NOISE, None)
         walk = next(
             (n for n in WHITE if n != SAMPLE_NOISE and getattr(self.errors, n, None)),

@@ -10,7 +10,15 @@ import numpy as np
 from pydantic import Field, create_model, model_validator
 
 from budget.distributions import BY_NAME, NORMAL, Distribution
-from budget.model.sources import ACCELEROMETER, GYRO, SAMPLE_NOISE, WALKS, walk_of
+from budget.model.sources import (
+    ACCELEROMETER,
+    GYRO,
+    LOW_CUT,
+    SAMPLE_NOISE,
+    SENSORS,
+    WALKS,
+    walk_of,
+)
 from budget.names import ONE_VALUE, Name
 from budget.spec.fields import (
     Measured,
@@ -221,6 +229,7 @@ class _Form:
 
     form: str = ""
     factor: float = 1.0  # [SI]
+    low_cut: float | None = None  # [Hz]
     says: tuple[tuple[str, str], ...] = ()
     definition: str = ""
     notes: tuple[str, ...] = ()
@@ -279,6 +288,33 @@ class StabilityValue(ProcessValue):
         return self
 
 
+class FlickerValue(ProcessValue):
+    """Specification value of a flicker."""
+
+    of_axis: ClassVar[type[SpecificationValue] | None] = ProcessValue
+    definition: Literal["coefficient", "allan_minimum"] = Field(
+        default="coefficient",
+        description="B itself, or the lowest point of the Allan curve, 0.664 B",
+    )
+    low_cut: Annotated[Quantity, Measured("Hz", Sign.POSITIVE)] | None = Field(
+        default=None, description="below which it has no power; unset: once a day"
+    )
+
+    def curve(self) -> _Form:
+        """Return its coefficient and its low cut."""
+        low = f"{LOW_CUT!r} Hz" if self.low_cut is None else self.low_cut.printed
+        is_minimum = self.definition == "allan_minimum"
+        notes = ["low cut not given, once a day (1.157e-05 Hz) assumed"]
+        return _Form(
+            factor=1.0 / ALLAN_MINIMUM if is_minimum else 1.0,
+            low_cut=LOW_CUT if self.low_cut is None else self.low_cut.value,
+            says=(("definition", self.definition), ("low_cut", low)),
+            definition=f"{self.definition}, no power below "
+            + ("once a day" if self.low_cut is None else low),
+            notes=tuple(notes if self.low_cut is None else ()),
+        )
+
+
 class Whole(SpecificationValue):
     """Specification value for all axes, some of which may say otherwise."""
 
@@ -307,8 +343,15 @@ class ReadValue:
 
 def value_type(line: Source, sensor: str) -> Any:  # noqa: ANN401
     """Return the type of a value of that line: a text or a mapping."""
-    beside = walk_of(sensor) if line.name == SAMPLE_NOISE else ""
+    beside = beside_of(line.name, sensor)
     return _value_type(line.like(sensor), _family(line, sensor), line.axes, beside)
+
+
+def beside_of(name: str, sensor: str) -> str:
+    """Return the line that says the same noise again, beside that one; '' if none."""
+    if name == SAMPLE_NOISE:
+        return walk_of(sensor)
+    return "bias_stability" if name == "flicker" else ""
 
 
 def read_value(
@@ -359,6 +402,7 @@ def read_value(
         si_per_unit=axes[0].quantity.si_per_unit
         * WALK_PER_DENSITY[axes[0].density]
         * form.factor,
+        low_cut=None if form.low_cut is None else np.full(len(axes), form.low_cut),
         form=form.form,
         factor=form.factor,
         says=form.says,
@@ -415,12 +459,13 @@ def _value_type(
     return Annotated[whole, OrText(measured)]
 
 
-FORMED = NonlinearityValue | RateAsymmetry
+FORMED = NonlinearityValue | RateAsymmetry | FlickerValue
 SPECIAL: dict[tuple[str, str], type[SpecificationValue]] = {
     ("scale_factor_nonlinearity", GYRO): RateNonlinearity,
     ("scale_factor_nonlinearity", ACCELEROMETER): ForceNonlinearity,
     ("scale_factor_asymmetry", GYRO): RateAsymmetry,
     ("scale_factor_asymmetry", ACCELEROMETER): ForceAsymmetry,
+    **{("flicker", sensor): FlickerValue for sensor in SENSORS},
 }
 
 

@@ -39,6 +39,7 @@ GIVEN = {
 }
 NOT_GIVEN = [
     "gyro.rate_random_walk",
+    "gyro.quantization",
     "gyro.scale_factor_nonlinearity",
     "gyro.scale_factor_asymmetry",
     "gyro.g_sensitivity",
@@ -48,6 +49,7 @@ NOT_GIVEN = [
     "gyro.scale_factor_over_temperature",
     "gyro.vibration_rectification",
     "accelerometer.acceleration_random_walk",
+    "accelerometer.quantization",
     "accelerometer.scale_factor_nonlinearity",
     "accelerometer.scale_factor_asymmetry",
     "accelerometer.scale_factor_quadratic",

@@ -378,6 +378,7 @@ def test_a_key_of_a_procedure_moves_a_number(key, load):
         walk = walk_of(sensor)
         noise = {"value": errors["sample_noise"], "adds_to": walk}
         errors["sample_noise"] = noise
+        errors["flicker"] = {"value": errors["flicker"], "adds_to": "bias_stability"}
         tree[sensor] = {"nominal": {"mounting_angle": "1 deg"}, "errors": errors}
     place = place_of(key)
     steps = tuple(0 if step == "[]" else step for step in key.path)

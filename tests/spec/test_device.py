@@ -79,6 +79,7 @@ def test_the_shipped_device_needs_no_assumption_and_misses_nothing_expected():
     assert device.assumptions == ()
     assert device.gyro.not_given == (
         "gyro.rate_random_walk",
+        "gyro.quantization",
         "gyro.scale_factor_nonlinearity",
         "gyro.scale_factor_asymmetry",
         "gyro.g_sensitivity",
@@ -90,6 +91,7 @@ def test_the_shipped_device_needs_no_assumption_and_misses_nothing_expected():
     )
     assert device.accelerometer.not_given == (
         "accelerometer.acceleration_random_walk",
+        "accelerometer.quantization",
         "accelerometer.scale_factor_nonlinearity",
         "accelerometer.scale_factor_asymmetry",
         "accelerometer.scale_factor_quadratic",

@@ -33,7 +33,15 @@ from budget.model.sources.later import (
 )
 from budget.model.sources.place import EarthRate, Gravity, Height, Latitude
 from budget.model.sources.power import Power
-from budget.model.sources.processes import SampleNoise, Stability, Walk, WhiteNoise
+from budget.model.sources.processes import (
+    LOW_CUT,
+    FlickerNoise,
+    Quantization,
+    SampleNoise,
+    Stability,
+    Walk,
+    WhiteNoise,
+)
 from budget.model.sources.rotation import (
     AFTER_MIDDLE,
     AFTER_OUTER,
@@ -64,6 +72,7 @@ __all__ = [
     "ENVIRONMENT",
     "GYRO",
     "IN_RUN",
+    "LOW_CUT",
     "SAMPLE_NOISE",
     "SENSORS",
     "SOURCES",
@@ -97,6 +106,15 @@ SOURCES = (
         stays=IN_RUN,
         expected="bias_stability",
         colour="orange",
+    ),
+    Source(
+        name="flicker",
+        units={GYRO: "deg/h", ACCELEROMETER: "ug"},
+        model="flicker noise of coefficient B, above a low cut",
+        effect=FlickerNoise(),
+        stays=IN_RUN,
+        expected="bias_stability",
+        colour="",
     ),
     Source(
         name="angle_random_walk",
@@ -140,6 +158,15 @@ SOURCES = (
         stays=IN_RUN,
         expected="noise",
         colour="sky",
+    ),
+    Source(
+        name="quantization",
+        units={GYRO: "arcsec", ACCELEROMETER: "m/s"},
+        model="rounding of increments of angle or velocity to whole steps",
+        effect=Quantization(),
+        stays=IN_RUN,
+        colour="green",
+        is_hatched=True,
     ),
     Source(
         name="scale_factor_repeatability",

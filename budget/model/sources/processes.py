@@ -8,13 +8,25 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.model.noise import GaussMarkov, Process, RandomWalk, White
+from budget.model.noise import (
+    SAME_EDGE,
+    Flicker,
+    GaussMarkov,
+    Process,
+    Quantized,
+    RandomWalk,
+    White,
+)
 from budget.model.source import Given, Noise, Samples
+from budget.model.waves import Waves
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from budget.arrays import Array
+
+LOW_CUT = 1.0 / 86400.0  # of a flicker that names none: once a day [Hz]
+WAVES_PER_OCTAVE = 6  # of a flicker in the simulation
 
 
 @dataclass(frozen=True)
@@ -123,6 +135,66 @@ class Stability(Noise):
             return values
 
         return samples
+
+
+@dataclass(frozen=True)
+class Quantization(Noise):
+    """Rounding of increments of angle or velocity, step q."""
+
+    def process(self, given: Given, axis: int, sample_rate: float) -> Process:  # noqa: ARG002
+        """Return the rounding of that step."""
+        return Quantized(float(given.u[axis]))
+
+    def sampler(
+        self,
+        given: Given,
+        rng: np.random.Generator,
+        sample_rate: float,  # noqa: ARG002
+    ) -> Callable[[Samples], Array]:
+        """Return differences of what is left over at the edges of samples, over dt."""
+        step = given.u[:, None]
+        left, clock = np.zeros(3), -np.inf  # at the last edge, and its time
+
+        def samples(at: Samples) -> Array:
+            nonlocal clock, left
+            edges = step * rng.uniform(-0.5, 0.5, (3, at.n + 1))
+            half = at.dt / 2.0
+            if abs(at.first - half - clock) < SAME_EDGE * at.n * at.dt:
+                edges[:, 0] = left
+            clock, left = at.last + half, edges[:, -1]
+            return np.asarray(np.diff(edges, axis=1) / at.dt)
+
+        return samples
+
+
+@dataclass(frozen=True)
+class FlickerNoise(Noise):
+    """Bias instability as flicker, of coefficient B above a low cut."""
+
+    own: str = "bias"
+
+    def process(self, given: Given, axis: int, sample_rate: float) -> Process:  # noqa: ARG002
+        """Return flicker of that coefficient."""
+        return Flicker(float(given.u[axis]), float(_low_cut(given)[axis]))
+
+    def sampler(
+        self, given: Given, rng: np.random.Generator, sample_rate: float
+    ) -> Callable[[Samples], Array]:
+        """Return waves up to half the sample rate, one for each part of an octave."""
+        axes = []
+        for B, low in zip(given.u, _low_cut(given), strict=True):
+            octaves = max(1.0, np.log2(0.5 * sample_rate / low))
+            bands = int(np.ceil(WAVES_PER_OCTAVE * octaves))
+            ratio = 2.0 ** (octaves / bands)
+            frequencies = low * ratio ** (np.arange(bands) + rng.uniform(size=bands))
+            size = B * sqrt(np.log(ratio) / np.pi)  # of B^2/(pi f), one-sided
+            axes.append(Waves.draw(frequencies, np.full(bands, size), rng))
+        return lambda at: np.stack([waves.at(at.times) for waves in axes])
+
+
+def _low_cut(given: Given) -> Array:
+    """Return the low cut by axis [Hz]; of a probe that of a day."""
+    return np.full(given.u.size, LOW_CUT) if given.low_cut is None else given.low_cut
 
 
 def _tau(given: Given) -> Array:

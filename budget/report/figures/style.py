@@ -55,7 +55,10 @@ OTHER = Name("other")
 SHARED = {
     source.name: (ink, hatch, "")
     for source, (hatch, ink) in zip(
-        (one for one in SOURCES if one.varies and one.shared),
+        sorted(
+            (one for one in SOURCES if one.varies and (one.shared or not one.colour)),
+            key=lambda one: not one.shared,
+        ),
         product(("....", "\\\\\\\\", "----", "++++"), INKS.values()),
         strict=False,
     )
