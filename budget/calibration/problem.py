@@ -18,6 +18,7 @@ from budget.calibration.derived import combination
 from budget.calibration.schemes import estimated, scheme_of
 from budget.distributions import NORMAL
 from budget.earth import ROTATION_RATE
+from budget.errors import CallError
 from budget.model.response import STATISTICS, Truth
 from budget.model.source import (
     TURN_ON,
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
 REFERENCES = ("nominal", "as_tested", "next_turn_on")
 BIAS_UNITS = {"gyro": ("deg/h", DEG_PER_HOUR), "accelerometer": ("ug", MICRO_G)}
 
+MOST_INPUTS = 1000  # of one source: turns, stops; all second derivatives are carried
 # Spread below this part of a parameter's natural size is rounding of doubles: of a
 # scale factor 1, of an angle 1 rad, of a bias the input it is measured beside.
 ROUNDING = 1e-14  # [1]
@@ -181,6 +183,12 @@ class _Row:
                 )
             own = triads.get(self.owner) or next(iter(triads.values()))
             times = effect.size(given, own.scheme) // given.u.size
+            if times > MOST_INPUTS:
+                raise CallError(
+                    f"{name}: this test has {times} independent values of it, "
+                    f"{MOST_INPUTS} at the most can be propagated; leave it out, or "
+                    "give a test with fewer windows"
+                )
         return Group.independent(
             name,
             u=np.tile(given.u * included, times),

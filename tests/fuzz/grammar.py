@@ -11,7 +11,13 @@ from budget.spec import json_schema
 
 NUMBERS = ("0.5", "1", "20", "1e-3", ".5", "5.", "+3E1", "1.25e+1")
 # Where a number of any size would break a rule that the schema does not know.
-FIXED = {"gravity_unit": "9.80708 m/s^2", "sample_rate": "100 Hz", "coverage": "90 %"}
+FIXED = {
+    "gravity_unit": "9.80708 m/s^2",
+    "sample_rate": "100 Hz",
+    "coverage": "90 %",
+    "dwell": "60 s",
+    "rate": "30 deg/s",
+}
 TEXTS = ("x", "a: b", "5", "no", "\N{DEGREE SIGN}/\N{SQUARE ROOT}h", "'", "# c", "{")
 HALF_WIDTHS = ("max", "peak to peak", "p-p", "pk-pk", "peak-to-peak")
 NORMAL = ("normal", "gaussian", "Gaussian")
@@ -115,7 +121,7 @@ def _keep_rules(tree):
     """Mend what no schema says: which keys fit together, which numbers fit a key."""
     if not isinstance(tree, dict):
         return tree
-    tree = {key: _keep_rules(value) for key, value in tree.items()}
+    tree = _keep_pairs({key: _keep_rules(value) for key, value in tree.items()})
     if tree.get("meaning") in HALF_WIDTHS and tree.get("distribution") in NORMAL:
         del tree["distribution"]
     tree.pop("density", None)  # only beside some units
@@ -133,6 +139,31 @@ def _keep_rules(tree):
     if tree.get("costs") == {}:
         tree["costs"] = {"gyro.bias_stability": {"a": Raw("2")}}
     return tree
+
+
+# Keys that go without those named, and keys that need theirs beside them.
+_WITHOUT = {
+    f"{quantity}_over_temperature": {
+        f"{quantity}_temperature_coefficient",
+        f"{quantity}_temperature_rate_coefficient",
+    }
+    for quantity in ("bias", "scale_factor")
+}
+_NEEDS = {
+    **dict.fromkeys(("line", "shape"), "full_scale"),
+    "warm_up": "warm_up_time",
+    "warm_up_time": "warm_up",
+    "sigma": "correlation_time",
+}
+
+
+def _keep_pairs(tree):
+    """Drop keys that stand beside one they must not, or without one they need."""
+    barred = {other for key in tree for other in _WITHOUT.get(key, ())}
+    barred |= {key for key in tree if _NEEDS.get(key, key) not in tree}
+    if "sigma" not in tree and "value" not in tree and "definition" not in tree:
+        barred.add("correlation_time")  # a stability has its time alone
+    return {key: value for key, value in tree.items() if key not in barred}
 
 
 def _keep_windows(tree):

@@ -16,6 +16,7 @@ from budget.calibration.simulation import simulate
 from budget.distributions import NORMAL as NORMAL_SHAPE
 from budget.distributions import UNIFORM
 from budget.earth import ECCENTRICITY_SQUARED, ROTATION_RATE, normal_gravity
+from budget.errors import CallError
 from budget.methods.gum import propagate
 from budget.model.sources import SOURCES, STATION
 from budget.model.sources.rotation import Rotation
@@ -171,6 +172,24 @@ def test_at_one_setting_the_table_stands_once():
     found = moved("positioning", stop("turns", "middle"))
     assert found.keys() == {"gyro.xy", "gyro.bias.x"}
     assert_allclose(found["gyro.xy"], 1.0, rtol=1e-5)
+
+
+def test_more_stops_than_can_be_carried_are_refused():
+    """Thousands of settings: in words, before memory is filled."""
+    windows = tuple(
+        Window(name=str(k), start=float(k), length=1.0, setting=Setting(outer=0.1 * k))
+        for k in range(400)
+    )
+    station = (line("positioning", ARCSEC),)
+    windows = (*everything().windows, *later(windows, 1000.0))
+    plan = replace(everything(station=station), windows=windows)
+    with pytest.raises(CallError, match=r"station\.positioning: this test has 1\d\d\d"):
+        calibration_problem(triads(), plan)
+
+
+def later(windows, start):
+    """Return windows that begin later [s]."""
+    return tuple(replace(one, start=one.start + start) for one in windows)
 
 
 def test_wobble_turns_with_its_rotor():
