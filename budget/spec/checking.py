@@ -24,6 +24,34 @@ Model = TypeVar("Model", bound=BaseModel)
 
 _SLIP = 0.85  # likeness from which a word of a file is a slip of another
 
+# Words of data sheets, without what joins them, and the lines that they may stand for.
+_MAKERS = {
+    **dict.fromkeys(("linearity", "nonlinearity"), ("scale_factor_nonlinearity",)),
+    **dict.fromkeys(("asymmetry", "symmetry"), ("scale_factor_asymmetry",)),
+    **dict.fromkeys(
+        ("biasinstability", "inrunbiasinstability", "inrunbiasstability"),
+        ("bias_stability", "flicker"),
+    ),
+    **dict.fromkeys(
+        ("vre", "vibrationrectificationerror"), ("vibration_rectification",)
+    ),
+    **dict.fromkeys(
+        ("tempco", "temperaturecoefficient"),
+        ("bias_temperature_coefficient", "scale_factor_temperature_coefficient"),
+    ),
+    **dict.fromkeys(("lsb", "resolution", "quantisation"), ("quantization",)),
+    "gsensitivity": ("g_sensitivity",),
+    "arw": ("angle_random_walk",),
+    "vrw": ("velocity_random_walk",),
+    "rrw": ("rate_random_walk",),
+    "k2": ("scale_factor_quadratic",),
+    "k3": ("scale_factor_cubic",),
+}
+_AGEING = (
+    "; a change over months between test and use has no model here, a value of it goes "
+    "under 'figures' of its device, as text"
+)
+
 _EXPECTED = {
     "string_type": "expected text; put it in quotes",
     "int_type": "expected a whole number, such as 1",
@@ -89,6 +117,11 @@ def _slip(word: str, allowed: tuple[str, ...]) -> str:
     same = {
         name.lower(): name for name in allowed if re.findall("[0-9]", name) == digits
     }
+    bare = re.sub("[^a-z0-9]", "", word.lower())
+    if bare in {"ageing", "aging"} and "bias_repeatability" in allowed:
+        return _AGEING
+    if lines := [repr(line) for line in _MAKERS.get(bare, ()) if line in allowed]:
+        return f"; did you mean {' or '.join(lines)}?"
     near = get_close_matches(word.lower(), same, n=1, cutoff=_SLIP)
     return f"; did you mean {same[near[0]]!r}?" if near else ""
 

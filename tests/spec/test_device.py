@@ -208,6 +208,25 @@ def test_an_asymmetry_says_whose_sign_decides(gyro):
         assert device.gyro.lines[0].form == form.rpartition(" ")[2]
 
 
+@pytest.mark.parametrize(
+    ("word", "hint"),
+    [
+        ("linearity", "did you mean 'scale_factor_nonlinearity'"),
+        ("in-run bias instability", "did you mean 'bias_stability' or 'flicker'"),
+        ("VRE", "did you mean 'vibration_rectification'"),
+        ("tempco", "'bias_temperature_coefficient' or 'scale_factor_temperature"),
+        ("LSB", "did you mean 'quantization'"),
+        ("resolution", "did you mean 'quantization'"),
+        ("K2", "did you mean 'scale_factor_quadratic'"),
+        ("ageing", "has no model here.*figures"),
+    ],
+)
+def test_a_word_of_data_sheets_is_answered_with_the_line(gyro, word, hint):
+    """It is refused all the same: which quantity is meant the file has to say."""
+    with pytest.raises(SpecError, match=f"unknown key.*{hint}"):
+        gyro(f"{word}: 1 deg/h")
+
+
 PROCESSES = {
     "bias_stability": "deg/h",
     "angle_random_walk": "deg/sqrt(h)",
