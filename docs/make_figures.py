@@ -23,6 +23,7 @@ HERE = Path(__file__).resolve().parent
 # In the order of what they need: nothing, a plate, a table.
 SCHEMES = (
     *("norm-nine-positions", "norm-eighteen-positions", "norm-icosahedron"),
+    "norm-and-turns-by-hand",
     *("hand-turns", "six-positions", "twelve-positions"),
     *("one-axis-rate-table", "six-positions-and-turns", "twenty-four-positions"),
     *("dividing-head", "zhao-2019", "zhao-2019-eq4"),

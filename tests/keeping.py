@@ -72,10 +72,10 @@ class Pulses:
         """Return a patch of the simulation: one of its steps keeps what it returned."""
         step = getattr(simulation, name)
 
-        def kept(*args):
+        def kept(*args, **kwargs):
             key = name, *key_of(*args)
             if key not in self.kept:
-                self.kept[key] = step(*args)
+                self.kept[key] = step(*args, **kwargs)
             return self.kept[key]
 
         return patch.object(simulation, name, kept)

@@ -15,11 +15,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.calibration.derived import combination
-from budget.calibration.schemes import estimated, scheme_of
+from budget.calibration.schemes import estimated, schemes_of, with_accelerometers
 from budget.distributions import NORMAL
 from budget.earth import ROTATION_RATE
 from budget.errors import CallError
 from budget.model.response import STATISTICS, Truth
+from budget.model.rotation import RotationScheme
 from budget.model.source import (
     TURN_ON,
     Change,
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from budget.arrays import Array
+    from budget.model.response import Errors
     from budget.model.scheme import Scheme
     from budget.model.source import Act, Gains, Given, Source
     from budget.spec.records import Procedure, Sensor
@@ -87,11 +89,15 @@ def calibration_problem(
         A line is no error source that the program knows.
     """
     shared = {STATION: procedure.station, ENVIRONMENT: procedure.environment}
+    there = with_accelerometers(sensors, procedure)
     rows = [
-        *(_Row.of(sensor.kind, line) for sensor in sensors for line in sensor.lines),
+        *(_Row.of(sensor.kind, line) for sensor in there for line in sensor.lines),
         *(_Row.of(owner, line) for owner, lines in shared.items() for line in lines),
     ]
-    triads = {sensor.kind: _triad(sensor, procedure, rows) for sensor in sensors}
+    schemes = schemes_of(there, procedure)
+    triads = {
+        one.kind: _triad(one, schemes[one.kind], procedure, rows) for one in there
+    }
     every = tuple(triads.values())
     members = [
         (row, row.group(triads, procedure, reference, only=only))
@@ -110,8 +116,9 @@ def calibration_problem(
         function=Calibration(
             triads=tuple(
                 _calibration(sensor, every, place, places, reference)
-                for place, sensor in enumerate(sensors)
-            )
+                for place, sensor in enumerate(there)
+            ),
+            kinds=tuple(sensor.kind for sensor in sensors),
         ),
     )
     if outputs is None:
@@ -221,18 +228,15 @@ def _noise_covariance(
 
 def _statistics_order(k: int) -> Array:
     """Return where statistic j of axis i stands among the inputs, shape (3, k)."""
-    more = k - 4
-    return np.stack(
-        [
-            np.r_[4 * i : 4 * i + 4, 12 + more * i : 12 + more * (i + 1)]
-            for i in range(3)
-        ]
-    )
+    first = min(k, STATISTICS)
+    own, more = np.arange(3 * first), np.arange(3 * first, 3 * k)
+    return np.concatenate([own.reshape(3, -1), more.reshape(3, -1)], axis=1)
 
 
-def _triad(sensor: Sensor, procedure: Procedure, rows: list[_Row]) -> Triad:
+def _triad(
+    sensor: Sensor, scheme: Scheme, procedure: Procedure, rows: list[_Row]
+) -> Triad:
     """Set up one triad: its scheme, its lines, the statistics that it needs."""
-    scheme = scheme_of(sensor.kind, procedure, sensor)
     wanted = [
         weights
         for row in rows
@@ -284,6 +288,14 @@ class _Constant:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Read:
+    """What is read off of one triad, against its values during the test."""
+
+    errors: Errors
+    epsilon: Array  # errors of its statistics, shape (3, k, trials)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class TriadCalibration:
     """The outputs of one triad as a function of all inputs: 12 less those held.
 
@@ -318,10 +330,10 @@ class TriadCalibration:
     acts: tuple[tuple[slice, Act], ...]
     reference: str
 
-    def __call__(self, x: Array) -> Array:
-        """Return the errors, shape (n_outputs, trials), for inputs x, (n, trials) [SI].
+    def read(self, x: Array, beside: Read | None) -> Read:
+        """Return what is read off, for inputs x, (n, trials) [SI].
 
-        Scale factors [1], mounting angles [rad], biases [unit of the input].
+        `beside` are the accelerometers that a gyro may be found by.
         """
         truth = Truth(
             angle=self._add(self.angle, x, "mounting_angle"),
@@ -336,7 +348,19 @@ class TriadCalibration:
         epsilon = noise[:, :m] if own is None else np.asarray(own @ noise)
         for rows, act in self.acts:
             epsilon = epsilon + act(x[rows], truth, noise)
-        found = self.scheme.read_errors(truth, epsilon)
+        scheme = self.scheme
+        if isinstance(scheme, RotationScheme) and beside is not None:
+            shown = beside.epsilon[:, -len(scheme.from_beside) :]
+            found = scheme.read_errors_beside(truth, epsilon, beside.errors, shown)
+        else:
+            found = scheme.read_errors(truth, epsilon)
+        return Read(errors=found, epsilon=epsilon)
+
+    def count(self, x: Array, found: Errors) -> Array:
+        """Return the errors against the reference, shape (n_outputs, trials).
+
+        Scale factors [1], mounting angles [rad], biases [unit of the input].
+        """
         # Error = (calibrated - true during the test) + (that - reference); relative
         # errors of the scale factor multiply: (1 + r)(1 + e) - 1.
         r = self._scale_factor_deviation(x)
@@ -402,13 +426,28 @@ class TriadCalibration:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Calibration:
-    """The function of the Problem: all triads on the same inputs."""
+    """The function of the Problem: all triads on the same inputs.
+
+    Attributes
+    ----------
+    triads : tuple of TriadCalibration
+        A gyro before the accelerometers that it may be found by.
+    kinds : tuple of str
+        Whose errors are asked for.
+    """
 
     triads: tuple[TriadCalibration, ...]
+    kinds: tuple[str, ...]
 
     def __call__(self, x: Array) -> Array:
         """Return all outputs, shape (n_outputs, trials), for x (n_inputs, trials)."""
-        return np.concatenate([triad(x) for triad in self.triads])
+        found: list[Array] = []
+        read = None
+        for triad in reversed(self.triads):
+            read = triad.read(x, read)
+            if triad.scheme.owner in self.kinds:
+                found.insert(0, triad.count(x, read.errors))
+        return np.concatenate(found)
 
 
 def _calibration(

@@ -17,9 +17,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.calibration.schemes import scheme_of
+from budget.calibration.schemes import schemes_of, with_accelerometers
 from budget.distributions import LEAST
 from budget.errors import CallError
+from budget.model.rotation import RotationScheme
 from budget.model.source import (
     TURN_ON,
     Change,
@@ -103,9 +104,8 @@ def simulate(
     CallError
         A window holds too many samples to be made one by one.
     """
-    schemes = {
-        sensor.kind: scheme_of(sensor.kind, procedure, sensor) for sensor in sensors
-    }
+    there = with_accelerometers(sensors, procedure)
+    schemes = schemes_of(there, procedure)
     for kind, scheme in schemes.items():
         _check_samples(kind, scheme, procedure.sample_rate)
 
@@ -126,19 +126,21 @@ def simulate(
         *draw(STATION, procedure.station),
         *draw(ENVIRONMENT, procedure.environment),
     ]
-    return np.concatenate(
-        [
-            _simulate_triad(
-                sensor,
-                schemes[sensor.kind],
-                [*draw(sensor.kind, sensor.lines), *shared],
-                {line.name: line for line in (*procedure.environment, *sensor.lines)},
-                sample_rate=procedure.sample_rate,
-                reference=reference,
-            )
-            for sensor in sensors
-        ]
-    )
+    errors: list[Array] = []
+    shown = None
+    for sensor in reversed(there):  # a gyro may be found by the accelerometers
+        found, shown = _simulate_triad(
+            sensor,
+            schemes[sensor.kind],
+            [*draw(sensor.kind, sensor.lines), *shared],
+            {line.name: line for line in (*procedure.environment, *sensor.lines)},
+            sample_rate=procedure.sample_rate,
+            reference=reference,
+            beside=shown,
+        )
+        if sensor in sensors:
+            errors.insert(0, found)
+    return np.concatenate(errors)
 
 
 def _check_samples(kind: str, scheme: Scheme, sample_rate: float) -> None:
@@ -195,15 +197,22 @@ def _simulate_triad(
     *,
     sample_rate: float,
     reference: str,
-) -> Array:
-    """Simulate one triad; shape (n_outputs,): 12 less those held."""
+    beside: Array | None,
+) -> tuple[Array, Array]:
+    """Simulate one triad, a gyro beside what the accelerometers show.
+
+    Returns errors, shape (n_outputs,): 12 less those held; and what the calibrated
+    triad shows in its windows, shape (3, n) [unit of the input].
+    """
     tested = _turn_on(sensor, drawn, known)
     true = {
         "nominal": _turn_on(sensor, [], known),
         "as_tested": tested,
         "next_turn_on": _turn_on(sensor, drawn, known, is_later=True),
     }[reference]
-    found = _calibrate(sensor, scheme, tested, drawn, known, sample_rate=sample_rate)
+    found, shown = _calibrate(
+        sensor, scheme, tested, drawn, known, sample_rate=sample_rate, beside=beside
+    )
     errors = np.concatenate(
         [
             (found.scale_factor - (1.0 + true.k)) / (1.0 + true.k),
@@ -214,14 +223,14 @@ def _simulate_triad(
     if scheme.held is not None:
         errors = errors[scheme.held.estimated]
     if found.higher is None or not scheme.orders:
-        return errors
+        return errors, shown
     true_higher = np.zeros_like(found.higher)
     for one in drawn:
         order = one.effect.order if isinstance(one.effect, Disturbance) else 0
         if order in scheme.orders and reference != "nominal":
             place = 3 * scheme.orders.index(order)
             true_higher[place : place + 3] += one.value
-    return np.concatenate([errors, found.higher - true_higher])
+    return np.concatenate([errors, found.higher - true_higher]), shown
 
 
 def _turn_on(
@@ -266,8 +275,12 @@ def _calibrate(
     known: Mapping[str, Given],
     *,
     sample_rate: float,
-) -> CalibratedTriad:
-    """Run the windows in the order of time, and calibrate from the pulses."""
+    beside: Array | None,
+) -> tuple[CalibratedTriad, Array]:
+    """Run the windows in the order of time, and calibrate from the pulses.
+
+    What the triad then shows in its windows too, (3, n); `beside`: the other triad.
+    """
     rates = []
     for place, window in enumerate(scheme.schedule.windows):
         n = max(1, round(window.length * sample_rate))
@@ -276,7 +289,19 @@ def _calibrate(
         where = _At(place=place, samples=at, known=known)
         pulses = _count(sensor, scheme, tested, drawn, where)
         rates.append(pulses / window.length)
-    return scheme.estimate(np.array(rates).T)
+    readings = np.array(rates).T
+    if isinstance(scheme, RotationScheme) and beside is not None:
+        found = scheme.estimate_beside(readings, beside)
+    else:
+        found = scheme.estimate(readings)
+    inputs = readings / found.scale_factor[:, None] - found.bias[:, None]
+    return found, np.asarray(np.linalg.solve(_response(found.mounting_angle), inputs))
+
+
+def _response(angle: Array) -> Array:
+    """Return M = I + dT of eq. (1), shape (3, 3), of angles in the order of ANGLES."""
+    xy, xz, yx, yz, zx, zy = angle
+    return np.array([[1.0, xz, -xy], [-yz, 1.0, yx], [zy, -zx, 1.0]])
 
 
 def _count(
@@ -305,8 +330,7 @@ def _count(
     for effect, one in disturbances:
         table = effect.table(one.value, table)
     rate, force = _inputs(window, table, at)
-    xy, xz, yx, yz, zx, zy = tested.angle
-    M = np.array([[1.0, xz, -xy], [-yz, 1.0, yx], [zy, -zx, 1.0]])  # I + dT, eq. (1)
+    M = _response(tested.angle)
     true_input = M @ (rate if sensor.kind == "gyro" else force) + tested.bias[:, None]
     reading = true_input
     for one in drawn:

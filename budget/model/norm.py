@@ -10,7 +10,7 @@ How the triad as a whole is turned no norm shows: three angles are held.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
@@ -56,13 +56,19 @@ class NormScheme(Scheme):
     """
 
     knows_attitudes: ClassVar[bool] = False
+    knows_turns: ClassVar[bool] = False
 
     held: Held
 
     @property
     def norm_weights(self) -> Array:
         """W of what is estimated, shape (m, n) [s^4/m^2, of a bias s^2/m]."""
-        return self.weights[0, BIAS::STATISTICS]
+        return self.weights[0, BIAS : self.own_statistics : STATISTICS]
+
+    @property
+    def own_statistics(self) -> int:
+        """Number of the first statistics, 4 m; those after them are for a gyro."""
+        return STATISTICS * len(self.held.estimated)
 
     def __post_init__(self) -> None:
         """Check W J = I.
@@ -91,8 +97,8 @@ class NormScheme(Scheme):
         Parameters
         ----------
         truth : Truth
-        epsilon : ndarray, shape (3, 4 m, trials)
-            Errors of the statistics of each axis.
+        epsilon : ndarray, shape (3, 4 m or more, trials)
+            Errors of the statistics of each axis; the first 4 m count.
 
         Returns
         -------
@@ -108,7 +114,8 @@ class NormScheme(Scheme):
         )
         places = self.held.estimated
         found[places] = 0.0 * found[places]
-        noise = epsilon.reshape(3, len(places), STATISTICS, -1)
+        own = epsilon[:, : self.own_statistics]
+        noise = own.reshape(3, len(places), STATISTICS, -1)
         M = np.eye(3)[..., None] + tilt_matrix(truth.angle)
         for _ in range(STEPS):
             found[places] = found[places] - self._misfit(found, M, truth.bias, noise)
@@ -169,6 +176,11 @@ class NormScheme(Scheme):
         p = whole(solved.x)
         return CalibratedTriad(scale_factor=p[:3], mounting_angle=p[3:9], bias=p[9:])
 
+    def beside(self, directions: Array) -> NormScheme:
+        """Return it with more statistics, (3, 12, n), that a gyro needs of it."""
+        weights = np.concatenate([self.weights, directions], axis=1)
+        return replace(self, weights=weights)
+
 
 def statistics_weights(norm_weights: Array, force: Array) -> Array:
     """Return the weights of the statistics, (3, 4 m, n), of W (m, n) and f (n, 3)."""
@@ -177,10 +189,7 @@ def statistics_weights(norm_weights: Array, force: Array) -> Array:
 
 
 def sensitivity(force: Array, held: Held) -> Array:
-    """Return J, the derivatives of F by what is estimated, shape (n, m).
-
-    ds = -M^-1 e_i times (M f + b)_i of a relative error of a scale factor, SIGN f_a of
-    an angle, 1 of a bias; dF = 2 f.ds.
+    """Return J, the derivatives of F by what is estimated, shape (n, m): 2 f.ds.
 
     Parameters
     ----------
@@ -189,14 +198,34 @@ def sensitivity(force: Array, held: Held) -> Array:
     held : Held
         What is estimated, and all nominal values.
     """
-    M, b = held.value[:, :BIAS], held.value[:, BIAS]
-    along = -2.0 * np.linalg.solve(M.T, force.T).T  # -2 f^T M^-1
-    columns = [
-        along * (force @ M.T + b),
-        along[:, ROW] * force[:, COLUMN] * SIGN,
-        along,
-    ]
-    return np.concatenate(columns, axis=1)[:, held.estimated]
+    shown = shown_of_errors(force, held.value)
+    return np.asarray(2.0 * np.einsum("wi,wip->wp", force, shown)[:, held.estimated])
+
+
+def shown_of_errors(inputs: Array, value: Array) -> Array:
+    """Return ds/dp, what a triad shows too much for errors of its parameters.
+
+    s = M^-1 (D y - b): ds = -M^-1 e_i times (M u + b)_i of a relative error of a scale
+    factor, SIGN u_a of an angle, 1 of a bias.
+
+    Parameters
+    ----------
+    inputs : ndarray, shape (n, 3)
+        Nominal inputs in body axes [SI].
+    value : ndarray, shape (3, 4)
+        Design values, as of Held.
+
+    Returns
+    -------
+    ndarray, shape (n, 3, 12)
+        [unit of the input; of a bias 1].
+    """
+    M, b = value[:, :BIAS], value[:, BIAS]
+    size = np.concatenate(
+        [inputs @ M.T + b, inputs[:, COLUMN] * SIGN, np.ones_like(inputs)], axis=1
+    )
+    places = np.concatenate([np.arange(3), ROW, np.arange(3)])
+    return np.asarray(-np.linalg.inv(M)[:, places] * size[:, None])
 
 
 def _product(a: Array, b: Array) -> Array:

@@ -82,6 +82,8 @@ class Scheme:
 
     # Whether a tilt of the base is an error; to who knows no attitude it is none.
     knows_attitudes: ClassVar[bool] = True
+    # Whether turns are known; else what is turned is found, and a wrong one no error.
+    knows_turns: ClassVar[bool] = True
 
     owner: str
     schedule: Schedule

@@ -65,6 +65,7 @@ NO_PAPER = (
     "pause",
     "height",
     "flip_axis",
+    "moves",
 )  # keys it has none of
 MOST_AZIMUTHS = 360  # one for every degree; all windows are correlated with all
 MOST_HEIGHT = 100_000.0  # of a laboratory; the series of normal gravity ends there [m]
@@ -259,6 +260,12 @@ class ProcedureFile(Strict):
     flip_axis: Literal["inner", "middle"] = Field(
         default="inner", description="axis of the table that z comes down by"
     )
+    moves: Annotated[Quantity, Measured("deg/s", Sign.POSITIVE)] | None = Field(
+        default=None,
+        description="of the estimator norm: rate at which the unit is turned from one "
+        "dwell to the next, one axis after the other, while the gyro is read, which "
+        "is calibrated so; unset: accelerometers alone",
+    )
     formulas: Literal["corrected", "paper"] = _paper(
         "corrected", "of the gyro bias: corrected, or as the paper prints them"
     )
@@ -326,13 +333,7 @@ class ProcedureFile(Strict):
                     "found 'paper', whose formulas are of its own test; expected "
                     "least_squares, weighted or norm beside windows"
                 )
-            if self.estimator == "norm":
-                found |= self._norm_faults(self.windows)
-        if self.estimator == "norm" and self.estimate and self.estimate.orders:
-            found["estimate", "accelerometer"] = (
-                "names a higher order, which the norm of gravity does not find; "
-                "remove it, or take another estimator"
-            )
+        found |= self._norm_faults()
         if self.estimate is not None and self.chosen_estimator == "paper":
             found["estimate",] = (
                 "is of the estimators for windows, and this is paper, "
@@ -345,13 +346,23 @@ class ProcedureFile(Strict):
             )
         return found
 
-    @staticmethod
-    def _norm_faults(windows: tuple[WindowItem, ...]) -> dict[tuple[Any, ...], str]:
-        """Return which windows gravity's norm makes nothing of."""
+    def _norm_faults(self) -> dict[tuple[Any, ...], str]:
+        """Return what gravity's norm makes nothing of, or what is of it alone."""
         found: dict[tuple[Any, ...], str] = {}
-        lines = (
-            (place, line) for place, item in enumerate(windows) for line in item.lines
-        )
+        if self.estimator != "norm":
+            if self.moves is not None:
+                found["moves",] = (
+                    "is of the estimator norm, to which attitudes are unknown; for "
+                    "others give turns among the windows"
+                )
+            return found
+        if self.estimate and self.estimate.orders:
+            found["estimate", "accelerometer"] = (
+                "names a higher order, which the norm of gravity does not find; "
+                "remove it, or take another estimator"
+            )
+        items = enumerate(self.windows or ())
+        lines = ((place, line) for place, item in items for line in item.lines)
         for place, line in lines:
             if line.turn is not None:
                 found["windows", place, "turn"] = (
@@ -392,6 +403,7 @@ class ProcedureFile(Strict):
             pause,
             self.sample_rate.value,
             flip_axis=self.flip_axis,
+            moves=None if self.moves is None else self.moves.value,
         )
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from budget.model.place import Place
@@ -96,6 +97,8 @@ class Sensor:
         for the one noise line.
     gravity_unit : float
         What g means in values of the device [m/s^2].
+    beside : Sensor or None
+        Of a gyro: the accelerometers of the same unit.
     """
 
     kind: str
@@ -106,6 +109,7 @@ class Sensor:
     not_given: tuple[Name, ...]
     expected_missing: tuple[Name, ...]
     gravity_unit: float = STANDARD_GRAVITY
+    beside: Sensor | None = None
 
     def line(self, name: str) -> ErrorLine | None:
         """Return the line of that name, or None where the data sheet has none."""
@@ -142,10 +146,13 @@ class Device:
     range: str = ""
     notes: str = ""
 
-    @property
+    @cached_property
     def sensors(self) -> tuple[Sensor, ...]:
-        """The triads that are there, gyro first."""
-        return tuple(s for s in (self.gyro, self.accelerometer) if s is not None)
+        """The triads that are there, gyro first, which knows those beside it."""
+        gyro, beside = self.gyro, self.accelerometer
+        if gyro is not None and beside is not None:
+            gyro = replace(gyro, beside=beside)
+        return tuple(s for s in (gyro, beside) if s is not None)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import product
-from math import degrees, isclose, pi
+from math import degrees, isclose, pi, remainder
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
@@ -19,7 +19,7 @@ from budget.spec.fields import Measured, Sign, Strict, faults
 from budget.units import Quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
 MOST_WINDOWS = 10_000  # all windows are correlated with all
 TABLE_AXES = {"vertical": OUTER, "outer": OUTER, "middle": MIDDLE, "inner": INNER}
@@ -231,6 +231,7 @@ def lay_out(
     sample_rate: float,
     *,
     flip_axis: str = "inner",
+    moves: float | None = None,
 ) -> tuple[Window, ...]:
     """Put windows on one clock: each after the one before, or when it says.
 
@@ -243,6 +244,8 @@ def lay_out(
         [Hz].
     flip_axis : str
         That z comes down by, 'inner' or 'middle'.
+    moves : float, optional
+        Rate of the turns from one dwell to the next that a gyro reads [rad/s].
 
     Raises
     ------
@@ -265,6 +268,7 @@ def lay_out(
                     f"a window of {line.length:.6g} s holds no sample at "
                     f"{sample_rate:g} Hz, expected one at least"
                 )
+            windows.extend(_moves(windows[-1:], line.setting(flip_axis), moves))
             end = windows[-1].end if windows else 0.0
             start = end + pause if windows else 0.0
             if line.start is not None and id(line.start) not in begun:
@@ -284,6 +288,37 @@ def lay_out(
                     use=line.use,
                 )
             windows.append(replace(made[id(line)], start=start))
+    steps = sum(len(one.steps) for one in windows if moves)
+    if steps > MOST_WINDOWS:
+        messages["moves",] = (
+            f"turns {steps} steps of 15 deg, expected {MOST_WINDOWS} at the most"
+        )
     if messages:
         raise faults(messages)
     return tuple(windows)
+
+
+def _moves(
+    before: Sequence[Window], after: Setting, rate: float | None
+) -> Iterator[Window]:
+    """Yield turns of one table axis after the other, the inner first, the shorter way.
+
+    They follow one another from the end of a dwell on, as hands do it; before the
+    first there are none, nor without a rate.
+    """
+    if rate is None or not before:
+        return
+    stands, start = before[-1].setting, before[-1].end
+    for axis, name in zip((INNER, MIDDLE, OUTER), ANGLES[::-1], strict=True):
+        angle = remainder(getattr(after, name) - getattr(stands, name), 2.0 * pi)
+        if abs(angle) < _ROUNDING:
+            continue
+        yield Window(
+            name=f"{name} by {degrees(angle):+.6g} deg",
+            start=start,
+            length=abs(angle) / rate,
+            setting=replace(stands, turning=axis, angle=angle),
+            use="gyro",
+        )
+        start += abs(angle) / rate
+        stands = replace(stands, **{name: getattr(after, name)})

@@ -15,6 +15,7 @@ from budget.studies.judgement import (
     limit_problem,
     together,
 )
+from budget.studies.lower_bounds import missing_of
 from budget.studies.request import analysis_of
 from budget.ties import first_largest
 
@@ -136,7 +137,7 @@ def _verdict(
     owner: str, own: Analysis, held: Limited, judged: Judged
 ) -> SensorAssessment:
     """Return the verdict on one sensor, or on what belongs to both."""
-    missing = tuple(name for one in own.sensors for name in one.expected_missing)
+    missing = missing_of(own.sensors, own.procedure)
     has_lines = any(sensor.lines for sensor in own.sensors)
     parts = own.law.source_variance[:, held.rows[judged.worst]].tolist()
     # A sensor without lines has no source, only the row of products, which is 0.

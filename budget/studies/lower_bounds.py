@@ -7,6 +7,7 @@ are no source, as in the coupling table.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,7 @@ import numpy as np
 
 from budget.calibration.derived import known_outputs, rotations_of
 from budget.calibration.problem import calibration_problem
+from budget.calibration.schemes import is_beside, with_accelerometers
 from budget.distributions import NORMAL
 from budget.methods.gum import propagate
 from budget.model.sources import lines_of, source_of
@@ -22,7 +24,7 @@ from budget.spec.records import ErrorLine, Sensor
 from budget.units import parse_quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from budget.model.source import Source
     from budget.spec.records import Procedure
@@ -44,14 +46,15 @@ def lacking(
     the output; () where its number is complete.
     """
     found: dict[Name, tuple[Name, ...]] = {}
-    for sensor in sensors:
+    for triads in _families(sensors, procedure):
         probes = {
             name: line
+            for sensor in triads
             for name in sensor.expected_missing
             if (line := _stand_in(name, only)) is not None
         }
-        reached = _reached(sensor, probes, procedure, reference)
-        for output in every_output(sensor.kind):
+        reached = _reached(triads, probes, procedure, reference)
+        for output in (one for sensor in triads for one in every_output(sensor.kind)):
             found[output] = tuple(name for name in probes if output in reached[name])
     for output in every_output(IMU):
         found[output] = tuple(
@@ -70,22 +73,40 @@ def could_widen(
     () where it changes nothing under this error reference.
     """
     found: dict[Name, tuple[Name, ...]] = {}
-    for sensor in sensors:
+    for triads in _families(sensors, procedure):
         probes = {
-            name: source_of(name.owner, name.quantity) for name in sensor.not_given
+            name: source_of(name.owner, name.quantity)
+            for sensor in triads
+            for name in sensor.not_given
         }
-        found |= _reached(sensor, probes, procedure, reference)
+        found |= _reached(triads, probes, procedure, reference)
     return found
 
 
+def _families(
+    sensors: Sequence[Sensor], procedure: Procedure
+) -> Iterator[tuple[Sensor, ...]]:
+    """Yield triads that show in one another's outputs together, the others alone."""
+    there = with_accelerometers(sensors, procedure)
+    if is_beside(procedure):
+        yield there
+    else:
+        yield from ((sensor,) for sensor in there)
+
+
 def _reached(
-    sensor: Sensor, probes: Mapping[Name, Source], procedure: Procedure, reference: str
+    triads: Sequence[Sensor],
+    probes: Mapping[Name, Source],
+    procedure: Procedure,
+    reference: str,
 ) -> dict[Name, tuple[Name, ...]]:
     """Return for each probe the outputs that it alone reaches."""
     reached = _reached_by(
-        sensor.kind,
-        (*sensor.nominal_bias, *sensor.nominal_mounting_angle),
-        tuple(line.name for line in probes.values()),
+        tuple(
+            (one.kind, (*one.nominal_bias, *one.nominal_mounting_angle))
+            for one in triads
+        ),
+        tuple((name.owner, line.name) for name, line in probes.items()),
         procedure,
         reference,
     )
@@ -95,27 +116,34 @@ def _reached(
 # Devices of one design share it, and so do the runs of a study.
 @lru_cache(maxsize=256)
 def _reached_by(
-    kind: str,
-    nominal: tuple[float, ...],
-    probes: tuple[str, ...],
+    triads: tuple[tuple[str, tuple[float, ...]], ...],
+    probes: tuple[tuple[str, str], ...],
     procedure: Procedure,
     reference: str,
 ) -> tuple[tuple[Name, ...], ...]:
-    """Return the outputs that each probe alone reaches in a triad of nominal values."""
-    bare = Sensor(
-        kind=kind,
-        device="",
-        nominal_bias=np.array(nominal[:3]),
-        nominal_mounting_angle=np.array(nominal[3:]),
-        lines=tuple(_probe(source_of(kind, name), kind) for name in probes),
-        not_given=(),
-        expected_missing=(),
-    )
+    """Return the outputs that each probe alone reaches in triads of nominal values."""
+    bare = [
+        Sensor(
+            kind=kind,
+            device="",
+            nominal_bias=np.array(nominal[:3]),
+            nominal_mounting_angle=np.array(nominal[3:]),
+            lines=tuple(
+                _probe(source_of(kind, name), kind)
+                for owner, name in probes
+                if owner == kind
+            ),
+            not_given=(),
+            expected_missing=(),
+        )
+        for kind, nominal in triads
+    ]
+    bare[0] = replace(bare[0], beside=bare[-1])
     problem = calibration_problem(
-        (bare,),
+        tuple(bare),
         procedure,
         reference=reference,
-        outputs=known_outputs((kind,), procedure),
+        outputs=known_outputs([one.kind for one in bare], procedure),
     )
     u = np.sqrt(propagate(problem).source_variance)
     return tuple(
@@ -126,6 +154,12 @@ def _reached_by(
         )
         for g in range(len(probes))
     )
+
+
+def missing_of(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[Name, ...]:
+    """Return expected lines that are not given, of all that a verdict rests on."""
+    there = with_accelerometers(sensors, procedure)
+    return tuple(name for sensor in there for name in sensor.expected_missing)
 
 
 def _stand_in(name: Name, only: frozenset[Name] | None) -> Source | None:

@@ -232,6 +232,8 @@ def sensors_of(
         found.extend(of_kind)
     if not found:
         raise CallError("no device with a gyro or an accelerometer was given")
+    if len(found) == len(SENSORS) and found[0].beside is not found[1]:
+        found[0] = replace(found[0], beside=found[1])
     if procedure is None:
         return tuple(found)
     kept = tuple(one for one in found if calibrates(one.kind, procedure))

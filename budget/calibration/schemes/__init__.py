@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -10,10 +11,13 @@ import numpy as np
 from budget.calibration.schemes import zhao_2019
 from budget.calibration.schemes.least_squares import scheme_by_least_squares
 from budget.calibration.schemes.norm import scheme_by_norm
+from budget.calibration.schemes.rotation import scheme_by_rotation
 from budget.errors import CallError
+from budget.model.norm import NormScheme
 from budget.model.response import SIGN, statistics_of
+from budget.model.rotation import RotationScheme
 from budget.model.scheme import Held
-from budget.model.source import Noise
+from budget.model.source import ACCELEROMETER, GYRO, Noise
 from budget.model.sources import source_of
 from budget.model.windows import Schedule
 from budget.names import ORDERS, PARAMETERS, Name, every_output, parameters_of
@@ -28,6 +32,42 @@ if TYPE_CHECKING:
 
 WEIGHTED, PLAIN = "weighted", "least_squares"  # estimators of any windows
 NORM = "norm"  # of dwells at unknown attitudes
+
+
+def schemes_of(sensors: Sequence[Sensor], procedure: Procedure) -> dict[str, Scheme]:
+    """Return windows and weights of triads by kind, with what each needs of another."""
+    found = {one.kind: scheme_of(one.kind, procedure, one) for one in sensors}
+    gyro, norm = found.get(GYRO), found.get(ACCELEROMETER)
+    if isinstance(gyro, RotationScheme) and isinstance(norm, NormScheme):
+        found[ACCELEROMETER] = norm.beside(gyro.directions)
+    return found
+
+
+def is_beside(procedure: Procedure) -> bool:
+    """Whether a gyro is calibrated by what accelerometers beside it show."""
+    return procedure.formulas == NORM and calibrates(GYRO, procedure)
+
+
+def with_accelerometers(
+    sensors: Sequence[Sensor], procedure: Procedure
+) -> tuple[Sensor, ...]:
+    """Return triads, with the accelerometers that a gyro alone is found beside.
+
+    Raises
+    ------
+    CallError
+        It needs them, and its device has none.
+    """
+    if not is_beside(procedure) or [one.kind for one in sensors] != [GYRO]:
+        return tuple(sensors)
+    (gyro,) = sensors
+    if gyro.beside is None:
+        raise CallError(
+            f"{procedure.name} finds a gyro by what accelerometers beside it show, "
+            f"and {gyro.device} has none; give a device with both, or one with "
+            "accelerometers too, or a procedure with another estimator"
+        )
+    return (gyro, gyro.beside)
 
 
 def scheme_of(owner: str, procedure: Procedure, sensor: Sensor | None = None) -> Scheme:
@@ -48,7 +88,7 @@ def scheme_of(owner: str, procedure: Procedure, sensor: Sensor | None = None) ->
     CallError
         The windows cannot tell some parameters apart.
     """
-    is_own = procedure.formulas == WEIGHTED or any(
+    is_own = procedure.formulas in {WEIGHTED, NORM} or any(
         name.owner == owner for name in procedure.held
     )
     return _scheme_of(owner, procedure, sensor if is_own else None)
@@ -62,7 +102,16 @@ def _scheme_of(owner: str, procedure: Procedure, sensor: Sensor | None) -> Schem
     schedule = schedule_of(owner, procedure)
     held = _held(owner, procedure, sensor)
     if procedure.formulas == NORM:
-        return scheme_by_norm(owner, schedule, procedure, held)
+        if owner == ACCELEROMETER:
+            return scheme_by_norm(owner, schedule, procedure, held)
+        steps = tuple(step for one in schedule.windows for step in one.steps)
+        return scheme_by_rotation(
+            replace(schedule, windows=steps),
+            procedure,
+            held,
+            beside=schedule_of(ACCELEROMETER, procedure),
+            values=_held(ACCELEROMETER, procedure, sensor and sensor.beside).value,
+        )
     noise = noise_of(owner, sensor.lines if sensor else ())
     covariances = None
     if procedure.formulas == WEIGHTED and noise:
@@ -130,11 +179,10 @@ def orders_of(owner: str, procedure: Procedure) -> tuple[int, ...]:
 
 def calibrates(owner: str, procedure: Procedure) -> bool:
     """Whether any window is of that triad; the paper's tests are of both."""
-    if procedure.formulas == NORM and owner == "gyro":
-        return False  # no norm of the earth rate is that large
-    return not procedure.windows or any(
-        window.use in {owner, "both"} for window in procedure.windows
-    )
+    own = [one for one in procedure.windows if one.use in {owner, "both"}]
+    if procedure.formulas == NORM and owner == GYRO:
+        return any(one.sense for one in own)  # no norm of the earth rate is that large
+    return not procedure.windows or bool(own)
 
 
 def _held(owner: str, procedure: Procedure, sensor: Sensor | None) -> Held:
@@ -166,4 +214,13 @@ def _covariance(
     return C
 
 
-__all__ = ["calibrates", "estimated", "noise_of", "schedule_of", "scheme_of"]
+__all__ = [
+    "calibrates",
+    "estimated",
+    "is_beside",
+    "noise_of",
+    "schedule_of",
+    "scheme_of",
+    "schemes_of",
+    "with_accelerometers",
+]

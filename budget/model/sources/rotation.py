@@ -45,10 +45,11 @@ class Rotation(Disturbance):
     is the product of theirs. Exact for any angle of one source; what two rotations make
     together is left out: 60 arcsec times 60 arcsec is 0.017 arcsec.
 
-    One arcsec is thus 1 arcsec of a mounting angle where a row of PHYSICS says 1, such
-    as yx of gyros for `orthogonality.outer_middle`; of a tilt about east the bias of
-    the vertical gyro moves by -w_h: -6.02835e-5 deg/h at a latitude of 34.2394 deg.
-    To who knows no attitude none of it is an error.
+    So 1 arcsec of `orthogonality.outer_middle` is 1 arcsec of yx of gyros; by a tilt
+    about east the bias of the vertical gyro moves by -w_h: -6.02835e-5 deg/h an arcsec
+    at a latitude of 34.2394 deg.
+    To who knows no attitude none of it is an error; where turns are found only what the
+    earth rate makes of it.
 
     Attributes
     ----------
@@ -207,7 +208,7 @@ def _weighed(scheme: Scheme, joint: Joint) -> tuple[Array, Array]:
     for place in joint.places:
         window = windows[place]
         v = window.setting.between(BASE, joint.joint) @ scheme.ambient
-        if scheme.turn[place].any():
+        if scheme.knows_turns and scheme.turn[place].any():
             rate = window.setting.angle / window.length
             v = v + window.setting.turn_axis_after(joint.joint) * rate
         onward = window.setting.between(joint.joint, BODY)

@@ -24,7 +24,8 @@ class TurnAngle(Disturbance):
     A gyro is put in du = eps/L along the axis. An accelerometer stands longer where
     the turn ends: du = (f_end - f) eps/A, f its mean force over the angle A, so a turn
     about the vertical is not felt. What the earth rate does likewise is left out: 2e-4
-    of the first at 20 deg/s. Squares of eps are left out too.
+    of the first at 20 deg/s. Squares of eps are left out too. Where
+    what was turned is found it is no error.
     """
 
     needs = "a gyro that is turned, or an accelerometer, about a level axis"
@@ -41,7 +42,7 @@ class TurnAngle(Disturbance):
         turns = scheme.schedule.turns
         places = list(turns)
         windows = [scheme.schedule.windows[k] for k in places]
-        if not windows:
+        if not windows or not scheme.knows_turns:
             return None
         # du of an angle error of 1 rad, (m, 3)
         if scheme.turn.any():

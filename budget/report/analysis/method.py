@@ -10,6 +10,7 @@ import numpy as np
 from budget.calibration.schemes import scheme_of
 from budget.model.norm import NormScheme
 from budget.model.response import STATISTICS
+from budget.model.rotation import RotationScheme
 from budget.names import AXES, by_group, parameters_of, words
 from budget.report.blocks import (
     Cell,
@@ -238,14 +239,17 @@ def _estimator_panels(
     procedure: Procedure, devices: Collection[Device]
 ) -> Iterator[Panel]:
     """Yield the estimator, and the weights that it gave each triad."""
+    sensors = sensors_of(tuple(devices), procedure)
+    schemes = {one.kind: scheme_of(one.kind, procedure, one) for one in sensors}
     if procedure.formulas == "norm":
         yield _norm_panel()
+        if "gyro" in schemes:
+            yield _rotation_panel()
     else:
         yield _least_squares_panel(procedure)
-    for sensor in sensors_of(tuple(devices), procedure):
-        scheme = scheme_of(sensor.kind, procedure, sensor)
+    for kind, scheme in schemes.items():
         yield Panel(
-            title=f"Weights of the {sensor.kind}",
+            title=f"Weights of the {kind}",
             blocks=(_weights_table(scheme),),
         )
 
@@ -264,6 +268,31 @@ def _norm_panel() -> Panel:
             "F_w = g_w^2 - g^2",
             "sum_w W_w F_w = 0",
             "W = (J^upright(T) J)^(-1) J^upright(T)",
+        ],
+    )
+
+
+def _rotation_panel() -> Panel:
+    """Return the estimator of a gyro that is turned between such dwells."""
+    return _formulas(
+        "Estimator: rotation between the dwells",
+        "$hat(omega)_w$ is the mean rate that the calibrated gyro shows in a dwell or "
+        "in a step w of a turn, of length L, less the earth rate at the nominal "
+        "attitude; $hat(s)_k$ is what the calibrated accelerometers show in dwell k. "
+        "Steps are of 15 deg at the most. The weights $W$ are those of least squares "
+        "at the nominal attitudes. The tables below give them for the parts of F "
+        "along body x, y and z.",
+        [
+            (
+                "hat(omega)_w = (I + Delta hat(T))^(-1) "
+                "(hat(K)^(-1) macron(n)_w - hat(b)) - R_w^upright(T) omega_upright(e)"
+            ),
+            (
+                "F_(k, k+1) = hat(s)_(k+1)/g - "
+                "product_w exp(-[hat(omega)_w L_w]_times) hat(s)_k/g"
+            ),
+            "F_w = hat(omega)_w L_w",
+            "sum W F = 0",
         ],
     )
 
@@ -305,12 +334,17 @@ def _weights_table(scheme: Scheme) -> Table:
     """Return W, a row for each window; of each axis where they differ."""
     unit = "rad/s" if scheme.owner == "gyro" else "m/s^2"
     inputs = scheme.turn + scheme.standing
+    names = [window.name for window in scheme.schedule.windows]
+    parts = list(zip(names, inputs, strict=True))
+    first = f"u {{}} [{unit}]"
+    if isinstance(scheme, RotationScheme):
+        parts, first = scheme.parts, "turned {} [rad]"
     heads, groups = _weights(scheme, unit)
     digits = 5 if len(heads) == STATISTICS else 3
     records = [
-        (title, window.name, inputs[k], W[:, k])
+        (title, name, input_, W[:, k])
         for title, W in groups
-        for k, window in enumerate(scheme.schedule.windows)
+        for k, (name, input_) in enumerate(parts)
     ]
 
     def number(head: str, part: int, place: int) -> Field[Record]:
@@ -322,7 +356,7 @@ def _weights_table(scheme: Scheme) -> Table:
 
     fields: list[Field[Record]] = [Field(head="window", cell=lambda record: record[1])]
     for k, axis in enumerate(AXES):
-        fields.append(number(f"u {axis} [{unit}]", 0, k))
+        fields.append(number(first.format(axis), 0, k))
     fields += [number(head, 1, k) for k, head in enumerate(heads)]
     return table_of(
         records,
@@ -338,8 +372,17 @@ def _weights_table(scheme: Scheme) -> Table:
 
 def _weights(scheme: Scheme, unit: str) -> tuple[list[str], list[tuple[str, Array]]]:
     """Return what rows of W are called, and W by what it is of, shape (m, n)."""
+    if isinstance(scheme, RotationScheme):
+        names = [parameters_of(scheme.owner)[k] for k in scheme.held.estimated]
+        heads = [
+            f"W {words(name.quantity)} {name.axis}"
+            + (" [1/s]" if name.quantity == "bias" else "")
+            for name in names
+        ]
+        W = scheme.inverse[scheme.held.estimated]
+        return heads, [(f"part {axis}", W[:, k::3]) for k, axis in enumerate(AXES)]
     if isinstance(scheme, NormScheme):
-        names = (parameters_of(scheme.owner)[k] for k in scheme.held.estimated)
+        names = [parameters_of(scheme.owner)[k] for k in scheme.held.estimated]
         heads = [
             f"W {words(name.quantity)} {name.axis} [1/({unit}){power}]"
             for name in names

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.calibration.derived import known_outputs
+from budget.calibration.schemes import with_accelerometers
 from budget.errors import CallError
 from budget.methods.allocation import Task, equal, proportional
 from budget.methods.least_cost import LeastCost, Prices, least_cost
 from budget.methods.scaling import scaled_law
-from budget.model.sources import SENSORS
 from budget.names import Name
 from budget.studies.allocation.records import FREE, HELD, SHARED, ZERO, CoverageCheck
 from budget.studies.judgement import required_problem
@@ -97,12 +97,12 @@ def set_up(
     if not limits:
         return None
     problem = required_problem(sensor, procedure, requirement)
-    given = given_lines((sensor,), procedure)
+    given = given_lines(with_accelerometers((sensor,), procedure), procedure)
     law = scaled_law(problem)
     statuses, low, high = [], [], []
     for name in law.sources:
         now = float(given[name].u.max())
-        statuses.append(_status(name, now, bounds))
+        statuses.append(_status(name, now, bounds, sensor.kind))
         least, most = _bounds_of(name, now, bounds, market)
         low.append(least)
         high.append(most)
@@ -150,11 +150,11 @@ def resize(sensor: Sensor, sources: Sequence[Name], factors: Array) -> Sensor:
     )
 
 
-def _status(name: Name, now: float, bounds: Bounds) -> str:
-    """Say whether a source may change; what both triads share belongs to neither."""
+def _status(name: Name, now: float, bounds: Bounds, kind: str) -> str:
+    """Say whether a source of a triad may change; what is not its own does not."""
     if now == 0.0:
         return ZERO
-    if name.owner not in SENSORS:
+    if name.owner != kind:
         return SHARED
     return HELD if name in bounds.held else FREE
 

@@ -104,7 +104,9 @@ def _growing_windows(kind: str, procedure: Procedure) -> Iterator[_Setting]:
     own = [one for one in procedure.windows if one.use in {kind, "both"}]
     turns = [abs(one.setting.angle) / (2.0 * pi) for one in own if one.sense]
     dwells = [one.length for one in own if not one.sense]
-    if turns and kind == "gyro":
+    if (
+        round(max(turns, default=0.0)) and kind == "gyro"
+    ):  # whole, no move between dwells
         yield _Setting(
             name="turns",
             now=float(round(max(turns))),

@@ -9,7 +9,7 @@ import numpy as np
 
 from budget.methods.allocation import TOUCHES, headroom
 from budget.methods.scaling import NEGLIGIBLE
-from budget.model.sources import SENSORS
+from budget.model.sources import ENVIRONMENT, STATION
 from budget.names import Name
 from budget.results import INTERACTION, TINY
 from budget.studies.allocation.records import (
@@ -130,7 +130,7 @@ def _allotments(
     room = headroom(task, task.now)
     rows = []
     for g, name in enumerate(task.law.sources):
-        if (name.owner not in SENSORS) != shared:
+        if name.owner not in ({STATION, ENVIRONMENT} if shared else {case.sensor.kind}):
             continue
         line = case.given[name]
         now = float(line.u.max())

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.calibration.derived import known_outputs
+from budget.calibration.schemes import is_beside
 from budget.errors import CallError
 from budget.methods.gum import propagate
 from budget.model.sources import lines_of
@@ -16,6 +17,7 @@ from budget.names import IMU, Name
 from budget.studies.comparison.records import AssumedLine, MissingLines, Remedy
 from budget.studies.grades import UNKNOWN, grade
 from budget.studies.judgement import Limited, limit_problem, required_problem
+from budget.studies.lower_bounds import missing_of
 from budget.ties import first_largest
 
 if TYPE_CHECKING:
@@ -45,8 +47,15 @@ class Candidate:
     @property
     def is_limited(self) -> bool:
         """Whether anything is required of what is estimated of it."""
+        if is_beside(self.procedure) and len(self.device.sensors) == 1:
+            return False  # a gyro is found beside accelerometers, and is alone
         names = known_outputs((self.sensor.kind,), self.procedure)
         return any(limit.output in names for limit in self.requirement.limits)
+
+    @property
+    def missing(self) -> tuple[Name, ...]:
+        """Expected lines that are not given, and that its verdict rests on."""
+        return missing_of((self.sensor,), self.procedure)
 
     def limited(self) -> Limited:
         """Return its Problem with the limits on it.
@@ -95,13 +104,14 @@ def find_remedy(held: Limited, law: Propagation, judged: Judged) -> Remedy:
 
 def bound_missing(one: Candidate, catalogue: Sequence[Device]) -> MissingLines | None:
     """Return what expected lines that are not given could do; None where none miss."""
-    if not one.sensor.expected_missing:
+    missing = one.missing
+    if not missing:
         return None
-    missing = one.sensor.expected_missing
     found = [
         worst
         for full_name in missing
-        if (worst := _worst_line(full_name, one.device, one.sensor, catalogue))
+        if full_name.owner == one.sensor.kind
+        and (worst := _worst_line(full_name, one.device, one.sensor, catalogue))
     ]
     utilisation = None
     if len(found) == len(missing):

@@ -134,7 +134,7 @@ def _judge(task: tuple[Candidate, None], *, judging: Judging) -> JudgedCandidate
     return JudgedCandidate(
         judged=judged,
         closer=judged,
-        verdict=judged.verdict((*one.sensor.expected_missing, *held.absent)),
+        verdict=judged.verdict((*one.missing, *held.absent)),
         outputs=assess_outputs(held, judged, lacks),
         worst=names[judged.worst],
         all_worst=tuple(names[place] for place in judged.all_worst),
@@ -172,7 +172,7 @@ def _tied(
     found: set[int] = set()
     lists: dict[tuple[str, str, str], list[int]] = {}
     for place, one in enumerate(candidates):
-        if one.sensor.expected_missing:
+        if one.missing:
             continue  # no trial says how a line that is not given would rank it
         key = (one.sensor.kind, one.procedure.name, findings[place].verdict)
         lists.setdefault(key, []).append(place)

@@ -42,7 +42,10 @@ SHIPPED = (
     "one-axis-rate-table",
     "dividing-head",
 )
-BY_NORM = ("norm-nine-positions", "norm-eighteen-positions", "norm-icosahedron")
+BY_NORM = (
+    *("norm-nine-positions", "norm-eighteen-positions", "norm-icosahedron"),
+    "norm-and-turns-by-hand",
+)
 OF_BOTH = ("six-positions-and-turns", "twenty-four-positions", "hand-turns")
 SIX = [(axis, sign) for axis in range(3) for sign in (1, -1)]
 RUNS, FALSE_ALARM = 100, 1e-4
