@@ -19,6 +19,7 @@ from budget.report.figures.timeline import (
 from budget.report.tables import print_given
 from budget.report.wording import capital
 from budget.spec.records import ANGLES, AXES
+from budget.spec.station import IDEAL
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
 
 if TYPE_CHECKING:
@@ -93,7 +94,9 @@ def lines_table(
     fields: tuple[Field[ErrorLine], ...] = (
         Field(head="line", weight=1.4, cell=lambda line: words(line.name)),
         Field(head="as printed, meaning", weight=1.2, cell=_printed),
-        Field(head="u, distribution", weight=3.0, cell=_standard),
+        Field(
+            head="u, distribution", weight=3.0, cell=lambda line: _standard(line, owner)
+        ),
         Field(head="condition", weight=1.6, cell=_conditions),
         Field(head="source", weight=1.2, cell=lambda line: line.source),
         Field(
@@ -120,9 +123,11 @@ def _printed(line: ErrorLine) -> Cell:
     return Cell(text=line.printed, note=meaning)
 
 
-def _standard(line: ErrorLine) -> Cell:
+def _standard(line: ErrorLine, owner: str) -> Cell:
     """Return the standard uncertainty and its distribution, as the model takes them."""
     shape = ", ".join(dict.fromkeys(d.name for d in line.distributions))
+    if not source_of(owner, line.name).varies:
+        shape = "fixed"
     if line.correlation_time is not None:
         shape += f", correlation time {print_by_axis(line.correlation_time)} s"
     u = print_by_axis(line.u / line.si_per_unit)
@@ -231,11 +236,26 @@ def procedure_section(procedure: Procedure, sensors: Sequence[str]) -> Section:
     name, text = FORMULAS[procedure.formulas]
     stands = "they stand" if name == "formulas" else "it stands"
     rows.append((name, (f"{text}; {stands} under Method",)))
+    rows.append((STATION, (_station(procedure),)))
     blocks: tuple[Block, ...] = (Pairs(rows=tuple(rows)),)
     schedule = schedule_chart(procedure, sensors)
     if schedule is not None:
         blocks += (chart_picture(schedule),)
     return Section(name="procedure", title="Procedure", blocks=blocks)
+
+
+def _station(procedure: Procedure) -> str:
+    """Say what station the test is done at, in one line."""
+    origin = procedure.station_origin
+    file = f" ({origin.file})" if origin else ""
+    if not procedure.station:
+        said = f"given as ideal{file}"
+        if IDEAL in procedure.assumptions:
+            said = "none is given, an ideal one is assumed"
+        return f"{said}: no error of table, place or timing is in this budget"
+    return (
+        f"{len(procedure.station)} figures{file}; their shares stand under Test station"
+    )
 
 
 def print_degrees(angle: float) -> str:

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 SIGMAS = {"1 sigma": 1.0, "2 sigma": 2.0, "3 sigma": 3.0, "rms": 1.0, "typical": 1.0}
 # The half-width, over what is printed [1].
 HALF_WIDTHS = {"max": 1.0, "peak to peak": 0.5}
+FIXED = "known value"  # of what is no spread: a coefficient, a vibration
 
 # Spellings of makers, and ours.
 MEANINGS = {
@@ -408,7 +409,7 @@ def read_value(
         says=form.says,
         density=axes[0].density,
         adds_to=getattr(part, "adds_to", None) or "",
-        meaning=say([a.part.meaning for a in axes]),
+        meaning=say([_meaning(line, a.part) for a in axes]),
         definition=form.definition or say([a.definition for a in axes]),
         includes=say([a.part.includes or "" for a in axes]),
         horizon=say([a.part.horizon or "" for a in axes]),
@@ -478,6 +479,13 @@ def _family(line: Source, sensor: str) -> type[SpecificationValue]:
     if line.name in WALKS:
         return WalkValue
     return ProcessValue if line.process else ConstantValue
+
+
+def _meaning(line: Source, part: SpecificationValue) -> str:
+    """Return what a value means; of what is no spread, unless it is said, just that."""
+    if line.varies or "meaning" in part.model_fields_set:
+        return part.meaning
+    return FIXED
 
 
 @dataclass(frozen=True, kw_only=True)

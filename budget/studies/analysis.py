@@ -226,10 +226,7 @@ def analyze_as(
     )
     if chosen is None:
         warnings += cautions.unknown_zeros(problem, law)
-        whole = analysis if analysis.asked is None else replace(analysis, asked=None)
-        warnings += cautions.unfelt(
-            whole.problem, whole.law, sensors, procedure.environment
-        )
+        warnings += cautions.say_unfelt(cautions.unfelt(analysis))
     estimate = ESTIMATORS[settings.method](analysis, settings, engine)
     warnings += estimate.warnings
     warnings += cautions.few_trials(estimate.trials, settings.coverage)

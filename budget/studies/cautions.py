@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,7 +18,8 @@ if TYPE_CHECKING:
     from budget.methods.monte_carlo import Sample
     from budget.problem import Problem
     from budget.results import Assessment, Validation
-    from budget.spec.records import ErrorLine, Sensor
+    from budget.spec.records import Sensor
+    from budget.studies.request import Analysis
 
 # Trials that a tail of the interval should hold at the least: JCGM 101:2008, 7.2.2 asks
 # for M much larger than 1/(1 - p).
@@ -112,17 +114,25 @@ def unknown_zeros(problem: Problem, law: Propagation) -> tuple[str, ...]:
     return (text,)
 
 
-def unfelt(
-    problem: Problem,
-    law: Propagation,
-    sensors: Sequence[Sensor],
-    environment: Sequence[ErrorLine],
-) -> tuple[str, ...]:
-    """Name what is given and reaches no output of this test: what removes it, or lacks.
+@dataclass(frozen=True, kw_only=True)
+class Unfelt:
+    """What is given and reaches no output of this test."""
+
+    source: Name
+    removed: str  # what makes it cancel, to first order; '' if nothing does
+    needs: str  # else: what is not there that it takes
+
+
+def unfelt(analysis: Analysis) -> tuple[Unfelt, ...]:
+    """Find what is given and reaches no parameter of this test: what removes it, lacks.
 
     Disturbances, changes and coefficients only: that an offset is shared by the
-    reference is said elsewhere.
+    reference is said elsewhere. Nothing where only some sources count.
     """
+    if analysis.only is not None:
+        return ()
+    whole = analysis if analysis.asked is None else replace(analysis, asked=None)
+    problem, law, sensors = whole.problem, whole.law, whole.sensors
     zero = np.array([output.resolution**2 for output in problem.outputs])
     first_order = [
         ((law.C[:, rows] @ np.asarray(group.covariance)) * law.C[:, rows]).sum(axis=1)
@@ -135,11 +145,6 @@ def unfelt(
         and (variance <= zero).all()
         and (effect := source_of(group.name.owner, group.name.quantity).effect).removed
     }
-    by_what = [
-        f"{', '.join(name for name in removed if removed[name] == what)}: no output of "
-        f"this test moves to first order, removed by {what}"
-        for what in dict.fromkeys(removed.values())
-    ]
     names = [
         group.name
         for group, variance in zip(problem.groups, law.source_variance, strict=True)
@@ -156,7 +161,7 @@ def unfelt(
     has = {line.name for sensor in sensors for line in sensor.lines if line.u.any()}
     names += [
         Name(line.name, owner=ENVIRONMENT)
-        for line in environment
+        for line in whole.procedure.environment
         if line.u.any()
         and isinstance(known := source_of(ENVIRONMENT, line.name).effect, Coefficient)
         and known.partner not in has
@@ -166,10 +171,37 @@ def unfelt(
         for name in names
         if name not in removed
     ]
-    return tuple(by_what) + tuple(
-        f"{name} is given and reaches no output of this test: it takes {effect.needs}"
-        for name, effect in effects
-        if isinstance(effect, Disturbance | Change | Coefficient)
+    return (
+        *(
+            Unfelt(source=name, removed=what, needs="")
+            for name, what in removed.items()
+        ),
+        *(
+            Unfelt(source=name, removed="", needs=effect.needs)
+            for name, effect in effects
+            if isinstance(effect, Disturbance | Change | Coefficient)
+        ),
+    )
+
+
+def say_unfelt(found: Sequence[Unfelt]) -> tuple[str, ...]:
+    """Warn of what reaches nothing; those that one thing removes together."""
+    by_what: dict[str, list[Name]] = {}
+    for one in found:
+        if one.removed:
+            by_what.setdefault(one.removed, []).append(one.source)
+    return (
+        *(
+            f"{', '.join(names)}: no output of this test moves to first order, removed "
+            f"by {what}"
+            for what, names in by_what.items()
+        ),
+        *(
+            f"{one.source} is given and reaches no output of this test: it takes "
+            f"{one.needs}"
+            for one in found
+            if one.needs
+        ),
     )
 
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from budget.studies.cautions import unfelt
 from budget.studies.coupling import coupling_by_law
 from budget.studies.densities import critical_densities
 from budget.studies.what_if import what_if
 
 if TYPE_CHECKING:
     from budget.results import Assessment, Budget
+    from budget.studies.cautions import Unfelt
     from budget.studies.coupling import CouplingTable
     from budget.studies.densities import Density
     from budget.studies.request import Analysis
@@ -25,6 +27,7 @@ class Evidence:
     # How the errors of the critical outputs are distributed; by Monte Carlo.
     densities: tuple[Density, ...]
     what_if: WhatIf  # the budget as a function of the sizes of its sources
+    unfelt: tuple[Unfelt, ...]  # what is given and reaches no output
 
 
 def gather_evidence(
@@ -37,4 +40,5 @@ def gather_evidence(
         ),
         densities=critical_densities(analysis, budget, assessment),
         what_if=what_if(analysis, budget=budget),
+        unfelt=unfelt(analysis),
     )

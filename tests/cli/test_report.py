@@ -8,6 +8,7 @@ from html import unescape
 
 import pytest
 from command_line import call, start
+from pdf_reading import needs_poppler, squeeze, text_of
 from saying import assert_says
 
 from budget.resources import shipped
@@ -52,6 +53,24 @@ def test_both_kinds_are_written_at_once(written):
     assert sorted(path.name for path in folder.iterdir()) == ["x.html", "x.pdf"]
     assert (folder / "x.pdf").read_bytes().startswith(b"%PDF-")
     assert (folder / "x.html").stat().st_size < 3e6
+
+
+@needs_poppler
+def test_a_station_has_its_section_in_every_form(tmp_path, monkeypatch):
+    """--station: the same finding on page and PDF, its file among the inputs."""
+    (tmp_path / "hut.yaml").write_text("station: {gravity: 20 mGal}\n")
+    monkeypatch.chdir(tmp_path)
+    run = call(
+        *("report", "--no-validate", "--station", "hut.yaml"),
+        *("-o", "x.html", "-o", "x.pdf"),
+    )
+    assert (run.code, run.out) == (0, ""), run.err
+    page = unescape((tmp_path / "x.html").read_text(encoding="utf-8"))
+    finding = re.search(r"The station takes[^<]*", page).group()
+    assert_says(finding, "22 %", "accelerometer scale factor", "gravity")
+    pdf = text_of((tmp_path / "x.pdf").read_bytes(), tmp_path)
+    assert squeeze(finding) in squeeze(pdf)
+    assert "hut.yaml" in json.dumps(embedded(tmp_path / "x.html")["inputs"])
 
 
 def test_one_unwritable_place_leaves_nothing(tmp_path):

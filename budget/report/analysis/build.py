@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from budget.names import key_title
 from budget.report.analysis.groups import budget_section, matrices_sections
 from budget.report.analysis.method import Trials, method_section
+from budget.report.analysis.station import station_section
 from budget.report.analysis.verdict import (
     group_cards,
     headline,
@@ -121,6 +122,7 @@ def report_document(
         procedure_section(procedure, sensors),
         budget_section(groups),
         *matrices_sections(budget),
+        station_section(budget, groups, procedure, assessment, evidence.unfelt),
         what_if_section(budget, evidence.what_if, one_at_a_time(evidence.what_if)),
         _coupling(evidence, owners),
         _indices(budget, owners),

@@ -203,9 +203,29 @@ def coupling_chart(table: CouplingTable, sensor: str) -> Chart | None:
     own = [s for s in reaching if s.owner in SENSORS]
     shared = [s for s in reaching if s.owner not in SENSORS]
     sources = (*in_order(own), *in_order(shared))
-    rows = tuple(
-        _coupling_row(source, [table.cell(source, group) for group in groups], sensor)
-        for source in sources
+    parts = {
+        # The sensors' own need no head where no others stand below.
+        words(sensor) if shared else "": (in_order(own), sensor),
+        **{
+            owner: (tuple(s for s in in_order(shared) if s.owner == owner), owner)
+            for owner in dict.fromkeys(s.owner for s in shared)
+        },
+    }
+    drawn = tuple(
+        Group(
+            title=title,
+            rows=tuple(
+                _coupling_row(
+                    source,
+                    [table.cell(source, group) for group in groups],
+                    sensor,
+                    among=owner,
+                )
+                for source in members
+            ),
+        )
+        for title, (members, owner) in parts.items()
+        if members
     )
 
     def column(group: Name) -> Field[Name]:
@@ -223,7 +243,7 @@ def coupling_chart(table: CouplingTable, sensor: str) -> Chart | None:
                 panels=(
                     Panel(
                         scale=Scale(low=0.0, high=float(len(groups)), ticks=()),
-                        groups=(Group(rows=rows),),
+                        groups=drawn,
                     ),
                     _hues(),
                 )
@@ -277,8 +297,14 @@ def _coupling_title(cells: list[Coupling], sensor: str) -> str:
     )
 
 
-def _coupling_row(source: Name, cells: list[Coupling], sensor: str) -> Row:
-    """Return the cells of one source, each with its number and its tooltip."""
+def _coupling_row(
+    source: Name, cells: list[Coupling], sensor: str, *, among: str
+) -> Row:
+    """Return the cells of one source, each with its number and its tooltip.
+
+    Its name leaves out the owner that it stands among.
+    """
+    name = source_title(source, of=among)
     title = source_title(source, of=sensor)
     marks: list[Mark] = []
     said = []
@@ -307,9 +333,9 @@ def _coupling_row(source: Name, cells: list[Coupling], sensor: str) -> Row:
             owned = " (own)" if cell.is_own else ""
             said.append(f"{words(cell.group.quantity)} {part}{owned}")
     return Row(
-        label=title,
+        label=name,
         marks=tuple(marks),
-        said=f"{title}: {', '.join(said)}" if said else "",
+        said=f"{name}: {', '.join(said)}" if said else "",
     )
 
 

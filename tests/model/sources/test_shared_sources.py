@@ -117,7 +117,7 @@ def test_figures_and_tables_show_it_as_the_stations(procedure):
         assert len(shares.tips) == sum(
             len(row.marks) for one in shares.groups for row in one.rows
         )
-        assert "station push" in coupling_chart(table, group.sensor).alt
+        assert "station: push" in coupling_chart(table, group.sensor).alt
     (own,) = [
         contribution
         for contribution in contributions

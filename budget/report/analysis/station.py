@@ -1,0 +1,342 @@
+"""Station section of a report: what table, place, timing, environment make of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from math import fsum, sqrt
+from typing import TYPE_CHECKING
+
+from budget.model.sources import ENVIRONMENT, SENSORS, STATION, source_of
+from budget.names import Name, key_title, words
+from budget.report.blocks import (
+    Cell,
+    Field,
+    Listing,
+    Panel,
+    Paragraph,
+    Section,
+    table_of,
+)
+from budget.report.tables import (
+    NO_SHARE,
+    Number,
+    bound_number,
+    print_contributions,
+    print_coverage,
+    print_share,
+    print_utilisation,
+    source_title,
+    used_part,
+)
+from budget.report.wording import capital, share_cell
+from budget.results import INTERACTION
+from budget.studies.request import SHARED, given_lines
+from budget.ties import first_largest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+
+    from budget.report.blocks import Block, Table, Words
+    from budget.report.tables import GroupTable
+    from budget.results import Assessment, Budget, OutputAssessment, OutputBudget
+    from budget.spec.records import ErrorLine, Procedure
+    from budget.studies.cautions import Unfelt
+
+OWN = "the sensors' own lines"
+TITLES = {STATION: "test station", ENVIRONMENT: "environment"}
+PRODUCTS = "products of two sources"
+
+
+def station_section(
+    budget: Budget,
+    groups: Sequence[GroupTable],
+    procedure: Procedure,
+    assessment: Assessment | None,
+    unfelt: Sequence[Unfelt],
+) -> Section | None:
+    """Return what the station and the environment make of the budget.
+
+    None where the procedure gives no line of either.
+    """
+    lines = given_lines((), procedure)
+    if not lines:
+        return None
+    owners = [one for one in SHARED if any(name.owner == one for name in lines)]
+    finding = " ".join(_findings(budget, owners, lines, assessment))
+    shares = _shares_table(budget, groups, owners, lines, unfelt)
+    blocks: list[Block] = [
+        Paragraph(words=(finding,)),
+        Panel(title="Shares of the variance", blocks=(shares,)),
+    ]
+    if assessment is not None:
+        blocks += _limits(budget, owners, assessment)
+    if reasons := _reasons(unfelt):
+        listing = Listing(items=reasons, empty="")
+        blocks.append(Panel(title="What does nothing", blocks=(listing,)))
+    title = capital(" and ".join(TITLES[owner] for owner in owners))
+    return Section(name="station", title=title, blocks=tuple(blocks))
+
+
+def _findings(
+    budget: Budget,
+    owners: Sequence[str],
+    lines: Mapping[Name, ErrorLine],
+    assessment: Assessment | None,
+) -> list[str]:
+    """Say where they take most, by what, and what is left to the sensors."""
+    who = capital(f"the {' and the '.join(owners)}")
+    take, use = ("take", "use") if len(owners) > 1 else ("takes", "uses")
+    shares = [_share(row, *owners) for row in budget.outputs]
+    row = budget.outputs[first_largest(shares)]
+    most = max(shares)
+    if not any(source_of(name.owner, name.quantity).varies for name in lines):
+        by = ", ".join(dict.fromkeys(_partner(name) for name in lines))
+        return [f"What is given of {who.lower()} is known: it acts by {by} alone."]
+    if most <= NO_SHARE:
+        return [f"{who} {take} nothing of U of any output."]
+    by = print_contributions(
+        [
+            (source_title(part.source), part.share)
+            for part in row.contributions
+            if part.source.owner in owners
+        ]
+    )
+    known = ", of what is known" if row.lower_bound else ""
+    own = print_share(_share(row, *SENSORS))
+    found = [
+        (
+            f"{who} {take} up to {print_share(most)} of the square of U{known}: of the "
+            f"{key_title(row.output.name)}, by {by}; {OWN} take {own}."
+        )
+    ]
+    if assessment is not None and (rows := _judged(budget, assessment)):
+        worst = rows[first_largest([one.used_by(owners).exact for one in rows])]
+        found.append(
+            f"Alone {'they' if len(owners) > 1 else 'it'} {use} at most "
+            f"{worst.used_by(owners).text} of a limit, that of the "
+            f"{key_title(worst.row.output.name)}, where {OWN} alone use "
+            f"{worst.used_by(SENSORS).text}."
+        )
+    return found
+
+
+def _share(row: OutputBudget, *owners: str) -> float:
+    """Return the share of those owners in the variance of an output."""
+    if not row.is_resolved:
+        return 0.0
+    return fsum(part.share for part in row.contributions if part.source.owner in owners)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Line:
+    """A line of the table of shares."""
+
+    of: str  # the title that it stands under
+    head: str
+    figure: Cell  # as it is given
+    where: Cell  # the output of whose variance it makes most
+    shares: tuple[float, ...]  # of the variance, by group of outputs
+
+
+def _shares_table(
+    budget: Budget,
+    groups: Sequence[GroupTable],
+    owners: Sequence[str],
+    lines: Mapping[Name, ErrorLine],
+    unfelt: Sequence[Unfelt],
+) -> Table:
+    """Return every line of station and environment, with its share of each group."""
+    idle = {
+        one.source: Cell(text="nothing", note="to first order" if one.removed else "")
+        for one in unfelt
+    }
+    records = [
+        _Line(
+            of=name.owner,
+            head=source_title(name),
+            figure=Cell(text=line.printed, note=line.meaning),
+            where=idle[name] if name in idle else _where(budget, name),
+            shares=tuple(
+                fsum(row.share.exact for row in group.sources if row.source == name)
+                for group in groups
+            ),
+        )
+        for name, line in lines.items()
+    ]
+    nothing = Cell(text="")
+    records += [
+        _Line(
+            of="together",
+            head=head,
+            figure=nothing,
+            where=nothing,
+            shares=tuple(
+                fsum(row.share.exact for row in group.sources if belongs(row.source))
+                for group in groups
+            ),
+        )
+        for head, belongs in (
+            *((f"the {owner}", partial(_is_of, (owner,))) for owner in owners),
+            (OWN, partial(_is_of, SENSORS)),
+            (PRODUCTS, partial(_is_of, (INTERACTION.owner,))),
+        )
+    ]
+
+    def share(place: int, record: _Line) -> Cell:
+        found = record.shares[place]
+        return share_cell(found) if found > NO_SHARE else nothing
+
+    return table_of(
+        records,
+        (
+            Field[_Line](head="", weight=1.6, cell=lambda one: one.head),
+            Field[_Line](head="figure", weight=1.2, cell=lambda one: one.figure),
+            Field[_Line](head="acts most on", weight=1.8, cell=lambda one: one.where),
+            *(
+                Field[_Line](
+                    head=f"{group.title} [%]", kind="number", cell=partial(share, k)
+                )
+                for k, group in enumerate(groups)
+            ),
+        ),
+        name="station-shares",
+        caption="Shares of the variance of each group, by line of the station",
+        by=lambda one: one.of,
+        titled=True,
+        is_wide=True,
+    )
+
+
+def _is_of(owners: Sequence[str], source: Name) -> bool:
+    """Whether a source is of one of those owners."""
+    return source.owner in owners
+
+
+def _where(budget: Budget, name: Name) -> Cell:
+    """Return the output of whose variance a source makes most, and how much."""
+    if not source_of(name.owner, name.quantity).varies:
+        return Cell(text=f"known; acts by {_partner(name)}")
+    shares = [
+        fsum(part.share for part in row.contributions if part.source == name)
+        if row.is_resolved
+        else 0.0
+        for row in budget.outputs
+    ]
+    if max(shares, default=0.0) <= NO_SHARE:
+        return Cell(text="nothing")
+    row = budget.outputs[first_largest(shares)]
+    return Cell(text=key_title(row.output.name), note=print_share(max(shares)))
+
+
+def _partner(name: Name) -> str:
+    """Return the line of a sensor that a known size acts by."""
+    return words(getattr(source_of(name.owner, name.quantity).effect, "partner", ""))
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Judged:
+    """A required output, and what it is made of."""
+
+    row: OutputBudget
+    limit: OutputAssessment
+
+    def used_by(self, owners: Sequence[str]) -> Number:
+        """Return U by the sources of those owners alone, over the limit."""
+        low, high = self.limit.interval
+        k = 0.5 * (high - low) / self.limit.standard_uncertainty
+        variance = fsum(
+            part.standard_uncertainty**2
+            for part in self.row.contributions
+            if part.source.owner in owners
+        )
+        used = k * sqrt(variance) / self.limit.limit
+        return bound_number(
+            Number(text=print_utilisation(used) if used else "0 %", exact=used),
+            lower_bound=self.row.lower_bound and owners == SENSORS,
+        )
+
+
+def _judged(budget: Budget, assessment: Assessment) -> list[_Judged]:
+    """Return the required outputs that have any spread."""
+    found = [
+        _Judged(row=budget.output(one.output.name), limit=one)
+        for one in assessment.judged
+    ]
+    return [one for one in found if one.row.is_resolved]
+
+
+def _limits(
+    budget: Budget, owners: Sequence[str], assessment: Assessment
+) -> Iterator[Panel]:
+    """Yield what each part alone uses of the limits, where the station uses most."""
+    groups: dict[Name, list[_Judged]] = {}
+    for one in _judged(budget, assessment):
+        groups.setdefault(one.row.output.name.group, []).append(one)
+    if not groups:
+        return
+    records = [
+        rows[first_largest([row.used_by(owners).exact for row in rows])]
+        for rows in groups.values()
+    ]
+    coverage = print_coverage(budget.settings.coverage)
+
+    def used(head: str, pick: Callable[[_Judged], Number]) -> Field[_Judged]:
+        def percent(one: _Judged) -> Cell:
+            number = pick(one)
+            text = number.text.removesuffix(" %")
+            return Cell(text=text, exact=number.exact)
+
+        return Field(head=f"{head} [%]", kind="number", cell=percent)
+
+    table = table_of(
+        records,
+        (
+            Field[_Judged](
+                head="output",
+                cell=lambda one: key_title(one.row.output.name),
+            ),
+            Field[_Judged](head="limit", cell=lambda one: one.limit.printed_limit),
+            *(
+                used(f"the {owner}", partial(_Judged.used_by, owners=(owner,)))
+                for owner in owners
+            ),
+            used(OWN, partial(_Judged.used_by, owners=SENSORS)),
+            used("all", lambda one: used_part(one.limit)),
+        ),
+        name="station-limits",
+        caption="What station and sensors alone use of the limits",
+    )
+    yield Panel(
+        title=f"U{coverage} of each part alone, of the limit",
+        blocks=(
+            table,
+            Paragraph(
+                words=(
+                    (
+                        "Of each group of limits the output where "
+                        f"{' and '.join(owners)} alone take most. The squares of the "
+                        "parts add up."
+                    ),
+                ),
+                small=True,
+            ),
+        ),
+    )
+
+
+def _reasons(unfelt: Sequence[Unfelt]) -> tuple[Words, ...]:
+    """Say of what reaches nothing why, those of one reason together."""
+    by_reason: dict[str, list[str]] = {}
+    for one in unfelt:
+        if one.source.owner in SHARED:
+            reason = (
+                f"removed by {one.removed}, to first order"
+                if one.removed
+                else f"takes {one.needs}"
+            )
+            by_reason.setdefault(reason, []).append(source_title(one.source))
+    return tuple(
+        (f"{capital(', '.join(names))}: {reason}.",)
+        for reason, names in by_reason.items()
+    )
