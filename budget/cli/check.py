@@ -62,6 +62,7 @@ def check(
             show_default=False,
         ),
     ] = None,
+    station: options.StationFile = None,
     method: Annotated[
         Literal["gum", "monte-carlo", "simulation"] | None,
         typer.Option(
@@ -139,6 +140,7 @@ def check(
     files: dict[Role, list[str]] = {
         "device": names or [],
         "procedure": procedure or [],
+        "station": [str(station)] if station else [],
         "requirement": [requirement] if requirement else [],
         "costs": [costs] if costs else [],
     }
@@ -161,7 +163,7 @@ def check(
         documents = (json, csv)
         _save(save, kind or "analyze", files, given, documents, workers=workers)
         return
-    if given or kind or procedure or requirement or costs:
+    if given or kind or procedure or station or requirement or costs:
         from budget.errors import CallError
 
         raise CallError(
@@ -227,7 +229,7 @@ def _save(
 def _take(files: dict[Role, list[str]], folder: Path) -> tuple[StoredInput, ...]:
     """Read all inputs, or say everything that is wrong in them."""
     from budget.errors import Issue, SpecError
-    from budget.references.files import take
+    from budget.references.files import take, take_procedures
     from budget.spec.load import try_all
 
     if not files["device"]:
@@ -238,7 +240,13 @@ def _take(files: dict[Role, list[str]], folder: Path) -> tuple[StoredInput, ...]
     inputs: list[StoredInput] = []
     issues: list[Issue] = []
     for role, names in files.items():
-        usual = [None] if role in {"device", "procedure"} else []
+        if role == "procedure":
+            wanted: list[list[str | None]] = [[*names] or [None]]
+            sets, wrong = try_all(wanted, partial(take_procedures, folder=folder))
+            inputs += [one for own in sets for one in own]
+            issues += wrong
+            continue
+        usual = [None] if role == "device" else []
         taken, wrong = try_all(names or usual, partial(take, role, folder=folder))
         inputs += taken
         issues += wrong

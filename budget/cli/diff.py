@@ -107,7 +107,7 @@ def _side(
     """Return one side: what is stored, or a device computed now."""
     from budget.errors import CallError
     from budget.references.check import make_reference, side_of
-    from budget.references.files import take
+    from budget.references.files import take, take_procedures
 
     if own is not None:
         return side_of(own, name=name)
@@ -122,6 +122,6 @@ def _side(
         inputs += [one for one in model.inputs if one.role != "device"]
         asked = model.settings
     else:
-        inputs.append(take("procedure", procedure))
+        inputs += take_procedures([procedure])
     made = make_reference("analyze", inputs, asked)
     return side_of(made, name=name, is_fresh=True)

@@ -29,6 +29,7 @@ TEXTS = {
         *("power", "range", "notes", "figures", "abstract"),
     },
     "procedure": {"format", "name"},
+    "station": {"format", "name"},
     "requirement": {"format", "name", "caps"},
     "costs": {"format"},
 }

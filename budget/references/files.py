@@ -10,6 +10,7 @@ from pathlib import Path, PureWindowsPath
 from typing import TYPE_CHECKING
 
 from budget.errors import ReferenceFileError
+from budget.model.sources import STATION
 from budget.references.exchange import effective
 from budget.references.records import StoredInput
 from budget.resources import shipped
@@ -18,6 +19,7 @@ from budget.spec.device import read_device, variant_names
 from budget.spec.files import FOLDERS, NamedFile, find, open_file
 from budget.spec.load import PAPER
 from budget.spec.reader import parse
+from budget.spec.station import named_station, station_file
 from budget.spec.tree import all_of
 
 if TYPE_CHECKING:
@@ -95,6 +97,14 @@ def take(
     if typed is not None:
         file = find(typed, role)
     document = open_file(file, role)
+    return _stored(document, role, file, folder)
+
+
+def _stored(
+    document: Document, role: Role, file: NamedFile, folder: Path | None
+) -> StoredInput:
+    """Return a file that was read as a reference stores it."""
+    ships = shipped("specs") / FOLDERS[role]
     is_bare = file.path.parent == ships and file.shown == file.path.stem
     shown = file.shown
     if folder is not None and not is_bare:
@@ -106,6 +116,38 @@ def take(
         sha256=document.sha256,
         text=document.text,  # of the bytes that were hashed: none is read twice
     )
+
+
+def take_procedures(
+    typed: Sequence[str | Path | None], folder: Path | None = None
+) -> tuple[StoredInput, ...]:
+    """Return procedures as `take` does, and the station that they name after them.
+
+    Raises
+    ------
+    SpecError, ReferenceFileError
+        As `take`; or they name several stations, of which a reference stores one.
+    """
+    taken: list[StoredInput] = []
+    stations: dict[str, StoredInput] = {}
+    for name in typed:
+        one = take("procedure", name, folder)
+        taken.append(one)
+        path = shipped("specs") / FOLDERS["procedure"] / f"{PAPER}.yaml"
+        if name is not None:
+            path = find(name, "procedure").path
+        document = parse(one.text.encode(), str(path), base_name=path.name)
+        if named_station(document):
+            file = station_file(document)
+            station = _stored(open_file(file, STATION), "station", file, folder)
+            stations[station.file] = station
+    if len(stations) > 1:
+        raise ReferenceFileError(
+            f"the procedures name the stations {', '.join(stations)}, and a reference "
+            "stores one; save a reference of each, or write the keys of the station "
+            "into the procedures"
+        )
+    return (*taken, *stations.values())
 
 
 def present_documents(
@@ -131,10 +173,13 @@ def present_documents(
     """
     found: list[Document] = []
     tree = tree_of(folder) if root is None else root
+    named = any(one.role == "procedure" and _names_station(one) for one in inputs)
     for one in inputs:
+        if named and one.role == STATION:
+            continue  # found below: by the name that the procedure has for it now
         path = _locate(one, folder)
         if not _is_bare(one.file):
-            _confine(one, path, tree, reference)
+            _confine(one.role, one.file, path, tree, reference)
         if not isfile(path):  # noqa: PTH113 - a name that can be none is not there
             where = "among the files that ship" if _is_bare(one.file) else "there"
             raise ReferenceFileError(
@@ -147,7 +192,18 @@ def present_documents(
             NamedFile(path=path, shown=shown, variant=one.variant), one.role
         )
         found.extend(_documents(document, one, job))
-    return tuple(found)
+    stations = {}
+    for procedure in [one for one in found if named_station(one)]:
+        file = station_file(procedure)
+        if file.path.parent != shipped("specs") / FOLDERS[STATION]:
+            _confine(STATION, file.shown, file.path, tree, reference)
+        stations[file.path.resolve()] = open_file(file, STATION)
+    return (*found, *stations.values())
+
+
+def _names_station(one: StoredInput) -> bool:
+    """Whether a stored procedure names the file of a station."""
+    return bool(named_station(parse(one.text.encode(), one.file, base_name=one.file)))
 
 
 def stored_documents(
@@ -185,7 +241,7 @@ def tree_of(folder: Path) -> Path:
     return folder
 
 
-def _confine(one: StoredInput, path: Path, tree: Path, reference: str) -> None:
+def _confine(role: str, file: str, path: Path, tree: Path, reference: str) -> None:
     """Refuse a file outside the tree, links followed, before it is opened.
 
     Whoever forges a reference would else have any file of the reader's read, and lines
@@ -197,7 +253,7 @@ def _confine(one: StoredInput, path: Path, tree: Path, reference: str) -> None:
         inside = False
     if not inside:
         raise ReferenceFileError(
-            f"{reference}: its {one.role} {one.file} is outside {tree}, expected a "
+            f"{reference}: its {role} {file} is outside {tree}, expected a "
             "file in the tree of the reference; it was not opened. If you trust the "
             "reference, give a folder that both are in: --root FOLDER"
         )

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from budget.errors import CallError
 from budget.methods.execution import small_blocks
+from budget.model.sources import STATION
 from budget.references.quantities import device_of, snapshot_of
 from budget.references.records import JOBS, Asked, files_fault
 from budget.references.sampling import standard_errors
@@ -14,6 +15,7 @@ from budget.spec.costs import read_costs
 from budget.spec.device import read_device
 from budget.spec.procedure import read_procedure
 from budget.spec.requirement import read_requirement
+from budget.spec.station import done_at, named_station, read_station
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.cases import Bounds
 from budget.studies.analysis import analyze
@@ -83,7 +85,7 @@ def compute(
         one.kind: [own for own in inputs if own.kind == one.kind] for one in inputs
     }
     devices = [read_device(one) for one in _told_apart(by_role.get("device", []))]
-    procedures = [read_procedure(one) for one in by_role.get("procedure", [])]
+    procedures = _procedures(by_role.get("procedure", []), by_role.get(STATION, []))
     limits = [read_requirement(one) for one in by_role.get("requirement", [])]
     costs = [read_costs(one) for one in by_role.get("costs", [])]
     if job != "compare" and len(procedures) > 1:
@@ -125,6 +127,40 @@ def compute(
             **given,
         )
         return snapshot_of(allocation.to_dict(), {})
+
+
+def _procedures(
+    procedures: Sequence[Document], stations: Sequence[Document]
+) -> list[Procedure]:
+    """Read procedures with their station: that which some name, else that of all.
+
+    Raises
+    ------
+    CallError
+        One names a station that is not there: none is looked for.
+    SpecError
+        A file is not sound, or there are two stations.
+    """
+    if len(stations) > 1:
+        files = ", ".join(one.file for one in stations)
+        raise CallError(
+            f"found the stations {files}, a reference takes one; where a procedure "
+            "names its station, leave --station out"
+        )
+    named = [one for one in procedures if named_station(one)]
+    if named and not stations:
+        raise CallError(
+            f"{named[0].file} names the station {named_station(named[0])}, which is "
+            "not among the inputs; save the reference again"
+        )
+    station = stations[0] if stations else None
+    found = []
+    for one in procedures:
+        procedure = read_procedure(one, station if one in named else None)
+        if station is not None and not named:
+            procedure = done_at(procedure, read_station(station), one.file)
+        found.append(procedure)
+    return found
 
 
 def by_law(asked: Asked) -> Asked:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 Job = Literal["analyze", "compare", "allocate"]
-Role = Literal["device", "procedure", "requirement", "costs"]
+Role = Literal["device", "procedure", "station", "requirement", "costs"]
 
 MANY = 1000  # inputs of a reference at the most
 NONE, ONE, MAYBE = range(1), range(1, 2), range(2)
@@ -29,9 +29,18 @@ SOME = range(1, 10**9)  # or more: a file may have many variants
 
 # How many files of each role a job takes.
 FILES: Mapping[str, Mapping[str, range]] = {
-    "analyze": {"device": SOME, "procedure": ONE, "requirement": MAYBE, "costs": NONE},
-    "compare": {"device": SOME, "procedure": SOME, "requirement": ONE, "costs": NONE},
-    "allocate": {"device": SOME, "procedure": ONE, "requirement": ONE, "costs": MAYBE},
+    job: {
+        "device": SOME,
+        "procedure": procedures,
+        "station": MAYBE,
+        "requirement": limits,
+        "costs": costs,
+    }
+    for job, procedures, limits, costs in (
+        ("analyze", ONE, MAYBE, NONE),
+        ("compare", SOME, ONE, NONE),
+        ("allocate", ONE, ONE, MAYBE),
+    )
 }
 JOBS = tuple(FILES)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, TypeVar
 
 from budget.errors import SpecError
-from budget.model.sources import ENVIRONMENT, STATION
 from budget.resources import shipped
 from budget.spec.costs import read_costs
 from budget.spec.device import read_device, variant_names
@@ -14,7 +13,7 @@ from budget.spec.procedure import read_procedure
 from budget.spec.reader import refuse
 from budget.spec.records import Checked
 from budget.spec.requirement import read_requirement
-from budget.spec.station import IDEAL, at_station, read_station
+from budget.spec.station import done_at, read_station
 from budget.spec.tree import MOST_ISSUES, all_of
 
 if TYPE_CHECKING:
@@ -69,18 +68,7 @@ def load_procedure(
     procedure = read_procedure(_open(path, "procedure"))
     if station is None:
         return procedure
-    there = load_station(station)
-    for has, what in (
-        (IDEAL not in procedure.assumptions, STATION),
-        (procedure.environment and there.environment, ENVIRONMENT),
-    ):
-        if has:
-            message = (
-                f"has a {what} of its own, and {there.origin.file} is given beside it; "
-                "remove one of them"
-            )
-            raise refuse(str(path), message)
-    return at_station(procedure, there)
+    return done_at(procedure, load_station(station), str(path))
 
 
 def load_station(path: str | Path) -> Station:

@@ -28,6 +28,7 @@ from budget.spec.fields import (
     fault,
     faults,
 )
+from budget.spec.files import open_file
 from budget.spec.records import (
     AXES,
     AccelerometerProcedure,
@@ -39,7 +40,8 @@ from budget.spec.station import (
     IDEAL,
     OrFile,
     at_station,
-    station_beside,
+    read_station,
+    station_file,
     station_of,
     surroundings_type,
 )
@@ -407,8 +409,14 @@ class ProcedureFile(Strict):
         )
 
 
-def read_procedure(document: Document) -> Procedure:
+def read_procedure(document: Document, station: Document | None = None) -> Procedure:
     """Turn a procedure file into a record, in SI.
+
+    Parameters
+    ----------
+    document : Document
+    station : Document, optional
+        The file of the station that it names; without it that file is looked for.
 
     Raises
     ------
@@ -474,7 +482,9 @@ def read_procedure(document: Document) -> Procedure:
     )
     if named is None:
         return procedure
-    there = station_beside(document, named)
+    if station is None:
+        station = open_file(station_file(document), STATION)
+    there = read_station(station)
     if model.environment is not None and there.environment:
         node = document.root.nearest(("environment",))
         message = f"stands beside that of {named}, which has one; remove one of them"

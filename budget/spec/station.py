@@ -24,7 +24,8 @@ from budget.spec.fields import (
     faults,
     mapping_of,
 )
-from budget.spec.files import exists, find, open_file, shipped_names
+from budget.spec.files import exists, find, shipped_names
+from budget.spec.reader import refuse
 from budget.spec.records import Origin, Station
 from budget.spec.specification import read_value, value_type
 from budget.spec.tree import all_of, describe
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
     from pydantic_core import CoreSchema
 
     from budget.model.source import Source
+    from budget.spec.files import NamedFile
     from budget.spec.records import Procedure
     from budget.spec.specification import ReadValue
     from budget.spec.tree import Document
@@ -227,14 +229,21 @@ def _unsaid(station: Strict | None) -> tuple[str, ...]:
     )
 
 
-def station_beside(document: Document, name: str) -> Station:
-    """Read the station that a procedure names: beside it, else as commands find it.
+def named_station(document: Document) -> str:
+    """Return the name of the station that a procedure file names; '' if it does not."""
+    node = document.root.child(STATION)
+    return node.value if node is not None and isinstance(node.value, str) else ""
+
+
+def station_file(document: Document) -> NamedFile:
+    """Find the station that a procedure names: beside it, else as commands find it.
 
     Raises
     ------
     SpecError
-        There is none, or every issue of it.
+        There is none.
     """
+    name = named_station(document)
     beside = Path(document.file).parent / name
     file = find(beside if exists(beside) else name, STATION)
     if not exists(file.path):
@@ -246,7 +255,28 @@ def station_beside(document: Document, name: str) -> Station:
             f"{nearest(name, known)}"
         )
         raise all_of([document.issue(node, message)])
-    return read_station(open_file(file, STATION))
+    return file
+
+
+def done_at(procedure: Procedure, station: Station, shown: str) -> Procedure:
+    """Return a procedure at a station that is given beside it, `shown` in messages.
+
+    Raises
+    ------
+    SpecError
+        It has one of its own, or both have an environment.
+    """
+    for has, what in (
+        (IDEAL not in procedure.assumptions, STATION),
+        (procedure.environment and station.environment, ENVIRONMENT),
+    ):
+        if has:
+            message = (
+                f"has a {what} of its own, and {station.origin.file} is given beside "
+                "it; remove one of them"
+            )
+            raise refuse(shown, message)
+    return at_station(procedure, station)
 
 
 def at_station(procedure: Procedure, station: Station) -> Procedure:

@@ -198,6 +198,7 @@ def test_texts_are_those_of_the_docs():
     assert {
         "device": named | rows["device"],
         "procedure": named,
+        "station": named,
         "requirement": named | rows["requirement"],
         "costs": every,
     } == TEXTS
