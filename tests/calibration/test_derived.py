@@ -27,6 +27,7 @@ GEOMETRY = tuple(
     for name in every_output("gyro")
     if name.quantity in {"rotation", "non_orthogonality"}
 )
+SHAPE = ("rotation", "non_orthogonality")
 DEGREE = radians(1.0)
 TRIALS = 40_000
 SIGMAS = 5.0  # a bound that a sound estimate misses once in a million
@@ -231,3 +232,34 @@ def test_an_output_is_known_where_all_its_angles_are_estimated(kind):
         held,
         f"{kind}.mounting_angle.zx",
     }
+
+
+@pytest.mark.parametrize(
+    ("flip", "of_accelerometers", "apart", "between"),
+    [("inner", 1.0, 0.0, 0.5), ("middle", 0.5, 1.0, 0.0)],
+)
+def test_axes_out_of_square_turn_one_triad_and_shear_the_other(
+    flip, of_accelerometers, apart, between
+):
+    """Outer to middle axis mu: of gyros yx = mu, rotation mu/2, non-orthogonality mu.
+
+    With z down by the inner axis the accelerometers have yx = zx = mu, a rotation, and
+    the triads stand mu/2 apart; by the middle axis zx alone, and they do not.
+    """
+    mu = 2.0
+    plan = procedure(
+        station=(line("orthogonality.outer_middle", [mu * ARCSEC]),), flip_axis=flip
+    )
+    groups = [f"{kind}.{one}" for kind in TRIADS for one in SHAPE]
+    triads = tuple(mounted(kind, 0.0) for kind in TRIADS)
+    found = problem(triads, plan, *groups, "imu.misalignment")
+    u = dict(zip((one.name for one in found.outputs), spread(found), strict=True))
+    expected = dict.fromkeys(u, 0.0) | {
+        "gyro.rotation.x": 0.5 * mu,
+        "gyro.non_orthogonality.yz": mu,
+        "accelerometer.rotation.x": of_accelerometers * mu,
+        "accelerometer.non_orthogonality.yz": apart * mu,
+        "imu.misalignment.x": between * mu,
+    }
+    # What is left beside them are products with the nominal angles.
+    assert_allclose(list(u.values()), list(expected.values()), rtol=1e-4, atol=1e-3)
