@@ -24,6 +24,7 @@ from budget.cli.diff import diff
 from budget.cli.output import document_date
 from budget.cli.paper import paper
 from budget.cli.report import report
+from budget.cli.station import station
 from budget.cli.streams import in_line, prepare_streams, say, tell
 from budget.errors import BudgetError, WorkerError
 from budget.journal import keep_journal
@@ -69,6 +70,7 @@ app = typer.Typer(
 )
 app.command()(analyze)
 app.command()(allocate)
+app.command()(station)
 app.command()(report)
 app.command()(compare)
 app.command()(check)

@@ -85,7 +85,7 @@ def allocate(
     requirement cannot be met.
     """
     from budget.cli.computing import computing
-    from budget.cli.output import check_destinations, hand_out
+    from budget.cli.output import check_destinations, check_yaml, hand_out
     from budget.report.allocation.document import (
         allocated_device,
         allocation_csv,
@@ -104,7 +104,7 @@ def allocate(
         *others,
         inputs=[*(devices or ()), procedure, station, requirement, costs],
     )
-    _check_suffix(write)
+    check_yaml(write, "device")
     loaded = options.load_devices(devices)
     wanted = load_requirement(requirement)
     sensors = sensors_of(loaded)
@@ -198,13 +198,3 @@ def _read_back(text: str, write: Path) -> str:
             f"--write: nothing was written, as it could not be read back: {error}"
         ) from None
     return text
-
-
-def _check_suffix(write: Path | None) -> None:
-    """Refuse a device file that would not be read back."""
-    from budget.errors import CallError
-
-    if write is not None and write.suffix.lower() not in {".yaml", ".yml"}:
-        raise CallError(
-            f"--write {write}: a device file ends in .yaml or .yml; give it that name"
-        )

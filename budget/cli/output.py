@@ -125,6 +125,20 @@ def deliver(budget: Budget, *, json: Path | None, csv: Path | None) -> None:
     hand_out(documents, sections, title=budget.title)
 
 
+def check_yaml(write: Path | None, kind: str) -> None:
+    """Refuse a file of that kind that would not be read back.
+
+    Raises
+    ------
+    CallError
+        Its name does not end as those of such files do.
+    """
+    if write is not None and write.suffix.lower() not in {".yaml", ".yml"}:
+        raise CallError(
+            f"--write {write}: a {kind} file ends in .yaml or .yml; give it that name"
+        )
+
+
 SUFFIXES = (".html", ".pdf")
 
 

@@ -111,6 +111,16 @@ class ScaledLaw:
             second=self.second[:, columns][:, :, columns],
         )
 
+    def resized(self, factors: Array) -> ScaledLaw:
+        """Return the law whose s = 1 is at these factors, shape (n_src,)."""
+        q = factors**2
+        return replace(
+            self,
+            shift=self.shift * q,
+            first=self.first * q,
+            second=self.second * np.outer(q, q),
+        )
+
     def centred(self) -> ScaledLaw:
         """Return the law of the deviations from the mean: what is asked of u alone."""
         return replace(

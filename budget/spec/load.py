@@ -76,6 +76,21 @@ def load_station(path: str | Path) -> Station:
     return read_station(_open(path, "station"))
 
 
+def load_stations() -> tuple[Station, ...]:
+    """Load every test station that ships, in the order of files.
+
+    Raises
+    ------
+    SpecError
+        Everything that is wrong with any of the files.
+    """
+    folder = shipped("specs") / FOLDERS["station"]
+    found, issues = try_all(sorted(folder.glob("*.yaml")), load_station)
+    if issues:
+        raise SpecError(tuple(issues))
+    return tuple(found)
+
+
 def load_requirement(path: str | Path) -> Requirement:
     """Read a requirement. Raises as load_device."""
     return read_requirement(_open(path, "requirement"))

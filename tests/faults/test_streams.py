@@ -172,6 +172,7 @@ NAMED = {
     "analyze json": ("analyze", "{}", "--no-validate", "--json", "-"),
     "analyze csv": ("analyze", "{}", "--no-validate", "--csv", "-"),
     "allocate": ("allocate", "{}", *GRADE, "--no-validate"),
+    "station": ("station", "{}", "--requirement", "catalogue-edge"),
     "compare": ("compare", "{}", *GRADE, *GUM),
     "compare json": ("compare", "{}", *GRADE, *GUM, "--json", "-"),
     "devices": ("devices", "{}"),

@@ -33,6 +33,7 @@ CALLS = {
         *("--workers", "2"),
     ),
     "allocate": ("allocate", *GRADE, "--no-validate", "--json", "a.json"),
+    "station": ("station", *GRADE, "--write", "a.yaml", "--json", "a.json"),
     "compare": ("compare", "hg4930", *GRADE, "--method", "gum", "-o", "a.html"),
     "devices": ("devices", "hg4930"),
     "paper": ("paper", "-o", "a.html", "-o", "a.pdf"),
@@ -46,7 +47,7 @@ CALLS = {
     "diff": ("diff", "hg4930#A", "hg4930#C"),
     "help": ("--help",),
 }
-NOT_MET = {"compare"}
+NOT_MET = {"compare", "station"}
 KNOWN = {
     command.name or command.callback.__name__ for command in app.registered_commands
 }

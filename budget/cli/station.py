@@ -1,0 +1,149 @@
+"""`budget station`: how good a test station must be, and which one will do."""
+
+from __future__ import annotations
+
+import re
+from math import inf
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from budget.cli import options
+
+EXIT_NOT_MET = 1
+_NUMBER = r"[0-9]{1,9}(?:\.[0-9]{1,9})?"
+_RATIO = re.compile(rf"({_NUMBER})(?: *: *1)?")
+
+
+def _ratio(text: str) -> float:
+    """Read a test uncertainty ratio, '4:1' or '4'."""
+    from budget.studies.stations import LEAST_RATIO, MOST_RATIO
+
+    match = _RATIO.fullmatch(text.strip())
+    value = float(match[1]) if match else inf
+    if not LEAST_RATIO <= value <= MOST_RATIO:
+        raise typer.BadParameter(
+            f"{text!r} is no test uncertainty ratio, which is the limit over the "
+            f"expanded uncertainty of the station; give one of {LEAST_RATIO:g}:1 to "
+            f"{MOST_RATIO:g}:1, as 4:1, 3:1 or 10"
+        )
+    return value
+
+
+def _guard(text: str) -> float:
+    """Read the factor r of a guard band."""
+    from budget.studies.stations import MOST_GUARD
+
+    match = re.fullmatch(_NUMBER, text.strip())
+    value = float(match[0]) if match else inf
+    if value > MOST_GUARD:
+        raise typer.BadParameter(
+            f"{text!r} is no factor of a guard band, which is R times the expanded "
+            f"uncertainty of the station; give a number of 0 (none) to {MOST_GUARD:g}, "
+            "as 1"
+        )
+    return value
+
+
+def station(
+    devices: options.Devices = None,
+    *,
+    requirement: Annotated[Path, options.REQUIREMENT],
+    procedure: options.ProcedureFile = None,
+    ratio: Annotated[
+        float | None,
+        typer.Option(
+            parser=_ratio,
+            metavar="N:1",
+            help="Test uncertainty ratio: limit over the expanded uncertainty of the "
+            "station (4:1).",
+            show_default=False,
+        ),
+    ] = None,
+    guard: Annotated[
+        float | None,
+        typer.Option(
+            parser=_guard,
+            metavar="R",
+            help="Guard band of the acceptance limits, over the expanded uncertainty "
+            "of the station (1).",
+            show_default=False,
+        ),
+    ] = None,
+    strategy: Annotated[
+        Literal["equal", "proportional"],
+        typer.Option(
+            help="How figures share the limits: in equal parts, or in proportion to "
+            "the procedure's own station."
+        ),
+    ] = "equal",
+    stations: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--station",
+            metavar="FILE",
+            help="A station file to judge beside the shipped ones; may be given again.",
+            show_default=False,
+        ),
+    ] = None,
+    write: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.yaml",
+            help="Write what the figures may be together as a station file.",
+        ),
+    ] = None,
+    json: options.JsonFile = None,
+    csv: options.CsvFile = None,
+) -> None:
+    """Say how good each figure of a test station must be, and which station will do.
+
+    The station's part is to be at most 1/N of each limit. Exit code 1 if no station
+    does, that of the procedure among them.
+    """
+    from budget.cli.output import check_destinations, check_yaml, hand_out
+    from budget.errors import SpecError
+    from budget.report.document import json_text
+    from budget.report.stations import station_answer, station_csv, station_yaml
+    from budget.spec import (
+        load_procedure,
+        load_requirement,
+        load_station,
+        load_stations,
+    )
+    from budget.spec.load import try_all
+    from budget.studies.stations import GUARD, RATIO, qualify
+
+    others = () if write is None else (write,)
+    given = stations or []
+    check_destinations(
+        json,
+        csv,
+        *others,
+        inputs=[*(devices or ()), procedure, requirement, *given],
+    )
+    check_yaml(write, "station")
+    more, issues = try_all(given, load_station)
+    if issues:
+        raise SpecError(tuple(issues))
+    found = qualify(
+        *options.load_devices(devices),
+        requirement=load_requirement(requirement),
+        procedure=load_procedure(procedure),
+        ratio=RATIO if ratio is None else ratio,
+        guard=GUARD if guard is None else guard,
+        strategy=strategy,
+        stations=(*load_stations(), *more),
+    )
+    hand_out(
+        (
+            (json, lambda: json_text(found.to_dict())),
+            (csv, lambda: station_csv(found)),
+        ),
+        lambda: station_answer(found),
+        title=found.title,
+        pages={} if write is None else {write: station_yaml(found)},
+    )
+    if not found.doing:
+        raise typer.Exit(EXIT_NOT_MET)

@@ -1,0 +1,439 @@
+"""Test stations for people and programs: figures, verdicts, acceptance limits."""
+
+from __future__ import annotations
+
+import json
+from decimal import ROUND_FLOOR, Decimal
+from itertools import groupby
+from math import floor, log10
+from operator import attrgetter
+from typing import TYPE_CHECKING
+
+from budget.distributions import NORMAL
+from budget.model.sources import ENVIRONMENT, STATION, source_of
+from budget.names import key_title, keys_of, words
+from budget.report.allocation.words import CEILING, DASH, DIGITS, print_stop
+from budget.report.blocks import (
+    Cell,
+    Field,
+    Listing,
+    Panel,
+    Paragraph,
+    Run,
+    Section,
+    table_of,
+)
+from budget.report.document import csv_text
+from budget.report.tables import (
+    join_outputs,
+    print_coverage,
+    print_given,
+    print_three,
+    print_utilisation,
+    source_title,
+)
+from budget.report.wording import capital
+from budget.studies.stations import DOES, NO_FIGURES
+from budget.ties import settle
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from budget.report.blocks import Block, Table
+    from budget.studies.stations import (
+        Qualification,
+        StationFigure,
+        StationOutput,
+        StationVerdict,
+    )
+
+ANY = "any"
+PER_CENT = 100.0
+COLUMNS = (
+    *("owner", "source", "unit", "any", "alone", "alone_stopped_by", "together"),
+    *("binding_outputs", "now", "takes_now", "within", "why"),
+)
+
+
+def station_answer(found: Qualification) -> tuple[Section, ...]:
+    """Return what stands on a terminal: the answer, and what was assumed."""
+    assumed = tuple((text,) for text in found.assumptions)
+    return (
+        station_section(found),
+        Section(
+            name="assumptions",
+            title="Assumptions",
+            blocks=(Listing(items=assumed, empty="None."),),
+            in_brief=None if assumed else "",
+        ),
+    )
+
+
+def station_section(found: Qualification) -> Section:
+    """Return how good each figure must be and which station will do."""
+    blocks: list[Block] = [
+        Paragraph(words=(Run(text=headline(found), strong=True),)),
+        Paragraph(words=(_settings(found),), small=True),
+    ]
+    for owner in (STATION, ENVIRONMENT):
+        rows = [one for one in found.figures if one.source.owner == owner]
+        inner: list[Block] = []
+        if felt := [one for one in rows if not one.is_any]:
+            inner.append(_figures_table(owner, felt))
+        if points := tuple(_idle(rows)):
+            inner.append(Listing(items=points, empty="None."))
+        blocks.append(Panel(title=f"How good the {owner} must be", blocks=(*inner,)))
+    verdicts = _verdicts_table(found)
+    blocks.append(Panel(title="Which station will do", blocks=(verdicts,)))
+    blocks.append(
+        Panel(title="Acceptance limits", blocks=tuple(_acceptance_blocks(found)))
+    )
+    if found.warnings:
+        items = tuple((capital(text),) for text in found.warnings)
+        blocks.append(Panel(title="Remarks", blocks=(Listing(items=items, empty=""),)))
+    return Section(
+        name="stations", title="What the test station must be", blocks=tuple(blocks)
+    )
+
+
+def headline(found: Qualification) -> str:
+    """State the finding: whether the procedure's own station does, and which others."""
+    ratio = print_ratio(found.ratio)
+    own, others = found.own, [one for one in found.doing if not one.is_own]
+    names = ", ".join(one.name for one in others)
+    if own is None:
+        if others:
+            will = f"{names} will do for {found.requirement} at {ratio}"
+            failing = [
+                one.name
+                for one in found.stations
+                if one.has_figures and one.verdict != DOES
+            ]
+            return f"{will}; not: {', '.join(failing)}." if failing else f"{will}."
+        tried = [one for one in found.stations if one.has_figures]
+        none = f"No station here will do for {found.requirement} at {ratio}"
+        if not tried:
+            return f"{none}: none gives a figure."
+        nearest = min(tried, key=lambda one: settle(one.utilisation))
+        return f"{none}; nearest is {nearest.name}, {_worst_text(nearest, found)}."
+    if own.verdict == NO_FIGURES:
+        said = f"{capital(own.name)} gives no figure, so nothing is known of it"
+    else:
+        word = "will do" if own.verdict == DOES else "will not do"
+        said = f"{capital(own.name)} {word} for {found.requirement} at {ratio}: "
+        said += _worst_text(own, found)
+    return (
+        f"{said}; {'also' if own.verdict == DOES else 'but'} {names} will."
+        if (names)
+        else f"{said}."
+    )
+
+
+def print_ratio(ratio: float) -> str:
+    """Print a test uncertainty ratio: '4:1'."""
+    return f"{print_given(ratio)}:1"
+
+
+def station_csv(found: Qualification) -> str:
+    """Write one row for each source, values in its unit."""
+    rows = (
+        {
+            key: ", ".join(value) if isinstance(value, list) else value
+            for key, value in one.to_dict().items()
+        }
+        for one in found.figures
+    )
+    return csv_text(COLUMNS, rows)
+
+
+def station_yaml(found: Qualification) -> str:
+    """Write a station file whose figures are what they may be together: 1 sigma.
+
+    What may be any value is left out.
+    """
+    timing = found.procedure.timing
+    tree: dict[str, object] = {
+        "format": "budget-station/1",
+        "name": f"station for {found.requirement} at {print_ratio(found.ratio)}"[:200],
+    }
+    for owner in (STATION, ENVIRONMENT):
+        for one in found.figures:
+            if one.source.owner != owner or one.together is None:
+                continue
+            *folders, last = keys_of(one.source.quantity)
+            branch = tree.setdefault(owner, {})
+            for folder in folders:
+                branch = branch.setdefault(folder, {})  # type: ignore[attr-defined]
+            value = one.together / one.si_per_unit
+            branch[last] = f"{value!r} {one.unit}"  # type: ignore[index]
+            if one.source in found.times:
+                time = source_of(owner, one.source.quantity).time
+                branch[time] = f"{found.times[one.source]!r} s"  # type: ignore[index]
+    station: dict[str, object] = tree.setdefault(STATION, {})  # type: ignore[assignment]
+    station |= {"scale_from": timing.scale_from, "window": timing.edges}
+    lines = [
+        f"{key}: {json.dumps(value, ensure_ascii=False)}" for key, value in tree.items()
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _settings(found: Qualification) -> str:
+    """Say what the figures are and what they were found for."""
+    shared = {
+        "equal": "each source gets an equal part of the limit that it uses most",
+        "proportional": "one factor on all figures of the procedure's own station",
+    }[found.strategy]
+    return (
+        f"Test uncertainty ratio {print_ratio(found.ratio)}: the expanded uncertainty "
+        f"of the station alone (coverage {print_coverage(found.coverage)} %, k = "
+        f"{found.coverage_factor:.4g}, law of propagation to second order, every line "
+        f"of the device 0) is to be at most limit / {print_given(found.ratio)}; "
+        "used is U over that. Alone: all other sources 0; together: "
+        f"{shared}. Values are standard uncertainties (1 "
+        f"sigma), of every axis alike. Procedure {found.procedure.name}, error "
+        f"reference {words(found.reference)}."
+    )
+
+
+def _figures_table(owner: str, rows: Sequence[StationFigure]) -> Table:
+    """Return what each source may be, beside what it is now."""
+
+    def size(value: float | None, row: StationFigure, *, none: str = DASH) -> Cell:
+        if value is None:
+            return Cell(text=none)
+        number = value / row.si_per_unit
+        return Cell(text=print_given(number, digits=DIGITS), exact=number)
+
+    def now(row: StationFigure) -> Cell | str:
+        return size(row.now, row) if row.now is not None else ""
+
+    def takes(row: StationFigure) -> Cell | str:
+        if row.takes_now is None:
+            return ""
+        text = print_utilisation(row.takes_now).removesuffix(" %")
+        used = PER_CENT * row.takes_now
+        return Cell(text=text, exact=used, strong=settle(row.takes_now) > 1.0)
+
+    def within(row: StationFigure) -> Cell | str:
+        if row.is_within is None:
+            return ""
+        return Cell(text="yes" if row.is_within else "no", strong=not row.is_within)
+
+    def stop(row: StationFigure) -> str:
+        return join_outputs(row.stopped_by) if row.stopped_by else CEILING
+
+    fields: tuple[Field[StationFigure], ...] = (
+        Field(
+            head="figure",
+            cell=lambda row: Cell(
+                text=capital(source_title(row.source)), note=capital(row.why)
+            ),
+        ),
+        Field(head="alone", kind="number", cell=lambda row: size(row.alone, row)),
+        Field(head="together", kind="number", cell=lambda row: size(row.together, row)),
+        Field(head="unit", kind="unit", cell=lambda row: row.unit),
+        Field(head="now", kind="number", optional=True, cell=now),
+        Field(
+            head="uses [%]",
+            kind="number",
+            optional=True,
+            cell=takes,
+        ),
+        Field(head="within its part", optional=True, cell=within),
+        Field(head="alone stopped by", weight=1.4, cell=stop),
+        Field(
+            head="together stopped by",
+            weight=1.4,
+            optional=True,
+            cell=lambda row: print_stop(row.binding_outputs, ""),
+        ),
+    )
+    return table_of(
+        rows,
+        fields,
+        name=f"station-figures-{owner}",
+        caption=f"What each figure of the {owner} may be, alone and together",
+        by=attrgetter("unit"),
+        is_wide=True,
+    )
+
+
+def _idle(rows: Sequence[StationFigure]) -> Iterator[tuple[str]]:
+    """Say of which sources any value will do, and why."""
+    why = [one for one in rows if one.is_any]
+    for reason in dict.fromkeys(one.why for one in why):
+        names = ", ".join(source_title(one.source) for one in why if one.why == reason)
+        yield (f"{capital(names)}: any value will do; {reason}",)
+
+
+def _verdicts_table(found: Qualification) -> Table:
+    """Return every station with its verdict."""
+
+    def name(row: StationVerdict) -> Cell:
+        own = "the procedure's own, " if row.is_own else ""
+        return Cell(text=row.name, note=f"{own}{row.file}")
+
+    def used(row: StationVerdict) -> Cell | str:
+        if not row.has_figures:
+            return DASH
+        text = print_utilisation(row.utilisation).removesuffix(" %")
+        return Cell(text=text, exact=PER_CENT * row.utilisation)
+
+    def ratio(row: StationVerdict) -> Cell | str:
+        if not row.utilisation:
+            return DASH
+        reached = found.ratio / row.utilisation
+        return Cell(text=print_given(reached, digits=DIGITS), exact=reached)
+
+    def worst(row: StationVerdict) -> str:
+        return join_outputs(row.all_worst) if row.utilisation else DASH
+
+    fields: tuple[Field[StationVerdict], ...] = (
+        Field(head="station", cell=name),
+        Field(
+            head="verdict",
+            cell=lambda row: Cell(
+                text=row.verdict, strong=row.verdict not in {DOES, NO_FIGURES}
+            ),
+        ),
+        Field(
+            head="used [%]",
+            kind="number",
+            cell=used,
+        ),
+        Field(head="limit / U", kind="number", cell=ratio),
+        Field(head="worst output", weight=1.4, cell=worst),
+        Field(head="most of it from", cell=_from),
+    )
+    return table_of(
+        found.stations,
+        fields,
+        name="station-verdicts",
+        caption="Which station will do, by its worst output",
+        is_wide=True,
+    )
+
+
+def _from(row: StationVerdict) -> str:
+    """Name the sources that take most of the worst output."""
+    return ", ".join(source_title(name) for name in row.worst.sources) or DASH
+
+
+def _worst_text(row: StationVerdict, found: Qualification) -> str:
+    """Say what the worst output uses and of what."""
+    if not row.utilisation:
+        return "no limited output feels it"
+    return (
+        f"{join_outputs(row.all_worst)} {'use' if len(row.all_worst) > 1 else 'uses'} "
+        f"{print_utilisation(row.utilisation)} of limit / {print_given(found.ratio)}, "
+        f"most of it by {_from(row)}"
+    )
+
+
+def _acceptance_blocks(found: Qualification) -> Iterator[Block]:
+    """Yield what is accepted at the own station, or at every candidate with figures."""
+    guard = print_given(found.guard)
+    band = "U" if found.guard == 1.0 else f"{guard} U"
+    risk = float(NORMAL.probability([-found.guard * found.coverage_factor])[0])
+    text = (
+        f"The measured value of an error is accepted up to limit - {band}, U being "
+        "the expanded uncertainty of the station alone (guarded acceptance, JCGM "
+        f"106:2012, 8.3.2; r = {guard}). By an accepted value the error is beyond "
+        f"its limit with a probability of {print_given(PER_CENT * risk, digits=2)}"
+        " % at the most, as far as the value is uncertain by the station: noise "
+        "of the device and other errors of the measurement are not in U. None: "
+        f"{band} is not below the limit."
+    )
+    yield Paragraph(words=(text,), small=True)
+    shown = [found.own] if found.own else [s for s in found.stations if s.has_figures]
+    for one in shown:
+        yield _acceptance_table(one, found)
+
+
+def _acceptance_table(station: StationVerdict, found: Qualification) -> Table:
+    """Return limit, U and acceptance limit of every limited output; alike ones once."""
+    scale = attrgetter("output.si_per_unit")
+
+    def expanded(row: StationOutput) -> str:
+        value = row.expanded / scale(row)
+        return print_three(value) if value > 0.0 else "0"
+
+    def accepted(row: StationOutput) -> str:
+        if row.acceptance is None:
+            return "none"
+        return print_down(row.acceptance / scale(row), row.expanded / scale(row))
+
+    def used(row: StationOutput) -> str:
+        return print_utilisation(row.utilisation).removesuffix(" %")
+
+    def alike(row: StationOutput) -> tuple[str, ...]:
+        group = row.output.name.group
+        return (group, row.printed_limit, expanded(row), used(row), accepted(row))
+
+    rows: list[list[StationOutput]] = [
+        [*rows] for _, rows in groupby(station.outputs, alike)
+    ]
+
+    def number(text: str, exact: float | None) -> Cell:
+        return Cell(text=text, exact=exact)
+
+    fields: tuple[Field[list[StationOutput]], ...] = (
+        Field(
+            head=station.name,
+            weight=1.4,
+            cell=lambda same: capital(join_outputs([row.output.name for row in same])),
+        ),
+        Field(
+            head="limit",
+            kind="number",
+            cell=lambda same: number(
+                print_given(same[0].limit / scale(same[0]), digits=6),
+                same[0].limit / scale(same[0]),
+            ),
+        ),
+        Field(
+            head="U",
+            kind="number",
+            cell=lambda same: number(
+                expanded(same[0]), same[0].expanded / scale(same[0])
+            ),
+        ),
+        Field(
+            head="accepted up to",
+            kind="number",
+            cell=lambda same: number(
+                accepted(same[0]),
+                None
+                if same[0].acceptance is None
+                else same[0].acceptance / scale(same[0]),
+            ),
+        ),
+        Field(head="unit", kind="unit", cell=lambda same: same[0].output.unit),
+        Field(
+            head="used [%]",
+            kind="number",
+            cell=lambda same: Cell(
+                text=used(same[0]),
+                exact=PER_CENT * same[0].utilisation,
+                strong=settle(same[0].utilisation) > 1.0,
+            ),
+        ),
+    )
+    return table_of(
+        rows,
+        fields,
+        name=f"acceptance-{found.stations.index(station)}",
+        caption=f"Acceptance limits of what is measured at {station.name}",
+        by=lambda same: key_title(same[0].output.name.group),
+        is_wide=True,
+    )
+
+
+def print_down(value: float, u: float) -> str:
+    """Print an acceptance limit to the third digit of U, never rounded up."""
+    if u <= 0.0 or value <= 0.0:
+        return print_given(value, digits=6)
+    place = max(floor(log10(settle(u))) - 2, floor(log10(value)) - 5)
+    step = Decimal(1).scaleb(place)
+    exact = Decimal(repr(settle(value)))
+    return f"{(exact / step).to_integral_value(ROUND_FLOOR) * step:f}"

@@ -1,0 +1,753 @@
+"""Test stations for a requirement: how good each figure must be, which station does.
+
+The part of a station in the error of an output k is its expanded uncertainty alone,
+U_k = k_p u_k, with the variance of the law of propagation over the sources of station
+and environment that are uncertainties of the test itself,
+
+    u_k^2 = sum_s a_ks u_s^2 + sum_st P_kst u_s^2 u_t^2 ,
+
+all lines of the device being 0 (budget.methods.scaling). The test uncertainty ratio of
+an output is limit / U_k; a station does where none is below the ratio R asked for:
+R U_k <= limit. Turned round it is an allocation with the limits limit / R, solved as
+every allocation is (budget.methods.allocation). What is measured at such a station is
+accepted up to limit - r U_k: guarded acceptance, JCGM 106:2012, 8.3.2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import isfinite
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from budget.calibration.derived import known_outputs, outputs_for
+from budget.calibration.problem import calibration_problem
+from budget.distributions import NORMAL
+from budget.errors import CallError
+from budget.methods.allocation import Task, equal, headroom, proportional
+from budget.methods.decisions import acceptance_interval
+from budget.methods.gum import propagate
+from budget.methods.scaling import NEGLIGIBLE, scaled_law
+from budget.model.sources import (
+    ENVIRONMENT,
+    IN_RUN,
+    STATION,
+    TEST,
+    lines_of,
+    source_of,
+)
+from budget.names import Name, by_group
+from budget.results import SCHEMA, InputFile, input_files, inputs_document
+from budget.spec import load_procedure, load_stations
+from budget.spec.records import ErrorLine
+from budget.spec.station import IDEAL, at_station
+from budget.studies.request import given_lines, not_weighted, sensors_of
+from budget.ties import first_largest, largest, settle
+from budget.units import parse_quantity
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from budget.arrays import Array
+    from budget.methods.scaling import ScaledLaw
+    from budget.model.source import Source
+    from budget.problem import Output, Problem
+    from budget.spec.records import (
+        Device,
+        Limit,
+        Procedure,
+        Requirement,
+        Sensor,
+        Station,
+    )
+
+RATIO, LEAST_RATIO, MOST_RATIO = 4.0, 1.0, 1000.0  # test uncertainty ratio [1]
+GUARD, MOST_GUARD = 1.0, 10.0  # r, of a guard band r U [1]
+STRATEGIES = ("equal", "proportional")
+
+# Up to where the law of second order is trusted, by the usual unit of a source.
+CEILINGS = {
+    "arcsec": "1 deg",
+    "ppm": "1 %",
+    "m": "1000 m",
+    "mGal": "1000 mGal",
+    "deg/h": "1 deg/h",
+    "s": "1 s",
+    "degC": "100 degC",
+    "degC/h": "100 degC/h",
+}
+# Part of a squared limit below which a source at its largest is left out of sharing it:
+# all terms together change no utilisation by 1e-6 [1].
+MINUTE = 1e-9
+USUAL_TIME = 1800.0  # of a temperature whose time nothing says [s]
+
+DOES, DOES_NOT, NO_FIGURES = "does", "does not", "no figures"
+
+
+@dataclass(frozen=True, kw_only=True)
+class StationFigure:
+    """One source of station or environment: what it may be, 1 sigma, normal."""
+
+    source: Name
+    unit: str
+    si_per_unit: float
+    now: float | None  # of the procedure's own station, largest axis [SI]
+    # k_p u alone over limit / R, of the output where that is largest [1].
+    takes_now: float | None
+    alone: float | None  # the others being 0 [SI]; None: any value will do
+    stopped_by: tuple[Name, ...]  # outputs; (): nothing before its ceiling
+    together: float | None  # all sharing the limits [SI]; None: any, or not shared
+    binding_outputs: tuple[Name, ...]  # at limit / R then, where it takes most
+    # Why any value will do, or what makes the first order 0; '' of others.
+    why: str = ""
+
+    @property
+    def is_any(self) -> bool:
+        """Whether it reaches no limited output."""
+        return self.alone is None
+
+    @property
+    def is_within(self) -> bool | None:
+        """Whether it is now no more than its part; None where one of both is not."""
+        if self.now is None:
+            return None
+        if self.is_any:
+            return True
+        return None if self.together is None else settle(self.now) <= self.together
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it, in its unit."""
+
+        def size(value: float | None) -> float | None:
+            return None if value is None else value / self.si_per_unit
+
+        return {
+            "owner": self.source.owner,
+            "source": self.source,
+            "unit": self.unit,
+            "any": self.is_any,
+            "alone": size(self.alone),
+            "alone_stopped_by": list(self.stopped_by),
+            "together": size(self.together),
+            "binding_outputs": list(self.binding_outputs),
+            "now": size(self.now),
+            "takes_now": self.takes_now,
+            "within": self.is_within,
+            "why": self.why,
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class StationOutput:
+    """One limited output at one station."""
+
+    output: Output
+    limit: float  # [SI]
+    printed_limit: str
+    expanded: float  # U of the station alone, at the coverage of the requirement [SI]
+    utilisation: float  # U over limit / R [1]
+    # Largest absolute measured value that is accepted [SI]; None: there is none.
+    acceptance: float | None
+    sources: tuple[Name, ...]  # that take most of it; () where it is 0
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it, in the unit of the output."""
+        size = self.output.si_per_unit
+        accepted = self.acceptance
+        return {
+            "output": self.output.name,
+            "unit": self.output.unit,
+            "limit": self.limit / size,
+            "expanded_uncertainty": self.expanded / size,
+            "utilisation": self.utilisation,
+            "ratio": self.limit / self.expanded if self.expanded > 0.0 else None,
+            "acceptance_limit": None if accepted is None else accepted / size,
+            "limiting_source": next(iter(self.sources), None),
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class StationVerdict:
+    """One station at this test: whether its part of every limit is small enough."""
+
+    name: str
+    file: str
+    is_own: bool  # that of the procedure
+    has_figures: bool
+    outputs: tuple[StationOutput, ...]
+
+    @property
+    def worst(self) -> StationOutput:
+        """The output that uses most of limit / R; of equal ones the first."""
+        return self.outputs[first_largest([row.utilisation for row in self.outputs])]
+
+    @property
+    def all_worst(self) -> tuple[Name, ...]:
+        """That output and all that are equal to it."""
+        places = largest([row.utilisation for row in self.outputs])
+        return tuple(self.outputs[k].output.name for k in places)
+
+    @property
+    def utilisation(self) -> float:
+        """The largest of all outputs [1]."""
+        return self.worst.utilisation
+
+    @property
+    def verdict(self) -> str:
+        """Say whether it does; one without a figure says nothing of itself."""
+        if not self.has_figures:
+            return NO_FIGURES
+        return DOES if settle(self.utilisation) <= 1.0 else DOES_NOT
+
+    def to_dict(self, ratio: float) -> dict[str, Any]:
+        """Return what documents say of it."""
+        return {
+            "name": self.name,
+            "file": self.file,
+            "own": self.is_own,
+            "verdict": self.verdict,
+            "utilisation": self.utilisation,
+            "ratio": ratio / self.utilisation if self.utilisation > 0.0 else None,
+            "worst_output": self.worst.output.name if self.utilisation > 0.0 else None,
+            "limiting_source": next(iter(self.worst.sources), None),
+            "outputs": [row.to_dict() for row in self.outputs],
+        }
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Qualification:
+    """Everything that `budget station` says."""
+
+    title: str
+    inputs: tuple[InputFile, ...]
+    requirement: str
+    procedure: Procedure
+    ratio: float  # R [1]
+    guard: float  # r [1]
+    strategy: str
+    coverage: float
+    coverage_factor: float  # k_p [1]
+    reference: str
+    figures: tuple[StationFigure, ...]
+    stations: tuple[StationVerdict, ...]  # the procedure's own first
+    # Correlation and warm-up time that figures were found with, by source [s].
+    times: Mapping[Name, float]
+    assumptions: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+    @property
+    def own(self) -> StationVerdict | None:
+        """The procedure's own station, where it names one."""
+        return next((one for one in self.stations if one.is_own), None)
+
+    @property
+    def doing(self) -> tuple[StationVerdict, ...]:
+        """The stations that will do."""
+        return tuple(one for one in self.stations if one.verdict == DOES)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON document of schema `budget/1`."""
+        return {
+            "schema": SCHEMA,
+            "command": "station",
+            "title": self.title,
+            "inputs": inputs_document(self.inputs),
+            "settings": {
+                "method": "gum",
+                "strategy": self.strategy,
+                "ratio": self.ratio,
+                "guard": self.guard,
+                "coverage": self.coverage,
+                "coverage_factor": self.coverage_factor,
+                "reference": self.reference,
+                "formulas": self.procedure.formulas,
+            },
+            "does": bool(self.doing),
+            "sources": [figure.to_dict() for figure in self.figures],
+            "stations": [one.to_dict(self.ratio) for one in self.stations],
+            "assumptions": list(self.assumptions),
+            "warnings": list(self.warnings),
+        }
+
+
+def qualify(
+    *devices: Device,
+    requirement: Requirement,
+    procedure: Procedure | None = None,
+    ratio: float = RATIO,
+    guard: float = GUARD,
+    strategy: str | None = None,
+    stations: Sequence[Station] | None = None,
+) -> Qualification:
+    """Say how good each figure of a test station must be, and which station does.
+
+    Parameters
+    ----------
+    *devices : Device
+        What is calibrated; together at most one gyro and one accelerometer.
+    requirement : Requirement
+        Limits, coverage and reference.
+    procedure : Procedure, optional
+        The test, at its own station if it has one; the paper's, if none is given.
+    ratio : float
+        R, test uncertainty ratio that is asked for: limit over U of the station [1].
+    guard : float
+        r, guard band of the acceptance limits over U of the station [1].
+    strategy : str, optional
+        How sources share the limits: 'equal' (default), or 'proportional' to the
+        figures of the procedure's own station.
+    stations : sequence of Station, optional
+        Candidates; the shipped ones, if none are given.
+
+    Returns
+    -------
+    Qualification
+
+    Raises
+    ------
+    CallError
+        Options that mean nothing, or no limit on what the test estimates.
+    """
+    procedure = load_procedure(None) if procedure is None else procedure
+    _check(ratio, guard, strategy or STRATEGIES[0], procedure)
+    sensors = sensors_of(devices, procedure)
+    names = known_outputs([sensor.kind for sensor in sensors], procedure)
+    limits = tuple(one for one in requirement.limits if one.output in names)
+    if not limits:
+        raise CallError(
+            f"{requirement.origin.file}: {requirement.name} sets no limit for what "
+            f"{procedure.name} estimates of a sensor that is there "
+            f"({', '.join(sensor.kind for sensor in sensors)}), one at least is "
+            "needed; add limits for it, or give another procedure"
+        )
+    case = _Case(
+        sensors=sensors,
+        procedure=procedure,
+        requirement=requirement,
+        limits=limits,
+        ratio=ratio,
+        guard=guard,
+    )
+    candidates = load_stations() if stations is None else tuple(stations)
+    verdicts = _verdicts(case, candidates)
+    probe = _probe(case)
+    return Qualification(
+        title=" + ".join(device.name for device in devices),
+        inputs=(
+            *input_files(devices, procedure=procedure, requirement=requirement),
+            *(
+                InputFile(
+                    role=f"candidate {place}",
+                    name=one.origin.file,
+                    sha256=one.origin.sha256,
+                )
+                for place, one in enumerate(candidates, start=1)
+            ),
+        ),
+        requirement=requirement.name,
+        procedure=procedure,
+        ratio=ratio,
+        guard=guard,
+        strategy=strategy or STRATEGIES[0],
+        coverage=requirement.coverage,
+        coverage_factor=case.k,
+        reference=requirement.reference,
+        figures=_figures(case, probe, strategy or STRATEGIES[0]),
+        stations=verdicts,
+        times=probe.times,
+        assumptions=(
+            *(text for device in devices for text in device.assumptions),
+            *(text for text in procedure.assumptions if text != IDEAL),
+            *requirement.assumptions,
+            *not_weighted(sensors, procedure),
+            *probe.assumed,
+        ),
+        warnings=_warnings(case, names),
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Case:
+    """What is asked: a test, its limits, the ratio."""
+
+    sensors: tuple[Sensor, ...]
+    procedure: Procedure
+    requirement: Requirement
+    limits: tuple[Limit, ...]
+    ratio: float
+    guard: float
+
+    @property
+    def k(self) -> float:
+        """Coverage factor of a normal error [1]."""
+        from scipy.special import ndtri
+
+        return float(ndtri((1.0 + self.requirement.coverage) / 2.0))
+
+    @property
+    def names(self) -> list[Name]:
+        """The limited outputs."""
+        return [one.output for one in self.limits]
+
+    @property
+    def allowed(self) -> Array:
+        """Return limit / R, shape (n_limits,) [SI]."""
+        return np.array([one.limit for one in self.limits]) / self.ratio
+
+    @property
+    def has_station(self) -> bool:
+        """Whether the procedure names a station."""
+        return has_station(self.procedure)
+
+    def problem(self, procedure: Procedure) -> Problem:
+        """Return the test with nothing but the sources of station and environment."""
+        kinds = tuple(sensor.kind for sensor in self.sensors)
+        return calibration_problem(
+            self.sensors,
+            procedure,
+            reference=self.requirement.reference,
+            only=frozenset(Name(one.name, owner=o) for o, one in station_sources()),
+            outputs=outputs_for(kinds, procedure, self.names),
+        )
+
+
+def has_station(procedure: Procedure) -> bool:
+    """Whether a procedure names a station, be it an ideal one."""
+    return IDEAL not in procedure.assumptions
+
+
+def station_sources() -> tuple[tuple[str, Source], ...]:
+    """Return owner and source of what a station can be better at.
+
+    Uncertainties that last no longer than the test: what differs at a later turn-on
+    is the mission's, and a known vibration is none.
+    """
+    return tuple(
+        (owner, source)
+        for owner in (STATION, ENVIRONMENT)
+        for source in lines_of(owner)
+        if source.varies and source.stays in {TEST, IN_RUN}
+    )
+
+
+def _check(ratio: float, guard: float, strategy: str, procedure: Procedure) -> None:
+    """Refuse options that mean nothing, all at once."""
+    faults = []
+    if not (isfinite(ratio) and LEAST_RATIO <= ratio <= MOST_RATIO):
+        faults.append(
+            f"ratio is {ratio!r}, allowed: {LEAST_RATIO:g} to {MOST_RATIO:g}, the "
+            "limit over the expanded uncertainty of the station; 4 is usual"
+        )
+    if not (isfinite(guard) and 0.0 <= guard <= MOST_GUARD):
+        faults.append(
+            f"guard is {guard!r}, allowed: 0 (none) to {MOST_GUARD:g}, times the "
+            "expanded uncertainty of the station; 1 is usual"
+        )
+    if strategy not in STRATEGIES:
+        faults.append(f"strategy is {strategy!r}, allowed: {', '.join(STRATEGIES)}")
+    elif strategy == "proportional" and not procedure.station + procedure.environment:
+        faults.append(
+            f"strategy is 'proportional', and {procedure.name} has no figures of a "
+            "station that it could go by; let it name one (station: FILE), or take "
+            "the strategy 'equal'"
+        )
+    if faults:
+        raise CallError("; ".join(faults))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Probe:
+    """The law of every source of station and environment, each of size 1 of its unit.
+
+    Attributes
+    ----------
+    law : ScaledLaw
+        Of the limited outputs, the deviations alone; rounding is 0 in it.
+    lines : mapping of Name to ErrorLine
+    first, any : ndarray of bool, shape (n_src,)
+        Whether it moves a limited output to first order, and whether at all.
+    elsewhere : ndarray of bool, shape (n_src,)
+        Whether it moves any output of the test, limited or not.
+    times : mapping of Name to float
+    assumed : tuple of str
+    """
+
+    law: ScaledLaw
+    lines: Mapping[Name, ErrorLine]
+    first: NDArray[np.bool_]
+    any: NDArray[np.bool_]
+    elsewhere: NDArray[np.bool_]
+    times: Mapping[Name, float]
+    assumed: tuple[str, ...]
+
+
+def _probe(case: _Case) -> _Probe:
+    """Expand the test once, with every source that a station can have."""
+    given = given_lines((), case.procedure)
+    lines: dict[Name, ErrorLine] = {}
+    times: dict[Name, float] = {}
+    assumed: dict[Name, str] = {}
+    for owner, source in station_sources():
+        name = Name(source.name, owner=owner)
+        has = given.get(name)
+        if source.time:
+            own = None if has is None else has.correlation_time
+            times[name] = USUAL_TIME if own is None else float(own[0])
+            if own is None:
+                assumed[name] = (
+                    f"{name}: {source.time} not given, {USUAL_TIME:g} s assumed for "
+                    "what it may be"
+                )
+        lines[name] = _unit_line(source, owner, has, times.get(name))
+    kept = tuple(
+        line
+        for line in case.procedure.environment
+        if Name(line.name, owner=ENVIRONMENT) not in lines
+    )
+    procedure = replace(
+        case.procedure,
+        station=tuple(line for name, line in lines.items() if name.owner == STATION),
+        environment=kept
+        + tuple(line for name, line in lines.items() if name.owner == ENVIRONMENT),
+    )
+    problem = case.problem(procedure)
+    law = scaled_law(problem).select_sources(list(lines)).centred()
+    zero = np.array([output.resolution**2 for output in problem.outputs])
+    law = replace(
+        law,
+        first=np.where(law.first > zero[:, None], law.first, 0.0),
+        second=np.where(law.second > zero[:, None, None], law.second, 0.0),
+    )
+    limited = law.select(case.names)
+    first, anyhow = _moved(limited)
+    return _Probe(
+        law=limited,
+        lines=lines,
+        first=first,
+        any=anyhow,
+        elsewhere=_moved(law)[1],
+        times=times,
+        assumed=tuple(
+            assumed[name]
+            for name, counts in zip(law.sources, anyhow, strict=True)
+            if counts and name in assumed
+        ),
+    )
+
+
+def _moved(law: ScaledLaw) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return which sources move an output to first order, and which at all."""
+    first = np.asarray((law.first > 0.0).any(axis=0))
+    return first, np.asarray(first | (law.second > 0.0).any(axis=(0, 2)))
+
+
+def _unit_line(
+    source: Source, owner: str, has: ErrorLine | None, time: float | None
+) -> ErrorLine:
+    """Return a line of 1 of the unit that the station's own has, or the usual one."""
+    unit = source.like(owner)
+    size = parse_quantity(f"1 {unit}", unit).si_per_unit
+    if has is not None:
+        unit, size = has.unit, has.si_per_unit
+    n = len(source.axes)
+    return ErrorLine(
+        name=source.name,
+        u=np.full(n, size),
+        distributions=(NORMAL,) * n,
+        correlation_time=None if time is None else np.full(n, time),
+        printed=f"1 {unit}",
+        unit=unit,
+        si_per_unit=size,
+    )
+
+
+def _figures(case: _Case, probe: _Probe, strategy: str) -> tuple[StationFigure, ...]:
+    """Return what each source may be, alone and together."""
+    law = probe.law
+    n = len(law.sources)
+    unit = np.array([probe.lines[name].si_per_unit for name in law.sources])
+    given = given_lines((), case.procedure)
+    now = np.array(
+        [float(given[g].u.max()) if g in given else 0.0 for g in law.sources]
+    )
+    most = np.maximum(
+        [_ceiling(source_of(g.owner, g.quantity), g.owner) for g in law.sources], now
+    )
+    task = _task(case, law, most / unit)
+    rooms = headroom(task, np.zeros(n))
+    alone = np.minimum(unit * [room.factor for room in rooms], most)
+    felt = probe.any
+    is_equal = strategy == "equal"
+    free = felt if is_equal else felt & (now > 0.0)
+    sizes = (alone if is_equal else now)[free]
+    together = np.zeros(n)
+    binding: dict[int, tuple[Name, ...]] = {}
+    if free.any():
+        places = np.flatnonzero(free)
+        part_law = law.select_sources([law.sources[g] for g in places])
+        part_law = part_law.resized(sizes / unit[free])
+        shared = _task(case, _without_minute(case, part_law), most[free] / sizes)
+        s = equal(shared) if is_equal else proportional(shared)
+        together[free] = sizes * s
+        part = np.where(shared.binding(s)[:, None], shared.part(s), 0.0)
+        for column, g in enumerate(places):
+            at = largest(part[:, column].tolist())
+            binding[int(g)] = tuple(
+                law.outputs[k] for k in at if part[k, column] >= NEGLIGIBLE
+            )
+    takes = np.sqrt(task.part(now / unit)).max(axis=0)
+    return tuple(
+        StationFigure(
+            source=name,
+            unit=probe.lines[name].unit,
+            si_per_unit=float(unit[g]),
+            now=float(now[g]) if name in given else None,
+            takes_now=float(takes[g]) if name in given else None,
+            alone=float(alone[g]) if felt[g] else None,
+            stopped_by=tuple(law.outputs[k] for k in rooms[g].stopped_by)
+            if alone[g] < most[g]
+            else (),
+            together=float(together[g]) if free[g] else None,
+            binding_outputs=binding.get(g, ()),
+            why=_why(name, g, probe),
+        )
+        for g, name in enumerate(law.sources)
+    )
+
+
+def _without_minute(case: _Case, law: ScaledLaw) -> ScaledLaw:
+    """Return a law without the terms that no utilisation shows.
+
+    A source is not stopped by a limit of which it takes nothing that counts.
+    """
+    scale = (case.k / case.allowed) ** 2
+    return replace(
+        law,
+        first=np.where(scale[:, None] * law.first > MINUTE, law.first, 0.0),
+        second=np.where(scale[:, None, None] * law.second > MINUTE, law.second, 0.0),
+    )
+
+
+def _task(case: _Case, law: ScaledLaw, high: Array) -> Task:
+    """Return the allocation of limit / R over the sources of a law."""
+    n = len(law.sources)
+    return Task(
+        law=law,
+        limit=case.allowed,
+        coverage_factor=np.full(len(case.limits), case.k),
+        free=np.ones(n, dtype=bool),
+        low=np.zeros(n),
+        high=np.asarray(high),
+    )
+
+
+def _ceiling(source: Source, owner: str) -> float:
+    """Return up to where the law is trusted with a source [SI]."""
+    unit = source.like(owner)
+    return float(parse_quantity(CEILINGS[unit], unit).value)
+
+
+def _why(name: Name, g: int, probe: _Probe) -> str:
+    """Say why any value will do, or what removes a source to first order."""
+    effect = source_of(name.owner, name.quantity).effect
+    if probe.first[g]:
+        return ""
+    if not probe.elsewhere[g] and not effect.removed:
+        return f"reaches no output of this test: it takes {effect.needs}"
+    if probe.any[g]:
+        return (
+            f"to first order removed by {effect.removed}"
+            if effect.removed
+            else "to first order it reaches no limited output"
+        )
+    if effect.removed:
+        return f"removed by {effect.removed}"
+    return "reaches no output that has a limit"
+
+
+def _verdicts(case: _Case, candidates: Sequence[Station]) -> tuple[StationVerdict, ...]:
+    """Judge the procedure's own station, then every other candidate."""
+    procedure = case.procedure
+    found = []
+    own = procedure.station_origin
+    if case.has_station:
+        file = (own or procedure.origin).file
+        name = next(
+            (one.name for one in candidates if own and one.origin == own),
+            f"station of {procedure.name}" if own is None else own.file,
+        )
+        lines = (*procedure.station, *procedure.environment)
+        found.append(_verdict(case, procedure, lines, name=name, file=file))
+    for one in candidates:
+        if case.has_station and own == one.origin:
+            continue
+        there = at_station(procedure, one)
+        lines = (*one.station, *one.environment)
+        found.append(_verdict(case, there, lines, name=one.name, file=one.origin.file))
+    return tuple(
+        replace(one, is_own=case.has_station and place == 0)
+        for place, one in enumerate(found)
+    )
+
+
+def _verdict(
+    case: _Case,
+    procedure: Procedure,
+    lines: Sequence[ErrorLine],
+    *,
+    name: str,
+    file: str,
+) -> StationVerdict:
+    """Propagate the figures of one station alone; `lines` are those it gives."""
+    problem = case.problem(procedure)
+    law = propagate(problem)
+    places = {output.name: row for row, output in enumerate(problem.outputs)}
+    u = law.standard_uncertainty
+    rows = []
+    for one, allowed in zip(case.limits, case.allowed, strict=True):
+        row = places[one.output]
+        output = problem.outputs[row]
+        expanded = case.k * float(u[row]) if u[row] > output.resolution else 0.0
+        takes = [float(variance[row]) for variance in law.source_variance]
+        band = case.guard * expanded
+        rows.append(
+            StationOutput(
+                output=output,
+                limit=one.limit,
+                printed_limit=one.printed,
+                expanded=expanded,
+                utilisation=expanded / float(allowed),
+                acceptance=acceptance_interval((-one.limit, one.limit), band)[1]
+                if band < one.limit
+                else None,
+                sources=tuple(problem.groups[g].name for g in largest(takes))
+                if expanded > 0.0
+                else (),
+            )
+        )
+    return StationVerdict(
+        name=name,
+        file=file,
+        is_own=False,
+        has_figures=any(line.u.any() for line in lines),
+        outputs=tuple(rows),
+    )
+
+
+def _warnings(case: _Case, names: Sequence[Name]) -> tuple[str, ...]:
+    """Say what a reader should know before believing the tables."""
+    absent = [one.output for one in case.requirement.limits if one.output not in names]
+    found = [
+        f"the requirement limits {parameters}, which this test does not estimate of "
+        "what is given: nothing is said of it"
+        for parameters in by_group(absent)
+    ]
+    if not case.has_station:
+        found.append(
+            f"{case.procedure.name} names no station: what figures take now is not "
+            "known, candidates alone are judged"
+        )
+    return tuple(found)

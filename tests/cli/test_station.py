@@ -1,0 +1,131 @@
+"""`budget station`: documents, files, exit codes, and what people read."""
+
+from __future__ import annotations
+
+import csv
+import io
+
+import pytest
+from command_line import call
+from numpy.testing import assert_allclose
+from saying import assert_says
+
+TACTICAL = ("station", "zhao-2019", "--requirement", "tactical-grade")
+HARD = ("station", "zhao-2019", "--requirement", "navigation-grade")
+
+
+@pytest.fixture
+def at_a_table(tmp_path):
+    """Write a procedure with a station of its own."""
+    path = tmp_path / "lab.yaml"
+    path.write_text(
+        "name: lab\nlatitude: 34.2394 deg\nstation: three-axis-table\n",
+        encoding="utf-8",
+    )
+    return path
+
+
+def test_some_station_does_and_the_code_is_0():
+    """The table does at 4:1; the plate with its cube does not in full."""
+    run = call(*TACTICAL, "--json", "-")
+    assert run.code == 0, run.err
+    verdicts = {one["file"]: one["verdict"] for one in run.document["stations"]}
+    assert verdicts["three-axis-table.yaml"] == "does"
+    assert verdicts["ideal.yaml"] == "no figures"
+    assert run.document["does"] is True
+
+
+def test_no_station_does_and_the_code_is_1():
+    """At 4:1 of the navigation grade; the headline names the nearest and why."""
+    run = call(*HARD)
+    assert run.code == 1, run.err
+    assert_says(
+        run.out,
+        *("no station here will do", "4:1", "good three-axis table", "724 %"),
+        *("any value will do", "names no station", "accepted up to", "8.3.2"),
+    )
+
+
+def test_the_page_fits_a_usual_terminal(at_a_table):
+    """No line is longer than 80 characters, with a station of its own too."""
+    for more in ((), ("--procedure", at_a_table)):
+        out = call(*TACTICAL, *more).out
+        assert max(map(len, out.splitlines())) <= 80
+
+
+def test_the_own_station_stands_first(at_a_table):
+    """Its figures have what they are now, in the page and in the document."""
+    run = call(*TACTICAL, "--procedure", at_a_table, "--json", "-")
+    first = run.document["stations"][0]
+    assert first["own"]
+    assert first["file"] == "three-axis-table.yaml"
+    assert [one["own"] for one in run.document["stations"]].count(True) == 1
+    turn = run.document["sources"][0]
+    assert (turn["source"], turn["now"]) == ("station.turn_angle", 1.0)
+    assert_says(call(*TACTICAL, "--procedure", at_a_table).out, "within", "now")
+
+
+@pytest.mark.parametrize("ratio", ["3:1", "3", "3.0", " 3 : 1"])
+def test_a_ratio_is_read_in_every_form(ratio):
+    """`3:1` and `3` are the same."""
+    run = call(*TACTICAL, "--ratio", ratio, "--json", "-")
+    assert run.document["settings"]["ratio"] == 3.0
+
+
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [
+        *(("--ratio", text) for text in ("0", "abc", "4:2", "0.5", "1e9", "-4", "")),
+        *(("--guard", text) for text in ("-1", "x", "11", "nan")),
+        ("--strategy", "cost"),
+        ("--strategy", "proportional"),
+        ("--station", "nowhere.yaml"),
+        ("--write", "needed.txt"),
+    ],
+)
+def test_a_bad_option_is_refused_in_words(option, value):
+    """Exit code 2, the option and what is allowed; nothing on stdout."""
+    run = call(*HARD, f"{option}={value}")
+    assert (run.code, run.out) == (2, "")
+    assert option.removeprefix("--") in run.err or value in run.err
+    assert "Traceback" not in run.err
+
+
+def test_what_is_written_is_a_station_that_does(tmp_path):
+    """Given back as a candidate it uses all of limit / 4, and the code is 0."""
+    path = tmp_path / "needed.yaml"
+    assert call(*HARD, "--write", path).code == 1  # none of those there does
+    assert call("validate", path).code == 0
+    run = call(*HARD, "--station", path, "--json", "-")
+    assert run.code == 0, run.err
+    found = {one["file"]: one for one in run.document["stations"]}["needed.yaml"]
+    assert_allclose(found["utilisation"], 1.0, rtol=1e-6)
+    assert found["verdict"] == "does"
+    assert_allclose(found["ratio"], 4.0, rtol=1e-6)
+
+
+def test_the_table_for_programs_has_every_source():
+    """CSV and JSON say the same of each."""
+    rows = [*csv.DictReader(io.StringIO(call(*HARD, "--csv", "-").out))]
+    sources = call(*HARD, "--json", "-").document["sources"]
+    assert [row["source"] for row in rows] == [one["source"] for one in sources]
+    for row, one in zip(rows, sources, strict=True):
+        assert row["alone"] == ("" if one["alone"] is None else repr(one["alone"]))
+        assert row["any"] == str(one["any"]).lower()
+        assert row["now"] == ""
+
+
+def test_an_acceptance_limit_is_printed_rounded_down():
+    """100 arcsec less 9.0527 is 90.947: 90.94 is accepted, 90.95 is not."""
+    out = call(*TACTICAL).out
+    line = next(row for row in out.splitlines() if "90.9" in row)
+    assert_says(line, "gyro mounting angle yx", "9.05", "90.94 arcsec")
+
+
+def test_a_requirement_that_limits_nothing_here_is_refused(tmp_path):
+    """The requirement is named, and what would help."""
+    path = tmp_path / "r.yaml"
+    path.write_text("name: r\nlimits: {gyro: {bias: 1 deg/h}}\n", encoding="utf-8")
+    run = call(*HARD[:2], "--requirement", path, "--procedure", "six-positions")
+    assert run.code == 2
+    assert_says(run.err, "accelerometer", "add limits")
