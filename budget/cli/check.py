@@ -330,22 +330,28 @@ def validate(
             for text in found.assumptions:
                 tell(f"  assumed: {text}\n")
             if found.kind == "procedure":
-                _show_schedule(name)
+                _show_procedure(name)
     if issues:
         raise SpecError(tuple(issues))
 
 
-def _show_schedule(name: str) -> None:
-    """Draw what a procedure does when."""
+def _show_procedure(name: str) -> None:
+    """Warn of what it says of the place, what that may cost; draw what it does when."""
     from budget.calibration.schemes import calibrates
     from budget.cli.output import print_page
     from budget.model.sources import SENSORS
     from budget.report.figures.timeline import schedule_sections
+    from budget.report.inputs import blunders_sections
     from budget.spec import load_procedure
+    from budget.studies.blunders import costs, evident
 
     procedure = load_procedure(name)
+    for text in evident(procedure):
+        tell(f"  warning: {text}\n")
     there = [kind for kind in SENSORS if calibrates(kind, procedure)]
-    print_page(schedule_sections(procedure, there))
+    print_page(
+        [*blunders_sections(costs(procedure)), *schedule_sections(procedure, there)]
+    )
 
 
 def schema(

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.report.blocks import Block, Table, Words
     from budget.spec.records import Device, ErrorLine, Procedure, Sensor, UnusedValue
+    from budget.studies.blunders import Blunder, Offset
 
 
 NOMINAL_BIAS = {"gyro": ("deg/h", DEG_PER_HOUR), "accelerometer": ("ug", MICRO_G)}
@@ -293,3 +294,25 @@ def _gyro_rows(procedure: Procedure) -> list[tuple[str, Words]]:
 def _pause(pause: float) -> str:
     """Say how long the pauses are, where there are any [s]."""
     return f"; pause {print_given(pause)} s between all windows" if pause else ""
+
+
+def blunders_sections(
+    costs: Sequence[tuple[Blunder, Sequence[Offset]]],
+) -> tuple[Section, ...]:
+    """Say what mistakes about the place would add to the outputs; () without any."""
+    if not costs:
+        return ()
+    rows = [
+        (one.text if offset is moved[0] else "", offset)
+        for one, moved in costs
+        for offset in moved
+    ]
+    name = "blunders"
+    fields: tuple[Field[tuple[str, Offset]], ...] = (
+        Field(head="mistake", cell=lambda row: row[0]),
+        Field(head="output", cell=lambda row: row[1].name),
+        Field(head="adds", cell=lambda row: row[1].printed),
+    )
+    title = "What a mistake about the place would add (calibrated minus true)"
+    table = table_of(rows, fields, name=f"{name}-table", caption=title)
+    return (Section(name=name, title=title, blocks=(table,)),)

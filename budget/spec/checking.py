@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
+from budget.earth import ROTATION_RATE
 from budget.model.sources import SOURCES, twin_of
 from budget.spec.tree import MOST_ISSUES, all_of, describe, plain
+from budget.units import DEG_PER_HOUR
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -50,6 +52,11 @@ _MAKERS = {
 _AGEING = (
     "; a change over months between test and use has no model here, a value of it goes "
     "under 'figures' of its device, as text"
+)
+_EARTH_RATE = (
+    f"; the earth rate is that of WGS 84, {ROTATION_RATE / DEG_PER_HOUR:.4f} deg/h, a "
+    "turn in a sidereal day and not in 24 h; what is not known of it is "
+    "station.earth_rate"
 )
 
 _EXPECTED = {
@@ -110,6 +117,8 @@ def _slip(word: str, allowed: tuple[str, ...]) -> str:
     Near is not enough here: '4 sigma' is no slip of '1 sigma' nor 'lognormal' of
     'normal', and a line of one kind of sensor has its own twin on the other.
     """
+    if word == "earth_rate":
+        return _EARTH_RATE
     if any(line.name == word for line in SOURCES):
         twin = twin_of(word)
         return f"; did you mean {twin!r}?" if twin in allowed else ""

@@ -69,6 +69,7 @@ NO_PAPER = (
     "flip_axis",
     "moves",
 )  # keys it has none of
+HEIGHT_0 = "height: not given, 0 m assumed"  # where gravity is the normal one
 MOST_AZIMUTHS = 360  # one for every degree; all windows are correlated with all
 MOST_HEIGHT = 100_000.0  # of a laboratory; the series of normal gravity ends there [m]
 _ROUNDING = 1e-12  # relative; a latitude of 90 deg is no more than that in radians
@@ -466,11 +467,7 @@ def read_procedure(document: Document, station: Document | None = None) -> Proce
             *_assumptions("", model, (*NO_PAPER, *SENSORS, *shared, *idle)),
             *(() if model.windows else _assumptions("gyro.", gyro)),
             *(() if model.windows else _assumptions("accelerometer.", accelerometer)),
-            *(
-                ("height: not given, 0 m assumed",)
-                if gravity == "normal" and model.height is None
-                else ()
-            ),
+            *((HEIGHT_0,) if gravity == "normal" and model.height is None else ()),
             *((IDEAL,) if model.station is None else ()),
             *_windows_assumptions(model),
             *_held_assumptions(model),

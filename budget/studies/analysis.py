@@ -34,7 +34,7 @@ from budget.results import (
     input_files,
 )
 from budget.spec import load_procedure
-from budget.studies import cautions
+from budget.studies import blunders, cautions
 from budget.studies.compensation import compensations
 from budget.studies.conformity import assess
 from budget.studies.lower_bounds import could_widen
@@ -227,6 +227,7 @@ def analyze_as(
     if chosen is None:
         warnings += cautions.unknown_zeros(problem, law)
         warnings += cautions.say_unfelt(cautions.unfelt(analysis))
+        warnings += blunders.worth_saying(procedure, sensors, law, problem, requirement)
     estimate = ESTIMATORS[settings.method](analysis, settings, engine)
     warnings += estimate.warnings
     warnings += cautions.few_trials(estimate.trials, settings.coverage)

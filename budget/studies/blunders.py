@@ -1,0 +1,395 @@
+"""Blunders about the place of a test, each with what it does to the outputs.
+
+A wrong latitude, earth rate, height or gravity widens no interval: it is an offset of
+every output that it reaches, and shows when a test is compared with another one. Each
+is a source of the station (budget.model.sources.place) at a known value, used minus
+true, through the windows and weights of the procedure at hand. A number that is right
+for its kind shows none of them, so what they cost is a table; where a file gives
+evidence of one, that is a warning.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import atan, degrees, inf, isclose, tan
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.calibration.problem import calibration_problem
+from budget.calibration.schemes import calibrates, estimated
+from budget.distributions import NORMAL
+from budget.earth import ECCENTRICITY_SQUARED, ROTATION_RATE, normal_gravity
+from budget.errors import BudgetError
+from budget.model.sources import SENSORS, STATION
+from budget.names import Name
+from budget.spec.procedure import HEIGHT_0
+from budget.spec.records import ErrorLine, Sensor
+from budget.units import DEG_PER_HOUR, STANDARD_GRAVITY
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+    from budget.methods.gum import Propagation
+    from budget.problem import Output, Problem
+    from budget.spec.records import Procedure, Requirement
+
+FALSE_RATE = 15.0 * DEG_PER_HOUR  # a turn in 24 h, in place of a sidereal day [rad/s]
+CLIMB = 100.0  # above the height that is assumed [m]
+MILLIGAL = 1e-5  # [m/s^2]
+ANOMALY, LEAST_ANOMALY = 50.0, 10.0  # of gravity; 10 to 100 are usual [mGal]
+ROUNDING = 1e-12  # of units [1]
+ROUND = (STANDARD_GRAVITY, 9.81, 9.8)  # of who means the unit g [m/s^2]
+SAME = 0.01  # an uncertainty that near to a value is the value itself [1]
+SHARE = 0.1  # of u or of a limit, from which on an offset is worth a warning [1]
+ALIKE = 0.01  # axes whose offsets differ by less of the largest are named as one [1]
+# In resolutions of an output, 1 ppm, 0.2 arcsec, 1e-6 of what a bias is measured
+# beside: below it an offset is left out.
+LEAST = 1e8
+MOST_WINDOWS = 200  # of a test whose table of blunders is made
+WHOLE, MILLION = 100.0, 1e6  # between them no decimals are printed [unit of output]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Blunder:
+    """One mistake about the place: a source of the station at a value.
+
+    Attributes
+    ----------
+    text : str
+        What is taken for what.
+    source : str
+        The source of the station that it is an input of.
+    used : Procedure
+        With what is taken for the truth.
+    difference : float
+        Used minus true [SI].
+    evidence, remedy : str
+        For a warning: why it is suspected here, and what to do.
+    worth : float
+        Part of u, or of a limit, from which on it is worth a warning [1].
+    """
+
+    text: str
+    source: str
+    used: Procedure
+    difference: float
+    evidence: str = ""
+    remedy: str = ""
+    worth: float = SHARE
+
+    def warn(self, effect: str) -> str:
+        """Say in a warning what it does."""
+        return f"{self.evidence}: {self.text} adds {effect}; {self.remedy}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Offset:
+    """What a blunder adds to an output, or to all axes of it alike."""
+
+    name: Name
+    error: float  # calibrated minus true [SI]
+    output: Output
+
+    @property
+    def printed(self) -> str:
+        """The error with sign and unit, to three digits: '+0.0388 deg/h'."""
+        value = self.error / self.output.si_per_unit
+        # Where three digits are no decimals whole numbers are, not powers of ten.
+        form = "+.0f" if WHOLE <= abs(value) < MILLION else "+#.3g"
+        return f"{value:{form}} {self.output.unit}"
+
+
+def blunders(procedure: Procedure) -> tuple[Blunder, ...]:
+    """Return the mistakes that can be made at a place, which is what the file says.
+
+    Latitude: the geocentric one used, tan L' = (1 - e^2) tan L. Earth rate: 15 deg/h
+    used. Normal gravity: that of height 0 used 100 m up, and an anomaly left out.
+    Gravity: the unit g used for it.
+    """
+    found = [_geocentric(procedure), _solar_day(procedure)]
+    if procedure.is_gravity_normal:
+        found += [_height(procedure)] if _is_height_open(procedure) else []
+        found.append(_anomaly(procedure))
+    if not _is_round(procedure):
+        there = replace(procedure, gravity=STANDARD_GRAVITY, is_gravity_normal=False)
+        found.append(_unit_g(there, procedure.gravity))
+    return tuple(found)
+
+
+def suspected(procedure: Procedure) -> Iterator[Blunder]:
+    """Yield the mistakes that a file gives evidence of.
+
+    Gravity that is the unit g, and a figure of the place that stands where its
+    uncertainty belongs. A station that is given and says nothing of height or gravity:
+    without a station it is said that an ideal one is assumed.
+    """
+    normal = normal_gravity(procedure.latitude)
+    misses = abs(procedure.gravity - normal)
+    if _is_round(procedure) and misses > LEAST_ANOMALY * MILLIGAL:
+        yield _unit_g(procedure, normal)
+    lines = {line.name: line for line in procedure.station}
+    if lines and procedure.is_gravity_normal:
+        if _is_height_open(procedure):
+            yield _height(procedure)
+        if "gravity" not in lines:
+            yield _anomaly(procedure)
+
+
+def offsets(blunder: Blunder, sensors: Iterable[Sensor]) -> tuple[Offset, ...]:
+    """Return what a blunder adds to each output of these triads.
+
+    The calibration (budget.calibration.problem) with that source at its value, less
+    the same with it at 0; all other sources at 0.
+
+    Raises
+    ------
+    BudgetError
+        The procedure cannot calibrate these triads.
+    """
+    line = ErrorLine(
+        name=blunder.source,
+        u=np.ones(1),
+        distributions=(NORMAL,),
+        printed="",
+        unit="",
+        si_per_unit=1.0,
+    )
+    name = Name(blunder.source, owner=STATION)
+    used = replace(blunder.used, station=(line,), environment=())
+    problem = calibration_problem(tuple(sensors), used, only=frozenset({name}))
+    x = np.zeros((sum(group.mean.size for group in problem.groups), 2))
+    for group, rows in zip(problem.groups, problem.slices, strict=True):
+        if group.name == name:
+            x[rows, 1] = blunder.difference
+    with np.errstate(all="ignore"):  # no such earth; what is not finite is left out
+        errors = problem.evaluate(x)
+    return tuple(
+        Offset(name=output.name, error=float(there - without), output=output)
+        for output, (without, there) in zip(problem.outputs, errors, strict=True)
+    )
+
+
+def costs(procedure: Procedure) -> tuple[tuple[Blunder, tuple[Offset, ...]], ...]:
+    """Return what each mistake adds to triads without errors of their own.
+
+    Of a parameter the axis that is moved most, or all where they move alike. What
+    reaches nothing that the test estimates is left out, as are all where the windows
+    do not calibrate a triad that nothing is known of, or are more than 200: each is a
+    calibration of its own, which with thousands of windows takes a minute.
+    """
+    if len(procedure.windows) > MOST_WINDOWS:
+        return ()
+    return tuple((one, moved) for one in blunders(procedure) if (moved := _ideal(one)))
+
+
+def evident(procedure: Procedure) -> tuple[str, ...]:
+    """Say what is wrong with a procedure whatever the device, with its size."""
+    found = [
+        one.warn(_listed(moved))
+        for one in suspected(procedure)
+        if one.source == "gravity" and not one.used.is_gravity_normal
+        for moved in [_ideal(one)]
+        if moved
+    ]
+    return (*found, *_values_for_uncertainties(procedure))
+
+
+def worth_saying(
+    procedure: Procedure,
+    sensors: Iterable[Sensor],
+    law: Propagation,
+    problem: Problem,
+    requirement: Requirement | None = None,
+) -> tuple[str, ...]:
+    """Say the same of devices at hand, where it counts beside u or a limit."""
+    u = {
+        output.name: float(one)
+        for output, one in zip(problem.outputs, law.standard_uncertainty, strict=True)
+    }
+    limits = (
+        {}
+        if requirement is None
+        else {limit.output: limit.limit for limit in requirement.limits}
+    )
+    return (
+        *(
+            one.warn(_listed(moved, u))
+            for one in suspected(procedure)
+            for moved in [_counting(one, sensors, u, limits)]
+            if moved
+        ),
+        *_values_for_uncertainties(procedure),
+    )
+
+
+def _counting(
+    blunder: Blunder,
+    sensors: Iterable[Sensor],
+    u: Mapping[Name, float],
+    limits: Mapping[Name, float],
+) -> tuple[Offset, ...]:
+    """Return the offsets that are more than their share of u or of a limit."""
+    return _moved(
+        one
+        for one in offsets(blunder, sensors)
+        if one.name in u
+        and abs(one.error)
+        > blunder.worth * min(u[one.name], limits.get(one.name, u[one.name]))
+    )
+
+
+def _geocentric(procedure: Procedure) -> Blunder:
+    """Return the geocentric latitude for the geodetic: TR8350.2, eq. (4-15)."""
+    L = procedure.latitude
+    less = atan((1.0 - ECCENTRICITY_SQUARED) * tan(L))
+    gravity = procedure.gravity
+    if procedure.is_gravity_normal:
+        gravity = normal_gravity(less, procedure.height)
+    return Blunder(
+        text=f"geocentric latitude, {degrees(less):.4f} deg",
+        source="latitude",
+        used=replace(procedure, latitude=less, gravity=gravity),
+        difference=less - L,
+    )
+
+
+def _solar_day(procedure: Procedure) -> Blunder:
+    """Return a turn of the earth in 24 h for one in a sidereal day."""
+    return Blunder(
+        text="earth rate 15 deg/h",
+        source="earth_rate",
+        used=procedure,
+        difference=FALSE_RATE - ROTATION_RATE,
+    )
+
+
+def _height(procedure: Procedure) -> Blunder:
+    """Return normal gravity at height 0 used above it."""
+    return Blunder(
+        text=f"each {CLIMB:g} m of height not said",
+        source="height",
+        used=procedure,
+        difference=-CLIMB,
+        evidence="height is not given, and gravity is the normal one at 0 m",
+        remedy="give height",
+    )
+
+
+def _anomaly(procedure: Procedure) -> Blunder:
+    """Return normal gravity used where there is more of it."""
+    return Blunder(
+        text=f"anomaly of +{ANOMALY:g} mGal left out",
+        source="gravity",
+        used=procedure,
+        difference=-ANOMALY * MILLIGAL,
+        evidence="gravity is the normal one, and the station does not say how well it "
+        "is known",
+        remedy="10 to 100 mGal are usual; give the gravity that was measured, or "
+        "station.gravity",
+        worth=SHARE * ANOMALY / LEAST_ANOMALY,
+    )
+
+
+def _unit_g(used: Procedure, true: float) -> Blunder:
+    """Return the unit g, or what it is rounded to, used for gravity."""
+    return Blunder(
+        text=f"unit g for gravity ({used.gravity:g} m/s^2)",
+        source="gravity",
+        used=used,
+        difference=used.gravity - true,
+        evidence="gravity is a round number, and the normal one of this latitude, at "
+        f"height 0, is {true:.5f} m/s^2",
+        remedy="give 'normal' and height, or the gravity that was measured",
+    )
+
+
+def _is_round(procedure: Procedure) -> bool:
+    """Whether gravity is given, and as the unit g."""
+    return not procedure.is_gravity_normal and any(
+        isclose(procedure.gravity, one, rel_tol=ROUNDING) for one in ROUND
+    )
+
+
+def _is_height_open(procedure: Procedure) -> bool:
+    """Whether height 0 is assumed, and not said."""
+    return HEIGHT_0 in procedure.assumptions
+
+
+def _values_for_uncertainties(procedure: Procedure) -> tuple[str, ...]:
+    """Say which figures of the station are not uncertainties, but values."""
+    place = procedure.place
+    values = {
+        "latitude": abs(place.latitude),
+        "height": abs(place.height),
+        "gravity": place.gravity,
+        "earth_rate": place.earth_rate,
+    }
+    found = []
+    for line in procedure.station:
+        value = values.get(line.name)
+        if not value or not isclose(line.u[0], value, rel_tol=SAME):
+            continue
+        what = line.name.replace("_", " ")
+        text = (
+            f"{STATION}.{line.name} is {line.printed}, the {what} itself, where its "
+            "standard uncertainty belongs"
+        )
+        day = _solar_day(procedure)
+        if line.name == day.source and (moved := _ideal(day)):
+            text += (
+                f"; what is used is {value / DEG_PER_HOUR:.4f} deg/h, and {day.text} "
+                f"would add {_listed(moved)}"
+            )
+        found.append(text)
+    return tuple(found)
+
+
+def _ideal(blunder: Blunder) -> tuple[Offset, ...]:
+    """Return what it adds to triads without errors; () where none are calibrated."""
+    sensors = [
+        Sensor(
+            kind=kind,
+            device="",
+            nominal_bias=np.zeros(3),
+            nominal_mounting_angle=np.zeros(6),
+            lines=(),
+            not_given=(),
+            expected_missing=(),
+        )
+        for kind in SENSORS
+        if calibrates(kind, blunder.used) and estimated(kind, blunder.used)
+    ]
+    try:
+        return _moved(offsets(blunder, sensors)) if sensors else ()
+    except BudgetError:  # what only a device can make whole
+        return ()
+
+
+def _moved(found: Iterable[Offset]) -> tuple[Offset, ...]:
+    """Return of each parameter the largest offset, of all axes where they are alike."""
+    groups: dict[Name, list[Offset]] = {}
+    for one in found:
+        if inf > abs(one.error) > LEAST * one.output.resolution:
+            groups.setdefault(one.name.group, []).append(one)
+    moved = []
+    for group, own in groups.items():
+        largest = max(own, key=lambda one: abs(one.error))
+        apart = max(abs(one.error - largest.error) for one in own)
+        if len(own) > 1 and apart <= ALIKE * abs(largest.error):
+            largest = replace(largest, name=group)
+        moved.append(largest)
+    return tuple(moved)
+
+
+def _listed(moved: Iterable[Offset], u: Mapping[Name, float] | None = None) -> str:
+    """Name offsets, '-1016 ppm to accelerometer.scale_factor', beside u where known."""
+    return ", ".join(
+        f"{one.printed} to {one.name}"
+        + (
+            f" (u {u[one.output.name] / one.output.si_per_unit:.2g} {one.output.unit})"
+            if u
+            else ""
+        )
+        for one in moved
+    )
