@@ -25,13 +25,14 @@ from saying import assert_says
 
 from budget import load_procedure
 from budget.calibration.problem import calibration_problem
+from budget.calibration.schemes import scheme_of
 from budget.calibration.simulation import simulate
 from budget.errors import SpecError
 from budget.methods.gum import propagate
 from budget.methods.monte_carlo import sample
 from budget.methods.sobol import sobol
 from budget.model.noise import GaussMarkov, stationary
-from budget.model.windows import Schedule, Window
+from budget.model.windows import Schedule, Setting, Window
 from budget.spec import load_device
 from budget.spec.records import Device
 from budget.studies.analysis import analyze
@@ -97,6 +98,73 @@ def test_pulses_show_the_same_history(monkeypatch, name, value, time):
     assert np.abs(exact[ACC_BIAS]).max() > 0.5
     size = np.abs(exact).max()
     assert_allclose(found / size, exact / size, rtol=1e-5, atol=1e-6)
+
+
+def alone(sensors, how, **values):
+    """Return the errors of one triad with sources at values [SI]."""
+    problem = calibration_problem(sensors, how)
+    return problem.evaluate(at_sources(problem, **values)[:, None])[:, 0]
+
+
+def simulated_alone(monkeypatch, sensors, how, name, values):
+    """Return those of a simulated run [SI]."""
+    monkeypatch.setattr(
+        "budget.calibration.simulation._values", lambda *_: np.array(values)
+    )
+    return simulate(sensors, how, run=0, only=frozenset({name}))
+
+
+def test_what_a_turn_leaves_out_is_as_large_as_is_said(monkeypatch):
+    """Accelerometers read in turns on a ramp: off by kT r L g/(2 pi n) at the most.
+
+    Of one turn about a level axis it is all of that: (1/L) int r t g sin(2 pi t/L) dt;
+    a turn back takes it away again, so there is none here.
+    """
+    turns = [
+        Window(
+            name=str(k),
+            start=20.0 * (12 + k),
+            length=18.0,
+            setting=Setting(
+                outer=0.0,
+                middle=0.0,
+                inner=0.0,
+                turning=axis,
+                angle=2.0 * np.pi,
+            ),
+            use="both",
+        )
+        for k, axis in enumerate((0, 1))
+    ]
+    faces = [
+        Window(
+            name=f"face {k}",
+            start=20.0 * k,
+            length=18.0,
+            setting=Setting.face(axis, sign, azimuth),
+            use="both",
+        )
+        for k, (axis, sign, azimuth) in enumerate(
+            (a, s, z) for a in range(3) for s in (1, -1) for z in (0.0, np.pi)
+        )
+    ]
+    rate, kT = 50.0 * PER_HOUR, 200.0 * PPM
+    how = replace(
+        of(at("temperature.ramp", rate), sample_rate=50.0),
+        windows=(*faces, *turns),
+        formulas="least_squares",
+    )
+    sensors = triads({KT: kT}, {KT: kT})[1:]
+    name = "environment.temperature.ramp"
+    found = simulated_alone(monkeypatch, sensors, how, name, [rate])
+    exact = alone(sensors, how, environment__temperature__ramp=rate)
+    g = how.gravity
+    most = kT * rate * 18.0 * g / (2.0 * np.pi)
+    scheme = scheme_of("accelerometer", how, sensors[0])
+    turned = np.abs(scheme.weights[:, 3, 12:]).sum(axis=1)
+    off = np.abs(found - exact)[9:]
+    assert (off <= 1.01 * most * turned).all()
+    assert off.max() > 0.2 * most * turned.max()  # and not nothing
 
 
 RANDOM = of(at("temperature.sigma", 0.5, 1800.0), sample_rate=0.5)
