@@ -197,6 +197,27 @@ def test_a_curve_without_its_range_is_refused_with_the_remedy(gyro, line, words)
         gyro(line)
 
 
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("scale_factor_quadratic: 10 ppm", "full_scale and shape: quadratic"),
+        ("scale_factor_cubic: 10 ppm", "full_scale and shape: cubic"),
+        ("K2: 10 ppm", "scale_factor_quadratic"),
+    ],
+)
+def test_accelerometers_have_no_k2_in_ppm_either(tmp_path, line, words):
+    """Nor K3: 10 ppm of 10 g and of 50 g are not the same; ppm/g says which."""
+    path = tmp_path / "k.yaml"
+    head = "name: k\naccelerometer:\n  errors:\n    "
+    path.write_text(f"{head}{line}\n")
+    with pytest.raises(SpecError, match=words):
+        load_device(path)
+    path.write_text(f"{head}scale_factor_quadratic: 10 ppm/g\n")
+    assert_allclose(
+        load_device(path).accelerometer.lines[0].u, 10e-6 / 9.80665, rtol=1e-12
+    )
+
+
 def test_an_asymmetry_says_whose_sign_decides(gyro):
     """Unset it is the turn's, as in the paper."""
     for words, form in (
