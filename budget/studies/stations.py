@@ -23,12 +23,14 @@ import numpy as np
 
 from budget.calibration.derived import known_outputs, outputs_for
 from budget.calibration.problem import calibration_problem
+from budget.calibration.schemes import WEIGHTED, schemes_of, with_accelerometers
 from budget.distributions import NORMAL
 from budget.errors import CallError
 from budget.methods.allocation import Task, equal, headroom, proportional
 from budget.methods.decisions import acceptance_interval
 from budget.methods.gum import propagate
 from budget.methods.scaling import NEGLIGIBLE, scaled_law
+from budget.model.source import Disturbance, Statistics, Triad
 from budget.model.sources import (
     ENVIRONMENT,
     IN_RUN,
@@ -403,15 +405,60 @@ class _Case:
         return has_station(self.procedure)
 
     def problem(self, procedure: Procedure) -> Problem:
-        """Return the test with nothing but the sources of station and environment."""
+        """Return the test with nothing but the sources of station and environment.
+
+        What no triad feels is left out, and what varies of the device, unless an
+        estimator weighs by it: every input costs second derivatives with all others.
+        """
         kinds = tuple(sensor.kind for sensor in self.sensors)
+        sensors = self.sensors
+        if procedure.formulas != WEIGHTED:
+            sensors = tuple(map(_coefficients_alone, sensors))
+        triads = [
+            Triad(
+                scheme=scheme,
+                given={one.name: one for one in (*procedure.environment, *lines)},
+                statistics=Statistics.of(scheme, []),
+            )
+            for there in [with_accelerometers(sensors, procedure)]
+            for scheme, lines in (
+                (schemes_of(there, procedure)[one.kind], one.lines) for one in there
+            )
+        ]
+
+        def felt(owner: str, lines: Sequence[ErrorLine]) -> tuple[ErrorLine, ...]:
+            return tuple(one for one in lines if _is_felt(owner, one, triads))
+
         return calibration_problem(
-            self.sensors,
-            procedure,
+            sensors,
+            replace(
+                procedure,
+                station=felt(STATION, procedure.station),
+                environment=felt(ENVIRONMENT, procedure.environment),
+            ),
             reference=self.requirement.reference,
             only=frozenset(Name(one.name, owner=o) for o, one in station_sources()),
             outputs=outputs_for(kinds, procedure, self.names),
         )
+
+
+def _coefficients_alone(sensor: Sensor) -> Sensor:
+    """Return a sensor, and those beside it, without the lines that vary."""
+    return replace(
+        sensor,
+        lines=tuple(
+            one for one in sensor.lines if not source_of(sensor.kind, one.name).varies
+        ),
+        beside=sensor.beside and _coefficients_alone(sensor.beside),
+    )
+
+
+def _is_felt(owner: str, line: ErrorLine, triads: Sequence[Triad]) -> bool:
+    """Whether a line does anything to a triad of the test."""
+    effect = source_of(owner, line.name).effect
+    if not isinstance(effect, Disturbance):
+        return True
+    return any(effect.bind(line, triad) is not None for triad in triads)
 
 
 def has_station(procedure: Procedure) -> bool:
@@ -514,7 +561,7 @@ def _probe(case: _Case) -> _Probe:
         + tuple(line for name, line in lines.items() if name.owner == ENVIRONMENT),
     )
     problem = case.problem(procedure)
-    law = scaled_law(problem).select_sources(list(lines)).centred()
+    law = _with_all(scaled_law(problem), list(lines)).centred()
     zero = np.array([output.resolution**2 for output in problem.outputs])
     law = replace(
         law,
@@ -536,6 +583,18 @@ def _probe(case: _Case) -> _Probe:
             if counts and name in assumed
         ),
     )
+
+
+def _with_all(law: ScaledLaw, names: Sequence[Name]) -> ScaledLaw:
+    """Return the law of the sources of these names; 0 of those that it has not."""
+    has = [place for place, name in enumerate(names) if name in law.sources]
+    own = law.select_sources([names[place] for place in has])
+    n_out, n_src = len(law.outputs), len(names)
+    shift, first = np.zeros((2, n_out, n_src))
+    second = np.zeros((n_out, n_src, n_src))
+    shift[:, has], first[:, has] = own.shift, own.first
+    second[:, np.array(has)[:, None], has] = own.second
+    return replace(own, sources=(*names,), shift=shift, first=first, second=second)
 
 
 def _moved(law: ScaledLaw) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
