@@ -269,6 +269,9 @@ def _gyro_rows(procedure: Procedure) -> list[tuple[str, Words]]:
     gyro = procedure.gyro
     turns = "turn" if gyro.turns == 1 else "turns"
     azimuths = ", ".join(print_degrees(azimuth) for azimuth in gyro.azimuths)
+    static = f"{print_given(gyro.dwell)} s at each azimuth {azimuths} deg"
+    if not gyro.azimuths:
+        static = "in the twelve positions of the accelerometers, each axis up and down"
     return [
         (
             "gyro, rate turns",
@@ -281,12 +284,7 @@ def _gyro_rows(procedure: Procedure) -> list[tuple[str, Words]]:
         ),
         (
             "gyro, static",
-            (
-                (
-                    f"{print_given(gyro.dwell)} s at each azimuth {azimuths} deg"
-                    f"{_pause(gyro.pause)}"
-                ),
-            ),
+            (f"{static}{_pause(gyro.pause)}",),
         ),
     ]
 

@@ -142,7 +142,7 @@ class _Sign:
 def _signs(root: Node) -> Iterator[_Sign]:
     """Yield what the keys say about the kind of a file, the decisive one first."""
     sensors = [node for key in ("gyro", "accelerometer") if (node := root.child(key))]
-    inside = ("rate", "turns", "order", "azimuths", "pause", "dwell")
+    inside = ("rate", "turns", "order", "azimuths", "pause", "dwell", "bias")
     places = [
         ("requirement", root, ("limits",)),
         ("costs", root, ("costs",)),

@@ -114,7 +114,7 @@ def _count_azimuths(value: object) -> object:
 
 
 class GyroTest(Strict):
-    """Rate turns, then a static test at several azimuths."""
+    """Rate turns, then a static test at several azimuths or in twelve positions."""
 
     rate: Annotated[Quantity, Measured("deg/s", Sign.POSITIVE)] = _paper(
         "20 deg/s", "turntable rate of the turns"
@@ -132,9 +132,21 @@ class GyroTest(Strict):
         BeforeValidator(_count_azimuths),
     ] = _paper(("0 deg", "180 deg", "270 deg", "450 deg"), "of the static test")
     dwell: Span = _paper("300 s", "at each azimuth")
+    bias: Literal["azimuths", "twelve_positions"] = Field(
+        default="azimuths",
+        description="where it is read: at the azimuths, or in the dwells of the "
+        "accelerometers, each axis up and down, so that no knowledge of the earth rate "
+        "goes in",
+    )
 
     @model_validator(mode="after")
     def _check_lists(self) -> Self:
+        if self.bias != "azimuths":
+            both = {"azimuths", "dwell"} & self.model_fields_set
+            if both:
+                text = "is of the bias at azimuths, and this is of twelve_positions, "
+                text += "whose dwell is that of the accelerometer; remove it"
+                raise faults({(key,): text for key in sorted(both)})
         if not self.azimuths:
             raise faults({("azimuths",): "names no azimuth, expected one at least"})
         if sorted(self.order) != list(AXES):
@@ -337,6 +349,11 @@ class ProcedureFile(Strict):
                     "least_squares, weighted or norm beside windows"
                 )
         found |= self._norm_faults()
+        if self.formulas == "paper" and self.gyro.bias != "azimuths":
+            found["formulas",] = (
+                "are eq. (4) as printed, which is of the bias at azimuths; remove it, "
+                "or the bias of the gyro"
+            )
         if self.estimate is not None and self.chosen_estimator == "paper":
             found["estimate",] = (
                 "is of the estimators for windows, and this is paper, "
@@ -455,7 +472,9 @@ def read_procedure(document: Document, station: Document | None = None) -> Proce
             turns=gyro.turns,
             order=gyro.order,
             pause=gyro.pause.value,
-            azimuths=tuple(azimuth.value for azimuth in gyro.azimuths),
+            azimuths=tuple(azimuth.value for azimuth in gyro.azimuths)
+            if gyro.bias == "azimuths"
+            else (),
             dwell=gyro.dwell.value,
         ),
         accelerometer=AccelerometerProcedure(
@@ -465,7 +484,7 @@ def read_procedure(document: Document, station: Document | None = None) -> Proce
         ),
         assumptions=(
             *_assumptions("", model, (*NO_PAPER, *SENSORS, *shared, *idle)),
-            *(() if model.windows else _assumptions("gyro.", gyro)),
+            *(() if model.windows else _assumptions("gyro.", gyro, _idle(gyro))),
             *(() if model.windows else _assumptions("accelerometer.", accelerometer)),
             *((HEIGHT_0,) if gravity == "normal" and model.height is None else ()),
             *((IDEAL,) if model.station is None else ()),
@@ -487,6 +506,11 @@ def read_procedure(document: Document, station: Document | None = None) -> Proce
         message = f"stands beside that of {named}, which has one; remove one of them"
         raise all_of([document.issue(node, message, on_key=True)])
     return at_station(procedure, there)
+
+
+def _idle(gyro: GyroTest) -> tuple[str, ...]:
+    """Return the keys of the test that nothing is assumed of."""
+    return ("bias",) if gyro.bias == "azimuths" else ("bias", "azimuths", "dwell")
 
 
 def _windows_assumptions(model: ProcedureFile) -> tuple[str, ...]:

@@ -169,13 +169,13 @@ class Station:
 
 @dataclass(frozen=True, kw_only=True)
 class GyroProcedure:
-    """Rate turns, then a static test at several azimuths."""
+    """Rate turns, then a static test at several azimuths, or in twelve positions."""
 
     rate: float  # [rad/s]
     turns: int
     order: tuple[str, ...]  # axes in the order they are turned about
     pause: float  # between all windows [s]
-    azimuths: tuple[float, ...]  # [rad]
+    azimuths: tuple[float, ...]  # [rad]; () where the bias is of twelve positions
     dwell: float  # at each azimuth [s]
 
 

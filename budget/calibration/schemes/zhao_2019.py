@@ -2,7 +2,10 @@
 
 Gyro, eq. (3): n_ij, the + turn minus the - turn about axis j, is 4 pi n K_i times the
 response; per second, the difference over twice the rate. Bias: the mean reading of the
-static dwells less the response to the mean earth rate there (eq. (1), inverted).
+static dwells less the response to the mean earth rate there (eq. (1), inverted). Or,
+of twelve positions, the mean of the own axis up and down, each dwell turned by 180 deg
+once: the earth rate drops out, and with it what of it, of the latitude and of the level
+is not known; so does what an axis feels of gravity along itself.
 Accelerometer, eq. (5): differences of up and down over 2 g, and the mean of the own
 axis up and down. Misprints are mended: d_yx has no minus sign in eq. (3), eq. (5)
 prints d_yz with N_x for N_y and d_xz under the name d_xy.
@@ -12,7 +15,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
-from itertools import accumulate
+from itertools import accumulate, product
 from math import degrees, pi
 from typing import TYPE_CHECKING
 
@@ -55,7 +58,8 @@ def scheme_of(owner: str, procedure: Procedure) -> Scheme:
             weights=_accelerometer_weights(schedule, procedure.gravity),
         )
     schedule = schedule_of(owner, procedure)
-    mean_earth = _mean_earth(procedure.gyro.azimuths, procedure.place.earth)
+    azimuths = procedure.gyro.azimuths
+    mean_earth = _mean_earth(azimuths, procedure.place.earth) if azimuths else None
     return Scheme(
         owner=owner,
         schedule=schedule,
@@ -67,9 +71,20 @@ def scheme_of(owner: str, procedure: Procedure) -> Scheme:
 
 
 def schedule_of(owner: str, procedure: Procedure) -> Schedule:
-    """Lay out the test of one triad, that of gyros before that of accelerometers."""
+    """Lay out the test of one triad, that of gyros before that of accelerometers.
+
+    Where the gyro's bias is of twelve positions it is read in those of the other.
+    """
     gyro = schedule_gyro(procedure.gyro)
     accelerometer = schedule_accelerometer(procedure.accelerometer)
+    if not procedure.gyro.azimuths:  # dwells that both triads are read in, on one clock
+        begin = gyro.windows[-1].end + procedure.gyro.pause
+        dwells = tuple(
+            replace(one, start=one.start + begin) for one in accelerometer.windows
+        )
+        if owner == "gyro":
+            return Schedule(windows=(*gyro.windows, *dwells))
+        return Schedule(windows=dwells, others=gyro.windows)
     if owner == "gyro":
         return replace(gyro, later=accelerometer.windows)
     return replace(accelerometer, before=gyro.windows)
@@ -141,15 +156,19 @@ def _back_to_back(steps: Sequence[Window], pause: float) -> Schedule:
     )
 
 
-def _gyro_weights(schedule: Schedule, rate: float, mean_earth: Array) -> Array:
-    """Return W of every axis, shape (3, 4, n): eqs. (3) and (1)."""
-    W = np.zeros((STATISTICS, len(schedule.windows)))
-    for axis in range(3):
-        W[axis, schedule.pick(axis, 1)] = 0.5 / rate  # n_ij / (4 pi n), per second
-        W[axis, schedule.pick(axis, -1)] = -0.5 / rate
-    W[BIAS, schedule.azimuths] = 1.0 / len(schedule.azimuths)
-    W[BIAS] -= mean_earth @ W[:BIAS]
-    return np.tile(W, (3, 1, 1))
+def _gyro_weights(schedule: Schedule, rate: float, mean_earth: Array | None) -> Array:
+    """Return W of every axis, shape (3, 4, n): eqs. (3) and (1), or twelve dwells."""
+    W = np.zeros((3, STATISTICS, len(schedule.windows)))
+    turning = schedule.senses != 0.0
+    for axis, sign in product(range(3), (1, -1)):
+        places = np.array(schedule.pick(axis, sign))
+        turns, dwells = places[turning[places]], places[~turning[places]]
+        W[:, axis, turns] = sign * 0.5 / rate  # n_ij / (4 pi n), per second
+        W[axis, BIAS, dwells] = 0.25
+    if mean_earth is not None:
+        W[:, BIAS, schedule.azimuths] = 1.0 / len(schedule.azimuths)
+        W[:, BIAS] -= mean_earth @ W[0, :BIAS]
+    return W
 
 
 def _accelerometer_weights(schedule: Schedule, gravity: float) -> Array:

@@ -76,7 +76,9 @@ class Latitude(Gravity):
     gravity changes with it, to first order: dk = -1.4 ppm there.
     """
 
-    needs = "gyros, or accelerometers and gravity: normal"
+    needs = (
+        "gyros whose bias takes the earth rate, or accelerometers and gravity: normal"
+    )
 
     def bind(self, given: Given, triad: Triad) -> Act | None:
         """Return M du, weighed: a rotation for gyros, gravity for accelerometers."""
@@ -103,7 +105,7 @@ class EarthRate(Disturbance):
     15 deg/h for it, 0.0410686 deg/h too small, makes db_z = +0.0231064 deg/h.
     """
 
-    needs = "gyros"
+    needs = "gyros whose bias takes the earth rate"
 
     def bind(self, given: Given, triad: Triad) -> Act | None:  # noqa: ARG002
         """Return M du, weighed."""

@@ -147,7 +147,7 @@ def method_section(
         panels += _estimator_panels(procedure, devices)
     else:
         if "gyro" in sensors:
-            panels += [_turns_panel(), _gyro_bias_panel(procedure.formulas)]
+            panels += [_turns_panel(), _gyro_bias_panel(procedure)]
         if "accelerometer" in sensors:
             panels.append(_accelerometer_panel())
     lines = {
@@ -417,9 +417,16 @@ def _turns_panel() -> Panel:
     )
 
 
-def _gyro_bias_panel(formulas: str) -> Panel:
-    """Return the gyro's bias: Zhao 2019, eq. (4) as printed, or corrected."""
-    if formulas == "paper":
+def _gyro_bias_panel(procedure: Procedure) -> Panel:
+    """Return the gyro's bias: Zhao 2019, eq. (4) as printed, or corrected; or else."""
+    if not procedure.gyro.azimuths:
+        return _formulas(
+            "Gyro bias, of twelve positions",
+            "$N_i (j)$: mean number of pulses a second of axis i over the two dwells "
+            "with that axis up and down. The earth rate drops out.",
+            ['epsilon_i = (N_i ("up") + N_i ("down"))/(2 K_i)'],
+        )
+    if procedure.formulas == "paper":
         return _formulas(
             "Gyro bias, eq. (4) as printed",
             f"{BIAS_LETTERS}This is exact only without mounting angles; the corrected "

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from budget.calibration.schemes import schedule_of
 from budget.calibration.schemes.zhao_2019 import (
     schedule_accelerometer,
-    schedule_gyro,
 )
 from budget.report.blocks import Cell, Field, Section, table_of
 from budget.report.figures.rows import (
@@ -333,7 +332,7 @@ def window_name(track: Track, place: int) -> str:
         return window.name if window.sense else f"dwell with {window.name}"
     if window.azimuth is not None:
         return f"dwell at azimuth {degrees(window.azimuth):.6g} deg"
-    if track.sensor == "gyro":
+    if track.sensor == "gyro" and window.sense:
         return f"turn about {window.name.removeprefix('turn ')}"
     return f"dwell with {window.name}"
 
@@ -354,14 +353,15 @@ def _any_track(sensor: str, procedure: Procedure) -> Track:
 
 def _gyro_track(procedure: Procedure) -> Track:
     """Lay out turns, a pair for each axis, and the dwells at all azimuths."""
-    windows = schedule_gyro(procedure.gyro).windows
-    turns = [window for window in windows if window.axis is not None]
+    windows = schedule_of("gyro", procedure).windows
+    turns = [window for window in windows if window.sense]
     labels = [_gyro_label(window) for window in windows]
     averages = [
         (f"n, j = {COUNTED_TURNS[axis]}", 2 * place, 2 * place + 1)
         for place, axis in enumerate(procedure.gyro.order)
     ]
-    averages.append(("N, mean of all azimuths, z up", len(turns), len(windows) - 1))
+    what = "all azimuths, z up" if procedure.gyro.azimuths else "an axis up and down"
+    averages.append((f"N, mean of {what}", len(turns), len(windows) - 1))
     return Track(
         sensor="gyro",
         windows=windows,
@@ -375,6 +375,8 @@ def _gyro_label(window: Window) -> str:
     """Return axis and sense of a turn, or the azimuth of a dwell."""
     if window.azimuth is not None:
         return f"{degrees(window.azimuth):.4g}\N{DEGREE SIGN}"
+    if not window.sense:
+        return window.name[:-2]  # without the number of the visit
     return f"{AXES[window.axis or 0]} {SIGNS[window.sign]}"
 
 

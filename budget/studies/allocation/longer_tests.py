@@ -65,19 +65,18 @@ def _growing(sensor: Sensor, procedure: Procedure) -> tuple[_Setting, ...]:
     """Return what of the procedure may grow for a sensor."""
     if procedure.windows:
         return tuple(_growing_windows(sensor.kind, procedure))
+    own = procedure.accelerometer
+    positions = _Setting(
+        name="dwell",
+        now=own.dwell,
+        most=LONGEST_DWELL,
+        change=lambda dwell: replace(
+            procedure, accelerometer=replace(own, dwell=dwell)
+        ),
+        whole=False,
+    )
     if sensor.kind != "gyro":
-        own = procedure.accelerometer
-        return (
-            _Setting(
-                name="dwell",
-                now=own.dwell,
-                most=LONGEST_DWELL,
-                change=lambda dwell: replace(
-                    procedure, accelerometer=replace(own, dwell=dwell)
-                ),
-                whole=False,
-            ),
-        )
+        return (positions,)
     gyro = procedure.gyro
     return (
         _Setting(
@@ -95,7 +94,9 @@ def _growing(sensor: Sensor, procedure: Procedure) -> tuple[_Setting, ...]:
             most=LONGEST_DWELL,
             change=lambda dwell: replace(procedure, gyro=replace(gyro, dwell=dwell)),
             whole=False,
-        ),
+        )
+        if gyro.azimuths
+        else positions,
     )
 
 
