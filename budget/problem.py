@@ -366,7 +366,7 @@ class Problem:
         if not self.has_pools:
             return x
         n = max(rows.stop for rows in self.arguments)
-        argument = np.zeros((n, x.shape[1]), dtype=x.dtype)
+        argument = np.zeros_like(x, shape=(n, x.shape[1]))
         for rows, place in zip(self.slices, self.arguments, strict=True):
             argument[place] += x[rows]
         return argument

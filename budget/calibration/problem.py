@@ -381,7 +381,7 @@ class TriadCalibration:
     def _found_before(self, x: Array) -> Array:
         """Return the higher orders that the reference holds, shape (3 m, trials)."""
         names = [name for name, p in ORDERS.items() if p in self.scheme.orders]
-        held = [np.zeros((3, x.shape[1]), dtype=x.dtype) for _ in names]
+        held = [np.zeros_like(x, shape=(3, x.shape[1])) for _ in names]
         for place, name in enumerate(names):
             for constant in self.offsets.get(name, ()):
                 if self.reference != "nominal":  # a constant of the device
@@ -390,7 +390,7 @@ class TriadCalibration:
 
     def _add(self, nominal: Array, x: Array, target: str) -> Array:
         """Return nominal values plus their offsets, (n, trials)."""
-        value = np.repeat(nominal[:, None], x.shape[1], axis=1).astype(x.dtype)
+        value = np.zeros_like(x, shape=(len(nominal), x.shape[1])) + nominal[:, None]
         for constant in self.offsets[target]:
             value += constant.value(x)
         return value
@@ -405,9 +405,7 @@ class TriadCalibration:
 
         K = K0 (1 + sum of the offsets): Zhao 2019, eq. (14).
         """
-        k = np.zeros((3, x.shape[1]), dtype=x.dtype) + self._deviation(
-            x, "scale_factor"
-        )
+        k = np.zeros_like(x, shape=(3, x.shape[1])) + self._deviation(x, "scale_factor")
         if self.reference != "next_turn_on":
             return k  # K reference is K0, or K itself and k is 0
         zero: Array | float = 0.0
@@ -417,7 +415,7 @@ class TriadCalibration:
     def _noise(self, x: Array) -> Array:
         """Return the statistics of the noise, shape (3, k, trials)."""
         if self.noise is None:
-            return np.zeros((*self.order.shape, x.shape[1]), dtype=x.dtype)
+            return np.zeros_like(x, shape=(*self.order.shape, x.shape[1]))
         rows = x[self.noise]
         if self.order.shape[1] == STATISTICS:  # in their order: a view, no copy
             return rows.reshape(3, STATISTICS, -1)

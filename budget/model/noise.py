@@ -148,6 +148,9 @@ class Quantized:
         return np.asarray(weights @ self.covariance(schedule) @ weights.T)
 
 
+FAR = 1e4  # where the next term of the series of Ci is below rounding [1]
+
+
 @dataclass(frozen=True)
 class Flicker:
     """Flicker noise: two-sided density B^2/(2 pi |f|) above a low cut, IEEE 952."""
@@ -172,6 +175,10 @@ class Flicker:
         x = a * np.abs(t)
         cosine = sici(np.where(x > 0.0, x, 1.0))[1]
         inner = 0.5 * x**2 * cosine - 0.5 * x * np.sin(x) - np.sin(0.5 * x) ** 2
+        # Far out its first terms cancel; what is left of the asymptotic series of Ci:
+        y = np.maximum(x, FAR)
+        far = -0.5 - np.sin(y) / y + 3.0 * np.cos(y) / y**2 + 12.0 * np.sin(y) / y**3
+        inner = np.where(x < FAR, inner, far)
         return np.asarray(-(self.coefficient**2) / (np.pi * a**2) * inner)
 
     def reduce(self, schedule: Schedule, weights: Array) -> Array:

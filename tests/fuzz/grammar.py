@@ -143,11 +143,14 @@ def _keep_rules(tree):
 
 # Keys that go without those named, and keys that need theirs beside them.
 _WITHOUT = {
-    f"{quantity}_over_temperature": {
-        f"{quantity}_temperature_coefficient",
-        f"{quantity}_temperature_rate_coefficient",
-    }
-    for quantity in ("bias", "scale_factor")
+    "bias": {"azimuths"},  # of a gyro's test
+    **{
+        f"{quantity}_over_temperature": {
+            f"{quantity}_temperature_coefficient",
+            f"{quantity}_temperature_rate_coefficient",
+        }
+        for quantity in ("bias", "scale_factor")
+    },
 }
 _NEEDS = {
     **dict.fromkeys(("line", "shape"), "full_scale"),
@@ -173,13 +176,10 @@ def _keep_windows(tree):
         tree["height"], tree["gravity"] = "120 m", "normal"
     if "station" in tree and not isinstance(tree["station"], dict):
         tree["station"] = "three-axis-table"
+    if tree.get("estimator") != "norm" or "windows" not in tree:
+        tree.pop("moves", None)
     if "windows" not in tree:
-        tree.pop("pause", None)
-        if tree.get("estimator") in {"least_squares", "weighted", "norm"}:
-            tree.pop("formulas", None)
-        else:
-            tree.pop("estimate", None)
-        return tree
+        return _keep_test(tree)
     for key in ("gyro", "accelerometer", "formulas"):
         tree.pop(key, None)
     if tree.get("estimator") == "paper":
@@ -192,6 +192,19 @@ def _keep_windows(tree):
         tree["windows"] = [one | {"use": "accelerometer"} for one in dwells]
         if not dwells:
             return tree | {"windows": [{"face": "z up", "dwell": "60 s"}]}
+    return tree
+
+
+def _keep_test(tree):
+    """Mend a procedure of the paper's tests."""
+    tree.pop("pause", None)
+    if tree.get("gyro", {}).get("bias"):
+        tree["gyro"].pop("dwell", None)
+        tree.pop("formulas", None)
+    if tree.get("estimator") in {"least_squares", "weighted", "norm"}:
+        tree.pop("formulas", None)
+    else:
+        tree.pop("estimate", None)
     return tree
 
 

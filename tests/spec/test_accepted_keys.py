@@ -300,6 +300,11 @@ DWELLS = [
     for axis in AXES
     for word in ("up", "down")
 ]
+STANDING = [
+    {"middle": f"{middle} deg", "inner": f"{inner} deg", "dwell": "60 s"}
+    for middle in (0, 45, -60)
+    for inner in (0, 90, 180, -45, 225)
+]
 TURN = {"face": "z up", "turn": "vertical", "turns": 1, "rate": "20 deg/s"}
 # The first window that a key is tried in; else a dwell at a face.
 WINDOW = {
@@ -332,9 +337,11 @@ ENVIRONMENTS = {
 def place_of(key):
     """Return a procedure in which a key of a figure stands beside its value."""
     tree = {"latitude": "34.2394 deg"}
-    if key.path[0] == "station":  # where nothing of it cancels
+    if key.path[0] == "station" and key.path[1:]:  # where nothing of it cancels
         tree["gyro"] = {"azimuths": ["10 deg"]}
         tree["station"] = NEEDED.get(key.path[1], {})
+    if key.path == ("moves",):
+        tree |= {"estimator": "norm", "windows": STANDING}
     if key.path == ("flip_axis",):
         tree["station"] = {"orthogonality": {"outer_middle": "100 arcsec"}}
     if key.path[0] in {"windows", "pause"}:
