@@ -67,7 +67,7 @@ class Truth:
         """Return the same of inputs that differ by trial, shape (3, k, 3, trials)."""
         own = vectors[[0, 1, 2], :, [0, 1, 2]]
         part = SIGN[:, None, None] * vectors[ROW, :, COLUMN] * self.angle[:, None]
-        return np.asarray(own + (part[0::2] + part[1::2]))
+        return np.asanyarray(own + (part[0::2] + part[1::2]))
 
     def see_across(self, vectors: Array) -> Array:
         """Return dT_i v_ik, shape (3, k, trials): what the angles let through."""

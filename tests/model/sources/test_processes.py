@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import mpmath
 import numpy as np
 import pytest
 from acting import GYRO_SF, UNITS, assert_printed
@@ -140,3 +141,17 @@ def test_a_low_cut_of_a_line_reaches_the_law():
     ratio = found[0] / found[1]
     assert ratio[9:].min() > 1.5
     assert_allclose(ratio[:3], 1.0, rtol=1e-2)
+
+
+@pytest.mark.parametrize("x", [0.9e4, 1.1e4, 1e6, 1e12])
+def test_flicker_far_out_is_that_of_forty_digits(x):
+    """G where its terms cancel: of windows years apart, or a low cut far too high."""
+    low = 1.0 / 86400.0
+    a = 2.0 * np.pi * low
+    with mpmath.workdps(40):
+        X = mpmath.mpf(a * (x / a))
+        inner = X**2 / 2 * mpmath.ci(X) - X / 2 * mpmath.sin(X)
+        exact = -(inner - (1 - mpmath.cos(X)) / 2) / (mpmath.pi * mpmath.mpf(a) ** 2)
+    found = Flicker(1.0, low)._integral(np.array([x / a]))  # noqa: SLF001
+
+    assert_allclose(found, float(exact), rtol=2e-12)

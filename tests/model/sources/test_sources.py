@@ -584,3 +584,12 @@ def test_what_nothing_feels_is_said_with_what_it_takes():
     (text,) = warned((paper_accelerometer(),), turned)
     assert text.startswith("station.turn_angle is given")
     assert warned(WARM, ramp()) == ()  # what is felt is not named
+
+
+def test_asymmetry_by_the_input_needs_no_other_line():
+    """A device that gives nothing else: Ka/2 w_v of the vertical gyro, by the law."""
+    only = replace(line("scale_factor_asymmetry", 50e-6), form="input")
+    law = propagate(calibration_problem((sensor("gyro", [only]),), procedure()))
+
+    w_v = procedure().place.earth[2]
+    assert_allclose(law.standard_uncertainty[11], 25e-6 * w_v, rtol=2e-4)
