@@ -20,6 +20,7 @@ from budget.report.blocks import (
 )
 from budget.report.tables import (
     NO_SHARE,
+    SMALL_SHARE,
     Number,
     bound_number,
     print_contributions,
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
     from budget.spec.records import ErrorLine, Procedure
     from budget.studies.cautions import Unfelt
 
+LEAST_SAID = 0.001  # share of a variance that is printed as a number [1]
 OWN = "the sensors' own lines"
 TITLES = {STATION: "test station", ENVIRONMENT: "environment"}
 PRODUCTS = "products of two sources"
@@ -95,13 +97,14 @@ def _findings(
         return [f"What is given of {who.lower()} is known: it acts by {by} alone."]
     if most <= NO_SHARE:
         return [f"{who} {take} nothing of U of any output."]
-    by = print_contributions(
-        [
-            (source_title(part.source), part.share)
-            for part in row.contributions
-            if part.source.owner in owners
-        ]
-    )
+    if most < LEAST_SAID:
+        return [f"{who} {take} less than 0.1 % of the square of U of every output."]
+    parts = [
+        (source_title(part.source), part.share)
+        for part in row.ranked
+        if part.source.owner in owners
+    ]
+    by = print_contributions(parts) if parts[0][1] >= SMALL_SHARE else parts[0][0]
     known = ", of what is known" if row.lower_bound else ""
     own = print_share(_share(row, *SENSORS))
     found = [
@@ -156,7 +159,7 @@ def _shares_table(
             of=name.owner,
             head=source_title(name),
             figure=Cell(text=line.printed, note=line.meaning),
-            where=idle[name] if name in idle else _where(budget, name),
+            where=idle.get(name) or _where(budget, name),
             shares=tuple(
                 fsum(row.share.exact for row in group.sources if row.source == name)
                 for group in groups
@@ -215,6 +218,8 @@ def _is_of(owners: Sequence[str], source: Name) -> bool:
 
 def _where(budget: Budget, name: Name) -> Cell:
     """Return the output of whose variance a source makes most, and how much."""
+    if budget.settings.only and name not in budget.settings.only:
+        return Cell(text="left out")
     if not source_of(name.owner, name.quantity).varies:
         return Cell(text=f"known; acts by {_partner(name)}")
     shares = [
@@ -250,7 +255,8 @@ class _Judged:
             for part in self.row.contributions
             if part.source.owner in owners
         )
-        used = k * sqrt(variance) / self.limit.limit
+        u = sqrt(variance)
+        used = k * u / self.limit.limit if u > self.row.output.resolution else 0.0
         return bound_number(
             Number(text=print_utilisation(used) if used else "0 %", exact=used),
             lower_bound=self.row.lower_bound and owners == SENSORS,
@@ -315,8 +321,8 @@ def _limits(
                 words=(
                     (
                         "Of each group of limits the output where "
-                        f"{' and '.join(owners)} alone take most. The squares of the "
-                        "parts add up."
+                        f"{f'the {owners[0]}' if len(owners) == 1 else 'both'} alone "
+                        "would take most. The squares of the parts add up."
                     ),
                 ),
                 small=True,

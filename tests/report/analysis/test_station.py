@@ -156,6 +156,55 @@ def test_parts_of_a_limit_add_up_in_squares():
         assert_allclose(station.exact**2 + own.exact**2, every.exact**2, rtol=1e-2)
 
 
+@pytest.mark.parametrize(
+    ("station", "outputs", "words"),
+    [
+        ("mount: 5 arcsec", "gyro.bias", ("less than 0.1 %",)),
+        ("gravity: 3 mGal", "accelerometer.scale_factor", ("0.6 %", "by gravity;")),
+        ("azimuth: 9 arcsec", "gyro.bias", ("nothing of U",)),
+    ],
+)
+def test_a_small_part_is_said_in_words(tmp_path, station, outputs, words):
+    """Below what is printed, below what is worth a share, and none at all."""
+    (tmp_path / "s.yaml").write_text(f"station: {{{station}}}\n")
+    budget = analyze(
+        load_device("zhao-2019"),
+        procedure=load_procedure(station=tmp_path / "s.yaml"),
+        outputs=[outputs],
+        validate=False,
+    )
+    assert_says(finding(section_of(budget)), *words)
+
+
+def test_what_is_left_out_is_said_to_be():
+    """With chosen sources the others are not said to do nothing."""
+    budget = analyze(
+        load_device("zhao-2019"),
+        procedure=load_procedure(station="three-axis-table"),
+        only=["station.gravity"],
+        validate=False,
+    )
+    table = panel(section_of(budget), "Shares")
+    where = {row[0].text: row[2].text for row in table.groups[0].rows}
+    assert where.pop("gravity").startswith("accelerometer scale factor")
+    assert set(where.values()) == {"left out"}
+
+
+def test_rounding_uses_nothing_of_a_limit():
+    """By the norm of gravity a plate's angles are none: 0, not 1e-14 of a limit."""
+    budget = analyze(
+        load_device("zhao-2019"),
+        procedure=load_procedure("norm-nine-positions", station="granite-plate-cube"),
+        requirement=load_requirement("tactical-grade"),
+        reference=load_requirement("tactical-grade").reference,
+        validate=False,
+    )
+    table = panel(section_of(budget), "of the limit")
+    used = {row[0].text: row[2] for row in table.groups[0].rows}
+    (angle,) = [used[name] for name in used if "mounting angle" in name]
+    assert (angle.text, angle.exact) == ("0", 0.0)
+
+
 def test_temperature_has_its_rows_and_a_vibration_is_known(shaky):
     """A ramp has shares; a known size says by which line it acts, and is no spread."""
     device, procedure = shaky
