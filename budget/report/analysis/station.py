@@ -67,9 +67,11 @@ def station_section(
     owners = [one for one in SHARED if any(name.owner == one for name in lines)]
     finding = " ".join(_findings(budget, owners, lines, assessment))
     shares = _shares_table(budget, groups, owners, lines, unfelt)
+    # Not in a panel: as long as it is, it may break over pages.
     blocks: list[Block] = [
         Paragraph(words=(finding,)),
-        Panel(title="Shares of the variance", blocks=(shares,)),
+        Paragraph(words=("Shares of the variance of each group:",), small=True),
+        shares,
     ]
     if assessment is not None:
         blocks += _limits(budget, owners, assessment)

@@ -6,13 +6,13 @@ from dataclasses import replace
 from functools import cache
 
 import pytest
-from document_text import lines, rows, say
+from document_text import find, lines, rows, say
 from numpy.testing import assert_allclose
 from saying import assert_says
 
 from budget import load_device, load_procedure, load_requirement
 from budget.report.analysis.station import station_section
-from budget.report.blocks import Panel, Paragraph
+from budget.report.blocks import Paragraph, Table
 from budget.report.figures.sources import coupling_chart
 from budget.report.inputs import inputs_section, procedure_section
 from budget.report.tables import group_tables, print_share
@@ -66,10 +66,9 @@ def finding(section):
     return say(first.words)
 
 
-def panel(section, title):
-    """Return the rows of the panel of that title, cells as they are."""
-    found = next(p for p in section.blocks if isinstance(p, Panel) and title in p.title)
-    return found.blocks[0]
+def table_of(section, name):
+    """Return the table of that name, cells as they are."""
+    return next(table for table in find(section, Table) if table.name == name)
 
 
 @pytest.fixture
@@ -107,7 +106,7 @@ def test_the_finding_is_what_the_station_adds_to_the_variance():
 
 def test_shares_of_all_parts_make_each_group_whole():
     """Lines of the station add up to it; with the sensors and products to 1."""
-    table = panel(section_of(table_top()), "Shares")
+    table = table_of(section_of(table_top()), "station-shares")
     station, together = table.groups
     columns = [k for k, one in enumerate(table.columns) if one.kind == "number"]
     assert len(columns) == 6
@@ -121,7 +120,7 @@ def test_shares_of_all_parts_make_each_group_whole():
 def test_every_figure_of_the_station_has_its_row():
     """Name, figure and meaning as the file has them, and where it acts most."""
     procedure = load_procedure(station="three-axis-table")
-    table = panel(section_of(table_top()), "Shares")
+    table = table_of(section_of(table_top()), "station-shares")
     found = {row[0].text: row for row in table.groups[0].rows}
     assert len(found) == len(procedure.station)
     mount = found["mount"]
@@ -142,7 +141,7 @@ def test_what_cancels_is_said_in_words():
 def test_parts_of_a_limit_add_up_in_squares():
     """Station and sensors alone, as parts of the limit; all is what is judged."""
     budget = table_top()
-    table = panel(section_of(budget), "of the limit")
+    table = table_of(section_of(budget), "station-limits")
     rows = table.groups[0].rows
     assert len(rows) == 6
     limits = {
@@ -184,7 +183,7 @@ def test_what_is_left_out_is_said_to_be():
         only=["station.gravity"],
         validate=False,
     )
-    table = panel(section_of(budget), "Shares")
+    table = table_of(section_of(budget), "station-shares")
     where = {row[0].text: row[2].text for row in table.groups[0].rows}
     assert where.pop("gravity").startswith("accelerometer scale factor")
     assert set(where.values()) == {"left out"}
@@ -199,7 +198,7 @@ def test_rounding_uses_nothing_of_a_limit():
         reference=load_requirement("tactical-grade").reference,
         validate=False,
     )
-    table = panel(section_of(budget), "of the limit")
+    table = table_of(section_of(budget), "station-limits")
     used = {row[0].text: row[2] for row in table.groups[0].rows}
     (angle,) = [used[name] for name in used if "mounting angle" in name]
     assert (angle.text, angle.exact) == ("0", 0.0)
@@ -209,7 +208,7 @@ def test_temperature_has_its_rows_and_a_vibration_is_known(shaky):
     """A ramp has shares; a known size says by which line it acts, and is no spread."""
     device, procedure = shaky
     section = section_of(analyze(device, procedure=procedure, validate=False))
-    table = panel(section, "Shares")
+    table = table_of(section, "station-shares")
     assert section.title == "Test station and environment"
     assert [group.title for group in table.groups] == [*SHARED, "together"]
     ramp, vibration = table.groups[1].rows
