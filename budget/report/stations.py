@@ -103,7 +103,7 @@ def headline(found: Qualification) -> str:
     names = ", ".join(one.name for one in others)
     if own is None:
         if others:
-            will = f"{names} will do for {found.requirement} at {ratio}"
+            will = f"{capital(names)} will do for {found.requirement} at {ratio}"
             failing = [
                 one.name
                 for one in found.stations

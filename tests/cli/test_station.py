@@ -33,6 +33,7 @@ def test_some_station_does_and_the_code_is_0():
     assert verdicts["three-axis-table.yaml"] == "does"
     assert verdicts["ideal.yaml"] == "no figures"
     assert run.document["does"] is True
+    assert_says(call(*TACTICAL).out, "good three-axis table will do", "4:1")
 
 
 def test_no_station_does_and_the_code_is_1():
