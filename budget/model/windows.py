@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import ceil, cos, pi, sin
+from math import ceil, cos, isclose, pi, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -219,6 +219,13 @@ class Window:
             for k in range(n)
         )
 
+    def goes_on(self, before: Window) -> bool:
+        """Whether it is a turn from where another one ended."""
+        ended = before.setting.after(before.setting.angle).angles
+        begins = zip(ended, self.setting.angles, strict=True)
+        is_there = all(isclose(a, b, abs_tol=EXACT) for a, b in begins)
+        return bool(self.sense and before.sense and is_there)
+
     @property
     def rate(self) -> Array:
         """Mean rate of the table's turn, in body axes, shape (3,) [rad/s]."""
@@ -292,10 +299,14 @@ class Schedule:
         clock = sorted((*self.windows, *self.others), key=lambda one: one.start)
         number, found = -1, {}
         for test in (self.before, clock, self.later):
-            angles = None
+            last: Window | None = None
             for window in test:
-                if window.setting.angles != angles:
-                    number, angles = number + 1, window.setting.angles
+                stands = (
+                    last is not None and window.setting.angles == last.setting.angles
+                )
+                if not (stands or (last is not None and window.goes_on(last))):
+                    number += 1
+                last = window
                 if id(window) in own and test is clock:
                     found[own[id(window)]] = number
         return found, number + 1
@@ -304,7 +315,8 @@ class Schedule:
     def stops(self) -> Mapping[int, int]:
         """Number of each stop of the table among those of all triads, by its place.
 
-        Windows one after the other at the same angles are one stop.
+        Windows one after the other at the same angles are one stop, and turns on from
+        there.
         """
         return self._stops[0]
 

@@ -403,7 +403,7 @@ def test_half_width_without_distribution(write):
 def test_missing_line_stands_in_not_given(write):
     """Every model line that the device does not give is named, and only those.
 
-    Its white noise is given, as a random walk; flicker is its stability, read otherwise.
+    Its white noise is given, as a random walk; flicker is another reading of stability.
     """
     text = "".join(
         line for line in GYRO.splitlines(keepends=True) if "mounting" not in line

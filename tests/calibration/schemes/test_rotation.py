@@ -265,3 +265,14 @@ def test_a_table_is_no_error_but_by_the_earth_rate():
         assert 0.001 * w < by_name[name][9:12].max() < w, name
     known = replace(askew, formulas="least_squares", held=())
     assert propagate(calibration_problem(pair[1:], known)).source_variance.any()
+
+
+def test_a_way_between_dwells_is_no_stop_of_its_own():
+    """One stop for each of the eighteen dwells, with the turns on from there."""
+    scheme = scheme_of("gyro", load_procedure(SHIPPED))
+    stops = scheme.schedule.stops
+
+    assert scheme.schedule.n_stops == 18
+    for leg in scheme.legs:
+        (number,) = {stops[step] for step in leg.steps}
+        assert number == leg.first
