@@ -39,6 +39,7 @@ PRINTING = {
     "schema": ("schema", "device"),
     "diff": ("diff", "hg4930#A", "hg4930#C"),
     "check": ("check", "zhao-2019-eq4-nominal"),
+    "station": ("station", "zhao-2019", "--requirement", "tactical-grade"),
     "help": ("--help",),
     "version": ("--version",),
 }
@@ -51,6 +52,10 @@ WRITING = {
     "paper": ("paper", "--csv", "a.csv", "-o", "a.html", "-o", "a.pdf"),
     "report": ("report", "--no-validate", "-o", "a.html"),
     "diff": ("diff", "hg4930#A", "hg4930#C", "--json", "a.json"),
+    "station": (
+        *("station", "zhao-2019", "--requirement", "tactical-grade"),
+        *("--json", "a.json", "--write", "a.yaml"),
+    ),
 }
 
 NOT_MET = {"compare", "compare csv"}  # the paper's device does not meet that grade

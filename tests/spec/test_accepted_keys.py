@@ -63,6 +63,7 @@ def example(key):
 
 
 # Keys whose value has to stand beside another one to be allowed, or to mean something.
+BIASES = {"gyro": "deg/h", "accelerometer": "ug"}
 AXES_OF = {"bias": AXES, "mounting_angle": ANGLES}
 FIGURE_KEYS = (
     *("value", "meaning", "distribution", "includes", "horizon"),
@@ -81,12 +82,11 @@ DENSITIES = {
 def device(key):
     """Return a device as small as the key allows, without the key and with it."""
     sensor = key.path[0] if key.path[0] in SENSORS else "gyro"
-    biases = {"gyro": "deg/h", "accelerometer": "ug"}
     tree = {
         "name": "x",
         "gravity_unit": "9.80665 m/s^2",
         sensor: {
-            "nominal": {"bias": f"100 {biases[sensor]}", "mounting_angle": "1 deg"},
+            "nominal": {"bias": f"100 {BIASES[sensor]}", "mounting_angle": "1 deg"},
             "errors": {},
         },
     }
@@ -109,7 +109,7 @@ def device(key):
             tree[sensor]["errors"][name]["axes"] = {rest[1]: figure | beside}
     else:
         tree[sensor]["errors"] = {
-            "bias_stability": f"100 {biases[sensor]}",
+            "bias_stability": f"100 {BIASES[sensor]}",
             **({"scale_factor_asymmetry": "1000 ppm"} if sensor == "gyro" else {}),
         }
     steps = tuple(0 if step == "[]" else step for step in key.path)
@@ -374,7 +374,10 @@ def place_of(key):
 
 @pytest.mark.parametrize("key", choices("procedure", moving=True), ids=str)
 def test_a_key_of_a_procedure_moves_a_number(key, load):
-    """Some output of a device with noise of every kind is another one with the key."""
+    """Some output of a device with noise of every kind is another one with the key.
+
+    What a station does it does to a device with a bias alone.
+    """
     tree = {"name": "x"}
     for sensor in SENSORS if key.path[0] not in SENSORS else key.path[:1]:
         errors = {
@@ -386,6 +389,8 @@ def test_a_key_of_a_procedure_moves_a_number(key, load):
         noise = {"value": errors["sample_noise"], "adds_to": walk}
         errors["sample_noise"] = noise
         errors["flicker"] = {"value": errors["flicker"], "adds_to": "bias_stability"}
+        if key.path[0] == "station":
+            errors = {"bias_repeatability": f"10 {BIASES[sensor]}"}
         tree[sensor] = {"nominal": {"mounting_angle": "1 deg"}, "errors": errors}
     place = place_of(key)
     steps = tuple(0 if step == "[]" else step for step in key.path)
