@@ -52,9 +52,6 @@ class Page:
         return (line.count("\n") + 2 if "\n" in self.text else 1, len(tail) + 1)
 
 
-PROCEDURE = "procedure"
-
-
 def trees(kind):
     """Return a strategy of trees that the schema of a kind of file allows."""
     schema = json_schema(kind)
@@ -62,11 +59,7 @@ def trees(kind):
         lambda seed, share: _value(schema, schema, random_of(seed), "", share),
         st.integers(0, 2**32 - 1),
         st.sampled_from([0.1, 0.3, 0.7]),  # of the optional keys
-    ).map(
-        lambda tree: (
-            _keep_windows(_keep_rules(tree)) if kind == PROCEDURE else _keep_rules(tree)
-        )
-    )
+    ).map(lambda tree: MENDED.get(kind, dict)(_keep_rules(tree)))
 
 
 def random_of(seed):
@@ -193,6 +186,17 @@ def _keep_windows(tree):
         if not dwells:
             return tree | {"windows": [{"face": "z up", "dwell": "60 s"}]}
     return tree
+
+
+def _keep_station(tree):
+    """Mend a station file: without a figure of one or of a room it has no kind."""
+    figures = [tree.get(key, {}) for key in ("station", "environment")]
+    if not any(leaves(figures)):
+        tree["station"] = {"turn_angle": "1 arcsec"}
+    return tree
+
+
+MENDED = {"procedure": _keep_windows, "station": _keep_station}
 
 
 def _keep_test(tree):
