@@ -12,7 +12,7 @@ from budget.calibration.derived import known_outputs
 from budget.calibration.schemes import is_beside
 from budget.errors import CallError
 from budget.methods.gum import propagate
-from budget.model.sources import lines_of
+from budget.model.sources import GYRO, lines_of
 from budget.names import IMU, Name
 from budget.studies.comparison.records import AssumedLine, MissingLines, Remedy
 from budget.studies.grades import UNKNOWN, grade
@@ -47,8 +47,9 @@ class Candidate:
     @property
     def is_limited(self) -> bool:
         """Whether anything is required of what is estimated of it."""
-        if is_beside(self.procedure) and len(self.device.sensors) == 1:
-            return False  # a gyro is found beside accelerometers, and is alone
+        is_alone = self.sensor.kind == GYRO and self.sensor.beside is None
+        if is_beside(self.procedure) and is_alone:
+            return False  # a gyro is found beside accelerometers
         names = known_outputs((self.sensor.kind,), self.procedure)
         return any(limit.output in names for limit in self.requirement.limits)
 

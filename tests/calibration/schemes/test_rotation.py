@@ -276,3 +276,12 @@ def test_a_way_between_dwells_is_no_stop_of_its_own():
     for leg in scheme.legs:
         (number,) = {stops[step] for step in leg.steps}
         assert number == leg.first
+
+
+def test_accelerometers_alone_are_compared_and_a_gyro_alone_is_not():
+    """Who needs the other: a gyro needs accelerometers, these need no gyro."""
+    how = ("--requirement", "tactical-grade", "--procedure", SHIPPED)
+    run = call("compare", "adxl357", "adxrs453", *how)
+
+    assert "Accelerometer devices: 1 " in run.out
+    assert "Gyro devices" not in run.out
