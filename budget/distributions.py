@@ -105,6 +105,13 @@ class Distribution:
         return np.where(x == inf, 1.0, np.where(x == -inf, 0.0, 0.5 * (low + high)))
 
 
+def normal_coverage_factor(coverage: float) -> float:
+    """Return k with which a normal error is within k u with that probability [1]."""
+    from scipy.special import ndtri
+
+    return float(ndtri((1.0 + coverage) / 2.0))
+
+
 def _normal(p: Array) -> Array:
     """JCGM 101:2008, 6.4.7."""
     from scipy.special import ndtri

@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.distributions import normal_coverage_factor
 from budget.methods.execution import small_blocks, stream
 from budget.methods.intervals import interval_of_values
 
@@ -98,12 +99,12 @@ def ends_of_trials(
 
 def half_widths(ends: Ends) -> Array:
     """Return half the 95 % sampling interval of each end, shape (n,) [1]."""
-    return _two_sided() * ends.error
+    return normal_coverage_factor(CONFIDENCE) * ends.error
 
 
 def sampling_interval(ends: Ends) -> tuple[float, float]:
     """Return the 95 % interval of the largest of the true ends [1]."""
-    z = _two_sided()
+    z = normal_coverage_factor(CONFIDENCE)
     error = ends.error
     near = np.logical_and(_candidates(ends), error > 0.0)
     c = z
@@ -173,13 +174,6 @@ def _below(difference: float, error: float) -> float:
     if error > 0.0:
         return float(ndtr(-difference / error))
     return 0.5 if difference == 0.0 else float(difference < 0.0)
-
-
-def _two_sided() -> float:
-    """Return the normal quantile of sampling intervals [1]."""
-    from scipy.special import ndtri
-
-    return float(ndtri((1.0 + CONFIDENCE) / 2.0))
 
 
 def _noise(per_batch: Array) -> Array:

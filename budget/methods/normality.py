@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.distributions import NORMAL
+from budget.distributions import NORMAL, normal_coverage_factor
 from budget.methods.execution import draw, small_blocks
 
 if TYPE_CHECKING:
@@ -45,9 +45,7 @@ def end_accuracy(problem: Problem, law: Propagation, coverage: float) -> Array:
     Shape (n_out,) [SI unit of the output]; infinite where an input has few degrees of
     freedom, whose k is a convention and no quantile of the output.
     """
-    from scipy.special import ndtri
-
-    z = float(ndtri((1.0 + coverage) / 2.0))
+    z = normal_coverage_factor(coverage)
     u = law.standard_uncertainty
     safe = np.where(u > 0.0, u, 1.0)
     g1, g2 = _shape(problem, law, safe)

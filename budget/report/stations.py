@@ -21,6 +21,7 @@ from budget.report.blocks import (
     Paragraph,
     Run,
     Section,
+    assumptions_section,
     table_of,
 )
 from budget.report.document import csv_text
@@ -57,16 +58,7 @@ COLUMNS = (
 
 def station_answer(found: Qualification) -> tuple[Section, ...]:
     """Return what stands on a terminal: the answer, and what was assumed."""
-    assumed = tuple((text,) for text in found.assumptions)
-    return (
-        station_section(found),
-        Section(
-            name="assumptions",
-            title="Assumptions",
-            blocks=(Listing(items=assumed, empty="None."),),
-            in_brief=None if assumed else "",
-        ),
-    )
+    return (station_section(found), assumptions_section(found.assumptions))
 
 
 def station_section(found: Qualification) -> Section:

@@ -24,7 +24,7 @@ import numpy as np
 from budget.calibration.derived import known_outputs, outputs_for
 from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import WEIGHTED, schemes_of, with_accelerometers
-from budget.distributions import NORMAL
+from budget.distributions import NORMAL, normal_coverage_factor
 from budget.errors import CallError
 from budget.methods.allocation import Task, equal, headroom, proportional
 from budget.methods.decisions import acceptance_interval
@@ -385,9 +385,7 @@ class _Case:
     @property
     def k(self) -> float:
         """Coverage factor of a normal error [1]."""
-        from scipy.special import ndtri
-
-        return float(ndtri((1.0 + self.requirement.coverage) / 2.0))
+        return normal_coverage_factor(self.requirement.coverage)
 
     @property
     def names(self) -> list[Name]:

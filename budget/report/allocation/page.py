@@ -41,6 +41,7 @@ from budget.report.blocks import (
     Picture,
     Run,
     Section,
+    assumptions_section,
     table_of,
 )
 from budget.report.figures.rows import chart_picture
@@ -123,16 +124,7 @@ def figured(allocation: Allocation) -> tuple[LimitedOutput, ...]:
 
 def allocation_answer(allocation: Allocation) -> tuple[Section, ...]:
     """Return what stands alone on a terminal: the allocation and what was assumed."""
-    assumed = tuple((text,) for text in allocation.assumptions)
-    return (
-        allocation_section(allocation),
-        Section(
-            name="assumptions",
-            title="Assumptions",
-            blocks=(Listing(items=assumed, empty="None."),),
-            in_brief=None if assumed else "",
-        ),
-    )
+    return (allocation_section(allocation), assumptions_section(allocation.assumptions))
 
 
 def _by_sensor(

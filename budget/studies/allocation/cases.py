@@ -10,6 +10,7 @@ import numpy as np
 
 from budget.calibration.derived import known_outputs
 from budget.calibration.schemes import with_accelerometers
+from budget.distributions import normal_coverage_factor
 from budget.errors import CallError
 from budget.methods.allocation import Task, equal, proportional
 from budget.methods.least_cost import LeastCost, Prices, least_cost
@@ -90,8 +91,6 @@ def set_up(
     market: Mapping[Name, float],
 ) -> SensorCase | None:
     """Return the task of one sensor, None where nothing is required of it."""
-    from scipy.special import ndtri
-
     names = known_outputs((sensor.kind,), procedure)
     limits = [limit for limit in requirement.limits if limit.output in names]
     if not limits:
@@ -106,7 +105,7 @@ def set_up(
         least, most = _bounds_of(name, now, bounds, market)
         low.append(least)
         high.append(most)
-    k = float(ndtri((1.0 + requirement.coverage) / 2.0))
+    k = normal_coverage_factor(requirement.coverage)
     return SensorCase(
         sensor=sensor,
         procedure=procedure,
