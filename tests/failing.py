@@ -40,6 +40,8 @@ PRINTING = {
     "diff": ("diff", "hg4930#A", "hg4930#C"),
     "check": ("check", "zhao-2019-eq4-nominal"),
     "station": ("station", "zhao-2019", "--requirement", "tactical-grade"),
+    "export": ("export", "hg4930#A", "--to", "gtsam"),
+    "export json": ("export", "hg4930#A", "--to", "gtsam", "--json", "-"),
     "help": ("--help",),
     "version": ("--version",),
 }
@@ -55,6 +57,10 @@ WRITING = {
     "station": (
         *("station", "zhao-2019", "--requirement", "tactical-grade"),
         *("--json", "a.json", "--write", "a.yaml"),
+    ),
+    "export": (
+        *("export", "hg4930#A", "--to", "gtsam", "--residual"),
+        *("--json", "a.json", "--csv", "a.csv", "-o", "a.yaml"),
     ),
 }
 

@@ -21,6 +21,7 @@ from budget.cli.check import check, schema, validate
 from budget.cli.compare import compare
 from budget.cli.devices import devices
 from budget.cli.diff import diff
+from budget.cli.export import export
 from budget.cli.output import document_date
 from budget.cli.paper import paper
 from budget.cli.report import report
@@ -71,6 +72,7 @@ app = typer.Typer(
 app.command()(analyze)
 app.command()(allocate)
 app.command()(station)
+app.command()(export)
 app.command()(report)
 app.command()(compare)
 app.command()(check)

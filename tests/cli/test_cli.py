@@ -23,7 +23,7 @@ from budget.version import __version__
 NOTE = "No device given: using the built-in zhao-2019 (Zhao 2019).\n"
 COMMANDS = (
     *("analyze", "report", "compare", "allocate", "devices", "paper"),
-    *("station", "validate", "schema"),
+    *("station", "export", "validate", "schema"),
 )
 SHARED = (
     *("--procedure", "--method", "--trials", "--max-trials", "--digits", "--seed"),

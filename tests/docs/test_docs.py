@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import runpy
 import shlex
 import subprocess
 from pathlib import Path
@@ -168,3 +169,12 @@ def test_the_page_names_what_ships():
         kind = re.match("compare|allocate|zhao-2019", path.stem)
         assert kind or f"`{path.stem}`" in PAGE
     assert (DOCS / "make_references.py").is_file()
+
+
+def test_the_table_of_targets_is_the_one_of_the_data():
+    """docs/export.md lists the keys, units and sources that exports are made from."""
+    page = (DOCS / "export.md").read_text(encoding="utf-8")
+    names = runpy.run_path(str(DOCS / "make_export.py"))
+
+    assert names["page"](page) == page
+    assert "`gyroscope_noise_density` [rad/s/sqrt(Hz)]" in page

@@ -173,6 +173,7 @@ NAMED = {
     "analyze csv": ("analyze", "{}", "--no-validate", "--csv", "-"),
     "allocate": ("allocate", "{}", *GRADE, "--no-validate"),
     "station": ("station", "{}", "--requirement", "catalogue-edge"),
+    "export": ("export", "{}", "adxl357", "--to", "ros", "--rate", "100"),
     "compare": ("compare", "{}", *GRADE, *GUM),
     "compare json": ("compare", "{}", *GRADE, *GUM, "--json", "-"),
     "devices": ("devices", "{}"),

@@ -34,6 +34,10 @@ CALLS = {
     ),
     "allocate": ("allocate", *GRADE, "--no-validate", "--json", "a.json"),
     "station": ("station", *GRADE, "--write", "a.yaml", "--json", "a.json"),
+    "export": (
+        *("export", "hg4930#A", "--to", "gtsam", "--residual"),
+        *("-o", "a.py", "--json", "a.json"),
+    ),
     "compare": ("compare", "hg4930", *GRADE, "--method", "gum", "-o", "a.html"),
     "devices": ("devices", "hg4930"),
     "paper": ("paper", "-o", "a.html", "-o", "a.pdf"),

@@ -1,0 +1,156 @@
+"""`budget export`: the figures of a device, as a filter or a simulator reads them."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from budget.cli import options
+
+
+def _factor(text: str) -> float:
+    """Read a factor of inflation."""
+    from budget.studies.export.study import LEAST_INFLATION, MOST_INFLATION
+
+    value = _number(text)
+    if value is None or not LEAST_INFLATION <= value <= MOST_INFLATION:
+        raise typer.BadParameter(
+            f"{text!r} is no factor of standard deviations; give a number of "
+            f"{LEAST_INFLATION:g} (none) to {MOST_INFLATION:g}, as 3"
+        )
+    return value
+
+
+def _rate(text: str) -> float:
+    """Read a sampling rate: '200', '200 Hz', '1 kHz'."""
+    from budget.errors import UnitError
+    from budget.studies.export.study import LEAST_RATE, MOST_RATE
+    from budget.units import parse_quantity
+
+    value = _number(text)
+    try:
+        value = parse_quantity(text, "Hz").value if value is None else value
+    except UnitError as error:
+        raise typer.BadParameter(str(error)) from None
+    if not LEAST_RATE <= value <= MOST_RATE:
+        raise typer.BadParameter(
+            f"{text!r} is no sampling rate; give {LEAST_RATE:g} to {MOST_RATE:g} Hz, "
+            "as 200"
+        )
+    return value
+
+
+def _number(text: str) -> float | None:
+    """Read a plain number; None where the text is none."""
+    from budget.units import NUMBER
+
+    text = text.strip()
+    short = len(text) <= options.LONGEST_NUMBER
+    return float(text) if short and re.fullmatch(NUMBER, text) else None
+
+
+def export(
+    devices: options.Devices = None,
+    *,
+    to: Annotated[
+        Literal[
+            "kalibr",
+            "openvins",
+            "vins",
+            "gtsam",
+            "kf-gins",
+            "psins",
+            "gazebo",
+            "ros",
+            "matlab",
+            "nav-toolkit",
+        ],
+        typer.Option("--to", help="What reads the file; nav-toolkit is NaveGo."),
+    ],
+    residual: Annotated[
+        bool,
+        typer.Option(
+            "--residual",
+            help="Bias, scale factor and mounting angles as the calibration leaves "
+            "them at the next turn-on, in place of the raw lines.",
+        ),
+    ] = False,
+    procedure: options.ProcedureFile = None,
+    station: options.StationFile = None,
+    inflate: Annotated[
+        float | None,
+        typer.Option(
+            parser=_factor,
+            metavar="N",
+            help="Factor on every standard deviation (1); variances take its square.",
+            show_default=False,
+        ),
+    ] = None,
+    rate: Annotated[
+        float | None,
+        typer.Option(
+            parser=_rate,
+            metavar="HZ",
+            help="Sampling rate, where the target counts by the sample.",
+            show_default=False,
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="FILE",
+            help="File to write; without it the file goes to stdout.",
+            show_default=False,
+        ),
+    ] = None,
+    json: options.JsonFile = None,
+    csv: options.CsvFile = None,
+) -> None:
+    """Write the figures of a device as a filter or a simulator reads them.
+
+    Every value says in a comment which line it is from and how it is made. What the
+    target cannot hold is listed, and a line that it needs is never made up.
+    """
+    from budget.cli.output import check_destinations, hand_out
+    from budget.cli.streams import say
+    from budget.errors import CallError
+    from budget.report.document import json_text
+    from budget.report.export import export_answer, export_csv, remarks, write_export
+    from budget.spec import load_procedure
+    from budget.studies.export.study import export as export_to
+
+    files = () if output is None else (output,)
+    check_destinations(json, csv, *files, inputs=[*(devices or ()), procedure, station])
+    if not residual and (procedure or station):
+        given = "--procedure" if procedure else "--station"
+        raise CallError(
+            f"{given} changes nothing without --residual: the raw figures are those of "
+            "the data sheet; add --residual, or leave it out"
+        )
+    loaded = options.load_devices(devices)
+    how = load_procedure(procedure, station=station) if residual else None
+    found = export_to(
+        *loaded,
+        to=to,
+        procedure=how,
+        residual=residual,
+        inflate=1.0 if inflate is None else inflate,
+        rate=rate,
+    )
+    documents = [
+        (json, lambda: json_text(found.to_dict())),
+        (csv, lambda: export_csv(found)),
+    ]
+    on_stdout = options.STDOUT in {json, csv}
+    if output is None and not on_stdout:
+        for text in remarks(found):
+            say(text)
+        hand_out([*documents, (options.STDOUT, lambda: write_export(found))])
+        return
+    pages = {} if output is None else {output: write_export(found)}
+    hand_out(documents, lambda: export_answer(found), title=found.title, pages=pages)

@@ -1,0 +1,358 @@
+"""Export: the figures of devices as one target counts them, and what it cannot hold."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from budget.errors import CallError
+from budget.model.sources import ACCELEROMETER, GYRO, SENSORS
+from budget.names import Name
+from budget.results import SCHEMA, InputFile, input_files, inputs_document
+from budget.spec import load_procedure
+from budget.studies.analysis import analyze
+from budget.studies.export.figures import Figure, Known, Missing, print_number
+from budget.studies.export.targets import (
+    LEAVE_OUT,
+    NAMES,
+    ONE,
+    REFUSE,
+    TARGETS,
+    Entry,
+    Target,
+)
+from budget.studies.request import sensors_of
+from budget.units import STANDARD_GRAVITY
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from budget.results import Budget
+    from budget.spec.records import Device, Procedure, Sensor
+
+REFERENCE = "next_turn_on"  # what a calibration leaves is met at a later turn-on
+LEAST_INFLATION, MOST_INFLATION = 1.0, 1e6  # [1]
+LEAST_RATE, MOST_RATE = 1e-3, 1e9  # [Hz]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Exported:
+    """One key of the target with its value.
+
+    Attributes
+    ----------
+    entry : Entry
+    values : tuple of float
+        In the unit of the entry, by its axes.
+    steps : tuple of str
+        Where the value is from, and how it is made.
+    lines : tuple of Name
+        Lines of the data sheet in it.
+    """
+
+    entry: Entry
+    values: tuple[float, ...]
+    steps: tuple[str, ...]
+    lines: tuple[Name, ...] = ()
+
+    def rows(self) -> Iterator[dict[str, Any]]:
+        """Yield a record for each axis."""
+        for axis, value in zip(self.entry.axes, self.values, strict=True):
+            yield {
+                "key": self.entry.key,
+                "sensor": self.entry.owner,
+                "axis": axis,
+                "value": value,
+                "unit": self.entry.unit,
+                "from": list(self.lines),
+                "steps": list(self.steps),
+            }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Export:
+    """Everything that goes into the file of a target.
+
+    Attributes
+    ----------
+    left_out : tuple of str
+        Keys whose figure is not known, and what they are without it.
+    not_held : tuple of str
+        Lines of the data sheet that the target has no place for.
+    gravity : float
+        Magnitude, for targets that ask for it [m/s^2].
+    """
+
+    target: Target
+    title: str
+    inputs: tuple[InputFile, ...]
+    entries: tuple[Exported, ...]
+    left_out: tuple[str, ...]
+    not_held: tuple[str, ...]
+    notes: tuple[str, ...]
+    assumptions: tuple[str, ...]
+    warnings: tuple[str, ...]
+    rate: float | None  # [Hz]
+    inflate: float  # [1]
+    procedure: str  # whose residual it is; '' of the raw figures
+    gravity: float
+
+    def rows(self) -> Iterator[dict[str, Any]]:
+        """Yield a record for each key and axis."""
+        for one in self.entries:
+            yield from one.rows()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it."""
+        return {
+            "schema": SCHEMA,
+            "command": "export",
+            "title": self.title,
+            "inputs": inputs_document(self.inputs),
+            "settings": {
+                "target": self.target.name,
+                "rate": self.rate,
+                "inflate": self.inflate,
+                "residual": bool(self.procedure),
+                "reference": REFERENCE if self.procedure else None,
+            },
+            "entries": list(self.rows()),
+            "left_out": list(self.left_out),
+            "not_held": list(self.not_held),
+            "notes": list(self.notes),
+            "sources": list(self.target.sources),
+            "assumptions": list(self.assumptions),
+            "warnings": list(self.warnings),
+        }
+
+
+def find_target(name: str) -> Target:
+    """Return the target of that name.
+
+    Raises
+    ------
+    CallError
+        There is none.
+    """
+    for target in TARGETS:
+        if target.name == name:
+            return target
+    raise CallError(f"{name!r} is no target; there are: {', '.join(NAMES)}")
+
+
+def export(
+    *devices: Device,
+    to: str,
+    procedure: Procedure | None = None,
+    residual: bool = False,
+    inflate: float = 1.0,
+    rate: float | None = None,
+) -> Export:
+    """Put the figures of devices as a target counts them.
+
+    Parameters
+    ----------
+    *devices : Device
+        Together one gyro and one accelerometer.
+    to : str
+        Name of the target.
+    procedure : Procedure, optional
+        The calibration whose residual is asked for; the paper's, if none is given.
+    residual : bool
+        Whether bias, scale factor and mounting angles are what that calibration leaves
+        at the next turn-on, by the law of propagation, in place of the raw lines.
+    inflate : float
+        Factor on every standard deviation and density; variances take its square [1].
+    rate : float, optional
+        Samples in a second [Hz].
+
+    Raises
+    ------
+    CallError
+        A triad, the rate, or a figure that the target must have is missing.
+    """
+    target = find_target(to)
+    _check(target, inflate=inflate, rate=rate)
+    if procedure is not None and not residual:
+        raise CallError(
+            f"a procedure changes nothing without --residual: {target.name} gets the "
+            "raw figures of the data sheet; add --residual, or leave the procedure out"
+        )
+    sensors = {one.kind: one for one in sensors_of(devices)}
+    absent = [kind for kind in SENSORS if kind not in sensors]
+    if absent:
+        raise CallError(
+            f"{target.title} describes a whole IMU, and no {absent[0]} is given; give "
+            "a device file that has one beside this one"
+        )
+    left: Budget | None = None
+    if residual:
+        procedure = load_procedure(None) if procedure is None else procedure
+        left = analyze(
+            *devices, procedure=procedure, reference=REFERENCE, validate=False
+        )
+    name = procedure.name if procedure is not None and residual else ""
+    known = {
+        kind: Known(sensor=sensor, rate=rate, left=left, procedure=name)
+        for kind, sensor in sensors.items()
+    }
+    entries, left_out = _entries(target, known, inflate=inflate, rate=rate)
+    held = {line for one in entries for line in one.lines}
+    assumptions = tuple(
+        text
+        for device in devices
+        for text in device.assumptions
+        if any(text.startswith(f"{line}:") for line in held)
+    )
+    return Export(
+        target=target,
+        title=" and ".join(dict.fromkeys(one.device for one in sensors.values())),
+        inputs=input_files(devices, procedure=procedure if residual else None),
+        entries=entries,
+        left_out=left_out,
+        not_held=tuple(_not_held(sensors, held)),
+        notes=(*target.notes, *_notes(target, known, entries)),
+        assumptions=assumptions if left is None else _all(assumptions, left),
+        warnings=() if left is None else left.warnings,
+        rate=rate,
+        inflate=inflate,
+        procedure=name,
+        gravity=procedure.gravity if residual and procedure else STANDARD_GRAVITY,
+    )
+
+
+def _all(assumptions: Sequence[str], left: Budget) -> tuple[str, ...]:
+    """Return the assumptions of a residual with those of the figures."""
+    return tuple(dict.fromkeys((*assumptions, *left.assumptions)))
+
+
+def _check(target: Target, *, inflate: float, rate: float | None) -> None:
+    """Refuse a factor or a rate that means nothing."""
+    if not LEAST_INFLATION <= inflate <= MOST_INFLATION:
+        raise CallError(
+            f"inflate is {inflate!r}, allowed: {LEAST_INFLATION:g} to "
+            f"{MOST_INFLATION:g}"
+        )
+    if rate is not None and not (isfinite(rate) and LEAST_RATE <= rate <= MOST_RATE):
+        raise CallError(
+            f"rate is {rate!r} Hz, allowed: {LEAST_RATE:g} to {MOST_RATE:g}"
+        )
+    if target.needs_rate and rate is None:
+        raise CallError(
+            f"{target.title} counts by the sample, and no sampling rate is given; give "
+            "that of the readings it gets, as --rate 200"
+        )
+
+
+def _entries(
+    target: Target,
+    known: Mapping[str, Known],
+    *,
+    inflate: float,
+    rate: float | None,
+) -> tuple[tuple[Exported, ...], tuple[str, ...]]:
+    """Return the keys with their values, and what is said of those without.
+
+    Raises
+    ------
+    CallError
+        A figure that the target must have is not known.
+    """
+    done: list[Exported] = []
+    left_out: list[str] = []
+    missing: dict[str, list[str]] = {}
+    for entry in target.entries:
+        figure = known[entry.owner].figure(entry.quantity)
+        if isinstance(figure, Figure) and entry.above_zero and not figure.value.any():
+            needs = ", ".join(Name(line, owner=entry.owner) for line in figure.lines)
+            figure = Missing(needs=f"{needs} above 0", why="it is 0")
+        if isinstance(figure, Figure):
+            done.append(_exported(entry, figure, inflate=inflate, rate=rate))
+            continue
+        said = f"{figure.needs}: {figure.why}"
+        if entry.absent == REFUSE:
+            missing.setdefault(said, []).append(entry.key)
+        elif entry.absent == LEAVE_OUT:
+            left_out.append(f"{entry.key} is left out: it needs {said}")
+        else:
+            zeros = tuple(0.0 for _ in entry.axes)
+            said = f"{entry.key} is 0, which leaves it out: it needs {said}"
+            done.append(Exported(entry=entry, values=zeros, steps=(said,)))
+            left_out.append(said)
+    if missing:
+        faults = "\n".join(
+            f"{', '.join(keys)}: needs {said}" for said, keys in missing.items()
+        )
+        raise CallError(
+            f"{target.title} cannot do without figures that are missing; give the "
+            f"lines in the device file, or choose another target\n{faults}"
+        )
+    return tuple(done), tuple(left_out)
+
+
+def _exported(
+    entry: Entry, figure: Figure, *, inflate: float, rate: float | None
+) -> Exported:
+    """Return a key with its values, from the figure that it holds."""
+    by_axis = dict(zip(figure.axes, figure.value.tolist(), strict=True))
+    steps = list(figure.steps)
+    if entry.axes == ONE:
+        chosen = [max(by_axis.values())]
+        if len(set(by_axis.values())) > 1:
+            steps.append(f"one for all axes, the largest: {print_number(chosen[0])}")
+    else:
+        chosen = [by_axis[axis] for axis in entry.axes]
+    form = entry.form
+    factor = inflate**form.power
+    if form.formula:
+        at = f" at f = {print_number(rate)} Hz" if form.by_sample and rate else ""
+        steps.append(f"{form.formula.format(v=figure.symbol)}{at}")
+    if inflate != 1.0 and form.power:
+        steps.append(f"times {print_number(factor)} (inflated)")
+    values = tuple(
+        factor * form.value(value, rate or 1.0) / entry.size for value in chosen
+    )
+    return Exported(
+        entry=entry,
+        values=values,
+        steps=tuple(steps),
+        lines=tuple(Name(line, owner=entry.owner) for line in figure.lines),
+    )
+
+
+def _not_held(sensors: Mapping[str, Sensor], held: set[Name]) -> Iterator[str]:
+    """Yield the lines that the target has no place for, and the nominal values."""
+    for kind, sensor in sensors.items():
+        for line in sensor.lines:
+            name = Name(line.name, owner=kind)
+            if name not in held:
+                yield f"{name}: {line.printed}"
+        nominal = {
+            "bias": sensor.nominal_bias,
+            "mounting angle": sensor.nominal_mounting_angle,
+        }
+        for word, value in nominal.items():
+            if np.any(value):
+                yield f"{kind}: the nominal {word}, taken as compensated"
+
+
+def _notes(
+    target: Target, known: Mapping[str, Known], entries: Sequence[Exported]
+) -> Iterator[str]:
+    """Yield what else a user of the file must know."""
+    times = [known[kind].figure("correlation_time") for kind in (GYRO, ACCELEROMETER)]
+    values = [set(one.value.tolist()) for one in times if isinstance(one, Figure)]
+    if target.one_time and len(set().union(*values)) > 1:
+        texts = ", ".join(print_number(value) for value in sorted(set().union(*values)))
+        yield (
+            "one correlation time for all, the longest of the gyros; the device has "
+            f"{texts} s"
+        )
+    if any("proxy" in step for one in entries for step in one.steps):
+        yield (
+            "a random walk that stands for a Gauss-Markov process is a proxy: it grows "
+            "for ever, where the process stays at sigma"
+        )

@@ -1,0 +1,109 @@
+"""`budget export`: the file alone on stdout, what it lacks on stderr, its options."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from typing import get_args, get_type_hints
+
+import pytest
+import yaml
+from command_line import call
+from saying import assert_says
+
+from budget.cli.export import export
+from budget.studies.export.targets import NAMES
+
+KALIBR = ("export", "hg4930#A", "--to", "kalibr", "--rate", "200")
+
+
+def test_every_target_can_be_asked_for():
+    """The choices of `--to` are the rows of the table, in its order."""
+    (choice, *_) = get_args(get_type_hints(export, include_extras=True)["to"])
+    assert get_args(choice) == NAMES
+
+
+def test_stdout_is_the_file_and_stderr_what_it_cannot_hold():
+    """A pipe gets YAML and nothing else; a person hears what is not in it."""
+    run = call(*KALIBR)
+    assert run.code == 0
+    assert yaml.safe_load(run.out)["update_rate"] == 200.0
+    assert_says(run.err, "Kalibr cannot hold", "gyro.bias_repeatability", "proxy")
+
+
+def test_a_file_is_written_and_the_values_are_shown(tmp_path):
+    """-o: the same bytes in the file, a table and the lists on stdout."""
+    path = tmp_path / "imu.yaml"
+    run = call(*KALIBR, "-o", path)
+    assert run.code == 0
+    assert path.read_text(encoding="utf-8") == call(*KALIBR).out
+    assert_says(run.out, "gyroscope_noise_density", "1.74533e-5", "cannot hold")
+    assert "written" in run.err
+
+
+def test_documents_have_the_values_in_full(tmp_path):
+    """--json - and --csv: key, value, unit and lines, as in the file."""
+    path = tmp_path / "a.csv"
+    run = call(*KALIBR, "--json", "-", "--csv", path)
+    document = run.document
+    told = yaml.safe_load(call(*KALIBR).out)
+    assert document["command"] == "export"
+    assert document["settings"]["target"] == "kalibr"
+    for row in document["entries"]:
+        assert row["value"] == told[row["key"]]
+        assert row["from"]
+    rows = list(csv.DictReader(io.StringIO(path.read_text(encoding="utf-8"))))
+    values = {row["key"]: float(row["value"]) for row in rows}
+    assert values == {row["key"]: row["value"] for row in document["entries"]}
+    assert document["not_held"]
+    assert any("proxy" in note for note in document["notes"])
+
+
+def test_the_residual_names_its_procedure():
+    """--residual with a procedure: it is an input, and u of the later turn-on."""
+    words = ("export", "hg4930#A", "--to", "psins", "--residual")
+    run = call(*words, "--procedure", "twelve-positions", "--json", "-")
+    assert run.code == 0
+    document = json.loads(run.out)
+    assert document["inputs"]["procedure"]["name"] == "twelve-positions.yaml"
+    assert document["settings"]["reference"] == "next_turn_on"
+    (step,) = {row["steps"][0] for row in document["entries"] if row["key"] == "dKAii"}
+    assert_says(step, "next turn-on", "law of propagation")
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        (("--to", "kalibr"), ("--rate",)),
+        (("--to", "ekf2"), ("'kalibr'", "'nav-toolkit'")),
+        (("--to", "kalibr", "--rate", "0"), ("sampling rate", "200")),
+        (("--to", "kalibr", "--rate", "5 s"), ("Hz",)),
+        (("--to", "kalibr", "--rate", "nan"), ("Hz",)),
+        (("--to", "gtsam", "--inflate", "0.5"), ("factor", "0.5")),
+        (("--to", "gtsam", "--inflate", "much"), ("factor",)),
+        (("--to", "gtsam", "--procedure", "zhao-2019"), ("--residual",)),
+        (("--to", "gtsam", "--station", "ideal"), ("--residual",)),
+    ],
+)
+def test_a_bad_call_says_what_to_give(more, words):
+    """Exit code 2, nothing on stdout."""
+    run = call("export", "hg4930#A", *more)
+    assert (run.code, run.out) == (2, "")
+    assert_says(run.err, *words)
+
+
+def test_a_missing_line_is_named():
+    """adis16495-1 prints no noise of its accelerometers: no file, exit code 2."""
+    run = call("export", "adis16495-1", "--to", "gtsam")
+    assert (run.code, run.out) == (2, "")
+    assert_says(
+        run.err, "accelerometer_covariance", "accelerometer.velocity_random_walk"
+    )
+
+
+@pytest.mark.parametrize("rate", ["200", "200 Hz", "0.2 kHz", "2e2"])
+def test_a_rate_may_have_a_unit(rate):
+    """All of them are 200 Hz."""
+    run = call("export", "hg4930#A", "--to", "kalibr", "--rate", rate)
+    assert yaml.safe_load(run.out)["update_rate"] == 200.0
