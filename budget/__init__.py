@@ -27,6 +27,18 @@ NIST TN 1900
     Measurement Results, NIST Technical Note 1900, 2015.
 IEEE 528
     IEEE Std 528-2019, Standard for Inertial Sensor Terminology.
+BDA
+    Gelman A., Carlin J., Stern H., Dunson D., Vehtari A., Rubin D., Bayesian Data
+    Analysis, third edition, CRC Press, 2013.
+Seber, Lee
+    Seber G., Lee A., Linear Regression Analysis, second edition, Wiley, 2003.
+Smyth 2004
+    Smyth G., "Linear models and empirical Bayes methods for assessing differential
+    expression in microarray experiments", Statistical Applications in Genetics and
+    Molecular Biology 3 (1), 2004, article 3.
+Strong, Oakley 2013
+    Strong M., Oakley J., "An efficient method for computing single-parameter partial
+    expected value of perfect information", Medical Decision Making 33, 2013, 755-766.
 WGS 84
     NIMA TR8350.2, Department of Defense World Geodetic System 1984, third edition.
 """

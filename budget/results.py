@@ -196,6 +196,9 @@ class Settings:
         Whether Monte Carlo checks the law.
     matrices : bool
         Whether the compensation matrices are asked for.
+    missing : str
+        What stands for expected lines that a device does not give: 'refuse' (nothing),
+        'worst', 'typical' or 'predict'.
     """
 
     method: str = "gum"
@@ -214,6 +217,7 @@ class Settings:
     max_trials: int | None = None
     validate: bool = True
     matrices: bool = False
+    missing: str = "refuse"
 
     def to_dict(self) -> dict[str, Any]:
         """Return what a document says of them."""
@@ -221,6 +225,8 @@ class Settings:
         del document["max_trials"], document["validate"], document["matrices"]
         if not self.outputs:
             del document["outputs"]
+        if self.missing == "refuse":
+            del document["missing"]
         return document
 
 
@@ -506,6 +512,98 @@ def _contribution_document(part: Contribution, scale: float) -> dict[str, Any]:
             "sobol_rank": part.sobol.rank,
         }
     return document
+
+
+@dataclass(frozen=True, kw_only=True)
+class FilledLine:
+    """A line in the place of an expected one that is not given."""
+
+    source: Name
+    expected: Name  # what it stands for, 'gyro.noise'
+    mode: str  # 'worst', 'typical' or 'predict'
+    printed: str  # of 'worst' as that device's file gives it
+    u: float  # of the largest axis; of 'predict' the median [SI]
+    unit: str
+    si_per_unit: float
+    owners: tuple[str, ...]  # of 'worst' the one device, else all that it comes from
+    devices: int  # that give the line and are comparable
+    designs: int | None = None  # that these are variants of, by 'predict'
+    interval_50: tuple[float, float] | None = None  # of u, by 'predict' [SI]
+    interval_90: tuple[float, float] | None = None
+
+    def __str__(self) -> str:
+        """'gyro.bias_stability 24 deg/h (of NAME)', or from how many devices."""
+        return f"{self.source} {self.printed} ({self.basis})"
+
+    @property
+    def basis(self) -> str:
+        """'of NAME', 'median of 3 devices', 'predicted from 9 devices of 4 designs'."""
+        if self.mode == "worst":
+            return f"of {self.owners[0]}"
+        some = f"{self.devices} device{'' if self.devices == 1 else 's'}"
+        if self.interval_90 is None:
+            return f"median of {some}"
+        low, high = (self._print(end) for end in self.interval_90)
+        return f"90 %: {low} to {high}; predicted from {some} of {self.designs} designs"
+
+    @property
+    def words(self) -> str:
+        """Say what was taken for it."""
+        return f"not given, {self.printed} taken ({self.basis})"
+
+    def _print(self, u: float) -> str:
+        """Print a size to three digits."""
+        return f"{float(f'{u / self.si_per_unit:.3g}'):g}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it."""
+
+        def of(ends: tuple[float, float] | None) -> list[float] | None:
+            return None if ends is None else [end / self.si_per_unit for end in ends]
+
+        return {
+            "source": self.source,
+            "stands_for": self.expected,
+            "printed": self.printed,
+            "unit": self.unit,
+            "standard_uncertainty": self.u / self.si_per_unit,
+            "devices": self.devices,
+            "designs": self.designs,
+            "of": list(self.owners),
+            "interval_50": of(self.interval_50),
+            "interval_90": of(self.interval_90),
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ask:
+    """A line that is not given, and what it is worth to be told it."""
+
+    source: Name  # the expected line
+    reduction: float  # expected, of the doubt min(p, 1 - p), were it known [1]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Doubt:
+    """Probability that a device meets over what its missing lines may be."""
+
+    probability: float  # that every largest error is within its limit [1]
+    utilisation_90: tuple[float, float]  # central 90 % of the utilisation [1]
+    asks: tuple[Ask, ...]  # the one that is worth most first
+
+    @property
+    def doubt(self) -> float:
+        """min(p, 1 - p): the risk of the likelier verdict [1]."""
+        return min(self.probability, 1.0 - self.probability)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it."""
+        return {
+            "probability": self.probability,
+            "doubt": self.doubt,
+            "utilisation_90": list(self.utilisation_90),
+            "worth_asking": [asdict(ask) for ask in self.asks],
+        }
 
 
 @dataclass(frozen=True, kw_only=True)

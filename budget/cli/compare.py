@@ -73,6 +73,7 @@ def compare(
             show_default=False,
         ),
     ] = None,
+    missing: options.Missing = "refuse",
     strict: Annotated[
         bool, typer.Option("--strict", help="Compute nothing if any file is bad.")
     ] = False,
@@ -133,6 +134,7 @@ def compare(
             wanted,
             procedures,
             catalogue=load_catalogue(),
+            missing=missing,
             method=method,
             trials=trials or TRIALS,
             max_trials=max_trials,

@@ -226,6 +226,14 @@ Matrices = Annotated[
         help="Add the matrices that turn readings into inputs, with uncertainties.",
     ),
 ]
+Missing = Annotated[
+    Literal["refuse", "worst", "typical", "predict"],
+    typer.Option(
+        help="What stands for expected lines that a device does not give: nothing, the "
+        "worst or the median of comparable devices, or a distribution predicted from "
+        "them. Exit codes go by refuse.",
+    ),
+]
 JsonFile = Annotated[
     Path | None,
     typer.Option("--json", metavar="FILE|-", help="Write the result as JSON."),

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from budget.problem import Output
     from budget.results import (
         Budget,
+        Doubt,
         OutputAssessment,
         OutputBudget,
         Probability,
@@ -39,6 +40,7 @@ NO_SHARE = 1e-20  # [1]; a share below is what the rounding of doubles leaves of
 CERTAIN = 4  # decimals of a per cent that nearly certain probabilities get at most
 PER_CENT = 100.0
 NAMED = 2  # contributions of a sentence
+HALF_DIGIT = 5e-3  # half of the last digit of a probability of two decimals [1]
 NEAR_LIMIT = 0.01  # [1]; a utilisation this close to 1 gets one more digit
 
 
@@ -281,6 +283,18 @@ def print_probability(p: Probability) -> str:
     return round_value(PER_CENT * p.value, 10.0 * PER_CENT * (p.high - p.low) / 2.0)
 
 
+def print_chance(p: float) -> str:
+    """Print a probability that rests on predictions to two decimals: '0.83'."""
+    if p < HALF_DIGIT or 1.0 - p < HALF_DIGIT:
+        return "<0.01" if p < HALF_DIGIT else ">0.99"
+    return f"{settle(p):.2f}"
+
+
+def print_doubt(doubt: Doubt) -> str:
+    """Print a verdict that rests on predicted lines: 'meets 0.83'."""
+    return f"meets {print_chance(doubt.probability)}"
+
+
 def print_coverage(coverage: float) -> str:
     """Print a coverage probability in per cent without the sign: '95', '99.73'."""
     return f"{100.0 * coverage:.6g}"
@@ -339,7 +353,12 @@ def settings_lines(settings: Settings) -> tuple[tuple[str, str], ...]:
         ("formulas", settings.formulas),
     )
     chosen = (("only", settings.only), ("outputs", by_group(settings.outputs)))
-    return (*lines, *((name, ", ".join(few)) for name, few in chosen if few))
+    missing = "" if settings.missing == "refuse" else settings.missing
+    return (
+        *lines,
+        *((name, ", ".join(few)) for name, few in chosen if few),
+        *((("missing lines", missing),) if missing else ()),
+    )
 
 
 def group_tables(budget: Budget) -> tuple[GroupTable, ...]:

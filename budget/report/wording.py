@@ -6,7 +6,13 @@ from typing import TYPE_CHECKING
 
 from budget.names import words
 from budget.report.blocks import Cell, Run
-from budget.report.tables import print_share
+from budget.report.tables import (
+    HALF_DIGIT,
+    print_chance,
+    print_share,
+    source_title,
+)
+from budget.ties import settle
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -14,6 +20,7 @@ if TYPE_CHECKING:
     from budget.names import Name
     from budget.report.blocks import Words
     from budget.report.tables import Number
+    from budget.results import Doubt, Settings
 
 
 METHODS = {
@@ -44,9 +51,62 @@ VERDICTS = {
     "fails": "FAILS",
     "undecided": "UNDECIDED",
     "undecidable": "UNDECIDABLE",
+    "predicted": "PREDICTED",
 }
-SEVERITY = ("fails", "undecidable", "undecided", "meets")  # the first is the page's
+SEVERITY = (
+    "fails",
+    "undecidable",
+    "predicted",
+    "undecided",
+    "meets",
+)  # the first is the page's
 MISSING = {"noise": "a noise line"}
+
+
+# What stands for lines that a device does not give, by the mode.
+MODES = {
+    "worst": (
+        "the worst of comparable devices, those of the catalogue with the same sensor, "
+        "technology and grade"
+    ),
+    "typical": (
+        "the median of comparable devices, those of the catalogue with the same "
+        "sensor, technology and grade"
+    ),
+    "predict": (
+        "predicted from other devices of the catalogue, and verdicts that rest on them "
+        "are probabilities"
+    ),
+}
+
+
+def mode_remark(settings: Settings) -> str:
+    """Name the mode beside a headline: ' (missing lines: predict)'; '' to refuse."""
+    mode = settings.missing
+    return f" (missing lines: {mode})" if mode in MODES else ""
+
+
+def mode_sentence(settings: Settings) -> str:
+    """Say what stands for expected lines that are not given; '' where nothing does."""
+    if settings.missing not in MODES:
+        return ""
+    return (
+        f"Expected lines that are not given are {MODES[settings.missing]} (--missing "
+        f"{settings.missing}); the exit code goes by given lines alone."
+    )
+
+
+def doubt_sentence(doubt: Doubt, *, of: str) -> str:
+    """Say how probable it is to meet, and which missing line to ask for first."""
+    said = f"meets with {print_chance(doubt.probability)}"
+    first = doubt.asks[0]
+    if settle(first.reduction) < HALF_DIGIT:
+        return said
+    line = source_title(first.source, of=of)
+    return (
+        f"{said}; {print_chance(first.reduction)} of the doubt is the missing {line}: "
+        "ask the maker for it first"
+    )
 
 
 def capital(text: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -17,6 +18,8 @@ BELOW = {
     "gyro": (("navigation", 0.01 * DEG_PER_HOUR), ("tactical", 10.0 * DEG_PER_HOUR)),
     "accelerometer": (("navigation", 100.0 * MICRO_G), ("tactical", 5e3 * MICRO_G)),
 }
+# What makers call their technology has one of these in it, mostly.
+FAMILIES = ("mems", "fog", "rlg", "hrg", "quartz flexure")
 REST = "consumer"
 UNKNOWN = "-"
 
@@ -58,3 +61,10 @@ def completeness(sensor: Sensor) -> Completeness:
     return Completeness(
         given=len(expected) - len(sensor.expected_missing), expected=len(expected)
     )
+
+
+def family(technology: str) -> str:
+    """Return 'mems' of 'MEMS, Z axis' and 'bulk MEMS'; '' where nothing is said."""
+    text = technology.casefold()
+    known = next((word for word in FAMILIES if word in text), "")
+    return known or re.split(r"[,(]", text)[0].strip()

@@ -16,20 +16,17 @@ import numpy as np
 from budget.calibration.derived import known_outputs, rotations_of
 from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import is_beside, with_accelerometers
-from budget.distributions import NORMAL
 from budget.methods.gum import propagate
 from budget.model.sources import lines_of, source_of
 from budget.names import IMU, Name, every_output
-from budget.spec.records import ErrorLine, Sensor
-from budget.units import parse_quantity
+from budget.spec.records import Sensor
+from budget.studies.missing import line_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from budget.model.source import Source
     from budget.spec.records import Procedure
-
-PROBE_TIME = 300.0  # correlation time of a probe [s]
 
 
 def lacking(
@@ -129,7 +126,7 @@ def _reached_by(
             nominal_bias=np.array(nominal[:3]),
             nominal_mounting_angle=np.array(nominal[3:]),
             lines=tuple(
-                _probe(source_of(kind, name), kind)
+                line_of(source_of(kind, name), kind)
                 for owner, name in probes
                 if owner == kind
             ),
@@ -174,19 +171,3 @@ def _stand_in(name: Name, only: frozenset[Name] | None) -> Source | None:
         and (only is None or Name(line.name, owner=name.owner) in only)
     ]
     return lines[0] if lines else None
-
-
-def _probe(line: Source, kind: str) -> ErrorLine:
-    """Return a line of size 1 in its most usual unit; its size decides nothing."""
-    unit = line.like(kind)
-    size = parse_quantity(f"1 {unit}", unit)
-    axes = len(line.axes)
-    return ErrorLine(
-        name=line.name,
-        u=np.full(axes, size.value),
-        distributions=(NORMAL,) * axes,
-        correlation_time=np.full(axes, PROBE_TIME) if line.process else None,
-        printed=size.printed,
-        unit=unit,
-        si_per_unit=size.value,
-    )

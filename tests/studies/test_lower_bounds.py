@@ -175,7 +175,7 @@ def test_at_worst_is_of_the_same_technology_and_grade():
     assert worst(replace(chip, technology="FOG")).utilisation is None
     alike = replace(peer, gyro=replace(scaled(ZHAO, 0.3).gyro, device="peer"))
     assert grade(alike.gyro) == grade(bare.gyro)
-    assert tuple(map(str, worst(chip, alike).assumed)) == (
+    assert tuple(map(str, worst(chip, alike).filling.lines)) == (
         f"gyro.scale_factor_repeatability {alike.gyro.lines[3].printed} (of peer)",
     )
 

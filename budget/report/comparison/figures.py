@@ -64,6 +64,7 @@ DOTS = "..."
 MARK = " *"  # behind the name of a device that lacks a line
 NAME, LONG_NAME = 22, 32  # characters of a name that fit beside a narrow, a wide figure
 LEAST = 1e-4  # utilisation where a bar ends at the latest [1]
+OPEN = ("undecidable", "predicted")  # verdicts that wait for a line
 SURE = ("meets", "fails")  # verdicts whose bars and points are full
 # Opacities of the one hue; up to 0.8 ink can be read on it (4.5:1) in light and dark.
 PALEST, UP_TO_LIMIT, BEYOND, DARKEST = 0.06, 0.40, 0.60, 0.80
@@ -85,9 +86,11 @@ def margin_chart(table: Ranking, name: str) -> Chart:
     rows = table.rows[:SHOWN]
     parts = [max(row.of.utilisation, LEAST) for row in rows]
     worst = [row.of.at_worst or 0.0 for row in rows if row.of.lower_bound]
+    ranges = [row.of.doubt.utilisation_90 for row in rows if row.of.doubt]
+    reached = [max(end, LEAST) for ends in ranges for end in ends]
     scale = Scale(
-        low=100.0 * min(0.5, *parts) / 1.3,
-        high=100.0 * max(2.0, *parts, *worst) * 1.3,
+        low=100.0 * min(0.5, *parts, *reached) / 1.3,
+        high=100.0 * max(2.0, *parts, *worst, *reached) * 1.3,
         kind="log",
         lines=((100.0, "limit"),),
         label="largest error [% of the limit]",
@@ -100,8 +103,7 @@ def margin_chart(table: Ranking, name: str) -> Chart:
         lead="Largest error in per cent of the limit: ",
         caption=(
             "Bars start at the limit: to the left is what is left of it. Hollow: "
-            "undecided. A range: undecidable because an expected line is not given, "
-            "from now to at worst; an arrow: at worst is not known."
+            f"undecided. {HOLLOW[rests_on_predictions(table)]}"
             f"{explain_mark(table)}{more_devices(table)}"
         ),
         flush="left",
@@ -109,18 +111,39 @@ def margin_chart(table: Ranking, name: str) -> Chart:
     )
 
 
+# What a bar of a device that lacks a line shows; where lines are predicted.
+HOLLOW = {
+    False: (
+        "A range: undecidable because an expected line is not given, from now to at "
+        "worst; an arrow: at worst is not known."
+    ),
+    True: (
+        "Hollow with a range: at the medians of predicted lines, and 90 % over what "
+        "they may be."
+    ),
+}
+
+
+def rests_on_predictions(table: Ranking) -> bool:
+    """Whether a verdict in it rests on predicted lines."""
+    return any(row.of.doubt is not None for row in table.rows)
+
+
 def margin_title(table: Ranking) -> str:
     """State the finding: how many meet, and the best of those that can be decided."""
     sensor = table.subject
     meets = [row for row in table.rows if row.of.verdict == "meets"]
-    decided = [row for row in table.rows if row.of.verdict != "undecidable"]
+    decided = [row for row in table.rows if row.of.verdict not in OPEN]
     lacking = len(table.rows) - len(decided)
     number = f"{len(meets) or 'None'} of {len(table.rows)}"
+    why = "cannot be decided, lines are missing"
+    if rests_on_predictions(table):
+        why = "by predicted lines"
     if not decided:
         return f"{sensor}: {number} can be decided, lines are missing"
     best = min(meets or decided, key=lambda row: row.of.utilisation)
     named = f"{best.device} at {print_utilisation(best.of.utilisation)} of the limit"
-    lack = f"; {lacking} cannot be decided, lines are missing" if lacking else ""
+    lack = f"; {lacking} {why}" if lacking else ""
     if meets:
         verb = "meet" if len(meets) > 1 else "meets"
         return f"{sensor}: {number} {verb}, the best is {named}{lack}"
@@ -154,7 +177,7 @@ def _margin_row(row: Device, end: float) -> Row:
             f"worst {row.worst_output}, limited by {row.limiting_source}{at_worst}",
         )
     )
-    low, high = (100.0 * max(end, LEAST) for end in row.of.utilisation_interval)
+    low, high = (100.0 * max(end, LEAST) for end in row.of.range)
     if high > low:
         marks.append(Stroke(start=low, end=high, width=2.2))
     return Row(
@@ -458,9 +481,12 @@ def explain_mark(table: Ranking) -> str:
     """Say what the mark means, '' where no device of the figure has it."""
     if not any(row.missing for row in table.rows[:SHOWN]):
         return ""
-    return (
-        " *: expected lines are missing and count as 0; the error is this or more (≥)."
-    )
+    if any(row.of.lower_bound for row in table.rows[:SHOWN]):
+        return (
+            " *: expected lines are missing and count as 0; the error is this or more "
+            "(≥)."
+        )
+    return " *: expected lines are missing; others stand in their place."
 
 
 def more_devices(table: Ranking) -> str:

@@ -46,8 +46,10 @@ from budget.report.comparison.wording import (
     computed_apart,
     headline,
     missing_effects,
+    missing_note,
     not_compared_lines,
     nothing_known_line,
+    rests_on_others_lines,
     undecidable_lines,
     unknown_cap_lines,
     verdict_lines,
@@ -92,7 +94,10 @@ def comparison_document(
         _overview(found),
         _remarks(comparison, on_first_page=True),
         *_procedures(comparison, found),
-        *(_devices(found, place, with_margins=False) for place in range(len(found))),
+        *(
+            _devices(found, place, comparison.settings.missing, with_margins=False)
+            for place in range(len(found))
+        ),
         *_pairs(comparison),
         *_missing(comparison),
         _assumptions(comparison, in_report=False),
@@ -164,7 +169,7 @@ def _answer(
     )
     yield from _procedures(comparison, found)
     for place in range(len(found)):
-        yield _devices(found, place, with_margins=True)
+        yield _devices(found, place, comparison.settings.missing, with_margins=True)
     yield from _pairs(comparison)
     yield from _missing(comparison)
     yield _assumptions(comparison, in_report=True)
@@ -215,6 +220,7 @@ def _remarks(comparison: Comparison, *, on_first_page: bool) -> Section:
         *comparison.warnings,
         *filter(None, map(nothing_known_line, rankings(comparison))),
         *undecidable_lines(comparison),
+        *rests_on_others_lines(comparison),
         *advice_lines(comparison),
         *(f"Over a cap: {line}" for line in cap_lines(comparison)),
         *(f"Cap on {line}" for line in unknown_cap_lines(comparison)),
@@ -238,12 +244,7 @@ def _missing(comparison: Comparison) -> tuple[Section, ...]:
     effects = missing_effects(comparison)
     if not effects:
         return ()
-    text = (
-        "Lines that a verdict needs and a data sheet does not give count as 0; at "
-        "worst they are what the worst device of the catalogue of the same technology "
-        "and grade has; where there is none, nothing is known. Of devices that fail in "
-        "any case nothing is assumed."
-    )
+    text = missing_note(comparison.settings.missing)
     return (
         Section(
             name="missing",
@@ -281,14 +282,16 @@ def _procedures(
     )
 
 
-def _devices(found: Sequence[Ranking], place: int, *, with_margins: bool) -> Section:
+def _devices(
+    found: Sequence[Ranking], place: int, mode: str, *, with_margins: bool
+) -> Section:
     """Return ranking and figures of one sensor under one procedure.
 
     What the columns mean stands once, with the first ranking.
     """
     table = found[place]
     is_first = not any(before.rows for before in found[:place])
-    explained = (ranking_note(found),) if is_first else ()
+    explained = (ranking_note(found, mode),) if is_first else ()
     unknown = nothing_known_line(table)
     said = (Paragraph(words=(f"{capital(unknown)}.",)),) if unknown else ()
     end = f"{table.sensor}-{place}"

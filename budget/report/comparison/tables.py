@@ -14,8 +14,11 @@ from budget.report.blocks import Cell, Field, table_of
 from budget.report.tables import (
     AT_LEAST,
     AT_MOST,
+    HALF_DIGIT,
     PER_CENT,
     join_outputs,
+    print_chance,
+    print_doubt,
     print_given,
     print_probability,
     print_three,
@@ -27,13 +30,14 @@ from budget.report.tables import (
 from budget.report.wording import capital
 from budget.studies.comparison.records import VERDICTS, rank_number, ranks
 from budget.studies.figures_of_merit import read_amount
+from budget.ties import settle
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from budget.names import Name
     from budget.report.blocks import Table
-    from budget.results import Probability
+    from budget.results import Doubt, Probability
     from budget.studies.comparison.records import (
         Comparison,
         DeviceVerdict,
@@ -65,6 +69,7 @@ class Row:
     factor: str  # '' where the source alone cannot mend it
     missing: str  # number of expected lines that are not given
     at_worst: str  # '198 fails' with the worst of the catalogue in their place
+    ask: str  # 'mounting repeatability 0.11': which of them to ask for, its worth
     of: DeviceVerdict
 
 
@@ -157,24 +162,47 @@ def side_by_side(found: Sequence[Ranking], sensor: str) -> tuple[SideRow, ...]:
 def _row(one: DeviceVerdict, rank: str) -> Row:
     """Write one row."""
     utilisation, interval = print_parts(one.utilisation, one.utilisation_interval)
+    if one.doubt is not None:
+        interval = print_range(one.doubt.utilisation_90)
     if one.lower_bound:
         utilisation = f"{AT_LEAST} {utilisation}"
     return Row(
         rank=rank,
         device=one.name,
-        verdict=one.verdict,
+        verdict=one.verdict if one.doubt is None else print_doubt(one.doubt),
         utilisation=utilisation,
         interval=interval,
-        conformance=print_at_most(one.conformance)
-        if one.lower_bound
-        else print_probability(one.conformance),
+        conformance=_conformance(one),
         worst_output=join_outputs([name.without_owner for name in one.worst_outputs]),
         limiting_source=source_title(one.remedy.source, of=one.sensor),
-        factor="" if one.lower_bound else print_factor(one.remedy),
+        factor="" if one.rests_on_others else print_factor(one.remedy),
         missing="" if one.missing is None else f"{len(one.missing.lines)}",
         at_worst=print_worst_case(one.missing),
+        ask="" if one.doubt is None else print_ask(one.doubt, one.sensor),
         of=one,
     )
+
+
+def _conformance(one: DeviceVerdict) -> str:
+    """Print the conformance; '' where it would be that of predicted medians."""
+    if one.doubt is not None:
+        return ""
+    return (print_at_most if one.lower_bound else print_probability)(one.conformance)
+
+
+def print_range(interval: tuple[float, float]) -> str:
+    """Print an interval of a part of a limit, '4.2 to 61.5', in per cent."""
+    low, high = (print_utilisation(end).removesuffix(" %") for end in interval)
+    return low if low == high else f"{low} to {high}"
+
+
+def print_ask(doubt: Doubt, sensor: str) -> str:
+    """Name the missing line to ask for first, 'mounting repeatability 0.11'."""
+    first = doubt.asks[0]
+    if settle(first.reduction) < HALF_DIGIT:
+        return ""
+    title = source_title(first.source, of=sensor)
+    return f"{title} {print_chance(first.reduction)}"
 
 
 def print_parts(value: float, interval: tuple[float, float]) -> tuple[str, str]:
@@ -211,7 +239,7 @@ def print_factor(remedy: Remedy) -> str:
 
 def print_worst_case(missing: MissingLines | None) -> str:
     """Print what the missing lines could do at worst: '198 fails', or '?'."""
-    if missing is None:
+    if missing is None or not missing.is_bound:
         return ""
     if missing.utilisation is None:
         return "?"
@@ -264,7 +292,10 @@ RANKING = (
         key="verdict",
         head="verdict",
         cell=lambda row: Cell(text=row.verdict, strong=row.verdict == "meets"),
-        order=lambda row: VERDICTS.index(row.of.verdict),
+        order=lambda row: (
+            VERDICTS.index(row.of.verdict),
+            -row.of.doubt.probability if row.of.doubt else 0.0,
+        ),
     ),
     RankingField(
         key="utilisation",
@@ -275,7 +306,7 @@ RANKING = (
     ),
     RankingField(
         key="interval",
-        head="sampling interval",
+        head="interval",
         weight=1.3,
         cell=lambda row: row.interval,
         optional=True,
@@ -286,7 +317,8 @@ RANKING = (
         head="conformance [%]",
         kind="number",
         cell=lambda row: Cell(
-            text=row.conformance, exact=PER_CENT * row.of.conformance.value
+            text=row.conformance,
+            exact=None if row.of.doubt else PER_CENT * row.of.conformance.value,
         ),
         order=lambda row: _undecided_last(row, -row.of.conformance.value),
     ),
@@ -328,6 +360,13 @@ RANKING = (
         optional=True,
         order=lambda row: inf if row.of.at_worst is None else row.of.at_worst,
     ),
+    RankingField(
+        key="ask",
+        head="ask for first",
+        cell=lambda row: row.ask,
+        optional=True,
+        order=lambda row: -row.of.doubt.asks[0].reduction if row.of.doubt else 0.0,
+    ),
 )
 
 
@@ -352,6 +391,33 @@ def find_column(name: str) -> RankingField:
     )
 
 
+# What the column of missing lines means, by the mode.
+MISSING_NOTES = {
+    "refuse": (
+        f"; they count as 0, so that the error is this or more ({AT_LEAST}), and one "
+        "stops a 'meets'. At worst: with the worst of the catalogue of the same "
+        "technology and grade in their place; ?: there is none, and nothing is known."
+    ),
+    "worst": (
+        "; they count as the worst of comparable devices, those of the same technology "
+        "and grade, and as 0 where there are none: then the verdict is undecidable."
+    ),
+    "typical": (
+        "; they count as the median of comparable devices, those of the same "
+        "technology and grade, and as 0 where there are none: then the verdict is "
+        "undecidable."
+    ),
+    "predict": (
+        ", predicted from other devices: 'meets 0.83' is the probability that the "
+        "device meets, over what its lines may be; % of limit is at their medians, "
+        "and the interval is 90 % over what they may be. Of equal probability the "
+        "decided device ranks first. Ask for first: the line whose knowledge would "
+        "lessen the doubt, the probability that the likelier verdict is wrong, by the "
+        "most, and by how much on average."
+    ),
+}
+
+
 def ranking_table(devices: Ranking, name: str) -> Table:
     """Return the devices with one sensor under one procedure, best first."""
     return table_of(
@@ -364,7 +430,7 @@ def ranking_table(devices: Ranking, name: str) -> Table:
     )
 
 
-def ranking_note(found: Sequence[Ranking]) -> str:
+def ranking_note(found: Sequence[Ranking], mode: str) -> str:
     """Say what the columns of the rankings mean."""
     text = (
         "Best first; = marks neighbours that cannot be told apart at 95 %. "
@@ -374,16 +440,10 @@ def ranking_note(found: Sequence[Ranking]) -> str:
         f"{DASH}: it alone cannot."
     )
     if any(row.interval for devices in found for row in devices.rows):
-        text += (
-            " Sampling interval: 95 %, of the sampling, and what the law can be off by."
-        )
+        text += " Interval: 95 %, of the sampling, and what the law can be off by."
     if any(row.missing for devices in found for row in devices.rows):
-        text += (
-            " Missing: expected lines that the data sheet does not give; they count as "
-            f"0, so that the error is this or more ({AT_LEAST}), and one stops a "
-            "'meets'. At worst: with the worst of the catalogue of the same technology "
-            "and grade in their place; ?: there is none, and nothing is known."
-        )
+        text += " Missing: expected lines that the data sheet does not give"
+        text += MISSING_NOTES[mode]
     return text
 
 
@@ -448,6 +508,13 @@ def _pair_utilisation(pair: Pair) -> Cell:
     )
 
 
+def _pair_verdict(pair: Pair) -> str:
+    """Return the verdict, of a predicted one the probability."""
+    if pair.probability is None:
+        return pair.verdict
+    return f"meets {print_chance(pair.probability)}"
+
+
 PAIRS = (
     Field["Pair"](
         head="gyro",
@@ -460,16 +527,20 @@ PAIRS = (
         cell=lambda pair: Cell(text=pair.accelerometer, strong=pair.verdict == "meets"),
     ),
     Field["Pair"](head="procedure", cell=lambda pair: pair.procedure),
-    Field["Pair"](head="verdict", cell=lambda pair: pair.verdict),
+    Field["Pair"](head="verdict", cell=_pair_verdict),
     Field["Pair"](head="% of limit", kind="number", cell=_pair_utilisation),
     Field["Pair"](
         head="conformance [%]",
         kind="number",
-        cell=lambda pair: Cell(
-            text=print_at_most(pair.conformance)
-            if pair.lower_bound
-            else print_probability(pair.conformance),
-            exact=PER_CENT * pair.conformance.value,
+        cell=lambda pair: (
+            Cell(
+                text=print_at_most(pair.conformance)
+                if pair.lower_bound
+                else print_probability(pair.conformance),
+                exact=PER_CENT * pair.conformance.value,
+            )
+            if pair.probability is None
+            else ""
         ),
     ),
 )
@@ -570,7 +641,7 @@ def missing_table(effects: Sequence[MissingEffect]) -> Table:
             ),
         ),
         name="missing-table",
-        caption="What 'at worst' puts in the place of expected lines not given",
+        caption="In the place of expected lines that are not given",
         is_wide=True,
         searchable=len(effects) >= LONG,
     )

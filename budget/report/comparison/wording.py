@@ -7,15 +7,22 @@ from typing import TYPE_CHECKING
 from budget.names import IMU, words
 from budget.report.comparison.tables import MissingEffect
 from budget.report.tables import print_count, print_coverage, source_title
-from budget.report.wording import ERROR_REFERENCES
+from budget.report.wording import (
+    ERROR_REFERENCES,
+    doubt_sentence,
+    mode_remark,
+    mode_sentence,
+)
 from budget.studies.comparison.records import rank_number
+from budget.studies.prediction import LEAST_DESIGNS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from budget.names import Name
     from budget.report.comparison.tables import Ranking, Row
-    from budget.studies.comparison.records import AssumedLine, Comparison
+    from budget.results import FilledLine
+    from budget.studies.comparison.records import Comparison
 
 
 def headline(comparison: Comparison) -> str:
@@ -23,7 +30,7 @@ def headline(comparison: Comparison) -> str:
     verdict = "MET" if comparison.is_met else "NOT MET"
     if comparison.not_compared:  # 'MET' alone would speak for what nobody judged
         verdict += f" for the {' and the '.join(comparison.required)}"
-    return f"{verdict}: {comparison.requirement}"
+    return f"{verdict}: {comparison.requirement}{mode_remark(comparison.settings)}"
 
 
 def answer(comparison: Comparison) -> str:
@@ -48,7 +55,8 @@ def basis(comparison: Comparison) -> str:
     """Say what the errors are."""
     settings = comparison.settings
     coverage = print_coverage(settings.coverage)
-    return f"Errors at {coverage} % coverage; {ERROR_REFERENCES[settings.reference]}."
+    said = f"Errors at {coverage} % coverage; {ERROR_REFERENCES[settings.reference]}."
+    return " ".join(filter(None, [said, mode_sentence(settings)]))
 
 
 def computed_apart(comparison: Comparison) -> str:
@@ -78,6 +86,12 @@ def verdict_lines(found: Sequence[Ranking]) -> tuple[str, ...]:
         if best is not None:
             said = f"{best.device} is best, {best.utilisation} % of the limit"
         lines.append(f"{table.sensor}{table.under}: {said} ({table.counts})")
+        likely = next((row for row in table.rows if row.of.doubt is not None), None)
+        if likely is not None and likely.of.doubt is not None:
+            lines.append(
+                f"{table.sensor}{table.under}, by predicted lines: {likely.device} "
+                f"{doubt_sentence(likely.of.doubt, of=table.sensor)}"
+            )
     return tuple(lines)
 
 
@@ -129,37 +143,94 @@ def undecidable_lines(comparison: Comparison) -> Iterator[str]:
             )
 
 
+def rests_on_others_lines(comparison: Comparison) -> Iterator[str]:
+    """Say of each sensor how many verdicts rest on lines of other devices."""
+    mode = comparison.settings.missing
+    for sensor in comparison.required:
+        names = {
+            one.name
+            for one in comparison.devices
+            if one.sensor == sensor and one.rests_on_others and not one.is_bound
+        }
+        if names:
+            verb = (
+                f"the verdict on 1 {sensor} device rests"
+                if len(names) == 1
+                else f"the verdicts on {len(names)} {sensor} devices rest"
+            )
+            yield f"{verb} on lines of other devices (missing lines: {mode})"
+
+
 def missing_effects(comparison: Comparison) -> tuple[MissingEffect, ...]:
     """Return what the column 'at worst' puts in the place of lines not given.
 
     Of devices that do not fail in any case; those with the same lines in one.
     """
-    names: dict[tuple[str, tuple[Name, ...], tuple[AssumedLine, ...]], list[str]] = {}
-    failed = {id(one) for one in comparison.devices if one.verdict == "fails"}
+    names: dict[tuple[str, tuple[Name, ...], tuple[FilledLine, ...]], list[str]] = {}
+    refused = comparison.settings.missing == "refuse"
+    failed = {
+        id(one) for one in comparison.devices if refused and one.verdict == "fails"
+    }
     for one in comparison.entrants:
         if one.missing is not None and id(one) not in failed:
-            key = (one.sensor, one.missing.lines, one.missing.assumed)
+            key = (one.sensor, one.missing.lines, one.missing.filling.lines)
             names.setdefault(key, []).append(one.name)
     found = []
     for (sensor, lines, assumed), devices in names.items():
-        if len(assumed) < len(lines):
+        if not assumed or (refused and len(assumed) < len(lines)):
             effect = (
                 f"{', '.join(source_title(name) for name in lines)} not given, and no "
-                "device of the catalogue of the same technology and grade gives "
-                f"{'it' if len(lines) == 1 else 'them all'}: nothing is known at worst"
+                f"{NOBODY[comparison.settings.missing == 'predict']} gives "
+                f"{'it' if len(lines) == 1 else 'them all'}: nothing is known"
+                f"{' at worst' if refused else ''}"
             )
         else:
             effect = ", ".join(
-                f"{source_title(line.source, of=sensor)} {line.printed} "
-                f"(of {line.device})"
+                f"{source_title(line.source, of=sensor)} {line.printed} ({line.basis})"
                 for line in assumed
             )
+            met = {line.expected for line in assumed}
+            if left := [source_title(name) for name in lines if name not in met]:
+                effect += f"; {', '.join(left)}: nothing is known"
         found.append(
             MissingEffect(
                 sensor=sensor, devices=tuple(dict.fromkeys(devices)), effect=effect
             )
         )
     return tuple(found)
+
+
+# Who would have to give a line that nothing stands for; where lines are predicted.
+NOBODY = {
+    False: "device of the catalogue of the same technology and grade",
+    True: f"{LEAST_DESIGNS} designs of the catalogue",
+}
+MISSING_NOTES = {
+    "refuse": (
+        "Lines that a verdict needs and a data sheet does not give count as 0; at "
+        "worst they are what the worst device of the catalogue of the same technology "
+        "and grade has; where there is none, nothing is known. Of devices that fail in "
+        "any case nothing is assumed."
+    ),
+    "worst": (
+        "Lines that a verdict needs and a data sheet does not give are what the worst "
+        "device of the catalogue of the same technology and grade has."
+    ),
+    "typical": (
+        "Lines that a verdict needs and a data sheet does not give are the median of "
+        "the devices of the catalogue of the same technology and grade."
+    ),
+    "predict": (
+        "Lines that a verdict needs and a data sheet does not give are random: their "
+        "joint distribution is predicted from the given lines of the device and of the "
+        "catalogue. Printed are the median and, in brackets, the central 90 %."
+    ),
+}
+
+
+def missing_note(mode: str) -> str:
+    """Say what stands in the place of lines that are not given."""
+    return MISSING_NOTES[mode]
 
 
 def advice_lines(comparison: Comparison) -> tuple[str, ...]:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,23 +11,20 @@ from budget.calibration.derived import known_outputs
 from budget.calibration.schemes import is_beside
 from budget.errors import CallError
 from budget.methods.gum import propagate
-from budget.model.sources import GYRO, lines_of
+from budget.model.sources import GYRO
 from budget.names import IMU, Name
-from budget.studies.comparison.records import AssumedLine, MissingLines, Remedy
-from budget.studies.grades import UNKNOWN, grade
+from budget.studies.comparison.records import MissingLines, Remedy
 from budget.studies.judgement import Limited, limit_problem, required_problem
 from budget.studies.lower_bounds import missing_of
+from budget.studies.missing import REFUSE, WORST, Filling, fill
 from budget.ties import first_largest
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.methods.gum import Propagation
-    from budget.spec.records import Device, ErrorLine, Procedure, Requirement, Sensor
+    from budget.spec.records import Device, Procedure, Requirement, Sensor
     from budget.studies.judgement import Judged
-
-# What makers call their technology has one of these in it, mostly.
-FAMILIES = ("mems", "fog", "rlg", "hrg", "quartz flexure")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -43,6 +39,8 @@ class Candidate:
     sensor: Sensor
     procedure: Procedure
     requirement: Requirement
+    # What stands in the device for expected lines that are not given.
+    filling: Filling = field(default_factory=Filling)
 
     @property
     def is_limited(self) -> bool:
@@ -55,7 +53,7 @@ class Candidate:
 
     @property
     def missing(self) -> tuple[Name, ...]:
-        """Expected lines that are not given, and that its verdict rests on."""
+        """Expected lines that nothing stands for, and that its verdict rests on."""
         return missing_of((self.sensor,), self.procedure)
 
     def limited(self) -> Limited:
@@ -103,79 +101,39 @@ def find_remedy(held: Limited, law: Propagation, judged: Judged) -> Remedy:
     )
 
 
-def bound_missing(one: Candidate, catalogue: Sequence[Device]) -> MissingLines | None:
-    """Return what expected lines that are not given could do; None where none miss."""
-    missing = one.missing
+def bound_missing(
+    one: Candidate, bare: Device, catalogue: Sequence[Device]
+) -> MissingLines | None:
+    """Return what expected lines that are not given could do; None where none miss.
+
+    `bare` is its device as the data sheet leaves it.
+    """
+    sensor = next(each for each in bare.sensors if each.kind == one.sensor.kind)
+    missing = missing_of((sensor,), one.procedure)
     if not missing:
         return None
-    found = [
-        worst
-        for full_name in missing
-        if full_name.owner == one.sensor.kind
-        and (worst := _worst_line(full_name, one.device, one.sensor, catalogue))
-    ]
-    utilisation = None
-    if len(found) == len(missing):
-        completed = replace(
-            one.sensor, lines=(*one.sensor.lines, *(line for line, _ in found))
+    if one.filling.mode != REFUSE:
+        return MissingLines(
+            lines=missing,
+            filling=one.filling,
+            utilisation=None,
+            verdict="",
+            is_bound=False,
         )
-        held = replace(one, sensor=completed).limited()
+    completed, filling = fill(bare, WORST, catalogue)
+    # Beside a sensor of another kind its lines count where the verdict rests on them.
+    filling = filling.of(missing)
+    utilisation = None
+    if len(filling.lines) == len(missing):
+        sensor = next(each for each in completed.sensors if each.kind == sensor.kind)
+        held = replace(one, sensor=sensor).limited()
         ends = propagate(held.problem).interval(one.requirement.coverage)[held.rows]
         utilisation = float((np.abs(ends).max(axis=1) / held.limits).max())
     return MissingLines(
         lines=missing,
-        assumed=tuple(
-            AssumedLine(
-                source=Name(line.name, owner=one.sensor.kind),
-                printed=line.printed,
-                device=owner,
-            )
-            for line, owner in found
-        ),
+        filling=filling,
         utilisation=utilisation,
         verdict=""
         if utilisation is None
         else ("meets" if utilisation <= 1.0 else "fails"),
     )
-
-
-def _worst_line(
-    full_name: Name, device: Device, sensor: Sensor, catalogue: Sequence[Device]
-) -> tuple[ErrorLine, str] | None:
-    """Return the largest such line of the catalogue and whose it is.
-
-    Of the same family of technology and the same grade, as a ring laser must not get
-    the value of an automotive chip; None where no such device gives the line, or
-    nobody can tell the grade. 'gyro.noise' stands for the first of the noise lines, a
-    random walk.
-    """
-    wanted = full_name.quantity
-    names = [
-        line.name
-        for line in lines_of(sensor.kind)
-        if wanted in (line.expected, line.name)
-    ][:1]
-    family, own_grade = _family(device.technology), grade(sensor)
-    if not family or own_grade == UNKNOWN:
-        return None
-    offers = [
-        (line, owner)
-        for owner in catalogue
-        for other in owner.sensors
-        if other.kind == sensor.kind and other.device != sensor.device
-        if own_grade == grade(other) and family == _family(owner.technology)
-        for line in other.lines
-        if line.name in names
-    ]
-    if not offers:
-        return None
-    sizes = [float(line.u.max()) for line, _ in offers]
-    line, owner = offers[first_largest(sizes)]
-    return line, owner.name
-
-
-def _family(technology: str) -> str:
-    """Return 'mems' of 'MEMS, Z axis' and 'bulk MEMS'; '' where nothing is said."""
-    text = technology.casefold()
-    known = next((family for family in FAMILIES if family in text), "")
-    return known or re.split(r"[,(]", text)[0].strip()

@@ -21,6 +21,8 @@ from budget.studies.comparison.records import (
 )
 from budget.studies.figures_of_merit import MERITS, is_known, over_cap
 from budget.studies.judgement import MAX_TRIALS, TRIALS
+from budget.studies.lower_bounds import missing_of
+from budget.studies.missing import REFUSE, fill
 from budget.studies.progress import stage
 from budget.studies.request import (
     not_calibrated,
@@ -49,6 +51,7 @@ def compare(
     procedures: Sequence[Procedure] = (),
     *,
     catalogue: Sequence[Device] = (),
+    missing: str = REFUSE,
     method: str = "monte-carlo",
     trials: int = TRIALS,
     max_trials: int | None = None,
@@ -70,7 +73,10 @@ def compare(
     procedures : sequence of Procedure
         The paper's, if none is given.
     catalogue : sequence of Device
-        Where the worst value of a line that is not given is taken from.
+        Where the values of lines that are not given are taken from.
+    missing : str
+        What stands for expected lines that are not given (budget.studies.missing):
+        'refuse', 'worst', 'typical' or 'predict'.
     method : str
         'monte-carlo' on common random numbers, with the law where that is surer
         (budget.studies.judgement), or 'gum', the law alone: the fast screen.
@@ -103,11 +109,14 @@ def compare(
     most = max(trials, MAX_TRIALS) if max_trials is None else max_trials
     _check(method, trials=trials, max_trials=most, validate=validate)
     _check_names(procedures)
+    bare = devices
+    filled = [fill(device, missing, catalogue) for device in devices]
+    devices = [device for device, _ in filled]
     candidates = [
         one
         for procedure in procedures
-        for place, device in enumerate(devices)
-        for sensor in device.sensors
+        for place, (device, filling) in enumerate(filled)
+        for sensor, given in zip(device.sensors, bare[place].sensors, strict=True)
         if (
             one := Candidate(
                 device=device,
@@ -115,6 +124,7 @@ def compare(
                 sensor=sensor,
                 procedure=procedure,
                 requirement=requirement,
+                filling=filling.of(missing_of((given,), procedure)),
             )
         ).is_limited
     ]
@@ -142,7 +152,7 @@ def compare(
             progress=stage(progress, "comparison of devices"),
         )
     verdicts = [
-        _verdict(one, finding, catalogue)
+        _verdict(one, finding, bare[one.place], catalogue)
         for one, finding in zip(judged, findings, strict=True)
     ]
     ranked = rank(verdicts)
@@ -162,6 +172,7 @@ def compare(
             coverage=requirement.coverage,
             interval="symmetric",
             reference=requirement.reference,
+            missing=missing,
             formulas=", ".join(dict.fromkeys(p.formulas for p in procedures)),
             normals_per_trial=max((finding.normals for finding in findings), default=0),
         ),
@@ -169,7 +180,9 @@ def compare(
         not_compared=_not_compared(devices, requirement),
         devices=ranked,
         nothing_known=tuple(
-            _entrant(one, catalogue) for one in candidates if not one.sensor.lines
+            _entrant(one, bare[one.place], catalogue)
+            for one in candidates
+            if not one.sensor.lines
         ),
         pairs=pair_up(ranked, every=pairs),
         assumptions=tuple(
@@ -229,17 +242,22 @@ def _check_names(procedures: Sequence[Procedure]) -> None:
 
 
 def _verdict(
-    one: Candidate, finding: JudgedCandidate, catalogue: Sequence[Device]
+    one: Candidate,
+    finding: JudgedCandidate,
+    bare: Device,
+    catalogue: Sequence[Device],
 ) -> DeviceVerdict:
     """Turn a finding into the verdict on one sensor of one device."""
     judged = finding.judged
     advice = ""
-    if judged.trials is None and NEAR[0] <= judged.utilisation <= NEAR[1]:
+    if finding.doubt is not None:
+        pass  # trials make no difference to what missing lines leave open
+    elif judged.trials is None and NEAR[0] <= judged.utilisation <= NEAR[1]:
         advice = ADVICE
     elif judged.trials is None and judged.is_open:
         advice = UNSURE
     return DeviceVerdict(
-        **vars(_entrant(one, catalogue)),
+        **vars(_entrant(one, bare, catalogue)),
         verdict=finding.verdict,
         utilisation=judged.utilisation,
         utilisation_interval=judged.utilisation_interval,
@@ -252,11 +270,15 @@ def _verdict(
         advice=advice,
         judged=judged,
         closer=finding.closer,
+        doubt=finding.doubt,
     )
 
 
-def _entrant(one: Candidate, catalogue: Sequence[Device]) -> Entrant:
-    """Return what is said of every candidate, whether it can be judged or not."""
+def _entrant(one: Candidate, bare: Device, catalogue: Sequence[Device]) -> Entrant:
+    """Return what is said of every candidate, whether it can be judged or not.
+
+    `bare` is its device as the data sheet leaves it.
+    """
     device, caps = one.device, one.requirement.caps
     return Entrant(
         name=device.name,
@@ -266,7 +288,7 @@ def _entrant(one: Candidate, catalogue: Sequence[Device]) -> Entrant:
         file=device.origin.file,
         technology=device.technology,
         not_given=one.sensor.not_given,
-        missing=bound_missing(one, catalogue),
+        missing=bound_missing(one, bare, catalogue),
         price=device.price,
         mass=device.mass,
         power=device.power,

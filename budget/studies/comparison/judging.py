@@ -15,6 +15,7 @@ from budget.methods.largest import probability_smaller
 from budget.methods.validation import validate
 from budget.studies.comparison.candidates import Candidate, find_remedy
 from budget.studies.comparison.records import Lead, Remedy
+from budget.studies.doubt import doubt_of
 from budget.studies.judgement import (
     STEP,
     Judged,
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
 
     from budget.names import Name
-    from budget.results import OutputAssessment
+    from budget.results import Doubt, OutputAssessment
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,6 +61,7 @@ class JudgedCandidate:
     worst: Name
     all_worst: tuple[Name, ...]
     remedy: Remedy
+    doubt: Doubt | None  # where missing lines are predicted
     normals: int  # that a trial of its Problem draws
     impossible: tuple[str, ...]  # outputs beyond their limits without any source
     doubtful: tuple[str, ...]  # outputs for which Monte Carlo does not confirm the law
@@ -109,6 +111,7 @@ def _judge(task: tuple[Candidate, None], *, judging: Judging) -> JudgedCandidate
     one, _ = task
     held = one.limited()
     law = propagate(held.problem)
+    prediction = one.filling.prediction
     doubtful: tuple[str, ...] = ()
     if judging.method == "gum" and not judging.validate:
         judged = screen(held, law, coverage=judging.coverage, seed=judging.seed)
@@ -119,7 +122,8 @@ def _judge(task: tuple[Candidate, None], *, judging: Judging) -> JudgedCandidate
             coverage=judging.coverage,
             seed=judging.seed,
             trials=judging.trials,
-            max_trials=judging.max_trials,
+            # What missing lines leave open, no trial decides.
+            max_trials=judging.trials if prediction else judging.max_trials,
         )
     if judging.validate:
         checks = validate(
@@ -131,14 +135,19 @@ def _judge(task: tuple[Candidate, None], *, judging: Judging) -> JudgedCandidate
     beyond = np.abs(law.value[held.rows]) >= held.limits
     lacks = lacking((one.sensor,), one.procedure, reference=one.requirement.reference)
     names = [output.name for output in held.outputs]
+    missing = (*one.missing, *held.absent)
+    doubt = None
+    if prediction is not None and not missing:
+        doubt = doubt_of(prediction, held, law, judged)
     return JudgedCandidate(
         judged=judged,
         closer=judged,
-        verdict=judged.verdict((*one.missing, *held.absent)),
+        verdict="predicted" if doubt else judged.verdict(missing),
         outputs=assess_outputs(held, judged, lacks),
         worst=names[judged.worst],
         all_worst=tuple(names[place] for place in judged.all_worst),
         remedy=find_remedy(held, law, judged),
+        doubt=doubt,
         normals=held.problem.normals_per_trial,
         impossible=tuple(itertools.compress(names, beyond)),
         doubtful=doubtful,
@@ -172,7 +181,7 @@ def _tied(
     found: set[int] = set()
     lists: dict[tuple[str, str, str], list[int]] = {}
     for place, one in enumerate(candidates):
-        if one.missing:
+        if one.missing or one.filling.lines:
             continue  # no trial says how a line that is not given would rank it
         key = (one.sensor.kind, one.procedure.name, findings[place].verdict)
         lists.setdefault(key, []).append(place)

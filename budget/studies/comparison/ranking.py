@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import inf
+from math import inf, prod
 from typing import TYPE_CHECKING
 
 from budget.methods.largest import probability_smaller
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 # What a pair is where its parts differ, the last one rules: a part that fails, fails.
-GRAVEST = ("meets", "undecided", "undecidable", "fails")
+GRAVEST = ("meets", "undecided", "predicted", "undecidable", "fails")
 
 
 def rank(verdicts: Sequence[DeviceVerdict]) -> tuple[DeviceVerdict, ...]:
@@ -33,14 +33,15 @@ def rank(verdicts: Sequence[DeviceVerdict]) -> tuple[DeviceVerdict, ...]:
     ranked: list[DeviceVerdict] = []
     for rows in lists.values():
         order = sorted(rows, key=_place)
-        # What is only known to be this or more beats nobody: it is on no front.
+        # What is only known to be this or more, or rests on lines of others, beats
+        # nobody: it is on no front.
         fronts = {
             merit: front(
                 [
                     (
                         r.utilisation,
                         None
-                        if r.lower_bound
+                        if r.rests_on_others
                         else read_amount(merit, getattr(r, merit)),
                     )
                     for r in order
@@ -60,11 +61,13 @@ def rank(verdicts: Sequence[DeviceVerdict]) -> tuple[DeviceVerdict, ...]:
     return tuple(ranked)
 
 
-def _place(row: DeviceVerdict) -> tuple[int, int, float, float]:
+def _place(row: DeviceVerdict) -> tuple[int, float, int, float, float]:
     """Return what a device is ranked by: less is better.
 
     A line that is taken from a data sheet never improves it: decided ones come first,
-    then those that lack fewer lines, then the least utilisation at worst and now.
+    then those that lack fewer lines, then the least utilisation at worst and now. What
+    rests on predicted lines stands between those that meet and those that fail, the
+    most probable first: of equal probability the decided one is the better.
     """
     lacks = 0 if row.missing is None else len(row.missing.lines)
     verdict = row.verdict
@@ -73,24 +76,38 @@ def _place(row: DeviceVerdict) -> tuple[int, int, float, float]:
     elif verdict == "undecidable" and not lacks:  # a limit by which none is judged
         verdict = "meets"
     worst = inf if row.at_worst is None else settle(row.at_worst)
-    return VERDICTS.index(verdict), lacks, worst, settle(row.utilisation)
+    p = 0.0 if row.doubt is None else row.doubt.probability
+    return VERDICTS.index(verdict), -p, lacks, worst, settle(row.utilisation)
 
 
 def _ahead(row: DeviceVerdict, following: DeviceVerdict | None) -> Lead | None:
     """Return how sure it is that a device is better than the next; None by the law.
 
-    None also where one of them is only known to be this or more.
+    None also where one of them is only known to be this or more, or rests on lines of
+    other devices.
 
     Between two verdicts the verdict decides, whatever the utilisations are.
     """
     if following is None or following.verdict != row.verdict or row.trials is None:
         return None
-    if row.lower_bound or following.lower_bound:
+    if row.rests_on_others or following.rests_on_others:
         return None  # of what is not given nobody knows a probability
     return Lead(
         other=following.name,
         probability=probability_smaller(row.closer.ends, following.closer.ends),
     )
+
+
+def _both(gyro: DeviceVerdict, other: DeviceVerdict) -> float | None:
+    """Return the probability that both meet; None where nothing is predicted.
+
+    As if their missing lines were independent: of one device they go together, and
+    then it is more.
+    """
+    doubts = [one.doubt for one in (gyro, other) if one.doubt is not None]
+    if not doubts or max(gyro.verdict, other.verdict, key=GRAVEST.index) != "predicted":
+        return None
+    return prod(doubt.probability for doubt in doubts)
 
 
 def pair_up(rows: Sequence[DeviceVerdict], *, every: bool) -> tuple[Pair, ...]:
@@ -111,12 +128,18 @@ def pair_up(rows: Sequence[DeviceVerdict], *, every: bool) -> tuple[Pair, ...]:
                     accelerometer=other.name,
                     procedure=gyro.procedure,
                     verdict=max(gyro.verdict, other.verdict, key=GRAVEST.index),
+                    probability=_both(gyro, other),
                     lower_bound=gyro.lower_bound or other.lower_bound,
                     utilisation=max(gyro.utilisation, other.utilisation),
                     conformance=together((gyro.judged, other.judged)),
                 )
             )
     found.sort(
-        key=lambda p: (VERDICTS.index(p.verdict), p.lower_bound, settle(p.utilisation))
+        key=lambda p: (
+            VERDICTS.index(p.verdict),
+            -(p.probability or 0.0),
+            p.lower_bound,
+            settle(p.utilisation),
+        )
     )
     return tuple(found)

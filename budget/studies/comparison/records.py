@@ -12,13 +12,22 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from budget.names import Name
-    from budget.results import InputFile, OutputAssessment, Probability, Settings
+    from budget.results import (
+        Doubt,
+        InputFile,
+        OutputAssessment,
+        Probability,
+        Settings,
+    )
     from budget.studies.judgement import Judged
+    from budget.studies.missing import Filling
 
 # Best first; what nobody can decide comes after all that is decided, so that a maker
 # who publishes less is not ranked higher.
-VERDICTS = ("meets", "undecided", "fails", "undecidable")
+# One that rests on predicted lines stands between: its probability says where.
+VERDICTS = ("meets", "undecided", "predicted", "fails", "undecidable")
 
+UNKNOWN_CONFORMANCE = {"conformance": None, "conformance_interval": None}
 DEVICES = "devices"  # in the JSON document, best first
 
 
@@ -32,39 +41,29 @@ class Remedy:
 
 
 @dataclass(frozen=True, kw_only=True)
-class AssumedLine:
-    """A line of another device in the place of one that is not given."""
-
-    source: Name
-    printed: str  # as that device's file gives it
-    device: str
-
-    def __str__(self) -> str:
-        """'gyro.bias_stability 24 deg/h (of NAME)'."""
-        return f"{self.source} {self.printed} (of {self.device})"
-
-
-@dataclass(frozen=True, kw_only=True)
 class MissingLines:
-    """What lines that are not given could do.
+    """What lines that are not given could do, or what stands in their place.
 
-    At best they are zero, which is what the verdict counts; at worst they are what the
-    worst device of the catalogue has that is like it, of the same technology and grade.
-    Where no such device gives the line nothing is known.
+    Where the mode is to refuse, they are zero at best, which is what the verdict
+    counts; at worst they are what the worst device of the catalogue has that is like
+    it, of the same technology and grade. Where no such device gives the line nothing is
+    known. By the other modes the verdict counts what stands in their place.
     """
 
     lines: tuple[Name, ...]  # expected and not given
-    assumed: tuple[AssumedLine, ...]
-    utilisation: float | None  # with those, by the law [1]; None: not known
+    filling: Filling  # at worst, or as the mode says
+    utilisation: float | None  # at worst, by the law [1]; None: not known
     verdict: str  # 'meets', 'fails', or '' where it is not known
+    is_bound: bool = True  # what they could do at worst; else the verdict counts them
 
     def to_dict(self) -> dict[str, Any]:
         """Return what documents say of it."""
         return {
             "lines": list(self.lines),
-            "assumed": [str(line) for line in self.assumed],
+            "assumed": [str(line) for line in self.filling.lines],
             "utilisation": self.utilisation,
             "verdict": self.verdict or None,
+            **({} if self.is_bound else self.filling.to_dict()),
         }
 
 
@@ -149,6 +148,7 @@ class DeviceVerdict(Entrant):
     on_front: tuple[str, ...] = ()  # 'price', 'mass', 'power' it is Pareto-best in
     judged: Judged = field(repr=False, compare=False)
     closer: Judged = field(repr=False, compare=False)  # for the rank
+    doubt: Doubt | None = None  # of a verdict that rests on predicted lines
 
     @property
     def lower_bound(self) -> bool:
@@ -156,9 +156,27 @@ class DeviceVerdict(Entrant):
         return any(row.lower_bound for row in self.outputs)
 
     @property
+    def range(self) -> tuple[float, float]:
+        """95 % sampling interval of the utilisation; 90 % over predicted lines [1]."""
+        return self.doubt.utilisation_90 if self.doubt else self.utilisation_interval
+
+    @property
+    def rests_on_others(self) -> bool:
+        """Whether a line that is not given is left out, or taken from other devices."""
+        filled = self.missing is not None and bool(self.missing.filling.lines)
+        return self.lower_bound or (filled and not self.is_bound)
+
+    @property
+    def is_bound(self) -> bool:
+        """Whether missing lines count as 0 in its numbers."""
+        return self.missing is None or self.missing.is_bound
+
+    @property
     def at_worst(self) -> float | None:
         """Utilisation with the worst in the place of what is missing; None: unknown."""
-        return self.utilisation if self.missing is None else self.missing.utilisation
+        if self.missing is None or not self.missing.is_bound:
+            return self.utilisation
+        return self.missing.utilisation
 
     @property
     def margin(self) -> float:
@@ -178,7 +196,8 @@ class DeviceVerdict(Entrant):
             "margin": self.margin,
             "worst_output": self.worst_output,
             "worst_outputs": list(self.worst_outputs),
-            **self.conformance.to_dict(),
+            # At the medians of predicted lines it would look better than it is.
+            **(self.conformance.to_dict() if not self.doubt else UNKNOWN_CONFORMANCE),
             "limiting_source": self.remedy.source,
             "limiting_share": self.remedy.share,
             "improvement_factor": self.remedy.factor,
@@ -192,6 +211,7 @@ class DeviceVerdict(Entrant):
             "on_front": list(self.on_front),
             "advice": self.advice,
             "trials": self.trials,
+            **({} if self.doubt is None else {"predicted": self.doubt.to_dict()}),
             "outputs": [output.to_dict() for output in self.outputs],
         }
 
@@ -207,6 +227,7 @@ class Pair:
     utilisation: float
     conformance: Probability
     lower_bound: bool  # the utilisation is this or more, the conformance this or less
+    probability: float | None = None  # that both meet, where lines are predicted [1]
 
     def to_dict(self) -> dict[str, Any]:
         """Return what documents say of it."""
@@ -217,7 +238,11 @@ class Pair:
             "verdict": self.verdict,
             "lower_bound": self.lower_bound,
             "utilisation": self.utilisation,
-            **self.conformance.to_dict(),
+            **(
+                self.conformance.to_dict()
+                if self.probability is None
+                else {**UNKNOWN_CONFORMANCE, "probability": self.probability}
+            ),
         }
 
 
@@ -249,9 +274,13 @@ class Comparison:
 
     @property
     def is_met(self) -> bool:
-        """Whether each required sensor has a device that meets."""
+        """Whether each required sensor has a device that meets by what it gives."""
         return all(
-            any(d.verdict == "meets" for d in self.devices if d.sensor == sensor)
+            any(
+                d.verdict == "meets" and d.missing is None
+                for d in self.devices
+                if d.sensor == sensor
+            )
             for sensor in self.required
         )
 

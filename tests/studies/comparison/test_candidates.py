@@ -100,7 +100,7 @@ def test_missing_line_is_bounded_by_the_catalogue():
     )
     bound = found.devices[0].missing
 
-    assert tuple(map(str, bound.assumed)) == (
+    assert tuple(map(str, bound.filling.lines)) == (
         "gyro.bias_repeatability  (of worst fog)",
     )
     assert bound.utilisation > found.devices[0].utilisation

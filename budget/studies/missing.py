@@ -1,0 +1,263 @@
+"""Expected lines that a data sheet does not give, and what stands in their place.
+
+Nothing (refuse), which a verdict `meets` cannot do with; the worst or the typical of
+comparable devices, which have the same sensor, technology and grade; or a random
+quantity whose distribution is predicted (budget.studies.prediction).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from budget.distributions import NORMAL
+from budget.errors import CallError
+from budget.model.sources import ACCELEROMETER, GYRO, lines_of, source_of
+from budget.names import Name
+from budget.results import FilledLine
+from budget.spec.records import ErrorLine
+from budget.spec.specification import CORRELATION_TIME
+from budget.studies.grades import UNKNOWN, family, grade
+from budget.studies.prediction import predict, stand_in
+from budget.ties import first_largest, settle
+from budget.units import (
+    ONE_SIDED,
+    WALK_PER_DENSITY,
+    parse_quantity,
+    per_root_hertz,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from budget.model.source import Source
+    from budget.spec.records import Device, Sensor
+    from budget.studies.prediction import Prediction
+
+REFUSE, WORST, TYPICAL, PREDICT = MODES = ("refuse", "worst", "typical", "predict")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Filling:
+    """What stands in the place of the lines that a device does not give."""
+
+    mode: str = REFUSE
+    lines: tuple[FilledLine, ...] = ()
+    left: tuple[Name, ...] = ()  # expected lines that nothing stands for
+    prediction: Prediction | None = None  # of the lines, jointly, by 'predict'
+
+    def of(self, names: Sequence[Name]) -> Filling:
+        """Return what is said of some of the expected lines."""
+        prediction = self.prediction
+        if prediction is not None:
+            kept = [name for name in prediction.names if name in names]
+            prediction = prediction.of(kept) if kept else None
+        return Filling(
+            mode=self.mode,
+            lines=tuple(line for line in self.lines if line.expected in names),
+            left=tuple(name for name in self.left if name in names),
+            prediction=prediction,
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it."""
+        return {
+            "mode": self.mode,
+            "filled": [line.to_dict() for line in self.lines],
+            "left": list(self.left),
+        }
+
+
+def check_mode(mode: str) -> None:
+    """Refuse a word that names no mode.
+
+    Raises
+    ------
+    CallError
+    """
+    if mode not in MODES:
+        raise CallError(f"missing is {mode!r}, allowed: {', '.join(MODES)}")
+
+
+def fill(
+    device: Device, mode: str, catalogue: Sequence[Device]
+) -> tuple[Device, Filling]:
+    """Put lines in the place of the expected ones that a device does not give.
+
+    A sensor of which no error line is given stays as it is: nothing is known of it.
+
+    Parameters
+    ----------
+    device : Device
+    mode : str
+        One of MODES; by 'predict' the medians are put there, and the filling has the
+        distribution.
+    catalogue : sequence of Device
+        Where comparable devices are looked for.
+
+    Returns
+    -------
+    Device
+        With the lines, and an assumption for each.
+    Filling
+    """
+    check_mode(mode)
+    if mode == REFUSE:
+        return device, Filling()
+    sensors = {sensor.kind: sensor for sensor in device.sensors if sensor.lines}
+    missing = [name for one in sensors.values() for name in one.expected_missing]
+    found: dict[Name, tuple[ErrorLine, FilledLine]] = {}
+    prediction = predict(device, missing, catalogue) if mode == PREDICT else None
+    if prediction is not None:
+        found = _predicted(prediction)
+    elif mode in {WORST, TYPICAL}:
+        take = _worst if mode == WORST else _typical
+        for name in missing:
+            offers = comparable(name, device, sensors[name.owner], catalogue)
+            if offers:
+                found[name] = take(name, offers)
+    filling = Filling(
+        mode=mode,
+        lines=tuple(told for _, told in found.values()),
+        left=tuple(name for name in missing if name not in found),
+        prediction=prediction,
+    )
+    if not found:
+        return device, filling
+    whole = {
+        kind: _completed(sensor, {name: line for name, (line, _) in found.items()})
+        for kind, sensor in sensors.items()
+    }
+    completed = replace(
+        device,
+        gyro=whole.get(GYRO, device.gyro),
+        accelerometer=whole.get(ACCELEROMETER, device.accelerometer),
+        assumptions=(
+            *device.assumptions,
+            *(f"{told.expected}: {told.words}" for _, told in found.values()),
+        ),
+    )
+    return completed, filling
+
+
+def comparable(
+    name: Name, device: Device, sensor: Sensor, catalogue: Sequence[Device]
+) -> list[tuple[ErrorLine, str]]:
+    """Return a line of comparable devices of the catalogue, and whose each is.
+
+    Of the same family of technology and the same grade, as a ring laser must not get
+    the value of an automotive chip; none where nobody can tell the grade. 'gyro.noise'
+    stands for the first of the noise lines, a random walk.
+    """
+    wanted = stand_in(name).name
+    own_family, own_grade = family(device.technology), grade(sensor)
+    if not own_family or own_grade == UNKNOWN:
+        return []
+    return [
+        (line, owner.name)
+        for owner in catalogue
+        for other in owner.sensors
+        if other.kind == sensor.kind and other.device != sensor.device
+        if own_grade == grade(other) and own_family == family(owner.technology)
+        if (line := other.line(wanted)) is not None
+    ]
+
+
+def line_of(source: Source, kind: str, u: float | None = None) -> ErrorLine:
+    """Return a normal line of a size [SI], without one of 1 in its most usual unit."""
+    unit = source.like(kind)
+    # A size per root of hertz is printed as makers do, as a one-sided density.
+    density = ONE_SIDED if per_root_hertz(unit) else ""
+    one = parse_quantity(f"1 {unit}", unit).value * WALK_PER_DENSITY[density]
+    size = one if u is None else u
+    axes = len(source.axes)
+    return ErrorLine(
+        name=source.name,
+        u=np.full(axes, size),
+        distributions=(NORMAL,) * axes,
+        correlation_time=np.full(axes, CORRELATION_TIME) if source.process else None,
+        printed=f"{float(f'{size / one:.3g}'):g} {unit}",
+        unit=unit,
+        si_per_unit=one,
+        density=density,
+    )
+
+
+def _worst(
+    name: Name, offers: Sequence[tuple[ErrorLine, str]]
+) -> tuple[ErrorLine, FilledLine]:
+    """Return the largest of the lines, and whose it is."""
+    line, owner = offers[first_largest([float(line.u.max()) for line, _ in offers])]
+    return line, _told(name, line, mode=WORST, owners=(owner,), number=len(offers))
+
+
+def _typical(
+    name: Name, offers: Sequence[tuple[ErrorLine, str]]
+) -> tuple[ErrorLine, FilledLine]:
+    """Return the median of the lines, of two in the middle the geometric mean."""
+    logs = np.sort([settle(float(np.log(line.u.max()))) for line, _ in offers])
+    middle = float(np.exp(np.median(logs)))
+    line = line_of(stand_in(name), name.owner, middle)
+    owners = tuple(dict.fromkeys(owner for _, owner in offers))
+    return line, _told(name, line, mode=TYPICAL, owners=owners, number=len(offers))
+
+
+def _predicted(prediction: Prediction) -> dict[Name, tuple[ErrorLine, FilledLine]]:
+    """Return lines at the medians of a prediction."""
+    found = {}
+    half, most = prediction.interval(0.5), prediction.interval(0.9)
+    for place, name in enumerate(prediction.names):
+        u = float(prediction.median[place])
+        line = line_of(stand_in(name), name.owner, u)
+        told = replace(
+            _told(
+                name,
+                line,
+                mode=PREDICT,
+                owners=prediction.devices[place],
+                number=len(prediction.devices[place]),
+            ),
+            designs=prediction.designs[place],
+            interval_50=(float(half[place, 0]), float(half[place, 1])),
+            interval_90=(float(most[place, 0]), float(most[place, 1])),
+        )
+        found[name] = line, told
+    return found
+
+
+def _told(
+    name: Name, line: ErrorLine, *, mode: str, owners: tuple[str, ...], number: int
+) -> FilledLine:
+    """Return what results say of a line."""
+    return FilledLine(
+        source=Name(line.name, owner=name.owner),
+        expected=name,
+        mode=mode,
+        printed=line.printed,
+        u=float(line.u.max()),
+        unit=line.unit,
+        si_per_unit=line.si_per_unit,
+        owners=owners,
+        devices=number,
+    )
+
+
+def _completed(sensor: Sensor, lines: dict[Name, ErrorLine]) -> Sensor:
+    """Put lines into a sensor, in the order of the model lines."""
+    own = {name: line for name, line in lines.items() if name.owner == sensor.kind}
+    met = {name.quantity for name in own}
+    order = [line.name for line in lines_of(sensor.kind)]
+    return replace(
+        sensor,
+        lines=tuple(
+            sorted((*sensor.lines, *own.values()), key=lambda x: order.index(x.name))
+        ),
+        not_given=tuple(
+            name
+            for name in sensor.not_given
+            if source_of(sensor.kind, name.quantity).expected not in met
+        ),
+        expected_missing=tuple(n for n in sensor.expected_missing if n not in own),
+    )

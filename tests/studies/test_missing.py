@@ -1,0 +1,253 @@
+"""What stands in the place of lines that are not given, by each mode."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from document_text import on_terminal
+from numpy.testing import assert_allclose
+
+from budget import load_device, load_requirement
+from budget.errors import CallError
+from budget.names import Name
+from budget.report.comparison.document import to_csv, to_json
+from budget.report.comparison.page import comparison_answer, comparison_document
+from budget.report.comparison.tables import rankings
+from budget.spec import load_catalogue
+from budget.spec.load import load_variants
+from budget.studies.comparison.compare import compare
+from budget.studies.missing import MODES, comparable, fill
+
+CATALOGUE = load_catalogue()
+EDGE = load_requirement("catalogue-edge")
+MOUNTING = Name("mounting_repeatability", owner="gyro")
+LACKS_ONE = load_device("ltm210#S1B")  # the mounting repeatability
+
+
+def compared(*devices, missing, **more):
+    """Compare by the law alone."""
+    return compare(
+        devices, EDGE, catalogue=CATALOGUE, missing=missing, method="gum", **more
+    )
+
+
+def gyro_of(found, name):
+    """Return the verdict on the gyro of a device."""
+    (one,) = [d for d in found.devices if d.sensor == "gyro" and d.name == name]
+    return one
+
+
+@pytest.fixture(scope="module")
+def by_mode():
+    """Return comparisons of a few devices by every mode."""
+    devices = [
+        *load_variants("hg4930"),
+        LACKS_ONE,
+        *(load_device(name) for name in ("stim210", "stim300#5g", "cgm300s10")),
+    ]
+    return {mode: compared(*devices, missing=mode) for mode in MODES}
+
+
+def test_refuse_changes_nothing():
+    """No line is put in, no assumption added: the device is the same object."""
+    device, filling = fill(LACKS_ONE, "refuse", CATALOGUE)
+
+    assert device is LACKS_ONE
+    assert filling.lines == filling.left == ()
+
+
+def test_an_unknown_mode_is_refused():
+    """With the words that are allowed."""
+    with pytest.raises(CallError, match="refuse, worst, typical, predict"):
+        fill(LACKS_ONE, "best", CATALOGUE)
+
+
+@pytest.mark.parametrize(("mode", "take"), [("worst", max), ("typical", np.median)])
+def test_worst_and_median_of_comparable_devices(mode, take):
+    """Of the same sensor, technology and grade; of the largest axis of each."""
+    offers = comparable(MOUNTING, LACKS_ONE, LACKS_ONE.gyro, CATALOGUE)
+    device, filling = fill(LACKS_ONE, mode, CATALOGUE)
+    (told,) = filling.lines
+    line = device.gyro.line("mounting_repeatability")
+    expected = np.exp(take([np.log(line.u.max()) for line, _ in offers]))
+
+    assert told.devices == len(offers) >= 3
+    assert_allclose(line.u.max(), expected, rtol=1e-9)
+    assert told.expected == MOUNTING
+    assert not device.gyro.expected_missing
+    assert MOUNTING not in device.gyro.not_given
+    assert any("not given" in text for text in device.assumptions[-1:])
+
+
+def test_what_nobody_gives_is_left():
+    """A gyro whose grade nobody can tell gets nothing by its grade."""
+    bare = load_device("stim210")
+    for mode in ("worst", "typical"):
+        device, filling = fill(bare, mode, CATALOGUE)
+        assert device is bare
+        assert filling.left == bare.gyro.expected_missing
+    assert fill(bare, "predict", CATALOGUE)[1].left == ()
+    assert fill(bare, "predict", ())[1].left == bare.gyro.expected_missing
+
+
+def test_a_sensor_without_any_line_stays_unknown():
+    """Nothing is predicted of what gives nothing."""
+    empty = replace(
+        LACKS_ONE,
+        gyro=replace(LACKS_ONE.gyro, lines=(), expected_missing=(MOUNTING,)),
+    )
+    for mode in MODES:
+        assert fill(empty, mode, CATALOGUE)[0] is empty
+    found = compared(empty, missing="predict")
+    assert [one.name for one in found.nothing_known] == [empty.name]
+
+
+def test_worst_is_what_at_worst_says(by_mode):
+    """The utilisation of `worst` is that which `refuse` prints as at worst."""
+    for one in by_mode["refuse"].devices:
+        if one.missing is None or one.at_worst is None:
+            continue
+        (worst,) = [
+            each
+            for each in by_mode["worst"].devices
+            if (each.name, each.sensor) == (one.name, one.sensor)
+        ]
+        assert_allclose(worst.utilisation, one.at_worst, rtol=1e-9)
+        assert worst.verdict == one.missing.verdict or one.verdict == "fails"
+        assert not worst.lower_bound
+
+
+def test_predictions_decide_what_is_undecidable(by_mode):
+    """By `predict` every one of these has a probability, and none is undecidable."""
+    refused = [d for d in by_mode["refuse"].devices if d.verdict == "undecidable"]
+    found = by_mode["predict"]
+    open_now = {(d.name, d.sensor) for d in refused}
+
+    assert len(open_now) >= 6
+    assert not [d for d in found.devices if d.verdict == "undecidable"]
+    predicted = {(d.name, d.sensor): d for d in found.devices if d.doubt is not None}
+    assert predicted.keys() == open_now
+    for one in predicted.values():
+        assert one.verdict == "predicted"
+        low, high = one.doubt.utilisation_90
+        assert low <= one.utilisation <= high
+        assert sum(ask.reduction for ask in one.doubt.asks) > 0.0
+        assert one.doubt.asks[0].reduction <= one.doubt.doubt
+        assert {ask.source for ask in one.doubt.asks} == {*one.missing.lines}
+    # What fails by what it gives, fails.
+    for one in by_mode["refuse"].devices:
+        if one.verdict == "fails" and one.sensor == "gyro":
+            assert gyro_of(found, one.name).verdict == "fails"
+
+
+def test_exit_code_goes_by_given_lines_alone():
+    """A device that meets with lines of others does not make the requirement met."""
+    for mode, verdict in (
+        ("refuse", "undecidable"),
+        ("worst", "meets"),
+        ("typical", "meets"),
+        ("predict", "predicted"),
+    ):
+        found = compared(LACKS_ONE, missing=mode)
+        assert gyro_of(found, LACKS_ONE.name).verdict == verdict
+        assert not found.is_met
+
+
+@pytest.mark.parametrize("mode", ["worst", "typical", "predict"])
+def test_what_rests_on_others_is_never_ahead_of_equals(by_mode, mode):
+    """Devices that give all and meet come first; no lead and no front of the others."""
+    for rows in by_mode[mode].lists.values():
+        given = [one.missing is None for one in rows if one.verdict == "meets"]
+        assert given == sorted(given, reverse=True)
+        p = [one.doubt.probability for one in rows if one.doubt is not None]
+        assert p == sorted(p, reverse=True)
+        order = [one.verdict for one in rows if one.verdict != "undecidable"]
+        assert order == sorted(order, key=["meets", "predicted", "fails"].index)
+        for one in rows:
+            if one.missing is not None:
+                assert one.ahead is None
+                assert one.on_front == ()
+
+
+def test_every_result_names_the_mode_and_the_lines(by_mode):
+    """Terminal, page, JSON and CSV; by `refuse` none of them speaks of a mode."""
+    for mode, found in by_mode.items():
+        text = " ".join(on_terminal(comparison_answer(found)).split())
+        document = json.loads(to_json(found))
+        page = comparison_document(found, date="2026-01-01")
+        said = "".join(page.summary)
+        if mode == "refuse":
+            assert "--missing" not in text + said + page.headline
+            assert "missing" not in document["settings"]
+            continue
+        assert f"--missing {mode}" in text
+        assert f"on lines of other devices (missing lines: {mode})" in text
+        assert f"--missing {mode}" in said
+        assert f"missing lines: {mode}" in page.headline
+        assert document["settings"]["missing"] == mode
+        (one,) = [
+            d
+            for d in document["devices"]
+            if d["name"] == LACKS_ONE.name and d["sensor"] == "gyro"
+        ]
+        assert one["missing"]["mode"] == mode
+        (line,) = one["missing"]["filled"]
+        assert line["source"] == MOUNTING
+        assert line["devices"] >= 3
+        assert line["printed"] in text
+        assert one["lower_bound"] is False
+        assert (line["interval_90"] is not None) == (mode == "predict")
+
+
+def test_a_prediction_looks_no_better_than_it_is(by_mode):
+    """No conformance at medians: not in the table, not in JSON, not in CSV."""
+    found = by_mode["predict"]
+    (table,) = [each for each in rankings(found) if each.sensor == "gyro"]
+    (row,) = [each for each in table.rows if each.device == LACKS_ONE.name]
+    document = json.loads(to_json(found))
+    (one,) = [
+        d
+        for d in document["devices"]
+        if d["name"] == LACKS_ONE.name and d["sensor"] == "gyro"
+    ]
+
+    assert row.verdict.startswith("meets 0.")
+    assert row.conformance == ""
+    assert row.ask.startswith("mounting repeatability 0.")
+    assert one["conformance"] is None
+    assert one["predicted"]["worth_asking"][0]["source"] == MOUNTING
+    assert LACKS_ONE.name in to_csv(found)
+
+
+def test_pairs_of_predicted_parts():
+    """The probability of a pair is the product; a part that fails, fails it."""
+    device = load_device("cgm300s10")
+    found = compared(device, missing="predict")
+    (pair,) = found.pairs
+    parts = [one.doubt.probability for one in found.devices]
+
+    assert pair.verdict == "predicted"
+    assert_allclose(pair.probability, parts[0] * parts[1], rtol=1e-12)
+    assert pair.to_dict()["conformance"] is None
+
+
+def test_one_device_is_judged_as_among_others(by_mode):
+    """What is predicted of a device does not depend on the ones compared with it."""
+    alone = gyro_of(compared(LACKS_ONE, missing="predict"), LACKS_ONE.name)
+    among = gyro_of(by_mode["predict"], LACKS_ONE.name)
+
+    assert alone.doubt == among.doubt
+
+
+def test_a_density_is_printed_as_makers_do():
+    """A random walk per root of hertz is the one-sided density: N times sqrt(2)."""
+    device, filling = fill(load_device("adis16495-1"), "predict", CATALOGUE)
+    line = device.accelerometer.line("velocity_random_walk")
+    (told,) = [each for each in filling.lines if each.source.endswith(line.name)]
+    ug = 9.80665e-6
+
+    printed = float(told.printed.removesuffix(" ug/sqrt(Hz)"))
+    assert_allclose(printed, np.sqrt(2.0) * line.u.max() / ug, rtol=6e-3)

@@ -1,0 +1,223 @@
+"""Lines that are not given are predicted with the spread that they really have."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from dataclasses import replace
+from math import log, sqrt
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from places import DOCS
+from scipy.special import stdtrit
+
+from budget import load_device
+from budget.names import Name
+from budget.spec import load_catalogue
+from budget.studies.prediction import (
+    DF_0,
+    LEAST_DESIGNS,
+    LEVELS,
+    Figure,
+    predict,
+    predict_figures,
+)
+
+WHOLE = sum(v for v, _ in LEVELS.values())
+BIAS = Name("bias_repeatability", owner="gyro")
+
+
+def figure(design, line="a", log_u=0.0, *, device="1", technology=None):
+    """Return a line of a design, of a technology of its own unless one is named."""
+    own = f"{design} {device}"
+    groups = (technology or design, design, own, f"{own} gyro")
+    return Figure(groups=groups, line=line, device=own, log_u=log_u)
+
+
+@pytest.fixture(scope="module")
+def script():
+    """Return the script that hides every line of the catalogue in turn."""
+    path = DOCS / "make_missing.py"
+    spec = importlib.util.spec_from_file_location("make_missing", path)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # where its dataclasses look
+    spec.loader.exec_module(module)
+    yield module
+    del sys.modules[spec.name]
+
+
+@pytest.mark.parametrize("n", [3, 5, 40])
+def test_one_line_of_unlike_designs_is_the_t_of_a_new_observation(n):
+    """x0 (X'X)^-1 x0' + 1 of a mean is 1 + 1/n; the prior is DF_0 observations."""
+    y = np.random.default_rng(n).normal(2.0, 1.5, n)
+    found = predict_figures(
+        [figure(f"d{k}", log_u=value) for k, value in enumerate(y)],
+        {BIAS: figure("new")},
+    )
+    df = DF_0 + n - 1
+    squares = float(np.square(y - y.mean()).sum())
+    s2 = (DF_0 * WHOLE + squares) / df * (1.0 + 1.0 / n)
+
+    # The prior of the mean has 1e4 times the variance: it is flat to 1e-4.
+    assert found.df == df
+    assert_allclose(found.location, [y.mean()], rtol=1e-4)
+    assert_allclose(found.scale, [[s2]], rtol=1e-3)
+    half = stdtrit(df, 0.95) * sqrt(s2)
+    assert_allclose(
+        np.log(found.interval(0.9)[0]),
+        [y.mean() - half, y.mean() + half],
+        rtol=2e-3,
+    )
+
+
+def test_a_given_line_of_the_same_device_predicts_the_missing_one():
+    """Designs good in one line are good in the other: the slope is that of the law.
+
+    With the effects of LEVELS the covariance of two lines over the variance of one is
+    the slope of the regression; the mean being known it is exact.
+    """
+    rng = np.random.default_rng(2)
+    slope = sum(v * rho for v, rho in LEVELS.values()) / WHOLE
+    given = [
+        figure(f"d{k}", line, float(rng.normal()))
+        for k in range(200)
+        for line in ("a", "b")
+    ]
+
+    def at(a):
+        new = figure("new", "b")
+        own = figure("new", "a", a)
+        return predict_figures([*given, own], {BIAS: new})
+
+    low, high = at(-2.0), at(2.0)
+    rise = float(high.location[0] - low.location[0]) / 4.0
+    alone = predict_figures(given, {BIAS: figure("new", "b")})
+
+    assert_allclose(rise, slope, rtol=0.05)  # r of the two lines differ by chance
+    assert at(0.0).scale[0, 0] < alone.scale[0, 0]
+
+
+def test_variants_of_a_design_are_no_further_witnesses():
+    """Ten variants of each of four designs make the prediction hardly any surer."""
+    y = [0.0, 1.0, -1.0, 0.5]
+    once = [figure(f"d{k}", log_u=value) for k, value in enumerate(y)]
+    rng = np.random.default_rng(1)
+    often = [
+        figure(f"d{k}", log_u=value + 0.3 * rng.normal(), device=str(j))
+        for k, value in enumerate(y)
+        for j in range(10)
+    ]
+    independent = [
+        figure(f"d{k} {j}", log_u=one.log_u)
+        for j in range(10)
+        for k, one in enumerate(once)
+    ]
+    new = {BIAS: figure("new")}
+    few, many, free = (
+        float(predict_figures(those, new).scale[0, 0])
+        for those in (once, often, independent)
+    )
+
+    assert many > 0.5 * few
+    assert free / WHOLE < 0.8 * few / WHOLE
+
+
+def test_too_few_designs_predict_nothing():
+    """However many variants there are, the spread between designs is not known."""
+    n = LEAST_DESIGNS - 1
+    given = [
+        figure(f"d{k}", log_u=1.0, device=str(j)) for k in range(n) for j in range(9)
+    ]
+    assert predict_figures(given, {BIAS: figure("new")}) is None
+    assert predict_figures([*given, figure("one more")], {BIAS: figure("new")})
+
+
+def test_missing_lines_go_together():
+    """Two lines that a device lacks are drawn jointly, with a positive correlation."""
+    device = load_device("stim210")
+    missing = device.gyro.expected_missing
+    found = predict(device, missing, load_catalogue())
+    u = np.sqrt(np.diag(found.scale))
+    correlation = found.scale / np.outer(u, u)
+
+    assert found.names == missing
+    assert correlation[np.triu_indices(len(missing), 1)].min() > 0.05
+    assert found.of(missing[:1]).location == found.location[:1]
+
+
+def test_the_device_itself_is_no_witness_twice():
+    """In the catalogue or beside it, the same lines predict the same."""
+    device = load_device("sch16t-k01")
+    missing = device.gyro.expected_missing
+    catalogue = load_catalogue()
+    others = [one for one in catalogue if one.name != device.name]
+    inside, outside = (predict(device, missing, those) for those in (catalogue, others))
+
+    assert_allclose(inside.location, outside.location, rtol=1e-9)
+    assert_allclose(inside.scale, outside.scale, rtol=1e-9)
+
+
+def test_a_better_device_is_predicted_to_be_better():
+    """A tenth of the given bias stability lessens every missing line."""
+    device = load_device("adis16495-1")
+    line = device.gyro.line("bias_stability")
+    better = replace(
+        device,
+        name="better",
+        origin=replace(device.origin, sha256="1"),
+        gyro=replace(
+            device.gyro,
+            lines=tuple(
+                replace(one, u=0.1 * one.u) if one is line else one
+                for one in device.gyro.lines
+            ),
+        ),
+    )
+    missing = device.gyro.expected_missing
+    then, now = (
+        predict(one, missing, load_catalogue()).location for one in (better, device)
+    )
+    assert (then < now - 0.1 * log(10.0)).all()
+
+
+def test_intervals_hold_what_the_catalogue_prints(script):
+    """Each line of each design hidden in turn: 50 and 90 % hold as many as they say."""
+    cases = script.leave_one_out(load_catalogue())
+    for level in script.LEVELS:
+        low, high = script.bounds(len(cases), level)
+        inside = sum(case.inside(level) for case in cases)
+        assert low <= inside <= high
+        # Control: intervals of a third of the width hold too few.
+        third = sum(
+            float(np.mean(np.abs(np.array(case.p) - 0.5) <= level / 6.0))
+            for case in cases
+        )
+        assert third < low
+    assert len(cases) > 60
+
+
+def test_intervals_hold_on_catalogues_drawn_from_the_law():
+    """Of 400 catalogues of 6 unlike designs, 90 % of the intervals hold a new one."""
+    rng = np.random.default_rng(5)
+    runs, inside = 400, 0
+    for _ in range(runs):
+        y = rng.normal(0.0, sqrt(WHOLE), 7)
+        given = [figure(f"d{k}", log_u=value) for k, value in enumerate(y[:-1])]
+        low, high = np.log(predict_figures(given, {BIAS: figure("n")}).interval(0.9)[0])
+        inside += low <= y[-1] <= high
+    # sigma^2 is 1 here as in the prior: a little wide rather than a little narrow.
+    assert abs(inside / runs - 0.9) < 3.0 * sqrt(0.9 * 0.1 / runs)
+
+
+def test_the_page_has_the_table_of_the_script(script, tmp_path):
+    """The table in the page is that of the catalogue as it is."""
+    script.write(tmp_path)
+
+    made, kept = (
+        (folder / script.PAGE).read_text(encoding="utf-8")
+        for folder in (tmp_path, DOCS)
+    )
+    assert made == kept
+    assert "median factor" in kept
