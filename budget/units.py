@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
 HOUR = 3600.0  # [s]
+DAY = 24.0 * HOUR  # [s]
+YEAR = 365.25 * DAY  # [s], Julian: what a month is a twelfth of
 DEGREE = pi / 180.0  # [rad]
 ARCSEC = DEGREE / 3600.0  # [rad]
 PPM = 1e-6  # [1]
@@ -122,7 +124,7 @@ KINDS = (
     Kind("a ratio", ("ppm", "%")),
     Kind("an angle", ("arcsec", "arcmin", "deg", "mrad", "urad", "rad")),
     Kind("a velocity", ("m/s", "mm/s", "um/s", "ft/s")),
-    Kind("a time", ("s", "min", "h")),
+    Kind("a time", ("s", "min", "h", "day", "year")),
     Kind("a length", ("m", "ft")),
     Kind("a frequency", ("Hz", "kHz")),
 )
@@ -138,6 +140,9 @@ _BASES: dict[str, tuple[float, dict[str, float]] | None] = {
     "s": None,
     "min": (60.0, {"s": 1.0}),
     "h": (HOUR, {"s": 1.0}),
+    "day": (DAY, {"s": 1.0}),
+    "month": (YEAR / 12.0, {"s": 1.0}),
+    "year": (YEAR, {"s": 1.0}),
     "Hz": (1.0, {"s": -1.0}),
     "m": None,
     "degC": None,
@@ -170,6 +175,11 @@ ALIASES = {
     "sec": "s",
     "hr": "h",
     "hour": "h",
+    "hours": "h",
+    "days": "day",
+    "months": "month",
+    "years": "year",
+    "yr": "year",
 }
 
 _SPELLINGS = str.maketrans(
@@ -208,6 +218,9 @@ _WORDS = {
     **dict.fromkeys(("sec", "secs", "second", "seconds"), "s"),
     **dict.fromkeys(("mins", "minute", "minutes"), "min"),
     **dict.fromkeys(("hr", "hrs", "hour", "hours"), "h"),
+    **dict.fromkeys(("days", "d"), "day"),
+    **dict.fromkeys(("months", "mo"), "month"),
+    **dict.fromkeys(("years", "yr", "yrs"), "year"),
     **dict.fromkeys(("metre", "metres", "meter", "meters"), "m"),
     **dict.fromkeys(("foot", "feet"), "ft"),
     "hertz": "Hz",

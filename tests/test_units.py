@@ -367,8 +367,7 @@ RESPELLED = [
     ("DPS/rtHz", ANGLE_WALK, "did you mean '5 deg/s/sqrt(Hz)'?"),
     ("Hr", TIME, "did you mean '5 h'?"),
     ("PPM", RATIO, "did you mean '5 ppm'?"),
-    ("month", TIME, "expected a time (s, min, h)"),
-    ("year", TIME, "expected a time (s, min, h)"),
+    ("week", TIME, "expected a time (s, min, h, day, year)"),
 ]
 
 # What is measured has no line, whatever the spelling; where somebody might put it.

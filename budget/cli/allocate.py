@@ -24,6 +24,7 @@ def allocate(
     requirement: Annotated[Path, options.REQUIREMENT],
     procedure: options.ProcedureFile = None,
     station: options.StationFile = None,
+    age: options.Age = None,
     strategy: Annotated[
         Literal["equal", "proportional", "cost"] | None,
         typer.Option(
@@ -117,7 +118,7 @@ def allocate(
         allocation = run(
             *loaded,
             requirement=wanted,
-            procedure=load_procedure(procedure, station=station),
+            procedure=load_procedure(procedure, station=station, age=age),
             strategy=strategy,
             costs=None if costs is None else load_costs(costs),
             bounds=bounds,

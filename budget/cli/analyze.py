@@ -11,6 +11,7 @@ def analyze(
     *,
     procedure: options.ProcedureFile = None,
     station: options.StationFile = None,
+    age: options.Age = None,
     asked: options.Asked,
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
@@ -31,7 +32,7 @@ def analyze(
         budget = analyze_as(
             asked.settings(None),
             *loaded,
-            procedure=load_procedure(procedure, station=station),
+            procedure=load_procedure(procedure, station=station, age=age),
             engine=engine,
         )
     deliver(budget, json=json, csv=csv)

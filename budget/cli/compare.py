@@ -34,6 +34,7 @@ def compare(
         ),
     ] = None,
     station: options.StationFile = None,
+    age: options.Age = None,
     method: Annotated[
         Literal["gum", "monte-carlo"],
         typer.Option(help="gum is the fast screen."),
@@ -119,7 +120,7 @@ def compare(
     column = None if sort is None else find_column(sort)
     wanted = load_requirement(requirement)
     paths: list[Path | None] = [*procedure] if procedure else [None]
-    procedures = [load_procedure(path, station=station) for path in paths]
+    procedures = [load_procedure(path, station=station, age=age) for path in paths]
     loaded, issues = try_devices(devices)
     if strict and issues:
         raise SpecError(tuple(issues))

@@ -100,6 +100,15 @@ StationFile = Annotated[
         show_default=False,
     ),
 ]
+Age = Annotated[
+    str | None,
+    typer.Option(
+        metavar="TIME",
+        help="Time from the calibration to its use, as '1 year': what ages has gone "
+        "that long (--reference next_turn_on).",
+        show_default=False,
+    ),
+]
 REQUIREMENT: Any = typer.Option(
     "--requirement",
     metavar="FILE",

@@ -25,6 +25,7 @@ def report(
     output: Annotated[list[Path], options.OUTPUT],
     procedure: options.ProcedureFile = None,
     station: options.StationFile = None,
+    age: options.Age = None,
     requirement: options.RequirementFile = None,
     asked: options.Asked,
     compare: Annotated[
@@ -86,7 +87,7 @@ def report(
         requirement, allocate=allocate, compare=bool(compare), only=bool(asked.only)
     )
     loaded = options.load_devices(devices)
-    how = load_procedure(procedure, station=station)
+    how = load_procedure(procedure, station=station, age=age)
     wanted = None if requirement is None else load_requirement(requirement)
     others = load_all(compare or [])
     settings = asked.settings(wanted)

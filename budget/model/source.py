@@ -58,8 +58,13 @@ class Given:
         Of a source that has one [s].
     low_cut : ndarray, shape (n_axes,), or None
         Frequency below which a flicker has no power [Hz].
+    points : ndarray or None
+        Times of a source that has several, from the start of the test, rising [s].
     form : str
         Which of the effects of its source it is meant as; '' the usual one.
+    horizons : tuple of (float, float)
+        Ages of a calibration for which the maker prints it, rising [s], and its size
+        there over u [1], the last 1; () where none is printed.
     """
 
     name: str
@@ -67,7 +72,9 @@ class Given:
     distributions: tuple[Distribution, ...]
     correlation_time: Array | None = None
     low_cut: Array | None = None
+    points: Array | None = None
     form: str = ""
+    horizons: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -262,11 +269,11 @@ class Coefficient(Effect):
 
     Attributes
     ----------
-    partner : str
-        The line of a sensor that a known size is multiplied by; '' of a sensitivity.
+    partners : tuple of str
+        Lines of a sensor that a known size acts by; () of a sensitivity.
     """
 
-    partner: ClassVar[str] = ""
+    partners: ClassVar[tuple[str, ...]] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -394,6 +401,8 @@ class Source:
         What else a file may mean by it, by the word that says so.
     time : str
         Key beside it, under environment, of a time that it needs; '' if none.
+    points : str
+        Likewise of several times.
     """
 
     name: str
@@ -407,6 +416,7 @@ class Source:
     is_hatched: bool = False
     forms: Mapping[str, Effect] = field(default_factory=dict)
     time: str = ""
+    points: str = ""
 
     def meant(self, given: Given) -> Source:
         """Return the source with the effect that a file means by it."""

@@ -34,6 +34,7 @@ from budget.report.tables import (
     source_title,
 )
 from budget.report.wording import capital
+from budget.studies.request import given_lines
 from budget.studies.stations import DOES, NO_FIGURES
 from budget.ties import settle
 
@@ -144,6 +145,7 @@ def station_yaml(found: Qualification) -> str:
     What may be any value is left out.
     """
     timing = found.procedure.timing
+    given = given_lines((), found.procedure)
     tree: dict[str, object] = {
         "format": "budget-station/1",
         "name": f"station for {found.requirement} at {print_ratio(found.ratio)}"[:200],
@@ -161,6 +163,10 @@ def station_yaml(found: Qualification) -> str:
             if one.source in found.times:
                 time = source_of(owner, one.source.quantity).time
                 branch[time] = f"{found.times[one.source]!r} s"  # type: ignore[index]
+            points = None if one.source not in given else given[one.source].points
+            if points is not None:
+                key = source_of(owner, one.source.quantity).points
+                branch[key] = [f"{point!r} s" for point in points.tolist()]  # type: ignore[index]
     station: dict[str, object] = tree.setdefault(STATION, {})  # type: ignore[assignment]
     station |= {"scale_from": timing.scale_from, "window": timing.edges}
     lines = [

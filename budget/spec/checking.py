@@ -46,13 +46,20 @@ _MAKERS = {
     "arw": ("angle_random_walk",),
     "vrw": ("velocity_random_walk",),
     "rrw": ("rate_random_walk",),
+    **dict.fromkeys(
+        (
+            "aging",
+            "biasageing",
+            "biasaging",
+            "longtermstability",
+            "biaslongtermstability",
+        ),
+        ("ageing",),
+    ),
+    "scalefactoraging": ("scale_factor_ageing",),
     "k2": ("scale_factor_quadratic",),
     "k3": ("scale_factor_cubic",),
 }
-_AGEING = (
-    "; a change over months between test and use has no model here, a value of it goes "
-    "under 'figures' of its device, as text"
-)
 _EARTH_RATE = (
     f"; the earth rate is that of WGS 84, {ROTATION_RATE / DEG_PER_HOUR:.4f} deg/h, a "
     "turn in a sidereal day and not in 24 h; what is not known of it is "
@@ -127,8 +134,6 @@ def _slip(word: str, allowed: tuple[str, ...]) -> str:
         name.lower(): name for name in allowed if re.findall("[0-9]", name) == digits
     }
     bare = re.sub("[^a-z0-9]", "", word.lower())
-    if bare in {"ageing", "aging"} and "bias_repeatability" in allowed:
-        return _AGEING
     if lines := [repr(line) for line in _MAKERS.get(bare, ()) if line in allowed]:
         return f"; did you mean {' or '.join(lines)}?"
     near = get_close_matches(word.lower(), same, n=1, cutoff=_SLIP)

@@ -17,6 +17,7 @@ from budget.model.sources import (
     WHITE,
     lines_of,
 )
+from budget.model.sources.later import AGEING
 from budget.names import Name
 from budget.spec.checking import check, nearest
 from budget.spec.fields import (
@@ -31,7 +32,7 @@ from budget.spec.fields import (
     per_axis,
 )
 from budget.spec.records import ANGLES, AXES, Device, Origin, Sensor, UnusedValue
-from budget.spec.specification import read_value, value_type
+from budget.spec.specification import read_value, time_in, value_type
 from budget.spec.tree import all_of, describe, merge
 from budget.units import STANDARD_GRAVITY, Quantity, parse_quantity
 
@@ -85,6 +86,21 @@ class SensorPart(Strict):
                 "noises, write {value: ..., adds_to: bias_stability}"
             )
             raise faults({("errors", "flicker"): message})
+        found = {
+            ("errors", ageing): (
+                f"stands beside {repeated}, which holds over {over.printed} and so "
+                "contains what that time does: it would count twice; expected one of "
+                f"them. Remove one, or, where {repeated} is that of turn-ons alone, "
+                f"write {{value: ..., adds_to: {repeated}}}"
+            )
+            for parameter, ageing in AGEING.items()
+            for repeated in [f"{parameter}_repeatability"]
+            if (given := getattr(self.errors, ageing, None))
+            and not given.adds_to
+            and (over := time_in(getattr(self.errors, repeated, None))) is not None
+        }
+        if found:
+            raise faults(found)
         noise = getattr(self.errors, SAMPLE_NOISE, None)
         walk = next(
             (n for n in WHITE if n != SAMPLE_NOISE and getattr(self.errors, n, None)),

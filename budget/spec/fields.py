@@ -161,9 +161,13 @@ class Synonyms:
 
 @dataclass(frozen=True)
 class OrText:
-    """Beside the mapping it annotates, a text that says one quantity for all of it."""
+    """Beside the mapping it annotates, a text that says one quantity for all of it.
+
+    Where it has to say more besides, the text is read to say what is wrong with it.
+    """
 
     measured: Measured
+    besides: str = ""
 
     def __get_pydantic_core_schema__(
         self, source: object, handler: GetCoreSchemaHandler
@@ -177,7 +181,13 @@ class OrText:
         ) -> object:
             if isinstance(value, dict):
                 return mapping(value)
-            return self.measured.read(value, info)
+            found = self.measured.read(value, info)
+            if self.besides:
+                raise fault(
+                    f"found {describe(value)} alone, expected more beside the value: "
+                    f"{{value: {value}, {self.besides}}}"
+                )
+            return found
 
         return core_schema.with_info_wrap_validator_function(read, handler(source))
 
@@ -186,6 +196,8 @@ class OrText:
     ) -> JsonSchemaValue:
         """Tell pydantic how to describe either."""
         mapping = handler(schema["schema"])
+        if self.besides:
+            return mapping
         return {"anyOf": [self.measured.json_schema, mapping]}
 
 

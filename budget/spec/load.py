@@ -13,7 +13,7 @@ from budget.spec.procedure import read_procedure
 from budget.spec.reader import refuse
 from budget.spec.records import Checked
 from budget.spec.requirement import read_requirement
-from budget.spec.station import done_at, read_station
+from budget.spec.station import aged, done_at, read_station
 from budget.spec.tree import MOST_ISSUES, all_of
 
 if TYPE_CHECKING:
@@ -52,7 +52,10 @@ def load_device(path: str | Path) -> Device:
 
 
 def load_procedure(
-    path: str | Path | None = None, *, station: str | Path | None = None
+    path: str | Path | None = None,
+    *,
+    station: str | Path | None = None,
+    age: str | None = None,
 ) -> Procedure:
     """Read a procedure; without a path that of the paper. Raises as load_device.
 
@@ -62,13 +65,15 @@ def load_procedure(
         As in load_device.
     station : str or Path, optional
         A station file to do it at, for a procedure that names no station itself.
+    age : str, optional
+        Time from the calibration to its use, '1 year', where neither file gives one.
     """
     if path is None:
         path = shipped("specs") / FOLDERS["procedure"] / f"{PAPER}.yaml"
     procedure = read_procedure(_open(path, "procedure"))
-    if station is None:
-        return procedure
-    return done_at(procedure, load_station(station), str(path))
+    if station is not None:
+        procedure = done_at(procedure, load_station(station), str(path))
+    return procedure if age is None else aged(procedure, age, str(path))
 
 
 def load_station(path: str | Path) -> Station:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
+from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, cast
 
 import numpy as np
 from pydantic import Field, create_model, model_validator
 
 from budget.distributions import BY_NAME, NORMAL, Distribution
+from budget.errors import UnitError
 from budget.model.sources import (
     ACCELEROMETER,
     GYRO,
@@ -19,7 +21,8 @@ from budget.model.sources import (
     WALKS,
     walk_of,
 )
-from budget.names import ONE_VALUE, Name
+from budget.model.sources.later import AGEING
+from budget.names import ONE_VALUE, Name, words
 from budget.spec.fields import (
     Measured,
     OrText,
@@ -31,7 +34,13 @@ from budget.spec.fields import (
     mapping_of,
 )
 from budget.spec.records import ErrorLine
-from budget.units import ONE_SIDED, WALK_PER_DENSITY, Quantity, per_root_hertz
+from budget.units import (
+    ONE_SIDED,
+    WALK_PER_DENSITY,
+    Quantity,
+    parse_quantity,
+    per_root_hertz,
+)
 
 if TYPE_CHECKING:
     from budget.model.source import Source
@@ -72,9 +81,12 @@ class SpecificationValue(Strict):
     ----------
     of_axis : type or None
         What it may say about one axis, where that is less.
+    besides : str
+        What it has to say besides the value, as a file writes it; '' if nothing.
     """
 
     of_axis: ClassVar[type[SpecificationValue] | None] = None
+    besides: ClassVar[str] = ""
 
     value: Quantity | None = None
     meaning: Annotated[
@@ -224,6 +236,72 @@ class ForceAsymmetry(RateAsymmetry):
     )
 
 
+Time = Annotated[Quantity, Measured("s", Sign.POSITIVE)]
+
+
+class Earlier(Strict):
+    """What a maker prints of the same parameter for a shorter horizon."""
+
+    value: Quantity
+    horizon: Time = Field(description="time after which it has gone that far")
+
+
+class AgeingValue(ConstantValue):
+    """Specification value of what a parameter has gone a time after its calibration."""
+
+    of_axis: ClassVar[type[SpecificationValue] | None] = ConstantValue
+    besides: ClassVar[str] = "horizon: 1 year"
+    horizon: Time = Field(description="time after which it has gone that far")  # type: ignore[assignment]
+    law: Literal["drift", "random_walk"] | None = Field(
+        default=None, description="of other times; unset: what gives the larger value"
+    )
+    earlier: tuple[Earlier, ...] = ()  # of the line's own unit, below
+
+    @model_validator(mode="after")
+    def _check_horizons(self) -> Self:
+        found: dict[tuple[str | int, ...], str] = {}
+        if self.earlier and not (self.value and self.value.value):
+            message = "is beside one value of all axes above 0, expected that here"
+            raise faults({("earlier",): message})
+        horizons = [*(one.horizon for one in self.earlier), self.horizon]
+        for place, (one, after) in enumerate(pairwise(horizons)):
+            if one.value >= after.value:
+                found["earlier", place, "horizon"] = (
+                    f"found {one.printed!r} before {after.printed!r}, expected times "
+                    "that rise to the horizon of the line"
+                )
+        for place, each in enumerate(self.earlier):
+            if each.value.value == 0.0:
+                found["earlier", place, "value"] = "found 0, expected more than that"
+        if found:
+            raise faults(found)
+        return self
+
+    def curve(self) -> _Form:
+        """Return its law, and its size at the horizons that are printed."""
+        size = self.value.value if self.value else 1.0
+        points = [(one.value.value, one.horizon) for one in self.earlier]
+        says = [
+            (f"{one.value.printed} after", one.horizon.printed) for one in self.earlier
+        ]
+        law = "" if self.law is None else f", {words(self.law)}"
+        before = "".join(f", {value} {time}" for value, time in says)
+        notes = ["law not given, the larger of drift and random walk assumed"]
+        return _Form(
+            form=self.law or "",
+            horizons=(
+                *((horizon.value, value / size) for value, horizon in points),
+                (self.horizon.value, 1.0),
+            ),
+            says=(
+                ("horizon", self.horizon.printed),
+                *((("law", self.law),) if self.law else ()),
+            ),
+            definition=f"after {self.horizon.printed}{law}{before}",
+            notes=tuple(notes if self.law is None else ()),
+        )
+
+
 @dataclass(frozen=True, kw_only=True)
 class _Form:
     """What a file means by a value that can be meant in several ways."""
@@ -231,6 +309,7 @@ class _Form:
     form: str = ""
     factor: float = 1.0  # [SI]
     low_cut: float | None = None  # [Hz]
+    horizons: tuple[tuple[float, float], ...] = ()  # [s, 1]
     says: tuple[tuple[str, str], ...] = ()
     definition: str = ""
     notes: tuple[str, ...] = ()
@@ -348,11 +427,18 @@ def value_type(line: Source, sensor: str) -> Any:  # noqa: ANN401
     return _value_type(line.like(sensor), _family(line, sensor), line.axes, beside)
 
 
+# Lines that may say the same again, and where.
+BESIDE = {
+    "flicker": "bias_stability",
+    **{line: f"{parameter}_repeatability" for parameter, line in AGEING.items()},
+}
+
+
 def beside_of(name: str, sensor: str) -> str:
     """Return the line that says the same noise again, beside that one; '' if none."""
     if name == SAMPLE_NOISE:
         return walk_of(sensor)
-    return "bias_stability" if name == "flicker" else ""
+    return BESIDE.get(name, "")
 
 
 def read_value(
@@ -405,6 +491,7 @@ def read_value(
         * form.factor,
         low_cut=None if form.low_cut is None else np.full(len(axes), form.low_cut),
         form=form.form,
+        horizons=form.horizons,
         factor=form.factor,
         says=form.says,
         density=axes[0].density,
@@ -412,11 +499,30 @@ def read_value(
         meaning=say([_meaning(line, a.part) for a in axes]),
         definition=form.definition or say([a.definition for a in axes]),
         includes=say([a.part.includes or "" for a in axes]),
-        horizon=say([a.part.horizon or "" for a in axes]),
+        horizon=say([_text(a.part.horizon) for a in axes]),
         condition=say([a.part.condition or "" for a in axes]),
         source=say([a.part.source or "" for a in axes]),
     )
     return ReadValue(line=taken, assumptions=tuple(dict.fromkeys(assumptions)))
+
+
+def time_in(given: Quantity | SpecificationValue | None) -> Quantity | None:
+    """Return the time over which a value holds; None where no time is said."""
+    text = None if given is None or isinstance(given, Quantity) else given.horizon
+    return None if text is None else time_of(text)
+
+
+def time_of(text: str) -> Quantity | None:
+    """Return the time that a horizon says; None of 'run to run' or '6 runs'."""
+    try:
+        return parse_quantity(text, "s")
+    except UnitError:
+        return None
+
+
+def _text(horizon: str | Quantity | None) -> str:
+    """Return what a file says in words; '' of a time, which the definition says."""
+    return horizon if isinstance(horizon, str) else ""
 
 
 def standard_size(quantity: Quantity, density: str = "") -> float:
@@ -440,9 +546,10 @@ def _value_type(
     measured = Measured(like)
     value = Annotated[Quantity, measured]
     title = f"{family.__name__.removesuffix('Value')} in {like}"
+    text = OrText(measured, family.besides)
     if axes == ONE_VALUE:
         alone = create_model(title, __base__=family, value=(value, ...))
-        return Annotated[alone, OrText(measured)]
+        return Annotated[alone, text]
     of_axis = family.of_axis or family
     one_axis = create_model(f"{title}, one axis", __base__=of_axis, value=(value, ...))
     by_axis = mapping_of(
@@ -453,20 +560,30 @@ def _value_type(
         "axes": (by_axis | None, None),
     }
     if beside:
-        says = f"noise that is no part of {beside}, given as well"
+        says = f"what is no part of {beside}, given as well"
         word = Literal[beside]  # type: ignore[valid-type]
         fields["adds_to"] = (word | None, Field(default=None, description=says))
+    if issubclass(family, AgeingValue):
+        earlier = create_model(
+            f"{title}, earlier", __base__=Earlier, value=(value, ...)
+        )
+        says = "what is printed for shorter horizons, of all axes"
+        fields["earlier"] = (
+            tuple[earlier, ...],  # type: ignore[valid-type]
+            Field(default=(), description=says),
+        )
     whole = create_model(title, __base__=(family, Whole), **fields)
-    return Annotated[whole, OrText(measured)]
+    return Annotated[whole, text]
 
 
-FORMED = NonlinearityValue | RateAsymmetry | FlickerValue
+FORMED = NonlinearityValue | RateAsymmetry | FlickerValue | AgeingValue
 SPECIAL: dict[tuple[str, str], type[SpecificationValue]] = {
     ("scale_factor_nonlinearity", GYRO): RateNonlinearity,
     ("scale_factor_nonlinearity", ACCELEROMETER): ForceNonlinearity,
     ("scale_factor_asymmetry", GYRO): RateAsymmetry,
     ("scale_factor_asymmetry", ACCELEROMETER): ForceAsymmetry,
     **{("flicker", sensor): FlickerValue for sensor in SENSORS},
+    **{(line, sensor): AgeingValue for line in AGEING.values() for sensor in SENSORS},
 }
 
 

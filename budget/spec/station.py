@@ -4,21 +4,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import core_schema
 
-from budget.model.sources import ENVIRONMENT, STATION, lines_of
+from budget.errors import CallError, UnitError
+from budget.model.sources import ENVIRONMENT, STATION, lines_of, source_of
+from budget.model.sources.later import AGE
 from budget.model.windows import ANGLE, EDGES, RATE, Timing
 from budget.names import Name, keys_of, words
 from budget.spec.checking import check, nearest
 from budget.spec.fields import (
-    Measured,
     ShortText,
-    Sign,
     Strict,
     fault,
     faults,
@@ -27,9 +28,9 @@ from budget.spec.fields import (
 from budget.spec.files import exists, find, shipped_names
 from budget.spec.reader import refuse
 from budget.spec.records import Origin, Station
-from budget.spec.specification import read_value, value_type
+from budget.spec.specification import Time, read_value, value_type
 from budget.spec.tree import all_of, describe
-from budget.units import Quantity
+from budget.units import Quantity, parse_quantity
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
 
 IDEAL = "station: not given, an ideal one assumed"
 LONGEST_NAME = 200  # of a file
+MOST_POINTS = 100  # of soaks in one test
 
 
 class Timed(Strict):
@@ -53,7 +55,12 @@ class Timed(Strict):
 
     @model_validator(mode="after")
     def _check_times(self) -> Self:
-        times = {one.time: one for one in lines_of(ENVIRONMENT) if one.time}
+        times = {
+            beside: one
+            for one in lines_of(ENVIRONMENT)
+            for beside in (one.time, one.points)
+            if beside
+        }
         found = {}
         for time in [time for time in times if time in type(self).model_fields]:
             key = keys_of(times[time].name)[-1]
@@ -67,6 +74,17 @@ class Timed(Strict):
         if found:
             raise faults(found)
         return self
+
+
+def _check_rising(times: tuple[Quantity, ...]) -> tuple[Quantity, ...]:
+    """Refuse times that do not rise."""
+    for one, after in pairwise(times):
+        if after.value <= one.value:
+            raise fault(
+                f"found {after.printed!r} after {one.printed!r}, expected times "
+                "that rise"
+            )
+    return times
 
 
 @cache
@@ -94,10 +112,16 @@ def take_surroundings(owner: str, mapping: Strict | None) -> tuple[ReadValue, ..
             one = read_value(source, owner, figure)
             if source.time:
                 time = getattr(level, source.time)
+                points = getattr(level, source.points) if source.points else ()
+                at = ", ".join(point.printed for point in points)
                 says = replace(
                     one.line,
                     correlation_time=np.array([time.value]),
-                    definition=f"{words(source.time)} {time.printed}",
+                    points=np.array([point.value for point in points])
+                    if points
+                    else None,
+                    definition=f"{words(source.time)} {time.printed}"
+                    + (f", {words(source.points)} {at}" if points else ""),
                 )
                 one = replace(one, line=says)
             taken.append(one)
@@ -279,6 +303,48 @@ def done_at(procedure: Procedure, station: Station, shown: str) -> Procedure:
     return at_station(procedure, station)
 
 
+def aged(procedure: Procedure, age: str, shown: str) -> Procedure:
+    """Return a procedure whose calibration is used at an age, `shown` in messages.
+
+    Raises
+    ------
+    CallError
+        The age is no time.
+    SpecError
+        Its environment has one of its own.
+    """
+    if any(line.name == AGE for line in procedure.environment):
+        message = (
+            "has an age of its own (environment), and another is given beside it; "
+            "remove one of them"
+        )
+        raise refuse(shown, message)
+    try:
+        time = parse_quantity(age, "s")
+    except UnitError as error:
+        raise CallError(f"age: {error}") from None
+    if time.value <= 0.0:
+        raise CallError(f"age: found {age!r}, expected a time that is positive")
+    return with_age(procedure, time)
+
+
+def with_age(procedure: Procedure, age: Quantity) -> Procedure:
+    """Return a procedure with that age, in place of the one that it has."""
+    taken = (read_value(source_of(ENVIRONMENT, AGE), ENVIRONMENT, age),)
+    name = Name(AGE, owner=ENVIRONMENT)
+    return replace(
+        procedure,
+        environment=(
+            *(line for line in procedure.environment if line.name != AGE),
+            *(one.line for one in taken),
+        ),
+        assumptions=(
+            *(text for text in procedure.assumptions if not text.startswith(name)),
+            *describe_surroundings(ENVIRONMENT, taken),
+        ),
+    )
+
+
 def at_station(procedure: Procedure, station: Station) -> Procedure:
     """Return a procedure at another station, whose environment counts if it has one."""
     left = tuple(text for text in procedure.assumptions if text != IDEAL)
@@ -323,6 +389,16 @@ def _mapping(
             source: Source = branch
             fields[key], meanings[key] = value_type(source, owner), source.model
             if source.time:
-                fields[source.time] = Annotated[Quantity, Measured("s", Sign.POSITIVE)]
+                fields[source.time] = Time
                 meanings[source.time] = f"of {key}"
+            if source.points:
+                fields[source.points] = Annotated[
+                    tuple[Time, ...],
+                    Field(min_length=1, max_length=MOST_POINTS),
+                    AfterValidator(_check_rising),
+                ]
+                meanings[source.points] = (
+                    f"of {key}: times from the start of a triad's test at which "
+                    "another one begins"
+                )
     return mapping_of(title, fields, meanings, Timed)

@@ -224,6 +224,7 @@ def analyze_as(
     warnings += cautions.options_without_effect(
         settings.method, trials=settings.trials, interval=settings.interval
     )
+    warnings += cautions.age_that_counts_not(procedure, settings.reference)
     if chosen is None:
         warnings += cautions.unknown_zeros(problem, law)
         warnings += cautions.say_unfelt(cautions.unfelt(analysis))

@@ -9,6 +9,7 @@ import numpy as np
 
 from budget.model.source import Change, Coefficient, Disturbance
 from budget.model.sources import DEVICE, ENVIRONMENT, source_of
+from budget.model.sources.later import AGE
 from budget.names import Name, key_title
 
 if TYPE_CHECKING:
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from budget.methods.monte_carlo import Sample
     from budget.problem import Problem
     from budget.results import Assessment, Validation
-    from budget.spec.records import Sensor
+    from budget.spec.records import Procedure, Sensor
     from budget.studies.request import Analysis
 
 # Trials that a tail of the interval should hold at the least: JCGM 101:2008, 7.2.2 asks
@@ -164,7 +165,7 @@ def unfelt(analysis: Analysis) -> tuple[Unfelt, ...]:
         for line in whole.procedure.environment
         if line.u.any()
         and isinstance(known := source_of(ENVIRONMENT, line.name).effect, Coefficient)
-        and known.partner not in has
+        and has.isdisjoint(known.partners)
     ]
     effects = [
         (name, source_of(name.owner, name.quantity).effect)
@@ -203,6 +204,18 @@ def say_unfelt(found: Sequence[Unfelt]) -> tuple[str, ...]:
             if one.needs
         ),
     )
+
+
+def age_that_counts_not(procedure: Procedure, reference: str) -> tuple[str, ...]:
+    """Warn of an age of the calibration that the error reference knows nothing of."""
+    age = next((line for line in procedure.environment if line.name == AGE), None)
+    if age is None or reference == "next_turn_on":
+        return ()
+    text = (
+        f"the age of {age.printed} counts at a later turn-on alone: with the error "
+        f"reference {reference} it changes nothing; ask for next_turn_on"
+    )
+    return (text,)
 
 
 def shared_constants(sensors: Sequence[Sensor], reference: str) -> tuple[str, ...]:

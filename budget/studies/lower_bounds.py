@@ -18,15 +18,17 @@ from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import is_beside, with_accelerometers
 from budget.methods.gum import propagate
 from budget.model.sources import lines_of, source_of
+from budget.model.sources.later import AGEING, age_in
 from budget.names import IMU, Name, every_output
 from budget.spec.records import Sensor
+from budget.spec.specification import time_of
 from budget.studies.missing import line_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from budget.model.source import Source
-    from budget.spec.records import Procedure
+    from budget.spec.records import ErrorLine, Procedure
 
 
 def lacking(
@@ -60,6 +62,31 @@ def lacking(
             for name in found.get(rotation, ())
         )
     return found
+
+
+def expecting(sensor: Sensor, procedure: Procedure, reference: str) -> Sensor:
+    """Return a sensor that is expected to say how it ages, where that counts.
+
+    At a later turn-on after an age what a bias or a scale factor has gone is known by a
+    line of ageing, or by a repeatability that holds over that time at the least.
+    """
+    age = age_in({line.name: line for line in procedure.environment})
+    if reference != "next_turn_on" or age == 0.0:
+        return sensor
+    missing = tuple(
+        Name(ageing, owner=sensor.kind)
+        for parameter, ageing in AGEING.items()
+        if sensor.line(ageing) is None
+        and not _holds_over(sensor.line(f"{parameter}_repeatability"), age)
+    )
+    there = (name for name in sensor.expected_missing if name not in missing)
+    return replace(sensor, expected_missing=(*there, *missing))
+
+
+def _holds_over(line: ErrorLine | None, age: float) -> bool:
+    """Say whether a line says that it holds over a time as long as that [s]."""
+    over = None if line is None else time_of(line.horizon)
+    return over is not None and over.value >= age
 
 
 def could_widen(

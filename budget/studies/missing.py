@@ -15,6 +15,7 @@ import numpy as np
 from budget.distributions import NORMAL
 from budget.errors import CallError
 from budget.model.sources import ACCELEROMETER, GYRO, lines_of, source_of
+from budget.model.sources.later import AGEING
 from budget.names import Name
 from budget.results import FilledLine
 from budget.spec.records import ErrorLine
@@ -25,6 +26,7 @@ from budget.ties import first_largest, settle
 from budget.units import (
     ONE_SIDED,
     WALK_PER_DENSITY,
+    YEAR,
     parse_quantity,
     per_root_hertz,
 )
@@ -178,6 +180,7 @@ def line_of(source: Source, kind: str, u: float | None = None) -> ErrorLine:
         u=np.full(axes, size),
         distributions=(NORMAL,) * axes,
         correlation_time=np.full(axes, CORRELATION_TIME) if source.process else None,
+        horizons=((YEAR, 1.0),) if source.name in AGEING.values() else (),
         printed=f"{float(f'{size / one:.3g}'):g} {unit}",
         unit=unit,
         si_per_unit=one,

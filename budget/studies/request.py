@@ -23,7 +23,7 @@ from budget.model.sources import ACCELEROMETER, ENVIRONMENT, SENSORS, STATION, l
 from budget.names import IMU, Name, by_group, every_output, meant
 from budget.spec import load_procedure
 from budget.spec.records import Device
-from budget.studies.lower_bounds import lacking
+from budget.studies.lower_bounds import expecting, lacking
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterable, Mapping, Sequence
@@ -145,8 +145,11 @@ class Analysis:
     @cached_property
     def sensors(self) -> tuple[Sensor, ...]:
         """The triads, gyro first."""
-        there = sensors_of(self.devices, self.procedure)
-        return tuple(sensor for sensor in there if sensor.kind in self.kinds)
+        return tuple(
+            expecting(sensor, self.procedure, self.reference)
+            for sensor in sensors_of(self.devices, self.procedure)
+            if sensor.kind in self.kinds
+        )
 
     @cached_property
     def problem(self) -> Problem:

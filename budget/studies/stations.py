@@ -538,6 +538,8 @@ def _probe(case: _Case) -> _Probe:
     for owner, source in station_sources():
         name = Name(source.name, owner=owner)
         has = given.get(name)
+        if source.points and has is None:
+            continue  # nobody knows when
         if source.time:
             own = None if has is None else has.correlation_time
             times[name] = USUAL_TIME if own is None else float(own[0])
@@ -615,6 +617,7 @@ def _unit_line(
         u=np.full(n, size),
         distributions=(NORMAL,) * n,
         correlation_time=None if time is None else np.full(n, time),
+        points=None if has is None else has.points,
         printed=f"1 {unit}",
         unit=unit,
         si_per_unit=size,

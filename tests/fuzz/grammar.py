@@ -150,6 +150,9 @@ _NEEDS = {
     "warm_up": "warm_up_time",
     "warm_up_time": "warm_up",
     "sigma": "correlation_time",
+    "soak": "soak_points",
+    "soak_points": "settling_time",
+    "settling_time": "soak",
 }
 
 

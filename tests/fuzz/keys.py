@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from places import DOCS
 
 from budget.model.sources import lines_of
+from budget.model.sources.later import AGEING
 from budget.spec import json_schema
 
 FILES = DOCS / "files.md"
@@ -72,15 +73,20 @@ def silent(kind, path):
     process = figure and any(
         line.process for line in lines_of(path[0]) if line.name == name
     )
+    is_ageing = (
+        kind == "device" and {*path[2:3]} <= {*AGEING.values()} and len(path) > 3
+    )
+    ages = is_ageing and path[-1] == "horizon" and "axes" not in path
     for where, words in TABLE:
         keys = re.findall("`([a-z_]+)`", words)
         applies = {
             "every file": path[0] in keys,
             "every file but costs": kind != "costs" and path[0] in keys,
-            "a specification value": figure and path[-1] in keys,
+            "a specification value": figure and path[-1] in keys and not ages,
             "a specification value of a process": process and path[-1] in keys,
             "an asymmetry of an accelerometer": path[0] == "accelerometer"
             and path[-1] in keys,
+            "an ageing": is_ageing and path[-1] in keys,
             "g sensitivity by axis": "g_sensitivity" in path
             and any(axis in keys for axis in path),
         }.get(where, where == kind and path[0] in keys)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import fields, is_dataclass, replace
+from functools import reduce
+from operator import getitem
 
 import numpy as np
 import pytest
@@ -17,6 +19,7 @@ from jsonschema import Draft202012Validator
 import budget
 from budget.errors import SpecError
 from budget.model.sources import SENSORS, lines_of, walk_of
+from budget.model.sources.later import AGEING
 from budget.names import ORDERS
 from budget.spec import load_costs, load_device, validate
 from budget.spec.device import read_device
@@ -32,6 +35,7 @@ WARM = replace(
     environment=(
         line("temperature.ramp", [1.0 / 3600.0]),
         line("vibration.test", [9.80665]),
+        line("age", [3e7]),
     ),
 )
 MARK = "Quagga"  # a word that stands in no file and no message
@@ -50,7 +54,11 @@ def example(key):
         fixed = {"m/s^2": "9.81 m/s^2", "%": "80 %"}
         return fixed.get(unit, f"7 {unit}")
     if schema.get("type") == "array":
-        lists = {"order": ["x", "y", "z"], "azimuths": ["10 deg", "100 deg"]}
+        lists = {
+            "order": ["x", "y", "z"],
+            "azimuths": ["10 deg", "100 deg"],
+            "soak_points": ["70 s"],
+        }
         return lists.get(key.path[-1], ["scale_factor"])  # of what is estimated
     if key.path[-1] == "distribution" and "arcsine" in schema.get("enum", ()):
         return "arcsine"  # the last words of the list are other words for uniform
@@ -104,9 +112,18 @@ def device(key):
             beside = {"full_scale": "400 deg/s" if sensor == "gyro" else "9 g"}
         if key.path[-1] == "density":
             beside = {"value": f"1 {DENSITIES[line.like(sensor)]}"}
+        if line.name in AGEING.values():
+            beside = beside | {"horizon": "1 h" if rest == ["law"] else "2 years"}
+        if rest[:1] == ["earlier"]:
+            earlier = {"value": f"0.1 {line.like(sensor)}", "horizon": "1 day"}
+            beside = beside | {"earlier": [earlier]}
         tree[sensor]["errors"][name] = figure | beside
-        if len(rest) > 2:  # a key of an axis that is a mapping
-            tree[sensor]["errors"][name]["axes"] = {rest[1]: figure | beside}
+        if len(rest) > 2 and rest[0] == "axes":  # a key of an axis that is a mapping
+            tree[sensor]["errors"][name]["axes"] = {
+                rest[1]: {
+                    k: v for k, v in {**figure, **beside}.items() if k != "horizon"
+                }
+            }
     else:
         tree[sensor]["errors"] = {
             "bias_stability": f"100 {BIASES[sensor]}",
@@ -158,7 +175,7 @@ def analyzed(one, procedure=WARM):
     """
     names = " ".join(line.name for line in procedure.environment)
     names += " ".join(line.name for sensor in one.sensors for line in sensor.lines)
-    waits = "mission" in names or "over_temperature" in names
+    waits = any(word in names for word in ("mission", "over_temperature", "ageing"))
     document = budget.analyze(
         one,
         procedure=procedure,
@@ -268,6 +285,9 @@ def assert_varied(key, load):
     override = replaced({}, inner.path[:1], after[inner.path[0]])
     if steps[0] in SENSORS:
         value = example(inner)
+        if 0 in steps:  # a list is overridden as a whole
+            steps = steps[: steps.index(0)]
+            value = reduce(getitem, steps, after)
         for step in reversed(steps):
             value = {step: value}
         override = value
@@ -329,7 +349,11 @@ ENVIRONMENTS = {
         "mission": "1 degC",
         "warm_up": "1 degC",
         "warm_up_time": "300 s",
+        "soak": "1 degC",
+        "settling_time": "300 s",
+        "soak_points": ["600 s"],
     },
+    "age": "1 year",
     "vibration": {"test": "1 g", "mission": "2 g"},
 }
 
@@ -391,6 +415,9 @@ def test_a_key_of_a_procedure_moves_a_number(key, load):
         errors["flicker"] = {"value": errors["flicker"], "adds_to": "bias_stability"}
         if key.path[0] == "station":
             errors = {"bias_repeatability": f"10 {BIASES[sensor]}"}
+        if key.path[:2] == ("environment", "age"):
+            ages = {"value": errors["bias_stability"], "horizon": "1 year"}
+            errors |= {"ageing": ages}
         tree[sensor] = {"nominal": {"mounting_angle": "1 deg"}, "errors": errors}
     place = place_of(key)
     steps = tuple(0 if step == "[]" else step for step in key.path)
@@ -488,7 +515,9 @@ def test_a_key_of_costs_moves_a_number(key, load, monkeypatch):
     sensor, name = key.path[1].split(".")
     lines = {line.name: line.like(sensor) for line in lines_of(sensor)}
     other = "bias_repeatability" if name != "bias_repeatability" else "sample_noise"
-    errors = {one: f"10 {lines[one]}" for one in (name, other)}
+    errors: dict = {one: f"10 {lines[one]}" for one in (name, other)}
+    if name in AGEING.values():
+        errors[name] = {"value": errors[name], "horizon": "1 year"}
     one = load(load_device, {"name": "x", sensor: {"errors": errors}})
     bias = lines["bias_repeatability"]
     limits = {

@@ -87,6 +87,8 @@ def test_the_shipped_device_needs_no_assumption_and_misses_nothing_expected():
         "gyro.scale_factor_cubic",
         "gyro.bias_over_temperature",
         "gyro.scale_factor_over_temperature",
+        "gyro.ageing",
+        "gyro.scale_factor_ageing",
         "gyro.vibration_rectification",
     )
     assert device.accelerometer.not_given == (
@@ -98,6 +100,8 @@ def test_the_shipped_device_needs_no_assumption_and_misses_nothing_expected():
         "accelerometer.scale_factor_cubic",
         "accelerometer.bias_over_temperature",
         "accelerometer.scale_factor_over_temperature",
+        "accelerometer.ageing",
+        "accelerometer.scale_factor_ageing",
         "accelerometer.vibration_rectification",
     )
     assert [sensor.expected_missing for sensor in device.sensors] == [(), ()]
@@ -239,7 +243,8 @@ def test_an_asymmetry_says_whose_sign_decides(gyro):
         ("LSB", "did you mean 'quantization'"),
         ("resolution", "did you mean 'quantization'"),
         ("K2", "did you mean 'scale_factor_quadratic'"),
-        ("ageing", "has no model here.*figures"),
+        ("aging", "did you mean 'ageing'"),
+        ("long-term stability", "did you mean 'ageing'"),
     ],
 )
 def test_a_word_of_data_sheets_is_answered_with_the_line(gyro, word, hint):

@@ -8,7 +8,7 @@ import pytest
 from command_line import call
 from numpy.testing import assert_allclose
 
-from budget.errors import SpecError
+from budget.errors import CallError, SpecError
 from budget.model.windows import Timing
 from budget.spec import load_procedure, load_station, validate
 from budget.units import ARCSEC
@@ -127,3 +127,18 @@ def test_every_command_takes_a_station_and_says_its_file():
     assert run.code == 2
     assert "three-axis-table" in run.err
     assert "--station" in call("report", "--help").out
+
+
+def test_an_age_is_given_once(tmp_path):
+    """It is a known time of the environment; a second one, and no time, are refused."""
+    how = load_procedure(age="1 year")
+    (line,) = (one for one in how.environment if one.name == "age")
+    assert_allclose(line.u, 365.25 * 86400.0, rtol=1e-15)
+    assert "environment.age: 1 year, known value" in how.assumptions
+    station = tmp_path / "station.yaml"
+    station.write_text("station: {}\nenvironment: {age: 2 years}\n", encoding="utf-8")
+    with pytest.raises(SpecError, match=r"has an age of its own.*remove one"):
+        load_procedure(station=station, age="1 year")
+    for text, why in (("1 ug", "expected a time"), ("0 s", "that is positive")):
+        with pytest.raises(CallError, match=f"age: .*{why}"):
+            load_procedure(age=text)

@@ -25,8 +25,12 @@ from budget.model.source import (
 from budget.model.sources.asymmetry import InputAsymmetry, TurnAsymmetry
 from budget.model.sources.g_sensitivity import ELEMENTS, GSensitivity
 from budget.model.sources.later import (
+    AGE,
+    AGEING,
     MISSION_VIBRATION,
     TEST_VIBRATION,
+    Age,
+    Ageing,
     OverTemperature,
     Vibration,
     VibrationRectification,
@@ -54,6 +58,7 @@ from budget.model.sources.rotation import (
 )
 from budget.model.sources.temperature import (
     RandomTemperature,
+    Soaks,
     TemperatureChange,
     TemperatureCoefficient,
     TemperatureRamp,
@@ -280,6 +285,22 @@ SOURCES = (
         is_hatched=True,
     ),
     Source(
+        name=AGEING["bias"],
+        units={GYRO: "deg/h", ACCELEROMETER: "ug"},
+        model="what the bias has gone a time after its calibration",
+        effect=Ageing("bias"),
+        stays=DEVICE,
+        colour="",
+    ),
+    Source(
+        name=AGEING["scale_factor"],
+        units={GYRO: "ppm", ACCELEROMETER: "ppm"},
+        model="what the scale factor has gone a time after its calibration",
+        effect=Ageing("scale_factor"),
+        stays=DEVICE,
+        colour="",
+    ),
+    Source(
         name="vibration_rectification",
         units={GYRO: "deg/h/g^2", ACCELEROMETER: "ug/g^2"},
         model="random constant of the device: bias over the square of a vibration",
@@ -315,6 +336,16 @@ SOURCES = (
         time="warm_up_time",
     ),
     Source(
+        name="temperature.soak",
+        units={ENVIRONMENT: "degC"},
+        model="temperature of each soak, on its own, which the sensors settle to",
+        effect=Soaks(),
+        stays=TEST,
+        axes=ONE_VALUE,
+        time="settling_time",
+        points="soak_points",
+    ),
+    Source(
         name="temperature.mission",
         units={ENVIRONMENT: "degC"},
         model="temperature of a later turn-on less that of the test",
@@ -335,6 +366,14 @@ SOURCES = (
             (TEST_VIBRATION, "during the test"),
             (MISSION_VIBRATION, "at a later turn-on"),
         )
+    ),
+    Source(
+        name=AGE,
+        units={ENVIRONMENT: "s"},
+        model="known time from the calibration to a later turn-on",
+        effect=Age(),
+        stays=TEST,
+        axes=ONE_VALUE,
     ),
     Source(
         name="turn_angle",

@@ -1,4 +1,10 @@
-"""What is another one at a later turn-on than in the test: residuals, vibration."""
+"""What is another one at a later turn-on than in the test: residuals, vibration, age.
+
+A maker prints how far a parameter has gone after a time, its horizon H: u(H). At
+another age A of the calibration it has gone u(H) A/H if it drifts, u(H) sqrt(A/H) if it
+walks at random. Where nobody says which, the larger of both is taken; between two
+horizons that are printed, the power law through both.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.errors import CallError
 from budget.model.source import Change, Coefficient, Given
 
 if TYPE_CHECKING:
@@ -15,6 +22,9 @@ if TYPE_CHECKING:
     from budget.model.source import Gains
 
 TEST_VIBRATION, MISSION_VIBRATION = "vibration.test", "vibration.mission"
+AGE = "age"
+DRIFT, RANDOM_WALK = "drift", "random_walk"
+AGEING = {"bias": "ageing", "scale_factor": "scale_factor_ageing"}  # by the parameter
 
 
 @dataclass(frozen=True)
@@ -56,4 +66,63 @@ class Vibration(Coefficient):
     """Rms of a vibration, which is known."""
 
     needs = "a sensor with vibration_rectification"
-    partner = "vibration_rectification"
+    partners = ("vibration_rectification",)
+
+
+@dataclass(frozen=True)
+class Ageing(Change):
+    """What a parameter has gone since its calibration, by the age of that.
+
+    Attributes
+    ----------
+    target : str
+        'bias' or 'scale_factor'.
+    """
+
+    needs = (
+        "an age of the calibration (age of the environment, --age), and the error "
+        "reference next_turn_on"
+    )
+
+    target: str
+
+    def gains(self, known: Mapping[str, Given]) -> Mapping[str, Gains]:
+        """Return nothing in the test, what the age makes of it later."""
+        own, age = known.get(AGEING[self.target]), age_in(known)
+        if own is None:
+            return {}
+        return {self.target: (np.zeros((3, 3)), growth(own, age) * np.eye(3))}
+
+
+@dataclass(frozen=True)
+class Age(Coefficient):
+    """Time from the calibration to the later turn-on, which is known."""
+
+    needs = "a sensor with ageing"
+    partners = tuple(AGEING.values())
+
+
+def age_in(known: Mapping[str, Given]) -> float:
+    """Return the age of the calibration at the later turn-on, 0 if not given [s]."""
+    return float(known[AGE].u[0]) if AGE in known else 0.0
+
+
+def growth(given: Given, age: float) -> float:
+    """Return what a parameter has gone at an age [s] over that at its horizon [1].
+
+    Raises
+    ------
+    CallError
+        The line has no horizon.
+    """
+    if not given.horizons:
+        raise CallError(f"{given.name}: without a horizon nobody knows its ageing")
+    if age == 0.0:
+        return 0.0
+    times, sizes = np.array(given.horizons).T
+    if times[0] < age < times[-1]:
+        return float(np.exp(np.interp(np.log(age), np.log(times), np.log(sizes))))
+    end = 0 if age <= times[0] else -1
+    ratio = float(age / times[end])
+    laws = {DRIFT: ratio, RANDOM_WALK: float(np.sqrt(ratio))}
+    return float(sizes[end]) * laws.get(given.form, max(laws.values()))

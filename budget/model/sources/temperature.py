@@ -78,15 +78,15 @@ class TemperatureCourse(History):
 
     @abstractmethod
     def shape(self, given: Given, times: Array) -> Array:
-        """Return T - T0 at those times, for a size of 1 [1]."""
+        """Return T - T0 at those times for each input of 1, shape (k, n) [1]."""
 
     @abstractmethod
     def means(self, given: Given, schedule: Schedule) -> Array:
-        """Return the means of that over windows, shape (n,) [1]."""
+        """Return the means of that over windows, shape (k, n) [1]."""
 
     def course(self, value: Array, given: Given, times: Array) -> Array:
         """Return T - T0 at those times [K]."""
-        return np.asarray(value[0] * self.shape(given, times))
+        return np.asarray(value @ self.shape(given, times))
 
     def bind(self, given: Given, triad: Triad) -> Act | None:
         """Return the size times what 1 of it leaves; None without coefficients."""
@@ -98,12 +98,14 @@ class TemperatureCourse(History):
         T = self.means(given, schedule)
         ends = schedule.starts + schedule.lengths
         rate = self.shape(given, ends) - self.shape(given, schedule.starts)
-        weighed = scheme.weigh(T[:, None])  # (3, m, 1)
-        shift = bT * weighed + bR * scheme.weigh((rate / schedule.lengths)[:, None])
-        inputs = (scheme.turn + scheme.standing) * T[:, None]
+        weighed = scheme.weigh(T.T)  # (3, m, k)
+        inputs = scheme.turn + scheme.standing
 
         return partial(
-            _warmed, shift=shift, seen=kT * scheme.weigh(inputs), constant=kT * weighed
+            _warmed,
+            shift=bT * weighed + bR * scheme.weigh((rate / schedule.lengths).T),
+            seen=[kT * scheme.weigh(inputs * one[:, None]) for one in T],
+            constant=kT * weighed,
         )
 
 
@@ -113,11 +115,11 @@ class TemperatureRamp(TemperatureCourse):
 
     def shape(self, given: Given, times: Array) -> Array:  # noqa: ARG002
         """Return t."""
-        return times
+        return times[None]
 
     def means(self, given: Given, schedule: Schedule) -> Array:  # noqa: ARG002
         """Return the times in the middle of the windows."""
-        return schedule.middles
+        return schedule.middles[None]
 
 
 @dataclass(frozen=True)
@@ -126,12 +128,49 @@ class WarmUp(TemperatureCourse):
 
     def shape(self, given: Given, times: Array) -> Array:
         """Return -e^(-t/tau)."""
-        return np.asarray(-np.exp(-times / _time(given)))
+        return np.asarray(-np.exp(-times / _time(given)))[None]
 
     def means(self, given: Given, schedule: Schedule) -> Array:
         """Return -(tau/L) e^(-s/tau) (1 - e^(-L/tau))."""
         x = schedule.lengths / _time(given)
         return np.asarray(self.shape(given, schedule.starts) * -np.expm1(-x) / x)
+
+
+@dataclass(frozen=True)
+class Soaks(TemperatureCourse):
+    """T - T0 follows the soaks, each of a temperature x_k of its own, by a lag of tau.
+
+    T = x_0 + sum_k (x_k - x_(k-1)) s(t - t_k), s(t) = 1 - e^(-t/tau) from t = 0 on: the
+    response of a first-order lag to steps at the times t_k at which soaks begin, the
+    first one settled at the start of the test.
+    """
+
+    def size(self, given: Given, scheme: Scheme | None) -> int:  # noqa: ARG002
+        """Return the number of soaks."""
+        return 1 + _points(given).size
+
+    def shape(self, given: Given, times: Array) -> Array:
+        """Return s(t - t_k) - s(t - t_(k+1)), that of the first one 1 before."""
+        since = np.maximum(times - _points(given)[:, None], 0.0)
+        return _steps(-np.expm1(-since / _time(given)))
+
+    def means(self, given: Given, schedule: Schedule) -> Array:
+        """Return the same of its integral, t - tau (1 - e^(-t/tau)), over windows."""
+        tau, points = _time(given), _points(given)[:, None]
+        start, end = (
+            np.maximum(times - points, 0.0)
+            for times in (schedule.starts, schedule.starts + schedule.lengths)
+        )
+        grown = end - start + tau * (np.expm1(-end / tau) - np.expm1(-start / tau))
+        return _steps(grown / schedule.lengths)
+
+
+def _steps(risen: Array) -> Array:
+    """Return the part of each soak where soaks after the first have risen, (k, n)."""
+    ends = np.zeros((1, risen.shape[1]))
+    return np.asarray(
+        np.concatenate([ends + 1.0, risen]) - np.concatenate([risen, ends])
+    )
 
 
 @dataclass(frozen=True)
@@ -234,6 +273,13 @@ def _time(given: Given) -> float:
     return float(given.correlation_time[0])
 
 
+def _points(given: Given) -> Array:
+    """Return the times at which soaks begin after the first one [s]."""
+    if given.points is None:
+        raise ValueError(f"{given.name} without its points")
+    return given.points
+
+
 def _all_rows(triad: Triad) -> Array:
     """Return what each statistic takes of T and of its rate, (5, 3, m, 2, n).
 
@@ -275,12 +321,15 @@ def _warmed(
     noise: Array,  # noqa: ARG001
     *,
     shift: Array,
-    seen: Array,
+    seen: Sequence[Array],
     constant: Array,
 ) -> Array:
-    """Return the size times what a history of size 1 leaves."""
-    left = shift + truth.see(seen) + constant * truth.bias[:, None]
-    return np.asarray(left * x[None])
+    """Return the sizes times what histories of size 1 leave."""
+    left: Array | float = 0.0
+    for k, rows in enumerate(seen):
+        own = shift[..., k, None] + constant[..., k, None] * truth.bias[:, None]
+        left = left + (own + truth.see(rows)) * x[k]
+    return np.asarray(left)
 
 
 def _mixed(

@@ -26,6 +26,7 @@ from budget.report.allocation.words import (
     print_stop,
     print_used,
     print_value,
+    recalibration_text,
     relaxations,
     remarks,
     tightest,
@@ -107,6 +108,11 @@ def allocation_section(allocation: Allocation) -> Section:
         title = "Checked by Monte Carlo at the allocated values"
         blocks.append(Panel(title=title, blocks=(_checks_table(allocation.checks),)))
     blocks += _points("A longer test", map(longer_test_text, allocation.longer_tests))
+    texts = (
+        recalibration_text(one, allocation.coverage)
+        for one in allocation.recalibrations
+    )
+    blocks += _points("When to calibrate again", texts)
     blocks += _shelves(allocation)
     blocks += _points("Remarks on the allocation", allocation.warnings)
     return Section(

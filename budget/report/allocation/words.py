@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import floor, log10
 from typing import TYPE_CHECKING
 
 from budget.names import by_group, key_title, words
@@ -9,12 +10,14 @@ from budget.report.tables import (
     Number,
     bound_number,
     join_outputs,
+    print_coverage,
     print_given,
     print_utilisation,
     source_title,
 )
 from budget.studies.allocation.records import FREE, MEAN
-from budget.ties import first_largest, from_largest
+from budget.ties import first_largest, from_largest, settle
+from budget.units import DAY, YEAR
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -26,6 +29,7 @@ if TYPE_CHECKING:
         LineMatch,
         LongerTest,
         Match,
+        Recalibration,
         SourceAllotment,
     )
 
@@ -192,6 +196,32 @@ def longer_test_text(test: LongerTest) -> str:
         f"{what}no {none} up to {test.tried_to:g}{unit} would do; best "
         f"{print_utilisation(test.utilisation)} of a limit, at {test.best:g}{unit}"
     )
+
+
+def recalibration_text(one: Recalibration, coverage: float) -> str:
+    """Say how old a calibration may be."""
+    who = f"{one.sensor}, {one.goal}: "
+    used = print_utilisation(one.utilisation)
+    if one.is_soon:
+        return f"{who}a limit is passed after one day already ({used} of it used)"
+    if one.age is None:
+        return f"{who}no limit is reached within 30 years ({used} of one used then)"
+    return (
+        f"{who}a limit is reached after {print_time(one.age)}, at a coverage of "
+        f"{print_coverage(coverage)} %"
+    )
+
+
+def print_time(seconds: float) -> str:
+    """Write a time in days, months or years, two digits rounded down."""
+    size, unit = next(
+        (size, unit)
+        for size, unit in ((YEAR, "years"), (YEAR / 12.0, "months"), (DAY, "days"))
+        if seconds >= 2.0 * size or unit == "days"
+    )
+    number = seconds / size
+    step = 10.0 ** (floor(log10(number)) - 1)
+    return f"{print_given(floor(settle(number / step)) * step)} {unit}"
 
 
 def line_match_text(line: LineMatch) -> str:

@@ -238,7 +238,8 @@ def _where(budget: Budget, name: Name) -> Cell:
 
 def _partner(name: Name) -> str:
     """Return the line of a sensor that a known size acts by."""
-    return words(getattr(source_of(name.owner, name.quantity).effect, "partner", ""))
+    effect = source_of(name.owner, name.quantity).effect
+    return words(" and ".join(getattr(effect, "partners", ())))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -29,6 +29,7 @@ from budget.studies.allocation.market import (
     load_catalogue,
     match_catalogue,
 )
+from budget.studies.allocation.recalibration import find_recalibrations
 from budget.studies.allocation.records import Allocation, CoverageCheck
 from budget.studies.allocation.rows import (
     cost_report,
@@ -36,7 +37,9 @@ from budget.studies.allocation.rows import (
     shared_allotments,
     source_allotments,
 )
+from budget.studies.cautions import age_that_counts_not
 from budget.studies.judgement import judge, limit_problem
+from budget.studies.lower_bounds import expecting
 from budget.studies.request import (
     limited_but_held,
     not_estimated,
@@ -114,7 +117,10 @@ def allocate(
     """
     strategy = _choose_strategy(strategy, costs)
     procedure = load_procedure(None) if procedure is None else procedure
-    sensors = sensors_of(devices, procedure)
+    sensors = tuple(
+        expecting(sensor, procedure, requirement.reference)
+        for sensor in sensors_of(devices, procedure)
+    )
     warnings: tuple[str, ...] = ()
     if catalogue is None:
         catalogue, warnings = load_catalogue()
@@ -182,6 +188,9 @@ def allocate(
         checks=tuple(check for case in cases for check in case.checks),
         costs=tuple(cost_report(case) for case in cases if case.solution is not None),
         longer_tests=longer_tests,
+        recalibrations=tuple(
+            one for case in cases for one in find_recalibrations(case)
+        ),
         matches=match_catalogue(
             catalogue,
             tuple(sensor for sensor in allotted if sensor.kind in solved_kinds),
@@ -201,6 +210,7 @@ def allocate(
         ),
         warnings=(
             *warnings,
+            *age_that_counts_not(procedure, requirement.reference),
             *not_estimated(devices, procedure, requirement),
             *not_of_one_sensor(requirement),
             *(

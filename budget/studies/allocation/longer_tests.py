@@ -49,16 +49,25 @@ def find_longer_tests(
     (random walks grow), so what meets is searched step by step, then narrowed. The
     sources have the factors `s`, shape (n_src,), which stand for AS_THEY_ARE or FLOOR.
     """
-
-    def utilisation(changed: Procedure) -> float:
-        problem = required_problem(case.sensor, changed, case.requirement)
-        law = scaled_law(problem).select(case.task.law.outputs)
-        return float(replace(case.task, law=law).utilisation(s).max())
-
     return tuple(
-        _grow(setting, utilisation, case.sensor.kind, goal)
+        _grow(
+            setting,
+            lambda changed: utilisation_of(case, changed, s),
+            case.sensor.kind,
+            goal,
+        )
         for setting in _growing(case.sensor, case.procedure)
     )
+
+
+def utilisation_of(case: SensorCase, changed: Procedure, s: Array) -> float:
+    """Return the largest part of a limit that is used by another procedure.
+
+    The sources have the factors `s`, shape (n_src,).
+    """
+    problem = required_problem(case.sensor, changed, case.requirement)
+    law = scaled_law(problem).select(case.task.law.outputs)
+    return float(replace(case.task, law=law).utilisation(s).max())
 
 
 def _growing(sensor: Sensor, procedure: Procedure) -> tuple[_Setting, ...]:

@@ -270,6 +270,19 @@ class Match:
         }
 
 
+@dataclass(frozen=True, kw_only=True)
+class Recalibration:
+    """How old a calibration may be before a limit is reached."""
+
+    sensor: str
+    goal: str  # of which lines: as they are, as allocated
+    age: (
+        float | None
+    )  # at which a limit is reached; None: not within what was tried [s]
+    utilisation: float  # at the youngest age tried that fails, or the oldest that meets
+    is_soon: bool  # whether a limit is passed at the youngest age
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Allocation:
     """Everything that `budget allocate` says."""
@@ -290,6 +303,7 @@ class Allocation:
     checks: tuple[CoverageCheck, ...]
     costs: tuple[CostReport, ...]
     longer_tests: tuple[LongerTest, ...]
+    recalibrations: tuple[Recalibration, ...]
     matches: tuple[Match, ...]
     devices: tuple[Device, ...]
     sensors: tuple[Sensor, ...]  # with the allocated values; as given if infeasible
@@ -338,6 +352,11 @@ class Allocation:
                 for row in self.impossible
             ],
             "levers": [asdict(test) for test in self.longer_tests],
+            **(
+                {"recalibrations": [asdict(one) for one in self.recalibrations]}
+                if self.recalibrations
+                else {}
+            ),
             "costs": [asdict(cost) for cost in self.costs],
             "checks": [
                 {**asdict(check), "corrected": check.is_corrected}

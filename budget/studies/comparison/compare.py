@@ -10,6 +10,7 @@ from budget.methods.execution import local_executor
 from budget.names import IMU
 from budget.results import Settings, input_file, stations_of
 from budget.spec import load_procedure
+from budget.studies.cautions import age_that_counts_not
 from budget.studies.comparison.candidates import Candidate, bound_missing
 from budget.studies.comparison.judging import JudgedCandidate, Judging, judge_all
 from budget.studies.comparison.ranking import pair_up, rank
@@ -21,7 +22,7 @@ from budget.studies.comparison.records import (
 )
 from budget.studies.figures_of_merit import MERITS, is_known, over_cap
 from budget.studies.judgement import MAX_TRIALS, TRIALS
-from budget.studies.lower_bounds import missing_of
+from budget.studies.lower_bounds import expecting, missing_of
 from budget.studies.missing import REFUSE, fill
 from budget.studies.progress import stage
 from budget.studies.request import (
@@ -121,7 +122,7 @@ def compare(
             one := Candidate(
                 device=device,
                 place=place,
-                sensor=sensor,
+                sensor=expecting(sensor, procedure, requirement.reference),
                 procedure=procedure,
                 requirement=requirement,
                 filling=filling.of(missing_of((given,), procedure)),
@@ -204,6 +205,7 @@ def compare(
                 text
                 for procedure in procedures
                 for text in (
+                    *age_that_counts_not(procedure, requirement.reference),
                     *not_calibrated(devices, procedure),
                     *not_estimated(devices, procedure, requirement),
                 )

@@ -100,6 +100,46 @@ def test_pulses_show_the_same_history(monkeypatch, name, value, time):
     assert_allclose(found / size, exact / size, rtol=1e-5, atol=1e-6)
 
 
+@pytest.mark.parametrize(("tau", "points"), [(40.0, (30.0, 200.0)), (1e-3, (95.0,))])
+def test_pulses_show_the_same_soaks(monkeypatch, tau, points):
+    """Soaks of different temperatures, slow and fast to settle, in both triads."""
+    soak = replace(at("temperature.soak", 5.0, tau), points=np.array(points))
+    how = of(soak, dwell=20.0, sample_rate=100.0)
+    values = np.array([4.0, -7.0, 3.0])[: len(points) + 1]
+    found = simulated(monkeypatch, WARM, how, "environment.temperature.soak", values)
+    exact = errors(WARM, how, environment__temperature__soak=values)
+    assert np.abs(exact[GYRO_SF]).max() > 0.01
+    assert np.abs(exact[ACC_BIAS]).max() > 0.5
+    size = np.abs(exact).max()
+    assert_allclose(found / size, exact / size, rtol=1e-4, atol=1e-5)
+
+
+def test_soaks_of_one_temperature_are_one():
+    """Soaks that all have the same temperature leave what a constant one leaves.
+
+    That is a shift of every bias by bT T and of every scale factor by kT T.
+    """
+    soak = replace(at("temperature.soak", 5.0, 40.0), points=np.array([30.0, 200.0]))
+    how = of(soak, dwell=20.0)
+    same = errors(WARM, how, environment__temperature__soak=np.full(3, 2.0))
+    assert_allclose(same[GYRO_BIAS], 2.0 * 0.01, rtol=1e-3)
+    assert_allclose(same[ACC_BIAS], 2.0 * 10.0, rtol=1e-3)
+    assert_allclose(same[GYRO_SF], 2.0 * 20.0, rtol=1e-3)
+    assert_allclose(same[ACC_SF], 2.0 * 10.0, rtol=1e-3)
+
+
+def test_each_soak_is_drawn_on_its_own():
+    """Gyros turned in the first soak: u(dk) = kT u; one after the test is nothing."""
+    first = replace(at("temperature.soak", 0.5, 1.0), points=np.array([200.0, 9e4]))
+    how = of(first, dwell=20.0)
+    sensors = triads({KT: 100.0 * PPM})[:1]
+    only = frozenset({"environment.temperature.soak"})
+    law = propagate(calibration_problem(sensors, how, only=only))
+    turning = law.standard_uncertainty[GYRO_SF] / PPM
+    assert_allclose(turning, 50.0, rtol=1e-6)
+    assert not law.C[:, -1].any()
+
+
 def alone(sensors, how, **values):
     """Return the errors of one triad with sources at values [SI]."""
     problem = calibration_problem(sensors, how)
@@ -355,6 +395,11 @@ def test_a_file_says_the_times_beside_the_temperatures(tmp_path):
     [
         ("{temperature: {sigma: 1 degC}}", "sigma: stands without correlation_time"),
         ("{temperature: {warm_up_time: 9 s}}", "warm_up_time: is of warm_up"),
+        ("{temperature: {soak: 1 degC, settling_time: 9 s}}", "stands without soak_po"),
+        (
+            "{temperature: {soak: 1 K, settling_time: 9 s, soak_points: [9 s, 8 s]}}",
+            "found '8 s' after '9 s', expected times that rise",
+        ),
     ],
 )
 def test_a_temperature_without_its_time_is_refused(tmp_path, environment, words):

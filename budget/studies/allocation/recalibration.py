@@ -1,0 +1,56 @@
+"""Age of a calibration at which a limit is reached: when to calibrate again."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from scipy.optimize import brentq
+
+from budget.model.sources.later import AGEING
+from budget.spec.station import with_age
+from budget.studies.allocation.longer_tests import AS_THEY_ARE, utilisation_of
+from budget.studies.allocation.records import Recalibration
+from budget.units import DAY, YEAR, parse_quantity
+
+if TYPE_CHECKING:
+    from budget.arrays import Array
+    from budget.studies.allocation.cases import SensorCase
+
+SOONEST, LATEST = DAY, 30.0 * YEAR  # [s]
+ALLOCATED = "as allocated"
+
+
+def find_recalibrations(case: SensorCase) -> tuple[Recalibration, ...]:
+    """Find how old a calibration may be, with the lines as they are and as allocated.
+
+    The age A at which the largest end of an interval, |m(A)| + k u(A), is at its limit,
+    by the law of propagation. () where errors are not counted from a later turn-on, or
+    nothing that is given ages.
+    """
+    ages = [name for name in AGEING.values() if case.sensor.line(name)]
+    if case.requirement.reference != "next_turn_on" or not ages:
+        return ()
+    states = [(AS_THEY_ARE, case.task.now)]
+    if case.s is not None:
+        states.append((ALLOCATED, case.s))
+    return tuple(_find(case, s, goal) for goal, s in states)
+
+
+def _find(case: SensorCase, s: Array, goal: str) -> Recalibration:
+    """Look between a day and 30 years for the age at which the limits are reached."""
+
+    def beyond(age: float) -> float:
+        time = parse_quantity(f"{age!r} s", "s")
+        return utilisation_of(case, with_age(case.procedure, time), s) - 1.0
+
+    soonest, latest = beyond(SOONEST), beyond(LATEST)
+    age = None
+    if soonest <= 0.0 < latest:
+        age = float(brentq(beyond, SOONEST, LATEST))
+    return Recalibration(
+        sensor=case.sensor.kind,
+        goal=goal,
+        age=age,
+        utilisation=1.0 + (latest if soonest <= 0.0 else soonest),
+        is_soon=soonest > 0.0,
+    )

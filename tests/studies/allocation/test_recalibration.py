@@ -1,0 +1,99 @@
+"""How old a calibration may be before a limit is reached."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from budget import analyze, load_device, load_procedure, load_requirement
+from budget.report.allocation.words import recalibration_text
+from budget.studies.allocation.allocate import allocate
+from budget.units import DAY, MICRO_G, YEAR
+
+DEVICE = """
+format: budget-device/1
+name: aged
+accelerometer:
+  errors:
+    bias_repeatability: 10 ug
+    ageing: {{value: {} ug, horizon: 1 year, law: {}}}
+"""
+REQUIREMENT = """
+format: budget-requirement/1
+name: bias
+reference: {}
+limits: {{accelerometer: {{bias: {} ug}}}}
+"""
+K = 1.959963984540054  # 95 % of a normal distribution
+
+
+@pytest.fixture
+def found(tmp_path):
+    """Return a function that allocates for accelerometers that age, under a limit."""
+
+    def of(ageing, limit, *, law="drift", reference="next_turn_on"):
+        device, limits = tmp_path / "device.yaml", tmp_path / "requirement.yaml"
+        device.write_text(DEVICE.format(ageing, law), encoding="utf-8")
+        limits.write_text(REQUIREMENT.format(reference, limit), encoding="utf-8")
+        return device, limits
+
+    return of
+
+
+def recalibrations(device, limits):
+    """Return when to calibrate again."""
+    result = allocate(
+        load_device(device),
+        requirement=load_requirement(limits),
+        catalogue=(),
+        validate=False,
+    )
+    return result.recalibrations
+
+
+@pytest.mark.parametrize(("law", "power"), [("drift", 1.0), ("random_walk", 0.5)])
+def test_the_limit_is_reached_where_the_closed_form_says(found, law, power):
+    """U(A)^2 = 2 u_r^2 + (v (A/H)^p)^2: two turn-ons and the ageing are all."""
+    one, *_ = recalibrations(*found(100, 150, law=law))
+    u = 150.0 / K
+    age = YEAR * (np.sqrt(u**2 - 2.0 * 10.0**2) / 100.0) ** (1.0 / power)
+    # The law counts products of lines too, 1e-5 of the variance.
+    assert_allclose(one.age, age, rtol=1e-4)
+
+
+def test_the_budget_at_that_age_is_at_its_limit(found):
+    """Analysis at the age that is found gives the limit as U: one answer."""
+    device, limits = found(100, 150)
+    one, *_ = recalibrations(device, limits)
+    budget = analyze(
+        load_device(device),
+        procedure=load_procedure(age=f"{one.age!r} s"),
+        reference="next_turn_on",
+        validate=False,
+    )
+    ends = [
+        row.interval[1] for row in budget.outputs if row.output.name.quantity == "bias"
+    ]
+    assert_allclose(max(ends) / MICRO_G, 150.0, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("ageing", "limit", "words"),
+    [
+        (1000, 28, "a limit is passed after one day already"),
+        (1e-3, 150, "no limit is reached within 30 years"),
+        (100, 150, "a limit is reached after 9 months, at a coverage of 95 %"),
+    ],
+)
+def test_it_is_said_in_words(found, ageing, limit, words):
+    """What is beyond what was tried is said to be so; a time is rounded down."""
+    one, *_ = recalibrations(*found(ageing, limit))
+    assert words in recalibration_text(one, 0.95)
+    assert (one.age is None) is ("after 9" not in words)
+    assert one.age is None or DAY < one.age < 30.0 * YEAR
+
+
+def test_nothing_is_said_where_age_counts_nothing(found):
+    """Counted from the test's own turn-on nothing ages."""
+    assert recalibrations(*found(100, 150, reference="as_tested")) == ()
