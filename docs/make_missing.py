@@ -12,7 +12,7 @@ from scipy.special import bdtr, stdtr
 
 from budget.names import words
 from budget.spec import load_catalogue
-from budget.studies.prediction import figures_of, predict_figures
+from budget.studies.prediction import DESIGN, Fit, figures_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -48,14 +48,14 @@ def leave_one_out(catalogue: Sequence[Device]) -> tuple[Case, ...]:
     }
     hidden: dict[tuple[str, str], list[tuple[str, object]]] = {}
     for key, figure in figures.items():
-        hidden.setdefault((figure.groups[1], key[1].quantity), []).append(key)
+        hidden.setdefault((figure.groups[DESIGN], key[1].quantity), []).append(key)
     cases = []
     for (_, quantity), keys in hidden.items():
-        given = [figure for key, figure in figures.items() if key not in keys]
+        fit = Fit.of([figure for key, figure in figures.items() if key not in keys])
         p, factor = [], []
         for device, name in keys:
             figure = figures[device, name]
-            found = predict_figures(given, {name: figure})
+            found = fit.predict({name: figure})
             if found is not None:
                 off = figure.log_u - float(found.location[0])
                 p.append(float(stdtr(found.df, off / np.sqrt(found.scale[0, 0]))))

@@ -14,12 +14,13 @@ in others: their variance about the mean of the line over that of all lines, mod
 by it with the weight of WITNESSES designs (Smyth 2004).
 
 With a flat prior of mu and sigma^2 ~ Inv-chi^2(DF_0, 1), of n given lines y, H telling
-which line each is and K their covariance over sigma^2 with FLAT H H' in it, those that
-are missing, with k the covariance to the given ones, are a multivariate Student t (BDA,
-chapters 14 and 15):
+which of the q lines each is and K their covariance over sigma^2, those that are
+missing, with k the covariance to the given ones and h which lines they are, are a
+multivariate Student t (BDA, chapters 14 and 15):
 
-    location k' K^-1 y, scale s^2 (k0 - k' K^-1 k), df = DF_0 + n - lines,
-    s^2 = (DF_0 + y' K^-1 y) / df
+    m = G H' K^-1 y, G = (H' K^-1 H)^-1, r = y - H m, d = h - k' K^-1 H,
+    location h m + k' K^-1 r, scale s^2 (k0 - k' K^-1 k + d G d'),
+    df = DF_0 + n - q, s^2 = (DF_0 + r' K^-1 r) / df
 
 Of one line and designs with nothing in common that is the t of a new observation of
 ordinary regression, s^2 (1 + x0 (X'X)^-1 x0') (Seber, Lee, 5.3).
@@ -30,10 +31,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 from math import sqrt
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
+from budget.methods.execution import small_blocks
 from budget.model.sources import SENSORS, lines_of
 from budget.names import Name
 from budget.studies.grades import family
@@ -54,9 +56,9 @@ LEVELS = {
     "device": (0.1, 0.75),
     "sensor": (0.1, 0.75),
 }
+DESIGN = tuple(LEVELS).index("design")
 DF_0 = 2.0  # weight of the prior sigma^2 = 1, of a factor e, in observations
 WITNESSES = 5.0  # weight of the common spread of designs, in designs
-FLAT = 1e4  # variance of the prior of mu over sigma^2: says nothing
 # Designs that give a line, of which one more can be predicted: fewer say nothing of
 # the spread between designs.
 LEAST_DESIGNS = 3
@@ -132,54 +134,111 @@ def predict(
     Prediction or None
         None where no line can be predicted.
     """
-    own = figures_of(device).values()
-    mine = {(each.groups, each.line) for each in own}
-    others = [
-        each for each in _of(tuple(catalogue)) if (each.groups, each.line) not in mine
-    ]
     wanted = {name: figure_of(device, name) for name in missing}
-    return predict_figures([*others, *own], wanted)
+    key = (device.origin.sha256, device.name)
+    same = [one for one in catalogue if (one.origin.sha256, one.name) == key]
+    if [figures_of(one) for one in same] == [figures_of(device)]:
+        return _fit(tuple(catalogue)).predict(wanted)
+    others = [one for one in catalogue if one not in same]
+    return _fit((*others, device)).predict(wanted)
 
 
 def predict_figures(
     given: Sequence[Figure], wanted: dict[Name, Figure]
 ) -> Prediction | None:
     """Predict figures from others; arguments as of `predict`."""
+    return Fit.of(given).predict(wanted)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Fit:
+    """Given figures, and what every prediction from them needs."""
+
+    given: tuple[Figure, ...]
+    spread: dict[str, float]  # of each line [1]
+    mean: Array  # of each line, in the order of `spread`, shape (q,) [ln SI]
+    spread_of_mean: Array  # its covariance over sigma^2, shape (q, q)
+    inverse: Array  # of the covariance over sigma^2, shape (n, n)
+    inverse_lines: Array  # times H, shape (n, q)
+    weights: Array  # the inverse times what is left of the logarithms, shape (n,)
+    df: float
+    sigma_2: float
+
+    @classmethod
+    def of(cls, given: Sequence[Figure]) -> Self:
+        """Fit the scale to figures."""
+        spread = spreads(given)
+        y = np.array([each.log_u for each in given])
+        with small_blocks():
+            inverse = np.asarray(np.linalg.inv(covariance(given, given, spread)))
+            lines = _lines(given, spread)
+            inverse_lines = inverse @ lines
+            spread_of_mean = np.asarray(np.linalg.inv(lines.T @ inverse_lines))
+            mean = spread_of_mean @ (inverse_lines.T @ y)
+            left = y - lines @ mean
+            weights = inverse @ left
+        df = DF_0 + len(given) - len(spread)
+        return cls(
+            given=tuple(given),
+            spread=spread,
+            mean=mean,
+            spread_of_mean=spread_of_mean,
+            inverse=inverse,
+            inverse_lines=inverse_lines,
+            weights=weights,
+            df=df,
+            sigma_2=(DF_0 + float(left @ weights)) / df,
+        )
+
+    def predict(self, wanted: dict[Name, Figure]) -> Prediction | None:
+        """Predict figures; None where too few designs give any of them."""
+        found = _witnesses(self.given, wanted)
+        if not found:
+            return None
+        names = tuple(found)
+        new = [wanted[name] for name in names]
+        across = covariance(new, self.given, self.spread)
+        lines = _lines(new, self.spread)
+        with small_blocks():
+            off = lines - across @ self.inverse_lines
+            scale = (
+                covariance(new, new, self.spread)
+                - across @ self.inverse @ across.T
+                + off @ self.spread_of_mean @ off.T
+            )
+            location = lines @ self.mean + across @ self.weights
+        return Prediction(
+            names=names,
+            location=location,
+            scale=self.sigma_2 * (scale + scale.T) / 2.0,
+            df=self.df,
+            devices=tuple(
+                tuple(dict.fromkeys(each.device for each in those))
+                for those in found.values()
+            ),
+            designs=tuple(
+                len({each.groups[DESIGN] for each in those}) for those in found.values()
+            ),
+        )
+
+
+def _witnesses(
+    given: Sequence[Figure], wanted: dict[Name, Figure]
+) -> dict[Name, list[Figure]]:
+    """Return who else gives each line, where that are designs enough."""
     witnesses = {
         name: [
             each
             for each in given
-            if each.line == one.line and each.groups[1] != one.groups[1]
+            if each.line == one.line and each.groups[DESIGN] != one.groups[DESIGN]
         ]
         for name, one in wanted.items()
     }
-    designs = {
-        name: len({each.groups[1] for each in those})
+    return {
+        name: those
         for name, those in witnesses.items()
+        if len({each.groups[DESIGN] for each in those}) >= LEAST_DESIGNS
     }
-    names = tuple(name for name in wanted if designs[name] >= LEAST_DESIGNS)
-    if not names:
-        return None
-    new = [wanted[name] for name in names]
-    spread = spreads(given)
-    known = covariance(given, given, spread)
-    across = covariance(new, given, spread)
-    y = np.array([each.log_u for each in given])
-    solved = np.linalg.solve(known, np.column_stack([y, across.T]))
-    df = DF_0 + len(given) - len({each.line for each in given})
-    sigma_2 = (DF_0 + float(y @ solved[:, 0])) / df
-    scale = covariance(new, new, spread) - across @ solved[:, 1:]
-    return Prediction(
-        names=names,
-        location=across @ solved[:, 0],
-        scale=sigma_2 * (scale + scale.T) / 2.0,
-        df=df,
-        devices=tuple(
-            tuple(dict.fromkeys(each.device for each in witnesses[name]))
-            for name in names
-        ),
-        designs=tuple(designs[name] for name in names),
-    )
 
 
 def spreads(given: Sequence[Figure]) -> dict[str, float]:
@@ -208,7 +267,7 @@ def covariance(
 ) -> Array:
     """Return the covariance of figures over sigma^2, shape (rows, columns)."""
     same_line = _same([f.line for f in rows], [f.line for f in columns])
-    total = FLAT * same_line
+    total = np.zeros_like(same_line)
     for level, (v, rho) in enumerate(LEVELS.values()):
         same = _same(
             [f.groups[level] for f in rows], [f.groups[level] for f in columns]
@@ -265,9 +324,14 @@ def _figure(device: Device, kind: str, source: Source, log_u: float) -> Figure:
 
 
 @lru_cache(maxsize=2)
-def _of(catalogue: tuple[Device, ...]) -> tuple[Figure, ...]:
-    """Return all figures of a catalogue."""
-    return tuple(each for device in catalogue for each in figures_of(device).values())
+def _fit(devices: tuple[Device, ...]) -> Fit:
+    """Return the fit of all figures of devices."""
+    return Fit.of([each for one in devices for each in figures_of(one).values()])
+
+
+def _lines(figures: Sequence[Figure], spread: dict[str, float]) -> Array:
+    """Return H: 1 where a figure is of a line, shape (n, q)."""
+    return _same([each.line for each in figures], list(spread))
 
 
 def _same(rows: Sequence[str], columns: Sequence[str]) -> Array:
