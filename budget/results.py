@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.problem import Output
+    from budget.spec.changes import Changed
     from budget.spec.records import Costs, Device, Origin, Procedure, Requirement
 
 SCHEMA = "budget/1"
@@ -237,6 +238,18 @@ class InputFile:
     role: str  # device, procedure, requirement
     name: str
     sha256: str
+    changes: tuple[Changed, ...] = ()  # that the call laid over it
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it."""
+        document: dict[str, Any] = {
+            "role": self.role,
+            "name": self.name,
+            "sha256": self.sha256,
+        }
+        if self.changes:
+            document["changes"] = [one.to_dict() for one in self.changes]
+        return document
 
 
 def input_files(
@@ -274,12 +287,15 @@ def input_file(
 ) -> InputFile:
     """Return the file that a record was read from."""
     origin = record.origin
-    return InputFile(role=role, name=origin.file, sha256=origin.sha256)
+    return InputFile(
+        role=role, name=origin.file, sha256=origin.sha256, changes=origin.changes
+    )
 
 
 def inputs_document(files: Sequence[InputFile]) -> dict[str, Any]:
     """Return what documents say of files, by their roles."""
-    return {file.role: {"name": file.name, "sha256": file.sha256} for file in files}
+    documents = [file.to_dict() for file in files]
+    return {document.pop("role"): document for document in documents}
 
 
 CONVENTION = (

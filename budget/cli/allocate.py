@@ -21,6 +21,7 @@ EXIT_NOT_MET = 1
 def allocate(
     devices: options.Devices = None,
     *,
+    changes: options.Changes = None,
     requirement: Annotated[Path, options.REQUIREMENT],
     procedure: options.ProcedureFile = None,
     station: options.StationFile = None,
@@ -106,7 +107,7 @@ def allocate(
         inputs=[*(devices or ()), procedure, station, requirement, costs],
     )
     check_yaml(write, "device")
-    loaded = options.load_devices(devices)
+    loaded = options.load_devices(devices, changes)
     wanted = load_requirement(requirement)
     sensors = sensors_of(loaded)
     bounds = Bounds(

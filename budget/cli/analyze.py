@@ -9,6 +9,7 @@ from budget.cli import options
 def analyze(
     devices: options.Devices = None,
     *,
+    changes: options.Changes = None,
     procedure: options.ProcedureFile = None,
     station: options.StationFile = None,
     age: options.Age = None,
@@ -27,7 +28,7 @@ def analyze(
     from budget.studies.analysis import analyze_as
 
     check_destinations(json, csv, inputs=[*(devices or ()), procedure, station])
-    loaded = options.load_devices(devices)
+    loaded = options.load_devices(devices, changes)
     with computing(workers=asked.workers, cluster=asked.cluster) as engine:
         budget = analyze_as(
             asked.settings(None),

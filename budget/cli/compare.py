@@ -24,6 +24,7 @@ def compare(
         ),
     ],
     *,
+    changes: options.Changes = None,
     requirement: Annotated[Path, options.REQUIREMENT],
     procedure: Annotated[
         list[Path] | None,
@@ -106,7 +107,7 @@ def compare(
     from budget.report.comparison.page import comparison_answer, comparison_document
     from budget.report.comparison.tables import find_column
     from budget.spec import load_catalogue, load_procedure, load_requirement
-    from budget.spec.load import try_devices
+    from budget.spec.load import try_changed
     from budget.studies.comparison.compare import compare as run
     from budget.studies.judgement import TRIALS
 
@@ -121,7 +122,7 @@ def compare(
     wanted = load_requirement(requirement)
     paths: list[Path | None] = [*procedure] if procedure else [None]
     procedures = [load_procedure(path, station=station, age=age) for path in paths]
-    loaded, issues = try_devices(devices)
+    loaded, issues = try_changed(devices, changes or (), variants=True)
     if strict and issues:
         raise SpecError(tuple(issues))
     for issue in issues:

@@ -20,6 +20,7 @@ def devices(
         ),
     ] = None,
     *,
+    changes: options.Changes = None,
     json: options.JsonFile = None,
 ) -> None:
     """List the devices that ship, or show every specification value of one.
@@ -27,19 +28,23 @@ def devices(
     A file with variants shows each of them.
     """
     from budget.cli.output import hand_out
+    from budget.errors import CallError
     from budget.report.catalogue import (
         device_sections,
         device_to_json,
         list_sections,
         list_to_json,
     )
-    from budget.spec import load_catalogue, load_variants
+    from budget.spec import load_catalogue
+    from budget.spec.load import load_changed
 
+    if name is None and changes:
+        raise CallError("--set changes a device, and none is named; name one")
     if name is None:
         every = load_catalogue()
         hand_out([(json, lambda: list_to_json(every))], lambda: list_sections(every))
         return
-    found = load_variants(name)
+    found = load_changed([name], changes or (), variants=True)
     text = device_to_json(found[0]) if len(found) == 1 else list_to_json(found)
     hand_out(
         [(json, lambda: text)],

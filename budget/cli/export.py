@@ -55,6 +55,7 @@ def _number(text: str) -> float | None:
 def export(
     devices: options.Devices = None,
     *,
+    changes: options.Changes = None,
     to: Annotated[
         Literal[
             "kalibr",
@@ -132,7 +133,7 @@ def export(
             f"{given} changes nothing without --residual: the raw figures are those of "
             "the data sheet; add --residual, or leave it out"
         )
-    loaded = options.load_devices(devices)
+    loaded = options.load_devices(devices, changes)
     how = load_procedure(procedure, station=station) if residual else None
     found = export_to(
         *loaded,

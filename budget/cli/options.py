@@ -218,13 +218,24 @@ Only = Annotated[
         show_default=False,
     ),
 ]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="LINE=VALUE",
+        help="Another value than the file's, as gyro.bias_stability='0.02 deg/h', of "
+        "an axis gyro.bias_repeatability.x=..., of one device NAME:gyro...; may be "
+        "given again.",
+        show_default=False,
+    ),
+]
 Outputs = Annotated[
     list[str] | None,
     typer.Option(
         metavar="NAME,...",
-        help="Show these alone, as gyro.bias or bias.z, or what is derived of the "
-        "mounting angles: rotation, non_orthogonality, misalignment; may be given "
-        "again.",
+        help="Show these alone, as gyro, gyro.bias, gyro.bias.z or bias.z, or what is "
+        "derived of the mounting angles: rotation, non_orthogonality, misalignment; "
+        "may be given again.",
         show_default=False,
     ),
 ]
@@ -344,22 +355,21 @@ def spell_out(command: Callable[..., None]) -> Callable[..., None]:
     return with_asked
 
 
-def load_devices(names: list[str] | None) -> tuple[Device, ...]:
-    """Load the devices named, or the built-in one, saying so.
+def load_devices(
+    names: list[str] | None, changes: list[str] | None
+) -> tuple[Device, ...]:
+    """Load the devices named, or the built-in one, saying so; with the changes.
 
     Raises
     ------
+    CallError
+        A change is none, or reaches no device.
     SpecError
         With the issues of all files.
     """
-    from budget.errors import SpecError
-    from budget.spec import load_device
-    from budget.spec.load import try_all
+    from budget.spec.load import load_changed
 
     if not names:
         say(f"No device given: using the built-in {BUILT_IN_DEVICE} (Zhao 2019).")
         names = [BUILT_IN_DEVICE]
-    devices, issues = try_all(names, load_device)
-    if issues:
-        raise SpecError(tuple(issues))
-    return tuple(devices)
+    return load_changed(names, changes or (), variants=False)

@@ -204,6 +204,8 @@ def document_date() -> str:
 
 # Where results go and who computes them changes no number.
 WITHOUT_EFFECT = frozenset({"output", "json", "csv", "workers", "cluster"})
+# Of these a slash is that of a unit, not of a folder.
+LITERAL = frozenset({"changes", "only", "outputs", "number"})
 
 
 def command_line(context: typer.Context) -> str:
@@ -225,6 +227,9 @@ def command_line(context: typer.Context) -> str:
             arguments += [_base_name(one) for one in values]
         elif isinstance(value, bool):
             words += [parameter.opts[0]] if value else []
+        elif name in LITERAL:
+            for one in values:
+                words += [parameter.opts[0], str(one)]
         else:
             for one in values:
                 words += [parameter.opts[0], _base_name(one)]

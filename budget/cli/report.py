@@ -22,6 +22,7 @@ def report(
     context: typer.Context,
     devices: options.Devices = None,
     *,
+    changes: options.Changes = None,
     output: Annotated[list[Path], options.OUTPUT],
     procedure: options.ProcedureFile = None,
     station: options.StationFile = None,
@@ -86,7 +87,7 @@ def report(
     _check_extras(
         requirement, allocate=allocate, compare=bool(compare), only=bool(asked.only)
     )
-    loaded = options.load_devices(devices)
+    loaded = options.load_devices(devices, changes)
     how = load_procedure(procedure, station=station, age=age)
     wanted = None if requirement is None else load_requirement(requirement)
     others = load_all(compare or [])

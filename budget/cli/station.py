@@ -49,6 +49,7 @@ def _guard(text: str) -> float:
 def station(
     devices: options.Devices = None,
     *,
+    changes: options.Changes = None,
     requirement: Annotated[Path, options.REQUIREMENT],
     procedure: options.ProcedureFile = None,
     ratio: Annotated[
@@ -128,7 +129,7 @@ def station(
     if issues:
         raise SpecError(tuple(issues))
     found = qualify(
-        *options.load_devices(devices),
+        *options.load_devices(devices, changes),
         requirement=load_requirement(requirement),
         procedure=load_procedure(procedure),
         ratio=RATIO if ratio is None else ratio,

@@ -43,7 +43,7 @@ def provenance_section(
         inputs,
         (
             Field(head="input", cell=lambda file: file.role),
-            Field(head="file", cell=lambda file: file.name),
+            Field(head="file", cell=_file),
             Field(
                 head="SHA-256", kind="code", weight=3.0, cell=lambda file: file.sha256
             ),
@@ -60,6 +60,14 @@ def provenance_section(
             Paragraph(words=(WHERE_EXACT,), small=True),
         ),
     )
+
+
+def _file(file: InputFile) -> Cell:
+    """Return the name of a file, with what the call changed of it."""
+    changes = "; ".join(
+        f"{one.address} {one.new} (was {one.old})" for one in file.changes
+    )
+    return Cell(text=file.name, note=f"changed: {changes}" if changes else "")
 
 
 def sign_off_section() -> Section:

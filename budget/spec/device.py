@@ -19,6 +19,7 @@ from budget.model.sources import (
 )
 from budget.model.sources.later import AGEING
 from budget.names import Name
+from budget.spec.changes import apply, tell_changes
 from budget.spec.checking import check, nearest
 from budget.spec.fields import (
     LongText,
@@ -37,6 +38,9 @@ from budget.spec.tree import all_of, describe, merge
 from budget.units import STANDARD_GRAVITY, Quantity, parse_quantity
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from budget.spec.changes import Change
     from budget.spec.tree import Document, Node
 
 PLAUSIBLE_GRAVITY = (9.5, 10.5)  # what a maker may mean by g [m/s^2]
@@ -224,17 +228,25 @@ def variant_names(document: Document) -> tuple[str, ...]:
     return names
 
 
-def read_device(document: Document, variant: str = "") -> Device:
+def read_device(
+    document: Document, variant: str = "", changes: Sequence[Change] = ()
+) -> Device:
     """Turn a device file, or one variant in it, into a record in SI.
+
+    Changes are laid over both.
 
     Raises
     ------
     SpecError
         Every issue of the base with that variant over it.
     """
-    root = root_of(document, variant)
+    printed = root = root_of(document, variant)
+    for change in changes:
+        root = apply(root, change)
+    changed = tell_changes(printed, root, changes)
     sheet = check(document, DeviceFile, root=root, gravity=_gravity(root))
     name = f"{sheet.name} ({variant})" if variant else sheet.name
+    name = f"{name}, changed" if changed else name
     parts: dict[str, SensorPart | None] = {
         kind: getattr(sheet, kind) for kind in SENSORS
     }
@@ -248,10 +260,14 @@ def read_device(document: Document, variant: str = "") -> Device:
         gyro=read[GYRO].sensor if GYRO in read else None,
         accelerometer=read[ACCELEROMETER].sensor if ACCELEROMETER in read else None,
         figures=tuple(UnusedValue(**vars(entry)) for entry in sheet.figures),
-        assumptions=tuple(text for one in read.values() for text in one.assumptions),
+        assumptions=(
+            *(one.said for one in changed),
+            *(text for one in read.values() for text in one.assumptions),
+        ),
         origin=Origin(
             file=f"{document.base_name}#{variant}" if variant else document.base_name,
             sha256=document.sha256,
+            changes=changed,
         ),
         source=sheet.source,
         vendor=sheet.vendor,

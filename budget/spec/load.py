@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, TypeVar
 
 from budget.errors import SpecError
 from budget.resources import shipped
+from budget.spec.changes import check_used, read_change
 from budget.spec.costs import read_costs
-from budget.spec.device import read_device, variant_names
+from budget.spec.device import read_device, root_of, variant_names
 from budget.spec.files import FOLDERS, find, open_file
 from budget.spec.procedure import read_procedure
 from budget.spec.reader import refuse
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from budget.errors import Issue
+    from budget.spec.changes import Change
     from budget.spec.files import NamedFile
     from budget.spec.records import Costs, Device, Procedure, Requirement, Station
     from budget.spec.tree import Document
@@ -29,13 +31,16 @@ if TYPE_CHECKING:
 PAPER = "zhao-2019"  # the shipped procedure that stands in for none
 
 
-def load_device(path: str | Path) -> Device:
+def load_device(path: str | Path, changes: Sequence[str] = ()) -> Device:
     """Read a device.
 
     Parameters
     ----------
     path : str or Path
         'FILE', 'FILE#VARIANT', or the bare name of a shipped device instead of FILE.
+    changes : sequence of str
+        What is other than in the file: 'gyro.bias_stability=0.02 deg/h'. The result
+        names every change.
 
     Returns
     -------
@@ -47,8 +52,77 @@ def load_device(path: str | Path) -> Device:
     SpecError
         Everything that is wrong with the file, each at its place.
     """
+    (device,) = load_changed([path], changes, variants=False)
+    return device
+
+
+def load_changed(
+    paths: Sequence[str | Path], changes: Sequence[str], *, variants: bool
+) -> tuple[Device, ...]:
+    """Load devices with changes, each file's base and every variant if asked for.
+
+    Raises
+    ------
+    CallError
+        A change is none, or reaches no device.
+    SpecError
+        With the issues of all files.
+    """
+    devices, issues = try_changed(paths, changes, variants=variants)
+    if issues:
+        raise SpecError(tuple(issues))
+    return tuple(devices)
+
+
+def try_changed(
+    paths: Sequence[str | Path], changes: Sequence[str], *, variants: bool
+) -> tuple[list[Device], list[Issue]]:
+    """Load what can be read with changes, and the issues of what cannot.
+
+    Raises
+    ------
+    CallError
+        A change is none, or reaches no device though all could be read.
+    """
+    wanted = [read_change(text) for text in changes]
+    found, issues = try_all(paths, lambda path: _load(path, wanted, variants=variants))
+    devices = [device for some in found for device in some]
+    if not issues:
+        told = (one for device in devices for one in device.origin.changes)
+        check_used(wanted, (text for one in told for text in one.texts))
+    return devices, list(dict.fromkeys(issues))
+
+
+def _load(
+    path: str | Path, changes: Sequence[Change], *, variants: bool
+) -> tuple[Device, ...]:
+    """Load the devices of one file, or the one that is named."""
     file = find(path, "device")
-    return read_device(open_file(file, "device"), file.variant)
+    document = open_file(file, "device")
+    names: tuple[str, ...] = (file.variant,)
+    if variants and not file.variant:
+        names = variant_names(document)
+    devices: list[Device] = []
+    issues: list[Issue] = []
+    for name in names:
+        try:
+            devices.append(_read(document, file, name, changes))
+        except SpecError as error:
+            issues.extend(error.issues)
+    if issues:
+        raise all_of(issues)
+    return tuple(devices)
+
+
+def _read(
+    document: Document, file: NamedFile, variant: str, changes: Sequence[Change]
+) -> Device:
+    """Read one device with those of the changes that are its own."""
+    if not changes:
+        return read_device(document, variant)
+    root = root_of(document, variant)
+    own = [change for change in changes if change.is_of(file, variant, root)]
+    return read_device(document, variant, own)
 
 
 def load_procedure(
@@ -214,12 +288,6 @@ def try_all(paths: Iterable[P], load: Callable[[P], T]) -> tuple[list[T], list[I
     return found, issues
 
 
-def try_devices(paths: Sequence[str | Path]) -> tuple[list[Device], list[Issue]]:
-    """Load the variants of what can be read, and the issues of what cannot."""
-    found, issues = try_all(paths, load_variants)
-    return [device for devices in found for device in devices], issues
-
-
 def load_all(paths: Sequence[str | Path]) -> tuple[Device, ...]:
     """Load devices as `load_variants` does, from several files.
 
@@ -228,10 +296,7 @@ def load_all(paths: Sequence[str | Path]) -> tuple[Device, ...]:
     SpecError
         With the issues of all files.
     """
-    devices, issues = try_devices(paths)
-    if issues:
-        raise SpecError(tuple(issues))
-    return tuple(devices)
+    return load_changed(paths, (), variants=True)
 
 
 def load_variants(path: str | Path) -> tuple[Device, ...]:
@@ -253,17 +318,4 @@ def load_variants(path: str | Path) -> tuple[Device, ...]:
     SpecError
         Everything that is wrong with the file, each at its place.
     """
-    file = find(path, "device")
-    document = open_file(file, "device")
-    if file.variant:
-        return (read_device(document, file.variant),)
-    devices: list[Device] = []
-    issues: list[Issue] = []
-    for name in variant_names(document):
-        try:
-            devices.append(read_device(document, name))
-        except SpecError as error:
-            issues.extend(error.issues)
-    if issues:
-        raise all_of(issues)
-    return tuple(devices)
+    return _load(path, (), variants=True)

@@ -15,6 +15,7 @@ from budget.units import STANDARD_GRAVITY
 if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.model.windows import Window
+    from budget.spec.changes import Changed
 
 __all__ = ["ANGLES", "AXES"]
 
@@ -122,6 +123,7 @@ class Origin:
 
     file: str  # base name, with #VARIANT where one was chosen
     sha256: str  # of the file's bytes
+    changes: tuple[Changed, ...] = ()  # that were laid over it
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

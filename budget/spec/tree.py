@@ -36,6 +36,7 @@ class Node:
     # Where the value starts, and its key; the same where it has none.
     at: Mark
     key: Mark
+    file: str = ""  # that it is from, where it is not that of the document
 
     def child(self, step: str | int) -> Node | None:
         """Return the node under that key or index, or None where there is none."""
@@ -72,7 +73,7 @@ class Document:
         """Return an issue with that node."""
         mark = node.key if on_key else node.at
         return Issue(
-            file=self.file,
+            file=node.file or self.file,
             line=mark.line,
             column=mark.column,
             field=node.path,

@@ -349,6 +349,8 @@ def choose_outputs(
             for owner in (*SENSORS, IMU)
             for name in every_output(owner)
             if meant(text, (name, name.group))
+        ] or [
+            name for name in known if name.owner == text and [*parts_of(name)] == [name]
         ]
         there = {name for name in named if _owners(name) <= {*kinds}}
         chosen |= there

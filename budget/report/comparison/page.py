@@ -363,6 +363,8 @@ def _assumptions(comparison: Comparison, *, in_report: bool) -> Section:
     title = "Assumptions of the compared devices" if in_report else "Assumptions"
     number = len(comparison.assumptions)
     brief = f"Assumptions: {number}, all in --json" if number else "Assumptions: none"
+    told = (one.said for file in comparison.inputs for one in file.changes)
+    brief = "; ".join((brief, *dict.fromkeys(told)))
     return Section(name=name, title=title, blocks=blocks, in_brief=brief)
 
 

@@ -310,7 +310,7 @@ class Comparison:
             "met": self.is_met,
             "caps": dict(self.caps),
             "not_compared": list(self.not_compared),
-            "inputs": [asdict(file) for file in self.inputs],
+            "inputs": [file.to_dict() for file in self.inputs],
             "settings": self.settings.to_dict(),
             DEVICES: [],
             "nothing_known": [one.to_dict() for one in self.nothing_known],

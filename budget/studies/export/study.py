@@ -201,11 +201,12 @@ def export(
     }
     entries, left_out = _entries(target, known, inflate=inflate, rate=rate)
     held = {line for one in entries for line in one.lines}
+    changes = {one.said for device in devices for one in device.origin.changes}
     assumptions = tuple(
         text
         for device in devices
         for text in device.assumptions
-        if any(text.startswith(f"{line}:") for line in held)
+        if text in changes or any(text.startswith(f"{line}:") for line in held)
     )
     return Export(
         target=target,
@@ -288,7 +289,8 @@ def _entries(
         )
         raise CallError(
             f"{target.title} cannot do without figures that are missing; give the "
-            f"lines in the device file, or choose another target\n{faults}"
+            "lines in the device file or with --set, or choose another target\n"
+            f"{faults}"
         )
     return tuple(done), tuple(left_out)
 

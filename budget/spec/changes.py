@@ -1,0 +1,339 @@
+"""Changes of a device on a call: SENSOR.LINE=VALUE, laid over the file as a variant is.
+
+What a change says goes through the same model as the file, so it is read by the same
+rules and refused in the same words.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from budget.errors import CallError, Issue
+from budget.model.sources import SENSORS, lines_of
+from budget.names import ANGLES, AXES, Name, keys_of, words
+from budget.spec.checking import nearest
+from budget.spec.composer import UNSAFE, compose, forbid
+from budget.spec.tree import Node, all_of, describe, merge
+from budget.units import per_root_hertz
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from budget.spec.files import NamedFile
+
+# Keys beside a value that tell of the old one alone. The others say how it is meant: a
+# new value is meant likewise.
+_OF_THE_OLD = {"source", "condition", "includes"}
+_SIZES = {"value", "axes"}
+_NOMINAL = {"bias": AXES, "mounting_angle": ANGLES}
+_ABSENT = "not given"
+_LONGEST = 1000  # characters of a change
+_EXAMPLE = "gyro.bias_stability='0.02 deg/h'"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Change:
+    """One value that is another one than in the file.
+
+    Attributes
+    ----------
+    text : str
+        As it was given.
+    device : str
+        The device that it is of, as FILE, FILE#VARIANT or #VARIANT; '' of all.
+    sensor, place, line : str
+        'gyro', 'errors' or 'nominal', and the key under it.
+    inside : tuple of str
+        Keys below that, an axis among them; () of the line as a whole.
+    node : Node
+        The new value.
+    """
+
+    text: str
+    device: str
+    sensor: str
+    place: str
+    line: str
+    inside: tuple[str, ...]
+    node: Node
+
+    @property
+    def address(self) -> Name:
+        """What is changed, as results name it."""
+        if self.place == "errors":
+            return Name(self.line, owner=self.sensor)
+        return Name(self.place, owner=self.sensor, axis=self.line)
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """Axes of the line; () of one that is not known."""
+        if self.place == "nominal":
+            return _NOMINAL.get(self.line, ())
+        known = {line.name: line.axes for line in lines_of(self.sensor)}
+        return known.get(self.line, ())
+
+    def is_of(self, file: NamedFile, variant: str, root: Node) -> bool:
+        """Whether a device has that sensor, and is the one that is named, if any is."""
+        if root.child(self.sensor) is None:
+            return False
+        names = {file.shown, file.path.name, file.path.stem}
+        marked = {f"{name}#{variant}" for name in (*names, "")} if variant else set()
+        return not self.device or self.device in names | marked
+
+
+def read_change(text: str) -> Change:
+    """Read SENSOR.LINE=VALUE, with an axis or a key after the line.
+
+    Raises
+    ------
+    CallError
+        The text is no such thing, or names no sensor.
+    SpecError
+        The value is no YAML.
+    """
+    if len(text) > _LONGEST:
+        raise CallError(
+            f"--set: found {len(text)} characters, {_LONGEST} are allowed; write a "
+            "device file with what is other"
+        )
+    if unsafe := UNSAFE.search(text):
+        raise CallError(f"--set: {forbid(unsafe[0])}")
+    address, sign, value = text.partition("=")
+    device, _, path = address.strip().rpartition(":")
+    if not sign or not value.strip():
+        raise CallError(
+            f"--set: found {text!r}, expected SENSOR.LINE=VALUE, as {_EXAMPLE}"
+        )
+    sensor, *keys = keys_of(path.strip())
+    if sensor not in SENSORS or not keys or not all(keys):
+        known = tuple(
+            Name(line.name, owner=owner)
+            for owner in SENSORS
+            for line in lines_of(owner)
+        )
+        every = (*known, *(name.without_owner for name in known))
+        raise CallError(
+            f"--set: {path.strip()!r} is no line of a sensor, expected SENSOR.LINE "
+            f"with {' or '.join(SENSORS)}, as {_EXAMPLE}{_whose(path.strip(), every)}"
+        )
+    place = keys.pop(0) if keys[0] in {"errors", "nominal"} and keys[1:] else "errors"
+    line, *inside = keys
+    label = f"--set {path.strip()}"
+    node, issues = compose(value.strip(), label)
+    if issues:
+        raise all_of(issues)
+    return Change(
+        text=text,
+        device=device,
+        sensor=sensor,
+        place=place,
+        line=line,
+        inside=tuple(inside),
+        node=_labelled(node, label, ".".join((sensor, place, *keys))),
+    )
+
+
+def _whose(path: str, known: tuple[str, ...]) -> str:
+    """Return a hint at the line that a text is a slip of."""
+    hint = nearest(path, known)
+    owners = [owner for owner in SENSORS for one in lines_of(owner) if one.name == path]
+    if owners:
+        names = " or ".join(repr(str(Name(path, owner=owner))) for owner in owners)
+        return f"; did you mean {names}?"
+    return hint
+
+
+def _labelled(node: Node, label: str, path: str) -> Node:
+    """Return a node that says where it is from, and stands at that path."""
+    value = node.value
+    if isinstance(value, dict):
+        value = {
+            key: _labelled(child, label, f"{path}.{key}")
+            for key, child in value.items()
+        }
+    elif isinstance(value, tuple):
+        value = tuple(
+            _labelled(child, label, f"{path}[{place}]")
+            for place, child in enumerate(value)
+        )
+    return replace(node, value=value, path=path, file=label)
+
+
+def apply(root: Node, change: Change) -> Node:
+    """Lay a change over the nodes of a device."""
+    over = change.node
+    base = _at(root, change)
+    if isinstance(over.value, tuple) and change.axes and not change.inside:
+        over = _by_axis(over, change)
+    if change.place == "errors":
+        over = _line(base, over, change)
+    elif change.inside:
+        over = _nominal(base, over, change)
+    path = (change.sensor, change.place, change.line)
+    for key in reversed(path):
+        over = replace(change.node, value={key: over}, path="")
+    return _replaced(root, over, depth=len(path))
+
+
+def _at(root: Node, change: Change) -> Node | None:
+    """Return what stands there now."""
+    sensor = root.child(change.sensor)
+    place = None if sensor is None else sensor.child(change.place)
+    return None if place is None else place.child(change.line)
+
+
+def _by_axis(over: Node, change: Change) -> Node:
+    """Turn a list of values into a mapping of axes.
+
+    Raises
+    ------
+    SpecError
+        There are more or fewer than axes.
+    """
+    items = over.value if isinstance(over.value, tuple) else ()
+    if len(items) != len(change.axes):
+        message = (
+            f"found a list of {len(items)}, expected {len(change.axes)} values: "
+            f"{', '.join(change.axes)}"
+        )
+        raise all_of(
+            [
+                Issue(
+                    file=over.file,
+                    line=over.at.line,
+                    column=over.at.column,
+                    field=over.path,
+                    message=message,
+                )
+            ]
+        )
+    axes = replace(over, value=dict(zip(change.axes, items, strict=True)))
+    return replace(over, value={"axes": axes}) if change.place == "errors" else axes
+
+
+def _line(base: Node | None, over: Node, change: Change) -> Node:
+    """Return a line with the change in it, and with no word of the old source."""
+    known: dict[str, Node] = {}
+    if base is not None:
+        known = base.value if isinstance(base.value, dict) else {"value": base}
+    lasting = {key: one for key, one in known.items() if key not in _OF_THE_OLD}
+    sizes = {key: one for key, one in lasting.items() if key in _SIZES}
+    kept = {key: one for key, one in lasting.items() if key not in _SIZES}
+    if change.inside:
+        first, *rest = change.inside
+        if first in change.axes:
+            first, rest = "axes", list(change.inside)
+        for key in reversed(rest):
+            over = replace(over, value={key: over})
+        line = replace(over, value={**sizes, **kept})
+        new = merge(line, replace(over, value={first: over}), short=True)
+    elif isinstance(over.value, dict):
+        if over.value.keys() & _SIZES:
+            sizes = {}
+        new = replace(over, value={**sizes, **kept, **over.value})
+    else:
+        new = replace(over, value={**kept, "value": over})
+    fields = dict(new.value) if isinstance(new.value, dict) else {}
+    if "density" in fields and not per_root_hertz(_shown(new)):
+        del fields["density"]
+    told = replace(change.node, value="--set", written="--set")
+    return replace(new, value={"source": told, **fields})
+
+
+def _nominal(base: Node | None, over: Node, change: Change) -> Node:
+    """Return nominal values with that of one axis changed."""
+    known: dict[str, Node] = {}
+    if base is not None and isinstance(base.value, dict):
+        known = base.value
+    elif base is not None:
+        known = dict.fromkeys(change.axes, base)
+    (axis, *_) = change.inside
+    return replace(over, value={**known, axis: over})
+
+
+def _replaced(base: Node, over: Node, *, depth: int) -> Node:
+    """Lay one path over another; what stands at its end is replaced."""
+    if depth == 0 or not isinstance(base.value, dict):
+        return over
+    merged = dict(base.value)
+    for key, child in over.value.items() if isinstance(over.value, dict) else ():
+        known = merged.get(key)
+        merged[key] = (
+            child if known is None else _replaced(known, child, depth=depth - 1)
+        )
+    return replace(base, value=merged)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Changed:
+    """What became of a change: a provenance, not what a file says."""
+
+    texts: tuple[str, ...]  # as it was given; the last one counts
+    address: Name
+    old: str  # _ABSENT where the file has none
+    new: str
+
+    def to_dict(self) -> dict[str, str]:
+        """Return what documents say of it."""
+        return {"line": self.address, "from": self.old, "to": self.new}
+
+    @property
+    def said(self) -> str:
+        """The change in words, as one of the assumptions."""
+        old = "" if self.old == _ABSENT else f", in place of {self.old}"
+        return f"{self.address}: {self.new} by --set{old or ', not given in the file'}"
+
+
+def tell_changes(
+    before: Node, after: Node, changes: Iterable[Change]
+) -> tuple[Changed, ...]:
+    """Say what each change changed."""
+    told: dict[Name, Changed] = {}
+    for change in changes:
+        old, new = _at(before, change), _at(after, change)
+        earlier = told.get(change.address)
+        told[change.address] = Changed(
+            texts=(*(earlier.texts if earlier else ()), change.text),
+            address=change.address,
+            old=_ABSENT if old is None else _shown(old),
+            new=_ABSENT if new is None else _shown(new),
+        )
+    return tuple(told.values())
+
+
+def _shown(node: Node) -> str:
+    """Write a value with what moves its number, on one line."""
+    if isinstance(node.value, dict):
+        own = {
+            key: _shown(child)
+            for key, child in node.value.items()
+            if key not in _OF_THE_OLD
+        }
+        sizes = [own.pop(key) for key in ("value", "axes") if key in own]
+        inner = ", ".join(f"{words(key)} {text}" for key, text in own.items())
+        if not sizes:
+            return inner
+        return ", ".join(sizes) + (f" ({inner})" if inner else "")
+    if isinstance(node.value, tuple):
+        return ", ".join(map(_shown, node.value))
+    return node.written or describe(node.value)
+
+
+def check_used(changes: Sequence[Change], used: Iterable[str]) -> None:
+    """Refuse a change that reaches none of the devices.
+
+    Raises
+    ------
+    CallError
+        No device that was given is called so, or has that sensor.
+    """
+    left = {change.text: change for change in changes}
+    for text in used:
+        left.pop(text, None)
+    for change in left.values():
+        whose = f" called {change.device!r}" if change.device else ""
+        raise CallError(
+            f"--set {change.text}: no device here{whose} has a {change.sensor}; give "
+            "one that has, or leave this change out"
+        )

@@ -1,0 +1,148 @@
+"""`--set` on every command that reads a device: the same change, and told in each."""
+
+from __future__ import annotations
+
+import json
+import re
+from html import unescape
+
+import pytest
+from command_line import call
+from saying import assert_says
+
+from budget.cli import app
+from budget.resources import shipped
+
+CHANGE = "gyro.bias_stability=0.02 deg/h"
+SET = ("--set", CHANGE)
+GRADE = ("--requirement", "navigation-grade")
+# Quick calls of every command that reads devices, with --json - after them.
+CALLS = {
+    "analyze": ("analyze", "zhao-2019", "--no-validate"),
+    "allocate": ("allocate", "zhao-2019", *GRADE, "--no-validate"),
+    "station": ("station", "zhao-2019", *GRADE),
+    "compare": ("compare", "zhao-2019", *GRADE, "--method", "gum"),
+    "export": ("export", "zhao-2019", "--to", "gtsam", "--rate", "100"),
+    "devices": ("devices", "zhao-2019"),
+    "report": ("report", "zhao-2019", "--no-validate", "-o", "a.html"),
+}
+# What reads files by itself: stored budgets, two sides, files as such, the paper.
+WITHOUT = {"check", "diff", "validate", "schema", "paper"}
+
+
+def test_every_command_has_it_or_a_reason():
+    """None is forgotten."""
+    names = {one.name or one.callback.__name__ for one in app.registered_commands}
+    assert names == CALLS.keys() | WITHOUT
+    for name in names:
+        assert ("--set" in call(name, "--help").out) == (name in CALLS), name
+
+
+@pytest.fixture
+def edited(tmp_path, monkeypatch):
+    """Provide a device file with the change in it, of the shipped one's name."""
+    monkeypatch.chdir(tmp_path)
+    file = shipped("specs") / "devices" / "zhao-2019.yaml"
+    text = file.read_text(encoding="utf-8")
+    assert text.count("0.04 deg/h") == 1
+    path = tmp_path / "zhao-2019.yaml"
+    path.write_text(text.replace("0.04 deg/h", "0.02 deg/h"), encoding="utf-8")
+    return path
+
+
+def numbers(value):
+    """Yield every number in a document, in its order."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            if key not in {"sha256", "inputs"}:
+                yield from numbers(inner)
+    elif isinstance(value, list):
+        for inner in value:
+            yield from numbers(inner)
+    elif isinstance(value, float):
+        yield value
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_numbers_are_those_of_an_edited_file(name, edited):
+    """A change on the call and one in the file are one change, to the bit."""
+    words = CALLS[name]
+    changed = call(*words, *SET, "--json", "-")
+    by_hand = call(words[0], edited, *words[2:], "--json", "-")
+    plain = call(*words, "--json", "-")
+    found = [list(numbers(json.loads(run.out))) for run in (changed, by_hand, plain)]
+    assert found[0] == found[1]
+    assert found[0]
+    # What a station must be is asked with every line of the device 0.
+    assert (found[0] == found[2]) == (name == "station")
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_every_document_names_the_change(name, tmp_path, monkeypatch):
+    """The name of the device, the assumptions and the input say what is other."""
+    monkeypatch.chdir(tmp_path)
+    document = json.loads(call(*CALLS[name], *SET, "--json", "-").out)
+    text = json.dumps(document)
+    assert "Zhao 2019 optical IMU, changed" in text
+    told = " ".join(re.findall(r'"([^"]*by --set[^"]*)"', text))
+    assert_says(told, "gyro.bias_stability", "0.02 deg/h", "0.04 deg/h")
+    if name == "devices":
+        return
+    inputs = document["inputs"]
+    device = inputs["device"] if isinstance(inputs, dict) else inputs[0]
+    (change,) = device["changes"]
+    assert change["line"] == "gyro.bias_stability"
+    assert_says(change["from"], "0.04 deg/h")
+    assert_says(change["to"], "0.02 deg/h")
+
+
+@pytest.mark.parametrize("name", CALLS.keys() - {"report"})
+def test_a_person_sees_the_change(name):
+    """On the terminal: the name of the device, and old and new value."""
+    words = CALLS[name]
+    run = call(*words, *SET)
+    out = " ".join((run.out + run.err).replace("# ", "").split())
+    assert "changed" in out
+    assert_says(out, "gyro.bias_stability", "0.02 deg/h", "0.04 deg/h", "--set")
+
+
+def test_a_page_shows_the_change_and_the_call(tmp_path, monkeypatch):
+    """Title, inputs, provenance, and a command that can be typed again."""
+    monkeypatch.chdir(tmp_path)
+    assert call(*CALLS["report"], *SET).code == 0
+    text = (tmp_path / "a.html").read_text(encoding="utf-8")
+    plain = " ".join(re.sub("<[^>]+>", " ", text).split())
+    assert "Zhao 2019 optical IMU, changed" in plain
+    assert "zhao-2019 --set 'gyro.bias_stability=0.02 deg/h'" in unescape(plain)
+    assert "changed: gyro.bias_stability 0.02 deg/h" in plain
+
+
+def test_a_csv_with_devices_names_the_change():
+    """The comparison's rows are of the changed device."""
+    run = call(*CALLS["compare"], *SET, "--csv", "-")
+    assert "Zhao 2019 optical IMU, changed" in run.out
+
+
+def test_a_bad_change_is_refused_in_words():
+    """Exit code 2, nothing on stdout, the option named."""
+    run = call("analyze", "zhao-2019", "--set", "gyro.bias_stability=0.02 deg")
+    assert (run.code, run.out) == (2, "")
+    assert_says(run.err, "--set gyro.bias_stability", "an angle", "deg/h")
+    run = call("devices", "--set", CHANGE)
+    assert (run.code, run.out) == (2, "")
+    assert_says(run.err, "--set", "name one")
+
+
+@pytest.mark.parametrize(
+    ("address", "count"),
+    [("gyro", 12), ("gyro.bias", 3), ("gyro.bias.z", 1), ("bias.z", 2)],
+)
+def test_an_address_selects_what_is_printed(address, count):
+    """A triad, a group, one of its axes: `--outputs` shows these alone."""
+    run = call(*CALLS["analyze"], "--outputs", address, "--json", "-")
+    names = [
+        f"{row['sensor']}.{row['parameter']}.{row['axis']}"
+        for row in run.document["outputs"]
+    ]
+    assert len(names) == count
+    assert all(address in name for name in names)
