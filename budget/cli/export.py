@@ -81,6 +81,7 @@ def export(
     ] = False,
     procedure: options.ProcedureFile = None,
     station: options.StationFile = None,
+    age: options.Age = None,
     inflate: Annotated[
         float | None,
         typer.Option(
@@ -127,14 +128,15 @@ def export(
 
     files = () if output is None else (output,)
     check_destinations(json, csv, *files, inputs=[*(devices or ()), procedure, station])
-    if not residual and (procedure or station):
-        given = "--procedure" if procedure else "--station"
+    idle = {"--procedure": procedure, "--station": station, "--age": age}
+    given = next((option for option, value in idle.items() if value), "")
+    if given and not residual:
         raise CallError(
             f"{given} changes nothing without --residual: the raw figures are those of "
             "the data sheet; add --residual, or leave it out"
         )
     loaded = options.load_devices(devices, changes)
-    how = load_procedure(procedure, station=station) if residual else None
+    how = load_procedure(procedure, station=station, age=age) if residual else None
     found = export_to(
         *loaded,
         to=to,

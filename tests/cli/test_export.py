@@ -10,6 +10,7 @@ from typing import get_args, get_type_hints
 import pytest
 import yaml
 from command_line import call
+from numpy.testing import assert_allclose
 from saying import assert_says
 
 from budget.cli.export import export
@@ -84,6 +85,7 @@ def test_the_residual_names_its_procedure():
         (("--to", "gtsam", "--inflate", "much"), ("factor",)),
         (("--to", "gtsam", "--procedure", "zhao-2019"), ("--residual",)),
         (("--to", "gtsam", "--station", "ideal"), ("--residual",)),
+        (("--to", "gtsam", "--age", "1 year"), ("--residual",)),
     ],
 )
 def test_a_bad_call_says_what_to_give(more, words):
@@ -107,3 +109,26 @@ def test_a_rate_may_have_a_unit(rate):
     """All of them are 200 Hz."""
     run = call("export", "hg4930#A", "--to", "kalibr", "--rate", rate)
     assert yaml.safe_load(run.out)["update_rate"] == 200.0
+
+
+def test_a_residual_ages(tmp_path):
+    """With --age the bias that is left is larger by what it goes in that time."""
+    path = tmp_path / "imu.yaml"
+    path.write_text(
+        "name: a\n"
+        "gyro: {errors: {bias_repeatability: 1 deg/h, bias_stability: 1 deg/h, "
+        "angle_random_walk: 1 deg/sqrt(h), "
+        "ageing: {value: 3 deg/h, horizon: 1 year}}}\n"
+        "accelerometer: {errors: {bias_repeatability: 1 mg, bias_stability: 1 mg, "
+        "ageing: {value: 1 mg, horizon: 1 year}, "
+        "velocity_random_walk: 1 m/s/sqrt(h)}}\n",
+        encoding="utf-8",
+    )
+    words = ("export", path, "--to", "psins", "--residual", "--json", "-")
+
+    def bias(*more):
+        rows = call(*words, *more).document["entries"]
+        return next(row["value"] for row in rows if row["key"] == "eb")
+
+    new, old = bias(), bias("--age", "1 year")
+    assert_allclose(old**2 - new**2, 9.0, rtol=1e-6)
