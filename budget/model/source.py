@@ -161,6 +161,8 @@ class Effect:
         What has to be there, besides the source, for it to reach anything.
     removed : str
         What makes it cancel, where a good test is made so that it does; else ''.
+    removed_by_norm : str
+        Likewise of a test that finds its parameters by the norm of gravity.
     is_process : bool
         Whether it is a random process, though no Noise.
     """
@@ -168,6 +170,7 @@ class Effect:
     needs: ClassVar[str] = "windows that it reaches"
     is_process: ClassVar[bool] = False
     removed: ClassVar[str] = ""
+    removed_by_norm: ClassVar[str] = ""
 
 
 @dataclass(frozen=True)

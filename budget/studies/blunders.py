@@ -42,6 +42,7 @@ ROUNDING = 1e-12  # of units [1]
 ROUND = (STANDARD_GRAVITY, 9.81, 9.8)  # of who means the unit g [m/s^2]
 SAME = 0.01  # an uncertainty that near to a value is the value itself [1]
 SHARE = 0.1  # of u or of a limit, from which on an offset is worth a warning [1]
+LIMIT_SHARE = 0.25  # of a limit, likewise, where the file is silent: 4:1 is custom [1]
 ALIKE = 0.01  # axes whose offsets differ by less of the largest are named as one [1]
 # In resolutions of an output, 1 ppm, 0.2 arcsec, 1e-6 of what a bias is measured
 # beside: below it an offset is left out.
@@ -128,11 +129,16 @@ def suspected(procedure: Procedure) -> Iterator[Blunder]:
     misses = abs(procedure.gravity - normal)
     if _is_round(procedure) and misses > LEAST_ANOMALY * MILLIGAL:
         yield _unit_g(procedure, normal)
-    lines = {line.name: line for line in procedure.station}
-    if lines and procedure.is_gravity_normal:
+    if procedure.station:
+        yield from left_open(procedure)
+
+
+def left_open(procedure: Procedure) -> Iterator[Blunder]:
+    """Yield the mistakes that nothing is said against: of height, of gravity."""
+    if procedure.is_gravity_normal:
         if _is_height_open(procedure):
             yield _height(procedure)
-        if "gravity" not in lines:
+        if all(line.name != "gravity" for line in procedure.station):
             yield _anomaly(procedure)
 
 
@@ -219,8 +225,27 @@ def worth_saying(
             for moved in [_counting(one, sensors, u, limits)]
             if moved
         ),
+        *(() if procedure.station else _beside_limits(procedure, limits)),
         *_values_for_uncertainties(procedure),
     )
+
+
+def against_limits(procedure: Procedure, requirement: Requirement) -> tuple[str, ...]:
+    """Say the same of any device, where it counts beside a limit."""
+    limits = {limit.output: limit.limit for limit in requirement.limits}
+    return (*_beside_limits(procedure, limits), *evident(procedure))
+
+
+def _beside_limits(procedure: Procedure, limits: Mapping[Name, float]) -> Iterator[str]:
+    """Say what is left open of the place and takes a good part of a limit."""
+    for one in left_open(procedure):
+        moved = _moved(
+            offset
+            for offset in _of_ideal(one)
+            if abs(offset.error) > LIMIT_SHARE * limits.get(offset.name, inf)
+        )
+        if moved:
+            yield one.warn(_listed(moved, limits, "limit"))
 
 
 def _counting(
@@ -346,6 +371,11 @@ def _values_for_uncertainties(procedure: Procedure) -> tuple[str, ...]:
 
 
 def _ideal(blunder: Blunder) -> tuple[Offset, ...]:
+    """Return the largest of what it adds to triads without errors, by parameter."""
+    return _moved(_of_ideal(blunder))
+
+
+def _of_ideal(blunder: Blunder) -> tuple[Offset, ...]:
     """Return what it adds to triads without errors; () where none are calibrated."""
     sensors = [
         Sensor(
@@ -361,7 +391,7 @@ def _ideal(blunder: Blunder) -> tuple[Offset, ...]:
         if calibrates(kind, blunder.used) and estimated(kind, blunder.used)
     ]
     try:
-        return _moved(offsets(blunder, sensors)) if sensors else ()
+        return offsets(blunder, sensors) if sensors else ()
     except BudgetError:  # what only a device can make whole
         return ()
 
@@ -382,14 +412,22 @@ def _moved(found: Iterable[Offset]) -> tuple[Offset, ...]:
     return tuple(moved)
 
 
-def _listed(moved: Iterable[Offset], u: Mapping[Name, float] | None = None) -> str:
+def _listed(
+    moved: Iterable[Offset], u: Mapping[Name, float] | None = None, what: str = "u"
+) -> str:
     """Name offsets, '-1016 ppm to accelerometer.scale_factor', beside u where known."""
     return ", ".join(
         f"{one.printed} to {one.name}"
         + (
-            f" (u {u[one.output.name] / one.output.si_per_unit:.2g} {one.output.unit})"
+            f" ({what} {_rough(u[one.output.name] / one.output.si_per_unit)} "
+            f"{one.output.unit})"
             if u
             else ""
         )
         for one in moved
     )
+
+
+def _rough(value: float) -> str:
+    """Write a number to two digits, without a power of ten where it is not large."""
+    return f"{float(f'{value:.2g}'):g}"

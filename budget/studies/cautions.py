@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.calibration.schemes import removal
 from budget.model.source import Change, Coefficient, Disturbance
 from budget.model.sources import DEVICE, ENVIRONMENT, source_of
 from budget.model.sources.later import AGE
@@ -140,11 +141,11 @@ def unfelt(analysis: Analysis) -> tuple[Unfelt, ...]:
         for group, rows in zip(problem.groups, problem.slices, strict=True)
     ]
     removed = {
-        group.name: effect.removed
+        group.name: what
         for group, variance in zip(problem.groups, first_order, strict=True)
         if not group.is_constant
         and (variance <= zero).all()
-        and (effect := source_of(group.name.owner, group.name.quantity).effect).removed
+        and (what := removal(group.name, whole.procedure))
     }
     names = [
         group.name

@@ -23,7 +23,12 @@ import numpy as np
 
 from budget.calibration.derived import known_outputs, outputs_for
 from budget.calibration.problem import calibration_problem
-from budget.calibration.schemes import WEIGHTED, schemes_of, with_accelerometers
+from budget.calibration.schemes import (
+    WEIGHTED,
+    removal,
+    schemes_of,
+    with_accelerometers,
+)
 from budget.distributions import NORMAL, normal_coverage_factor
 from budget.errors import CallError
 from budget.methods.allocation import Task, equal, headroom, proportional
@@ -44,6 +49,7 @@ from budget.results import SCHEMA, InputFile, input_files, inputs_document
 from budget.spec import load_procedure, load_stations
 from budget.spec.records import ErrorLine
 from budget.spec.station import IDEAL, at_station
+from budget.studies.blunders import against_limits
 from budget.studies.request import given_lines, not_weighted, sensors_of
 from budget.ties import first_largest, largest, settle
 from budget.units import parse_quantity
@@ -367,7 +373,7 @@ def qualify(
             *not_weighted(sensors, procedure),
             *probe.assumed,
         ),
-        warnings=_warnings(case, names),
+        warnings=(*_warnings(case, names), *against_limits(procedure, requirement)),
     )
 
 
@@ -672,7 +678,7 @@ def _figures(case: _Case, probe: _Probe, strategy: str) -> tuple[StationFigure, 
             else (),
             together=float(together[g]) if free[g] else None,
             binding_outputs=binding.get(g, ()),
-            why=_why(name, g, probe),
+            why=_why(name, g, probe, case.procedure),
         )
         for g, name in enumerate(law.sources)
     )
@@ -710,21 +716,22 @@ def _ceiling(source: Source, owner: str) -> float:
     return float(parse_quantity(CEILINGS[unit], unit).value)
 
 
-def _why(name: Name, g: int, probe: _Probe) -> str:
+def _why(name: Name, g: int, probe: _Probe, procedure: Procedure) -> str:
     """Say why any value will do, or what removes a source to first order."""
-    effect = source_of(name.owner, name.quantity).effect
+    what = removal(name, procedure)
     if probe.first[g]:
         return ""
-    if not probe.elsewhere[g] and not effect.removed:
-        return f"reaches no output of this test: it takes {effect.needs}"
+    if not probe.elsewhere[g] and not what:
+        needs = source_of(name.owner, name.quantity).effect.needs
+        return f"reaches no output of this test: it takes {needs}"
     if probe.any[g]:
         return (
-            f"to first order removed by {effect.removed}"
-            if effect.removed
+            f"to first order removed by {what}"
+            if what
             else "to first order it reaches no limited output"
         )
-    if effect.removed:
-        return f"removed by {effect.removed}"
+    if what:
+        return f"removed by {what}"
     return "reaches no output that has a limit"
 
 

@@ -14,13 +14,22 @@ from numpy.testing import assert_allclose
 from places import ROOT
 from saying import assert_says
 
+from budget import compare
 from budget.earth import ECCENTRICITY_SQUARED, SEMI_MAJOR_AXIS, normal_gravity
 from budget.names import Name
 from budget.spec import load_device, load_procedure
 from budget.spec.files import shipped_names
 from budget.spec.records import Limit, Origin, Requirement
+from budget.studies.allocation.allocate import allocate
 from budget.studies.analysis import analyze
-from budget.studies.blunders import blunders, costs, evident, offsets
+from budget.studies.blunders import (
+    against_limits,
+    blunders,
+    costs,
+    evident,
+    offsets,
+)
+from budget.studies.stations import qualify
 from budget.units import PPM
 
 ZHAO, PAPER = load_device("zhao-2019"), load_procedure()
@@ -263,3 +272,42 @@ def test_an_earth_rate_is_answered_with_the_one_that_is_used(tmp_path):
     run = call("validate", path)
     assert run.code == 2
     assert_says(run.err, "15.0411 deg/h", "station.earth_rate")
+
+
+def limited(scale_factor):
+    """Return a requirement on the accelerometers' scale factors alone [1]."""
+    return Requirement(
+        name="tight",
+        coverage=0.95,
+        reference="next_turn_on",
+        limits=tuple(
+            Limit(
+                output=Name("scale_factor", owner="accelerometer", axis=axis),
+                limit=scale_factor,
+                printed="",
+            )
+            for axis in "xyz"
+        ),
+        caps=(),
+        assumptions=(),
+        origin=Origin(file="tight.yaml", sha256=""),
+    )
+
+
+@pytest.mark.parametrize(("limit", "said"), [(60.0, 2), (180.0, 1), (1000.0, 0)])
+def test_a_place_left_open_counts_beside_a_limit_without_a_station(limit, said):
+    """From a quarter of it on: 51 ppm of 50 mGal, 31.5 ppm of 100 m; in all answers."""
+    wanted = limited(limit * PPM)
+    texts = against_limits(PAPER, wanted)
+    assert len(texts) == said
+    if said:
+        assert_says(" ".join(texts), "+51.0 ppm", f"limit {limit:g} ppm")
+    answers = (
+        compare([ZHAO], wanted, method="gum"),
+        allocate(ZHAO, requirement=wanted, catalogue=(), validate=False),
+        qualify(ZHAO, requirement=wanted),
+        analyze(ZHAO, requirement=wanted, reference="next_turn_on", validate=False),
+    )
+    for answer in answers:
+        assert set(texts) <= set(answer.warnings)
+        assert bool(said) is any("ppm" in text for text in answer.warnings)

@@ -159,6 +159,12 @@ def noise_of(owner: str, lines: Sequence[Given]) -> list[Given]:
     ]
 
 
+def removal(name: Name, procedure: Procedure) -> str:
+    """Return what makes a source cancel in a test that is good at it; '' if nothing."""
+    effect = source_of(name.owner, name.quantity).effect
+    return effect.removed_by_norm if procedure.formulas == NORM else effect.removed
+
+
 def estimated(owner: str, procedure: Procedure) -> tuple[Name, ...]:
     """Return the parameters of a triad that a procedure estimates; () without any."""
     if not calibrates(owner, procedure):

@@ -59,10 +59,8 @@ class Rotation(Disturbance):
         0, 1, 2 for x, y, z of the frame there; of the base east, north and up.
     """
 
-    removed = (
-        "the 180 deg repeat of each face or by azimuths that balance (an estimator by "
-        "the norm of gravity knows no attitude at all)"
-    )
+    removed = "the 180 deg repeat of each face or by azimuths that balance"
+    removed_by_norm = "the norm of gravity, which knows no attitude"
 
     joint: int
     axis: int
@@ -161,7 +159,7 @@ class Wobble(Rotation):
     """
 
     needs = "turns of the table"
-    removed = ""
+    removed = removed_by_norm = ""
 
     joint: int = BASE
     axis: int = 0

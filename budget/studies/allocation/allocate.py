@@ -37,6 +37,7 @@ from budget.studies.allocation.rows import (
     shared_allotments,
     source_allotments,
 )
+from budget.studies.blunders import against_limits
 from budget.studies.cautions import age_that_counts_not
 from budget.studies.judgement import judge, limit_problem
 from budget.studies.lower_bounds import expecting
@@ -211,6 +212,7 @@ def allocate(
         warnings=(
             *warnings,
             *age_that_counts_not(procedure, requirement.reference),
+            *against_limits(procedure, requirement),
             *not_estimated(devices, procedure, requirement),
             *not_of_one_sensor(requirement),
             *(

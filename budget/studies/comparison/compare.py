@@ -10,6 +10,7 @@ from budget.methods.execution import local_executor
 from budget.names import IMU
 from budget.results import Settings, input_file, stations_of
 from budget.spec import load_procedure
+from budget.studies.blunders import against_limits
 from budget.studies.cautions import age_that_counts_not
 from budget.studies.comparison.candidates import Candidate, bound_missing
 from budget.studies.comparison.judging import JudgedCandidate, Judging, judge_all
@@ -206,6 +207,7 @@ def compare(
                 for procedure in procedures
                 for text in (
                     *age_that_counts_not(procedure, requirement.reference),
+                    *against_limits(procedure, requirement),
                     *not_calibrated(devices, procedure),
                     *not_estimated(devices, procedure, requirement),
                 )

@@ -22,6 +22,7 @@ from budget.model.sources import SOURCES, STATION
 from budget.model.sources.rotation import Rotation
 from budget.model.windows import Setting, Timing, Window
 from budget.names import parameters_of
+from budget.spec import load_device, load_procedure
 from budget.spec.records import Device
 from budget.studies.analysis import analyze
 from budget.units import ARCSEC, DEG_PER_HOUR, PPM
@@ -451,3 +452,19 @@ def test_pulses_at_that_place_and_time_show_the_same(monkeypatch, name, timing, 
     assert (np.abs(found - exact) < allowed).all()
     felt = by_rate or name not in {"rate_error", "edge_jitter"}
     assert (np.abs(exact) > 10.0 * allowed).any() == felt
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("norm-icosahedron", "the norm of gravity, which knows no attitude"),
+        ("twelve-positions", "the 180 deg repeat of each face"),
+    ],
+)
+def test_what_removes_an_azimuth_is_the_test_at_hand(name, words):
+    """By the norm of gravity it is no repeat, and the other way round."""
+    how = replace(load_procedure(name), station=(line("azimuth", 60.0 * ARCSEC),))
+    device = replace(load_device("zhao-2019"), gyro=None)
+    found = analyze(device, procedure=how, validate=False).warnings
+    (said,) = [text for text in found if "station.azimuth" in text]
+    assert f"removed by {words}" in said
