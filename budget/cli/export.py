@@ -82,6 +82,7 @@ def export(
     procedure: options.ProcedureFile = None,
     station: options.StationFile = None,
     age: options.Age = None,
+    missing: options.Missing = "refuse",
     inflate: Annotated[
         float | None,
         typer.Option(
@@ -123,7 +124,7 @@ def export(
     from budget.errors import CallError
     from budget.report.document import json_text
     from budget.report.export import export_answer, export_csv, remarks, write_export
-    from budget.spec import load_procedure
+    from budget.spec import load_catalogue, load_procedure
     from budget.studies.export.study import export as export_to
 
     files = () if output is None else (output,)
@@ -144,6 +145,8 @@ def export(
         residual=residual,
         inflate=1.0 if inflate is None else inflate,
         rate=rate,
+        missing=missing,
+        catalogue=() if missing == "refuse" else load_catalogue(),
     )
     documents = [
         (json, lambda: json_text(found.to_dict())),

@@ -32,7 +32,15 @@ from budget.spec.fields import (
     mapping_of,
     per_axis,
 )
-from budget.spec.records import ANGLES, AXES, Device, Origin, Sensor, UnusedValue
+from budget.spec.records import (
+    ANGLES,
+    AXES,
+    CHANGED,
+    Device,
+    Origin,
+    Sensor,
+    UnusedValue,
+)
 from budget.spec.specification import read_value, time_in, value_type
 from budget.spec.tree import all_of, describe, merge
 from budget.units import STANDARD_GRAVITY, Quantity, parse_quantity
@@ -246,7 +254,7 @@ def read_device(
     changed = tell_changes(printed, root, changes)
     sheet = check(document, DeviceFile, root=root, gravity=_gravity(root))
     name = f"{sheet.name} ({variant})" if variant else sheet.name
-    name = f"{name}, changed" if changed else name
+    name = f"{name}{CHANGED}" if changed else name
     parts: dict[str, SensorPart | None] = {
         kind: getattr(sheet, kind) for kind in SENSORS
     }

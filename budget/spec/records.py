@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 __all__ = ["ANGLES", "AXES"]
 
+CHANGED = ", changed"  # after the name of a device of which a call changed a value
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ErrorLine(Given):
@@ -147,6 +149,11 @@ class Device:
     power: str = ""
     range: str = ""
     notes: str = ""
+
+    @property
+    def as_printed(self) -> str:
+        """Its name without the mark of what a call changed: the same data sheet."""
+        return self.name.removesuffix(CHANGED)
 
     @cached_property
     def sensors(self) -> tuple[Sensor, ...]:

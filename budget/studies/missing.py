@@ -161,7 +161,7 @@ def comparable(
         (line, owner.name)
         for owner in catalogue
         for other in owner.sensors
-        if other.kind == sensor.kind and other.device != sensor.device
+        if other.kind == sensor.kind and owner.as_printed != device.as_printed
         if own_grade == grade(other) and own_family == family(owner.technology)
         if (line := other.line(wanted)) is not None
     ]

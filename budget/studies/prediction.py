@@ -135,8 +135,8 @@ def predict(
         None where no line can be predicted.
     """
     wanted = {name: figure_of(device, name) for name in missing}
-    key = (device.origin.sha256, device.name)
-    same = [one for one in catalogue if (one.origin.sha256, one.name) == key]
+    key = (device.origin.sha256, device.as_printed)
+    same = [one for one in catalogue if (one.origin.sha256, one.as_printed) == key]
     if [figures_of(one) for one in same] == [figures_of(device)]:
         return _fit(tuple(catalogue)).predict(wanted)
     others = [one for one in catalogue if one not in same]

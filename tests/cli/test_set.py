@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from html import unescape
 
 import pytest
 from command_line import call
 from saying import assert_says
 
+from budget import load_catalogue, load_device
 from budget.cli import app
+from budget.names import Name
 from budget.resources import shipped
+from budget.studies.missing import fill
 
 CHANGE = "gyro.bias_stability=0.02 deg/h"
 SET = ("--set", CHANGE)
@@ -146,3 +150,29 @@ def test_an_address_selects_what_is_printed(address, count):
     ]
     assert len(names) == count
     assert all(address in name for name in names)
+
+
+@pytest.mark.parametrize("mode", ["worst", "typical", "predict"])
+def test_a_changed_device_is_no_comparable_one_to_itself(mode):
+    """What stands for a line it lacks does not come from its own printed sheet."""
+    catalogue = load_catalogue()
+    plain = load_device("zhao-2019")
+    assert plain.name in {one.name for one in catalogue}
+    sensor = replace(
+        plain.accelerometer,
+        lines=tuple(
+            one for one in plain.accelerometer.lines if one.name != "bias_repeatability"
+        ),
+        expected_missing=(Name("bias_repeatability", owner="accelerometer"),),
+    )
+    lacking = replace(plain, accelerometer=sensor)
+    changed = load_device("zhao-2019", ["gyro.bias_stability=0.04 deg/h"])
+    named = replace(
+        lacking,
+        name=changed.name,
+        accelerometer=replace(sensor, device=changed.name),
+        gyro=changed.gyro,
+        origin=changed.origin,
+    )
+    told = [fill(one, mode, catalogue)[1].lines for one in (lacking, named)]
+    assert told[0] == told[1]

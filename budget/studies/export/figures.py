@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from budget.arrays import Array
-    from budget.results import Budget
+    from budget.results import Budget, FilledLine
     from budget.spec.records import ErrorLine, Sensor
 
 
@@ -71,12 +71,17 @@ class Known:
         Samples in a second [Hz].
     left : Budget or None
         What a calibration leaves, in place of the raw constants.
+    procedure : str
+        Name of that calibration.
+    filled : mapping of Name to FilledLine
+        Lines that the device does not give and something stands for.
     """
 
     sensor: Sensor
     rate: float | None = None
     left: Budget | None = None
     procedure: str = ""
+    filled: Mapping[Name, FilledLine] = field(default_factory=dict)
     _found: dict[str, Figure | Missing] = field(default_factory=dict, repr=False)
 
     def figure(self, quantity: str) -> Figure | Missing:
@@ -105,6 +110,8 @@ def print_values(values: Array) -> str:
 
 def origin(known: Known, line: ErrorLine) -> str:
     """Say what a line is and where it is printed."""
+    if told := known.filled.get(known.name(line.name)):
+        return f"{known.name(line.name)}: {told.words}"
     said = [line.meaning, line.density, line.definition, line.condition, line.source]
     words = "; ".join(dict.fromkeys(text for text in said if text))
     return f"{known.name(line.name)}: {line.printed} ({words})"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite
+from math import isfinite, ulp
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,7 +24,10 @@ from budget.studies.export.targets import (
     Entry,
     Target,
 )
+from budget.studies.missing import REFUSE as REFUSE_MISSING
+from budget.studies.missing import fill
 from budget.studies.request import sensors_of
+from budget.ties import settle
 from budget.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -36,6 +39,7 @@ if TYPE_CHECKING:
 REFERENCE = "next_turn_on"  # what a calibration leaves is met at a later turn-on
 LEAST_INFLATION, MOST_INFLATION = 1.0, 1e6  # [1]
 LEAST_RATE, MOST_RATE = 1e-3, 1e9  # [Hz]
+ROUNDING = 4.0  # of a few conversions [units in the last place]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,6 +99,7 @@ class Export:
     notes: tuple[str, ...]
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
+    missing: str
     rate: float | None  # [Hz]
     inflate: float  # [1]
     procedure: str  # whose residual it is; '' of the raw figures
@@ -116,6 +121,7 @@ class Export:
                 "target": self.target.name,
                 "rate": self.rate,
                 "inflate": self.inflate,
+                "missing": self.missing,
                 "residual": bool(self.procedure),
                 "reference": REFERENCE if self.procedure else None,
             },
@@ -150,6 +156,8 @@ def export(
     residual: bool = False,
     inflate: float = 1.0,
     rate: float | None = None,
+    missing: str = REFUSE_MISSING,
+    catalogue: Sequence[Device] = (),
 ) -> Export:
     """Put the figures of devices as a target counts them.
 
@@ -168,6 +176,10 @@ def export(
         Factor on every standard deviation and density; variances take its square [1].
     rate : float, optional
         Samples in a second [Hz].
+    missing : str
+        What stands for expected lines that are not given (budget.studies.missing).
+    catalogue : sequence of Device
+        Where comparable devices are looked for.
 
     Raises
     ------
@@ -181,6 +193,9 @@ def export(
             f"a procedure changes nothing without --residual: {target.name} gets the "
             "raw figures of the data sheet; add --residual, or leave the procedure out"
         )
+    filled = [fill(device, missing, catalogue) for device in devices]
+    devices = tuple(device for device, _ in filled)
+    told = {line.source: line for _, filling in filled for line in filling.lines}
     sensors = {one.kind: one for one in sensors_of(devices)}
     absent = [kind for kind in SENSORS if kind not in sensors]
     if absent:
@@ -196,17 +211,20 @@ def export(
         )
     name = procedure.name if procedure is not None and residual else ""
     known = {
-        kind: Known(sensor=sensor, rate=rate, left=left, procedure=name)
+        kind: Known(sensor=sensor, rate=rate, left=left, procedure=name, filled=told)
         for kind, sensor in sensors.items()
     }
     entries, left_out = _entries(target, known, inflate=inflate, rate=rate)
     held = {line for one in entries for line in one.lines}
-    changes = {one.said for device in devices for one in device.origin.changes}
+    said = {one.said for device in devices for one in device.origin.changes}
+    said |= {
+        f"{one.expected}: {one.words}" for name, one in told.items() if name in held
+    }
     assumptions = tuple(
         text
         for device in devices
         for text in device.assumptions
-        if text in changes or any(text.startswith(f"{line}:") for line in held)
+        if text in said or any(text.startswith(f"{line}:") for line in held)
     )
     return Export(
         target=target,
@@ -214,10 +232,11 @@ def export(
         inputs=input_files(devices, procedure=procedure if residual else None),
         entries=entries,
         left_out=left_out,
-        not_held=tuple(_not_held(sensors, held)),
+        not_held=tuple(_not_held(sensors, held | told.keys())),
         notes=(*target.notes, *_notes(target, known, entries)),
         assumptions=assumptions if left is None else _all(assumptions, left),
         warnings=() if left is None else left.warnings,
+        missing=missing,
         rate=rate,
         inflate=inflate,
         procedure=name,
@@ -280,16 +299,17 @@ def _entries(
             left_out.append(f"{entry.key} is left out: it needs {said}")
         else:
             zeros = tuple(0.0 for _ in entry.axes)
-            said = f"{entry.key} is 0, which leaves it out: it needs {said}"
-            done.append(Exported(entry=entry, values=zeros, steps=(said,)))
-            left_out.append(said)
+            steps = (f"0, which leaves it out: it needs {said}",)
+            done.append(Exported(entry=entry, values=zeros, steps=steps))
+            left_out.append(f"{entry.key} is {steps[0]}")
     if missing:
         faults = "\n".join(
             f"{', '.join(keys)}: needs {said}" for said, keys in missing.items()
         )
         raise CallError(
             f"{target.title} cannot do without figures that are missing; give the "
-            "lines in the device file or with --set, or choose another target\n"
+            "lines in the device file or with --set, let --missing put others in "
+            "their place, or choose another target\n"
             f"{faults}"
         )
     return tuple(done), tuple(left_out)
@@ -315,7 +335,7 @@ def _exported(
     if inflate != 1.0 and form.power:
         steps.append(f"times {print_number(factor)} (inflated)")
     values = tuple(
-        factor * form.value(value, rate or 1.0) / entry.size for value in chosen
+        _plain(factor * form.value(value, rate or 1.0) / entry.size) for value in chosen
     )
     return Exported(
         entry=entry,
@@ -323,6 +343,12 @@ def _exported(
         steps=tuple(steps),
         lines=tuple(Name(line, owner=entry.owner) for line in figure.lines),
     )
+
+
+def _plain(value: float) -> float:
+    """Return the short number that a value is but for the rounding of doubles."""
+    short = settle(value)
+    return short if abs(short - value) <= ROUNDING * ulp(value) else value
 
 
 def _not_held(sensors: Mapping[str, Sensor], held: set[Name]) -> Iterator[str]:

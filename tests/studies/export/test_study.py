@@ -10,10 +10,11 @@ import pytest
 from numpy.testing import assert_allclose
 from saying import assert_says
 
-from budget import analyze, load_device, load_procedure
+from budget import analyze, load_catalogue, load_device, load_procedure
 from budget.errors import CallError
 from budget.studies.export.study import export, find_target
 from budget.studies.export.targets import NAMES, TARGETS
+from budget.studies.missing import fill
 
 D2R = pi / 180.0
 RATE = 200.0  # [Hz]
@@ -411,6 +412,48 @@ def test_what_a_target_can_do_without_is_left_out_in_words(tmp_path):
     psins = export(unit, to="psins")
     assert values(psins)["sqrtR0G"] == values(psins)["TauG"] == 0.0
     assert_says(" ".join(psins.left_out), "sqrtR0G", "gyro.bias_stability")
+
+
+@pytest.mark.parametrize("mode", ["worst", "typical", "predict"])
+def test_what_stands_for_a_missing_line_is_told(mode):
+    """Of comparable devices, in the steps and among the assumptions; never as given."""
+    catalogue = load_catalogue()
+    unit = load_device("adis16495-1")
+    name = "accelerometer.velocity_random_walk"
+    with pytest.raises(CallError, match="--missing"):
+        export(unit, to="gtsam")
+    filled, filling = fill(unit, mode, catalogue)
+    line = next((one for one in filling.lines if one.source == name), None)
+    if line is None:
+        with pytest.raises(CallError, match="velocity_random_walk"):
+            export(unit, to="gtsam", missing=mode, catalogue=catalogue)
+        return
+    found = export(unit, to="gtsam", missing=mode, catalogue=catalogue)
+    (row,) = (e for e in found.entries if e.entry.key == "accelerometer_covariance")
+    assert_allclose(
+        np.sqrt(row.values),
+        filled.accelerometer.line(line.source.quantity).u,
+        rtol=1e-9,
+    )
+    assert line.words in row.steps[0]
+    assert any(line.words in text for text in found.assumptions)
+    assert found.to_dict()["settings"]["missing"] == mode
+
+
+def test_a_filled_line_is_no_line_that_the_device_has():
+    """What the target has no place for is not listed where nobody gives it."""
+    unit = load_device("adis16495-1")
+    how = dict(missing="predict", catalogue=load_catalogue())
+    found = export(unit, to="gtsam", **how)
+    assert not any("mounting_repeatability" in text for text in found.not_held)
+
+
+def test_numbers_are_short_where_rounding_alone_makes_them_long():
+    """0.06 deg/sqrt(h) there and back is 0.06; what is no short number keeps all."""
+    found = values(export(load_device("hg4930#A"), to="matlab", rate=RATE))
+    assert values(export(load_device("hg4930#A"), to="psins"))["web"] == 0.06
+    assert values(export(load_device("hg4930#A"), to="psins"))["dKGii"] == 1000.0
+    assert found["gyro_Memory"] == exp(-1.0 / (RATE * 300.0))
 
 
 def test_zero_is_refused_where_the_target_reads_none(tmp_path):
