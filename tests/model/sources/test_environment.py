@@ -23,7 +23,7 @@ from builders import NOWHERE, at_sources, line, procedure
 from numpy.testing import assert_allclose
 from saying import assert_says
 
-from budget import load_procedure
+from budget import compare, load_procedure, load_requirement
 from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import scheme_of
 from budget.calibration.simulation import simulate
@@ -35,6 +35,7 @@ from budget.model.noise import GaussMarkov, stationary
 from budget.model.windows import Schedule, Setting, Window
 from budget.spec import load_device
 from budget.spec.records import Device
+from budget.studies.allocation.allocate import allocate
 from budget.studies.analysis import analyze
 from budget.units import DEG_PER_HOUR, MICRO_G, PPM, STANDARD_GRAVITY
 
@@ -435,3 +436,111 @@ def test_a_residual_beside_its_coefficient_is_refused(tmp_path, residual, coeffi
             continue
         with pytest.raises(SpecError, match=coefficient.partition(":")[0]):
             load_device(path)
+
+
+COURSES = (
+    at("temperature.ramp", 6.0 * PER_HOUR),
+    at("temperature.sigma", 0.5, 1800.0),
+    at("temperature.warm_up", 1.0, 600.0),
+    replace(at("temperature.soak", 0.4, 60.0), points=np.array([40.0, 160.0])),
+    at("temperature.mission", 0.5),
+)
+ALL = of(*COURSES, dwell=20.0, sample_rate=20.0)
+
+
+def test_trials_and_indices_take_every_course_of_the_temperature():
+    """Joint covariance of 24 outputs and shares of five shared sources, three ways."""
+    problem = calibration_problem(
+        WARM,
+        ALL,
+        reference="next_turn_on",
+        only=frozenset(ENVIRONMENT + one.name.partition(".")[2] for one in COURSES),
+    )
+    law, n = propagate(problem), 20_000
+    some = sample(problem, trials=n, seed=5)
+    off = some.standard_uncertainty / law.standard_uncertainty - 1.0
+    assert np.abs(off).max() * np.sqrt(2.0 * n) < 4.5
+    exact = correlations(law.covariance)
+    error = (1.0 - exact**2) / np.sqrt(n)
+    assert np.abs((correlations(some.covariance) - exact) / error).max() < 4.5
+    assert np.abs(exact / error).max() > 20.0  # control: the triads share it
+    found = sobol(problem, samples=512)
+    parts = law.source_variance
+    share = parts / parts.sum(axis=0)
+    order = [[g.name for g in problem.groups].index(name) for name in found.factors]
+    assert_allclose(found.total.value, share[order], rtol=0, atol=0.03)
+    named = [g.name for g in problem.groups]
+    for one in COURSES:  # each of them counts somewhere
+        assert share[named.index(f"environment.{one.name}")].max() > 0.01
+
+
+@pytest.mark.parametrize("name", ["six-positions", "norm-icosahedron"])
+@pytest.mark.parametrize("course", ["temperature.ramp", "temperature.sigma"])
+def test_any_estimator_takes_the_temperature(name, course):
+    """Weighted and by the norm: 60 simulated runs have the law's spread."""
+    how = replace(load_procedure(name), sample_rate=0.1)
+    if name == "six-positions":
+        how = replace(how, formulas="weighted")
+    one = at(course, 2.0 * PER_HOUR if "ramp" in course else 0.5, 1800.0)
+    how = replace(how, environment=(one,))
+    (sensor,) = triads({}, {BT: 10.0 * MICRO_G, KT: 10.0 * PPM})[1:]
+    only = frozenset({f"environment.{course}"})
+    law = propagate(calibration_problem((sensor,), how, only=only))
+    runs = 60
+    found = np.array([simulate((sensor,), how, run=k, only=only) for k in range(runs)])
+    seen = law.standard_uncertainty > 1e-3 * law.standard_uncertainty[:3].max()
+    off = np.sqrt((found**2).mean(axis=0))[seen] / law.standard_uncertainty[seen] - 1.0
+    assert np.abs(off).max() * np.sqrt(2.0 * runs) < 4.5
+    assert seen[:3].all()
+
+
+def test_compare_allocate_and_analyze_agree_in_a_full_environment(tmp_path):
+    """One budget: the utilisation of a limit is the same from every command."""
+    station = tmp_path / "station.yaml"
+    station.write_text(
+        "station: {levelling: {east: 20 arcsec}, mount: 5 arcsec}\n"
+        "environment: {temperature: {ramp: 1 degC/h, sigma: 0.5 degC, "
+        "correlation_time: 30 min, warm_up: 2 degC, warm_up_time: 15 min, "
+        "soak: 1 degC, soak_points: [20 min], settling_time: 5 min, mission: 15 degC}, "
+        "vibration: {test: 0 g, mission: 1 g}, age: 6 months}\n",
+        encoding="utf-8",
+    )
+    device = tmp_path / "device.yaml"
+    device.write_text(
+        "name: one\ngyro:\n  errors:\n"
+        "    bias_repeatability: 0.3 deg/h\n    bias_stability: 0.05 deg/h\n"
+        "    angle_random_walk: 0.005 deg/sqrt(h)\n"
+        "    scale_factor_repeatability: 20 ppm\n"
+        "    mounting_repeatability: 5 arcsec\n"
+        "    bias_temperature_coefficient: 0.01 deg/h/degC\n"
+        "    scale_factor_temperature_coefficient: 3 ppm/degC\n"
+        "    vibration_rectification: 0.05 deg/h/g^2\n"
+        "    ageing: {value: 0.2 deg/h, horizon: 1 year, law: drift}\n"
+        "    scale_factor_ageing: {value: 30 ppm, horizon: 1 year, law: drift}\n",
+        encoding="utf-8",
+    )
+    limits = tmp_path / "limits.yaml"
+    limits.write_text(
+        "name: l\nlimits: {gyro: {bias: 2 deg/h, scale_factor: 200 ppm}}\n",
+        encoding="utf-8",
+    )
+    one, wanted = load_device(device), load_requirement(limits)
+    how = load_procedure(station=station)
+    (row,) = compare([one], wanted, [how], method="gum").devices
+    budget = analyze(
+        one, procedure=how, requirement=wanted, reference="next_turn_on", validate=False
+    )
+    (judged,) = budget.assessment.sensors
+    shared = {
+        part.source.owner
+        for out in budget.outputs
+        for part in out.contributions
+        if part.share > 1e-3
+    }
+    assert {"environment", "gyro"} <= shared
+    assert_allclose(row.utilisation, judged.utilisation, rtol=1e-9)
+    allocated = allocate(
+        one, requirement=wanted, procedure=how, catalogue=(), validate=False
+    )
+    now = max(out.now for out in allocated.outputs)
+    assert_allclose(now, judged.utilisation, rtol=1e-6)
