@@ -219,19 +219,19 @@ octave = pytest.mark.skipif(OCTAVE is None, reason="GNU Octave is not here")
 
 @octave
 def test_octave_runs_the_script_of_psins(tmp_path):
-    """Twelve arguments in imuerrset's order, each a column of its size."""
+    """Thirteen arguments in imuerrset's order, each a column of its size."""
     found, text = exported("psins")
     given = run_octave(text, "imuerr", tmp_path)
     told = values(found)
     order = (
         *("eb", "db", "web", "wdb", "sqrtR0G", "TauG", "sqrtR0A", "TauA"),
-        *("dKGii", "dKAii", "dKGij", "dKAij"),
+        *("dKGii", "dKAii", "dKGij", "dKAij", "KA2"),
     )
     for key, argument in zip(order, given, strict=True):
         # jsonencode writes columns as lists of numbers, with 15 digits.
         assert_allclose(np.ravel(argument), told[key], rtol=1e-14, err_msg=key)
     sizes = run_octave(text, "cellfun(@columns, imuerr)", tmp_path)
-    assert np.ravel(sizes).tolist() == [1] * 12
+    assert np.ravel(sizes).tolist() == [1] * 13
 
 
 @octave

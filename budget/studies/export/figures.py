@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.model.source import Offset
-from budget.model.sources import SAMPLE_NOISE, source_of, walk_of
+from budget.model.sources import GYRO, SAMPLE_NOISE, source_of, walk_of
 from budget.names import AXES, PARAMETERS, Name
 
 if TYPE_CHECKING:
@@ -153,9 +153,8 @@ def _walk(known: Known) -> Figure | Missing:
     """Return the random walk of the bias [SI unit/s/sqrt(Hz)]."""
     line = _walk_line(known)
     if line is None:
-        walk = {"gyro": "rate_random_walk"}.get(
-            known.sensor.kind, "acceleration_random_walk"
-        )
+        of_gyro = known.sensor.kind == GYRO
+        walk = "rate_random_walk" if of_gyro else "acceleration_random_walk"
         return Missing(needs=known.name(walk))
     unit = _unit(known.sensor.kind, "/s/sqrt(Hz)")
     return Figure(
@@ -164,6 +163,17 @@ def _walk(known: Known) -> Figure | Missing:
         lines=(line.name,),
         steps=(origin(known, line), f"K = {print_values(line.u)} {unit}"),
     )
+
+
+def _quadratic(known: Known) -> Figure | Missing:
+    """Return K2, the coefficient of the square of the input [1/SI unit]."""
+    line = known.sensor.line("scale_factor_quadratic")
+    if line is None:
+        return Missing(needs=known.name("scale_factor_quadratic"))
+    per = "s/rad" if known.sensor.kind == GYRO else "s^2/m"
+    said = f"K2 = {print_values(line.u)} {per}"
+    steps = (origin(known, line), said)
+    return Figure(value=line.u, symbol="K2", lines=(line.name,), steps=steps)
 
 
 def _stability(known: Known) -> Figure | Missing:
@@ -355,7 +365,7 @@ def _total_bias(known: Known) -> Figure | Missing:
 
 def _unit(kind: str, per: str = "") -> str:
     """Return the SI unit of what a triad reads."""
-    return {"gyro": "rad/s"}.get(kind, "m/s^2") + per
+    return ("rad/s" if kind == GYRO else "m/s^2") + per
 
 
 def _unit_of(kind: str, parameter: str) -> str:
@@ -373,6 +383,7 @@ QUANTITIES: Mapping[str, Callable[[Known], Figure | Missing]] = {
     "driving": _driving,
     "memory": _memory,
     "step": _step,
+    "quadratic": _quadratic,
     "bias": _constant("bias", "bias_repeatability"),
     "total_bias": _total_bias,
     "scale_factor": _constant("scale_factor", "scale_factor_repeatability"),

@@ -504,6 +504,14 @@ TARGETS = (
                 axes=("yz", "zy", "zx"),
                 absent=ZERO,
             ),
+            Entry(
+                key="KA2",
+                owner=ACCELEROMETER,
+                quantity="quadratic",
+                unit="ug/g^2",
+                size=1e-6 / PSINS_GRAVITY,
+                absent=ZERO,
+            ),
         ),
         sources=(
             (

@@ -50,6 +50,7 @@ accelerometer:
     acceleration_random_walk: 60 ug/sqrt(h)
     scale_factor_repeatability: 100 ppm
     mounting_repeatability: 10 arcsec
+    scale_factor_quadratic: 20 ug/g^2
 """
 
 
@@ -293,6 +294,8 @@ def test_each_axis_stands_where_the_target_has_it(tmp_path):
     assert_allclose(psins["dKGij"], [4, 6, 5, 2, 1, 3], rtol=1e-12)
     assert_allclose(psins["eb"], [1, 2, 3], rtol=1e-12)
     assert_allclose(psins["dKGii"], 50.0, rtol=1e-12)  # 30 and 40 ppm
+    # 20e-6 of g/g^2, so over g; and PSINS' ug/g^2 is 1e-6 over its own g.
+    assert_allclose(psins["KA2"], 20.0 / 9.80665 * 9.7803267714, rtol=1e-12)
     matlab = {
         one.entry.key: one.values
         for one in export(unit, to="matlab", rate=RATE).entries
