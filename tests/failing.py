@@ -42,6 +42,7 @@ PRINTING = {
     "station": ("station", "zhao-2019", "--requirement", "tactical-grade"),
     "export": ("export", "hg4930#A", "--to", "gtsam"),
     "export json": ("export", "hg4930#A", "--to", "gtsam", "--json", "-"),
+    "new": ("new", "-"),
     "help": ("--help",),
     "version": ("--version",),
 }
@@ -58,6 +59,7 @@ WRITING = {
         *("station", "zhao-2019", "--requirement", "tactical-grade"),
         *("--json", "a.json", "--write", "a.yaml"),
     ),
+    "new": ("new", "--force", "--line", "gyro.bias_stability=1 deg/h", "a.yaml"),
     "export": (
         *("export", "hg4930#A", "--to", "gtsam", "--residual"),
         *("--json", "a.json", "--csv", "a.csv", "-o", "a.yaml"),

@@ -22,6 +22,7 @@ from budget.cli.compare import compare
 from budget.cli.devices import devices
 from budget.cli.diff import diff
 from budget.cli.export import export
+from budget.cli.new import new
 from budget.cli.output import document_date
 from budget.cli.paper import paper
 from budget.cli.report import report
@@ -79,6 +80,7 @@ app.command()(check)
 app.command()(diff)
 app.command()(devices)
 app.command()(paper)
+app.command()(new)
 app.command()(validate)
 app.command()(schema)
 

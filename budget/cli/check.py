@@ -317,6 +317,7 @@ def validate(
     from budget.cli.output import printing
     from budget.errors import Issue, SpecError
     from budget.spec import validate as check
+    from budget.spec.makers import MEANINGS
 
     issues: list[Issue] = []
     for name in files:
@@ -329,6 +330,8 @@ def validate(
             tell(f"{in_line(name)}: {found.kind}, valid\n")
             for text in found.assumptions:
                 tell(f"  assumed: {text}\n")
+            if found.kind == "device" and found.assumptions:
+                tell(f"  how values of data sheets are read: {MEANINGS}\n")
             if found.kind == "procedure":
                 _show_procedure(name)
     if issues:

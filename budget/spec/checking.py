@@ -11,6 +11,7 @@ from pydantic import BaseModel, ValidationError
 
 from budget.earth import ROTATION_RATE
 from budget.model.sources import SOURCES, twin_of
+from budget.spec.makers import LINES_BY_WORD, MEANINGS, bare, reading_of
 from budget.spec.tree import MOST_ISSUES, all_of, describe, plain
 from budget.units import DEG_PER_HOUR
 
@@ -26,40 +27,6 @@ Model = TypeVar("Model", bound=BaseModel)
 
 _SLIP = 0.85  # likeness from which a word of a file is a slip of another
 
-# Words of data sheets, without what joins them, and the lines that they may stand for.
-_MAKERS = {
-    **dict.fromkeys(("linearity", "nonlinearity"), ("scale_factor_nonlinearity",)),
-    **dict.fromkeys(("asymmetry", "symmetry"), ("scale_factor_asymmetry",)),
-    **dict.fromkeys(
-        ("biasinstability", "inrunbiasinstability", "inrunbiasstability"),
-        ("bias_stability", "flicker"),
-    ),
-    **dict.fromkeys(
-        ("vre", "vibrationrectificationerror"), ("vibration_rectification",)
-    ),
-    **dict.fromkeys(
-        ("tempco", "temperaturecoefficient"),
-        ("bias_temperature_coefficient", "scale_factor_temperature_coefficient"),
-    ),
-    **dict.fromkeys(("lsb", "resolution", "quantisation"), ("quantization",)),
-    "gsensitivity": ("g_sensitivity",),
-    "arw": ("angle_random_walk",),
-    "vrw": ("velocity_random_walk",),
-    "rrw": ("rate_random_walk",),
-    **dict.fromkeys(
-        (
-            "aging",
-            "biasageing",
-            "biasaging",
-            "longtermstability",
-            "biaslongtermstability",
-        ),
-        ("ageing",),
-    ),
-    "scalefactoraging": ("scale_factor_ageing",),
-    "k2": ("scale_factor_quadratic",),
-    "k3": ("scale_factor_cubic",),
-}
 _EARTH_RATE = (
     f"; the earth rate is that of WGS 84, {ROTATION_RATE / DEG_PER_HOUR:.4f} deg/h, a "
     "turn in a sidereal day and not in 24 h; what is not known of it is "
@@ -133,11 +100,18 @@ def _slip(word: str, allowed: tuple[str, ...]) -> str:
     same = {
         name.lower(): name for name in allowed if re.findall("[0-9]", name) == digits
     }
-    bare = re.sub("[^a-z0-9]", "", word.lower())
-    if lines := [repr(line) for line in _MAKERS.get(bare, ()) if line in allowed]:
-        return f"; did you mean {' or '.join(lines)}?"
+    lines = [line for line in LINES_BY_WORD.get(bare(word), ()) if line in allowed]
+    if lines:
+        either = " or ".join(map(repr, lines))
+        return f"; did you mean {either}?{_see(lines)}"
     near = get_close_matches(word.lower(), same, n=1, cutoff=_SLIP)
     return f"; did you mean {same[near[0]]!r}?" if near else ""
+
+
+def _see(steps: Sequence[str | int]) -> str:
+    """Return where to read how makers print the line of those steps, or ''."""
+    found = next(filter(None, (reading_of(str(step)) for step in steps)), None)
+    return f"; how makers print it: {found.link}" if found else ""
 
 
 def _issue(
@@ -158,11 +132,12 @@ def _issue(
         return document.issue(node, message, on_key=True)
     found = node.written if isinstance(given, int | float) else describe(given)
     if kind == "budget":
-        message = detail["msg"]
+        message = f"{detail['msg']}{_see(steps) if 'expected' in detail['msg'] else ''}"
     elif kind == "literal_error":
         words = tuple(re.findall(r"'([^']*)'", detail["ctx"]["expected"]))
         hint = _slip(node.written, words)
-        message = f"found {found}, expected {detail['ctx']['expected']}{hint}"
+        see = f"; what makers mean: {MEANINGS}" if steps[-1] == "meaning" else ""
+        message = f"found {found}, expected {detail['ctx']['expected']}{hint}{see}"
     elif kind in _EXPECTED:
         message = f"found {found}, {_EXPECTED[kind]}{_mended(node, kind)}"
     else:

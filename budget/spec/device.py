@@ -32,6 +32,7 @@ from budget.spec.fields import (
     mapping_of,
     per_axis,
 )
+from budget.spec.makers import printed_as
 from budget.spec.records import (
     ANGLES,
     AXES,
@@ -157,7 +158,7 @@ def _sensor_type(sensor: str) -> Any:  # noqa: ANN401
     errors = mapping_of(
         f"{sensor} errors",
         {line.name: value_type(line, sensor) for line in lines},
-        {line.name: line.model for line in lines},
+        {line.name: f"{line.model}; {printed_as(line.name)}" for line in lines},
     )
     types: dict[str, Any] = {
         "nominal": (nominal | None, SensorPart.model_fields["nominal"]),

@@ -49,6 +49,7 @@ CALLS = {
     "schema": ("schema", "device"),
     "check": ("check", "zhao-2019-eq4-nominal"),
     "diff": ("diff", "hg4930#A", "hg4930#C"),
+    "new": ("new", "a.yaml", "--line", "gyro.bias_stability=1 deg/h"),
     "help": ("--help",),
 }
 NOT_MET = {"compare", "station"}
