@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
+from math import prod
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -407,6 +408,9 @@ class Budget:
     could_widen: Mapping[Name, tuple[Name, ...]]
     assessment: Assessment | None = None  # against the requirement, where there is one
     matrices: Mapping[str, Compensation] = field(default_factory=dict)
+    # What stands for expected lines that are not given, and those without a stand-in.
+    filled: tuple[FilledLine, ...] = ()
+    left: tuple[Name, ...] = ()
     # What it is of (budget.studies.request.Analysis): results know nothing of files.
     analysis: object = field(default=None, repr=False)
 
@@ -446,6 +450,14 @@ class Budget:
 
         return pd.DataFrame.from_records(list(self.rows()))
 
+    def _missing(self) -> dict[str, Any]:
+        """Return what documents say of lines that are not given; {} to refuse."""
+        if self.settings.missing == "refuse":
+            return {}
+        filled = [line.to_dict() for line in self.filled]
+        left, mode = list(self.left), self.settings.missing
+        return {"missing": {"mode": mode, "filled": filled, "left": left}}
+
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON document of schema `budget/1`, in printed units."""
         scale = np.array([row.output.si_per_unit for row in self.outputs])
@@ -458,6 +470,7 @@ class Budget:
             "outputs": [_output_document(row) for row in self.outputs],
             "covariance": (self.covariance / np.outer(scale, scale)).tolist(),
             "not_given": list(self.not_given),
+            **self._missing(),
             "assumptions": list(self.assumptions),
             "warnings": list(self.warnings),
             "assessment": None
@@ -711,6 +724,7 @@ class SensorAssessment:
     trials: int | None  # that were made; None by the law alone
     expected_missing: tuple[Name, ...]  # lines that a 'meets' cannot do without
     nothing_known: bool = False  # no error line is given: a 0 is no good news
+    doubt: Doubt | None = None  # of a verdict that rests on predicted lines
     not_estimated: tuple[Name, ...] = ()  # parameters with limits, held in the test
 
 
@@ -735,6 +749,16 @@ class Assessment:
     conformance: Probability | None  # of all outputs together; None: nothing known
     not_there: tuple[str, ...] = ()  # sensors with limits that no device has
     caps: tuple[CapAssessment, ...] = ()
+
+    @property
+    def chance(self) -> float | None:
+        """Probability that all sensors meet; None where nothing is predicted.
+
+        As if the missing lines of two sensors were independent: of one device they go
+        together, and then it is more.
+        """
+        doubts = [one.doubt for one in self.sensors if one.doubt is not None]
+        return prod(one.probability for one in doubts) if doubts else None
 
     @property
     def judged(self) -> tuple[OutputAssessment, ...]:
@@ -777,6 +801,7 @@ class Assessment:
                     "trials": one.trials,
                     "expected_missing": list(one.expected_missing),
                     "nothing_known": one.nothing_known,
+                    **({"predicted": one.doubt.to_dict()} if one.doubt else {}),
                     **(
                         {"not_estimated": names}
                         if (names := list(one.not_estimated))

@@ -34,6 +34,7 @@ def analyze(
             asked.settings(None),
             *loaded,
             procedure=load_procedure(procedure, station=station, age=age),
+            catalogue=options.comparable_devices(asked.missing),
             engine=engine,
         )
     deliver(budget, json=json, csv=csv)

@@ -124,7 +124,7 @@ def export(
     from budget.errors import CallError
     from budget.report.document import json_text
     from budget.report.export import export_answer, export_csv, remarks, write_export
-    from budget.spec import load_catalogue, load_procedure
+    from budget.spec import load_procedure
     from budget.studies.export.study import export as export_to
 
     files = () if output is None else (output,)
@@ -146,7 +146,7 @@ def export(
         inflate=1.0 if inflate is None else inflate,
         rate=rate,
         missing=missing,
-        catalogue=() if missing == "refuse" else load_catalogue(),
+        catalogue=options.comparable_devices(missing),
     )
     documents = [
         (json, lambda: json_text(found.to_dict())),

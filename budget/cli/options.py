@@ -287,6 +287,7 @@ class Asked:
     only: Only = None
     outputs: Outputs = None
     matrices: Matrices = False
+    missing: Missing = "refuse"
 
     def settings(self, requirement: Requirement | None) -> Settings:
         """Return them with coverage and reference of the requirement, if there is one.
@@ -318,6 +319,7 @@ class Asked:
             sobol_samples=(self.samples or SAMPLES) if with_indices else None,
             only=tuple(map(Name, self.only or ())),
             matrices=self.matrices,
+            missing=self.missing,
             outputs=tuple(
                 Name(name.strip())
                 for names in self.outputs or ()
@@ -353,6 +355,13 @@ def spell_out(command: Callable[..., None]) -> Callable[..., None]:
     told.__signature__ = own.replace(parameters=parameters)
     told.__annotations__ = {each.name: each.annotation for each in parameters}
     return with_asked
+
+
+def comparable_devices(missing: str) -> tuple[Device, ...]:
+    """Load the devices that lines are taken from, where any is."""
+    from budget.spec import load_catalogue
+
+    return () if missing == "refuse" else load_catalogue()
 
 
 def load_devices(

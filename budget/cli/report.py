@@ -69,6 +69,7 @@ def report(
         hand_out,
         render_pages,
     )
+    from budget.errors import CallError
     from budget.report.analysis.build import report_document
     from budget.report.document import to_csv
     from budget.spec import load_all, load_procedure, load_requirement
@@ -87,6 +88,12 @@ def report(
     _check_extras(
         requirement, allocate=allocate, compare=bool(compare), only=bool(asked.only)
     )
+    if allocate and asked.missing != "refuse":
+        raise CallError(
+            "--allocate shares limits out among the lines that are given, --missing "
+            f"{asked.missing} puts others beside them: one report would hold two "
+            "budgets; write two"
+        )
     loaded = options.load_devices(devices, changes)
     how = load_procedure(procedure, station=station, age=age)
     wanted = None if requirement is None else load_requirement(requirement)
@@ -98,16 +105,19 @@ def report(
             *loaded,
             procedure=how,
             requirement=wanted,
+            catalogue=options.comparable_devices(asked.missing),
             engine=engine,
             command="report",
         )
+        loaded, bare = analysis_of(budget).devices, loaded
         evidence = gather_evidence(analysis_of(budget), budget, budget.assessment)
         extras = tuple(
             _extras(
-                loaded,
+                bare,
                 others,
                 how,
                 wanted,
+                missing=asked.missing,
                 with_allocation=allocate,
                 seed=settings.seed,
                 engine=engine,
@@ -168,6 +178,7 @@ def _extras(
     procedure: Procedure,
     requirement: Requirement | None,
     *,
+    missing: str,
     with_allocation: bool,
     seed: int,
     engine: Engine,
@@ -197,6 +208,7 @@ def _extras(
             requirement,
             [procedure],
             catalogue=load_catalogue(),
+            missing=missing,
             seed=seed,
             workers=engine.workers,
             executor=engine.executor,

@@ -92,7 +92,7 @@ def mode_sentence(settings: Settings) -> str:
         return ""
     return (
         f"Expected lines that are not given are {MODES[settings.missing]} (--missing "
-        f"{settings.missing}); the exit code goes by given lines alone."
+        f"{settings.missing})."
     )
 
 

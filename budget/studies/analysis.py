@@ -37,7 +37,8 @@ from budget.spec import load_procedure
 from budget.studies import blunders, cautions
 from budget.studies.compensation import compensations
 from budget.studies.conformity import assess
-from budget.studies.lower_bounds import could_widen
+from budget.studies.lower_bounds import could_widen, expecting_device
+from budget.studies.missing import REFUSE, Filling, fill_all
 from budget.studies.progress import Engine, describe_cost, seconds_per_trial
 from budget.studies.request import (
     DEFAULT_COVERAGE,
@@ -99,6 +100,8 @@ def analyze(
     only: Sequence[str] = (),
     outputs: Sequence[str] = (),
     matrices: bool = False,
+    missing: str = REFUSE,
+    catalogue: Sequence[Device] = (),
     command: str = "analyze",
     progress: Progress | None = None,
     talk: Callable[[str], None] | None = None,
@@ -148,6 +151,11 @@ def analyze(
         of them (budget.calibration.derived); all parameters without it.
     matrices : bool
         Whether the result has the compensation matrices (budget.studies.compensation).
+    missing : str
+        What stands for expected lines that are not given (budget.studies.missing):
+        'refuse', 'worst', 'typical' or 'predict'.
+    catalogue : sequence of Device
+        Where those lines are taken from.
     command : str
         Name of the job in the result.
     progress : callable, optional
@@ -178,12 +186,14 @@ def analyze(
         only=tuple(map(Name, [only] if isinstance(only, str) else only)),
         outputs=tuple(map(Name, [outputs] if isinstance(outputs, str) else outputs)),
         matrices=matrices,
+        missing=missing,
     )
     return analyze_as(
         settings,
         *devices,
         procedure=procedure,
         requirement=requirement,
+        catalogue=catalogue,
         engine=Engine(workers=workers, executor=executor, progress=progress, talk=talk),
         command=command,
     )
@@ -194,12 +204,18 @@ def analyze_as(
     *devices: Device,
     procedure: Procedure | None = None,
     requirement: Requirement | None = None,
+    catalogue: Sequence[Device] = (),
     engine: Engine | None = None,
     command: str = "analyze",
 ) -> Budget:
     """Compute the budget as `analyze` does, with the settings given as a whole."""
     engine = Engine() if engine is None else engine
     procedure = load_procedure(None) if procedure is None else procedure
+    sensors_of(devices, procedure)  # refuses what does not go together
+    filling = Filling()
+    if settings.missing != REFUSE:
+        there = [expecting_device(x, procedure, settings.reference) for x in devices]
+        devices, filling = fill_all(there, settings.missing, catalogue)
     sensors = sensors_of(devices, procedure)
     check_settings(settings, workers=engine.workers)
     chosen, warnings = choose_sources(sensors, procedure, settings.only)
@@ -215,6 +231,7 @@ def analyze_as(
         reference=settings.reference,
         only=chosen,
         requirement=requirement,
+        filling=filling,
         asked=choose_outputs(devices, procedure, settings.outputs),
     )
     problem, law = analysis.problem, analysis.law
@@ -277,6 +294,8 @@ def analyze_as(
         warnings=warnings,
         could_widen=could_widen(sensors, procedure, reference=settings.reference),
         matrices=matrices,
+        filled=analysis.filled.lines,
+        left=analysis.filled.left,
         analysis=analysis,
     )
     return budget if requirement is None else _judge(budget, requirement)

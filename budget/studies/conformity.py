@@ -8,8 +8,11 @@ from typing import TYPE_CHECKING
 from budget.calibration.derived import known_outputs
 from budget.errors import CallError
 from budget.results import INTERACTION, Assessment, CapAssessment, SensorAssessment
+from budget.studies.doubt import doubt_of
 from budget.studies.figures_of_merit import over_cap, read_amount
 from budget.studies.judgement import (
+    MAX_TRIALS,
+    TRIALS,
     assess_outputs,
     judge,
     limit_problem,
@@ -92,7 +95,15 @@ def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Asses
         held = limit_problem(own.problem, requirement)
         if held is None:
             continue
-        judged = judge(held, own.law, coverage=requirement.coverage, seed=seed)
+        prediction = own.filled.prediction
+        judged = judge(
+            held,
+            own.law,
+            coverage=requirement.coverage,
+            seed=seed,
+            # What missing lines leave open, no trial decides.
+            max_trials=TRIALS if prediction else MAX_TRIALS,
+        )
         outputs += assess_outputs(held, judged, own.lacks)
         if any(sensor.lines for sensor in own.sensors):
             found.append(judged)
@@ -109,7 +120,9 @@ def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Asses
         requirement=requirement.name,
         outputs=tuple(sorted(outputs, key=lambda row: order[row.output.name])),
         sensors=tuple(verdicts),
-        conformance=together(found) if found else None,
+        conformance=together(found)
+        if found and not any(one.doubt for one in verdicts)
+        else None,
         not_there=tuple(kind for kind in requirement.kinds if kind not in judged_kinds),
         caps=tuple(
             _cap(device, merit, cap)
@@ -142,15 +155,21 @@ def _verdict(
     parts = own.law.source_variance[:, held.rows[judged.worst]].tolist()
     # A sensor without lines has no source, only the row of products, which is 0.
     limiting = held.problem.groups[first_largest(parts)].name if parts else INTERACTION
+    prediction = own.filled.prediction
+    doubt = None
+    if prediction is not None and not missing and not held.absent:
+        doubt = doubt_of(prediction, held, own.law, judged)
     return SensorAssessment(
         sensor=owner,
-        verdict=judged.verdict((*missing, *held.absent)),
+        verdict="predicted" if doubt else judged.verdict((*missing, *held.absent)),
+        doubt=doubt,
         utilisation=judged.utilisation,
         utilisation_interval=judged.utilisation_interval,
         worst_output=held.outputs[judged.worst].name,
         worst_outputs=tuple(held.outputs[k].name for k in judged.all_worst),
         limiting_source=limiting,
-        conformance=judged.conformance if has_lines else None,
+        # At the medians of predicted lines it would look better than it is.
+        conformance=judged.conformance if has_lines and not doubt else None,
         trials=judged.trials,
         expected_missing=missing,
         nothing_known=not has_lines,

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from budget.model.source import Source
-    from budget.spec.records import ErrorLine, Procedure
+    from budget.spec.records import Device, ErrorLine, Procedure
 
 
 def lacking(
@@ -81,6 +81,15 @@ def expecting(sensor: Sensor, procedure: Procedure, reference: str) -> Sensor:
     )
     there = (name for name in sensor.expected_missing if name not in missing)
     return replace(sensor, expected_missing=(*there, *missing))
+
+
+def expecting_device(device: Device, procedure: Procedure, reference: str) -> Device:
+    """Return a device whose sensors are expected to say how they age."""
+    gyro, other = (
+        None if sensor is None else expecting(sensor, procedure, reference)
+        for sensor in (device.gyro, device.accelerometer)
+    )
+    return replace(device, gyro=gyro, accelerometer=other)
 
 
 def _holds_over(line: ErrorLine | None, age: float) -> bool:

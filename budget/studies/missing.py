@@ -21,7 +21,7 @@ from budget.results import FilledLine
 from budget.spec.records import ErrorLine
 from budget.spec.specification import CORRELATION_TIME
 from budget.studies.grades import UNKNOWN, family, grade
-from budget.studies.prediction import predict, stand_in
+from budget.studies.prediction import joined, predict, stand_in
 from budget.ties import first_largest, settle
 from budget.units import (
     ONE_SIDED,
@@ -61,6 +61,16 @@ class Filling:
             lines=tuple(line for line in self.lines if line.expected in names),
             left=tuple(name for name in self.left if name in names),
             prediction=prediction,
+        )
+
+    def and_of(self, other: Filling) -> Filling:
+        """Return this one and that of another device, independent of it."""
+        both = [one for one in (self.prediction, other.prediction) if one is not None]
+        return Filling(
+            mode=other.mode,
+            lines=(*self.lines, *other.lines),
+            left=(*self.left, *other.left),
+            prediction=joined(both) if both else None,
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -120,6 +130,11 @@ def fill(
             offers = comparable(name, device, sensors[name.owner], catalogue)
             if offers:
                 found[name] = take(name, offers)
+    found = {
+        # A reader of the line must see that no maker of this device prints it.
+        name: (replace(line, condition=told.words, source=""), told)
+        for name, (line, told) in found.items()
+    }
     filling = Filling(
         mode=mode,
         lines=tuple(told for _, told in found.values()),
@@ -142,6 +157,18 @@ def fill(
         ),
     )
     return completed, filling
+
+
+def fill_all(
+    devices: Sequence[Device], mode: str, catalogue: Sequence[Device]
+) -> tuple[tuple[Device, ...], Filling]:
+    """Fill devices that make one unit; arguments as of `fill`."""
+    completed, whole = [], Filling(mode=mode)
+    for device in devices:
+        one, filling = fill(device, mode, catalogue)
+        completed.append(one)
+        whole = whole.and_of(filling)
+    return tuple(completed), whole
 
 
 def comparable(
@@ -167,7 +194,9 @@ def comparable(
     ]
 
 
-def line_of(source: Source, kind: str, u: float | None = None) -> ErrorLine:
+def line_of(
+    source: Source, kind: str, u: float | None = None, *, meaning: str = "1 sigma"
+) -> ErrorLine:
     """Return a normal line of a size [SI], without one of 1 in its most usual unit."""
     unit = source.like(kind)
     # A size per root of hertz is printed as makers do, as a one-sided density.
@@ -185,6 +214,7 @@ def line_of(source: Source, kind: str, u: float | None = None) -> ErrorLine:
         unit=unit,
         si_per_unit=one,
         density=density,
+        meaning=meaning,
     )
 
 
@@ -202,7 +232,7 @@ def _typical(
     """Return the median of the lines, of two in the middle the geometric mean."""
     logs = np.sort([settle(float(np.log(line.u.max()))) for line, _ in offers])
     middle = float(np.exp(np.median(logs)))
-    line = line_of(stand_in(name), name.owner, middle)
+    line = line_of(stand_in(name), name.owner, middle, meaning="median")
     owners = tuple(dict.fromkeys(owner for _, owner in offers))
     return line, _told(name, line, mode=TYPICAL, owners=owners, number=len(offers))
 
@@ -213,7 +243,7 @@ def _predicted(prediction: Prediction) -> dict[Name, tuple[ErrorLine, FilledLine
     half, most = prediction.interval(0.5), prediction.interval(0.9)
     for place, name in enumerate(prediction.names):
         u = float(prediction.median[place])
-        line = line_of(stand_in(name), name.owner, u)
+        line = line_of(stand_in(name), name.owner, u, meaning="predicted")
         told = replace(
             _told(
                 name,
@@ -260,7 +290,8 @@ def _completed(sensor: Sensor, lines: dict[Name, ErrorLine]) -> Sensor:
         not_given=tuple(
             name
             for name in sensor.not_given
-            if source_of(sensor.kind, name.quantity).expected not in met
+            if name.quantity not in met
+            and source_of(sensor.kind, name.quantity).expected not in met
         ),
         expected_missing=tuple(n for n in sensor.expected_missing if n not in own),
     )

@@ -36,7 +36,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from budget.methods.execution import small_blocks
-from budget.model.sources import SENSORS, lines_of
+from budget.model.sources import SENSORS, lines_of, source_of
 from budget.names import Name
 from budget.studies.grades import family
 
@@ -112,6 +112,22 @@ class Prediction:
             devices=tuple(self.devices[place] for place in kept),
             designs=tuple(self.designs[place] for place in kept),
         )
+
+
+def joined(parts: Sequence[Prediction]) -> Prediction:
+    """Return predictions of several devices as one, as if they were independent."""
+    from scipy.linalg import block_diag
+
+    if len(parts) == 1:
+        return parts[0]
+    return Prediction(
+        names=tuple(name for one in parts for name in one.names),
+        location=np.concatenate([one.location for one in parts]),
+        scale=np.asarray(block_diag(*(one.scale for one in parts))),
+        df=min(one.df for one in parts),
+        devices=tuple(those for one in parts for those in one.devices),
+        designs=tuple(number for one in parts for number in one.designs),
+    )
 
 
 def predict(
@@ -297,7 +313,8 @@ def figure_of(device: Device, name: Name) -> Figure:
 
 def stand_in(name: Name) -> Source:
     """Return the line that stands for an expected one: of noises a random walk."""
-    return next(one for one in stand_ins(name.owner) if one.expected == name.quantity)
+    own = (one for one in stand_ins(name.owner) if one.expected == name.quantity)
+    return next(own, None) or source_of(name.owner, name.quantity)
 
 
 def stand_ins(kind: str) -> tuple[Source, ...]:
@@ -313,11 +330,12 @@ def _figure(device: Device, kind: str, source: Source, log_u: float) -> Figure:
     """Return a line of a device; one of like unit is compared across sensors."""
     units = {source.like(each) for each in SENSORS}
     design = device.origin.sha256 or device.name
+    quantity = source.expected or source.name
     own = f"{design}, {device.name}"
     return Figure(
         # Of a technology that is not told nobody knows what is like it.
         groups=(family(device.technology) or design, design, own, f"{own}, {kind}"),
-        line=source.expected if len(units) == 1 else f"{source.expected} of the {kind}",
+        line=quantity if len(units) == 1 else f"{quantity} of the {kind}",
         device=device.name,
         log_u=log_u,
     )

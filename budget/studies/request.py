@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from functools import cached_property
 from typing import TYPE_CHECKING, Self
@@ -14,7 +14,14 @@ from budget.calibration.derived import (
     parts_of,
 )
 from budget.calibration.problem import REFERENCES, calibration_problem
-from budget.calibration.schemes import NORM, WEIGHTED, calibrates, estimated, noise_of
+from budget.calibration.schemes import (
+    NORM,
+    WEIGHTED,
+    calibrates,
+    estimated,
+    noise_of,
+    with_accelerometers,
+)
 from budget.distributions import COVERAGES, is_coverage
 from budget.errors import CallError
 from budget.methods.gum import propagate
@@ -24,6 +31,7 @@ from budget.names import IMU, Name, by_group, every_output, meant
 from budget.spec import load_procedure
 from budget.spec.records import Device
 from budget.studies.lower_bounds import expecting, lacking
+from budget.studies.missing import Filling
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterable, Mapping, Sequence
@@ -95,6 +103,8 @@ class Analysis:
     requirement: Requirement | None = None  # limits on the errors
     # Outputs, and what has a limit; None: the parameters that are estimated.
     asked: tuple[Name, ...] | None = None
+    # What stands in the devices for expected lines that are not given.
+    filling: Filling = field(default_factory=Filling)
     # Triads that are looked at, of those that are there.
     kinds: tuple[str, ...] = SENSORS
 
@@ -150,6 +160,14 @@ class Analysis:
             for sensor in sensors_of(self.devices, self.procedure)
             if sensor.kind in self.kinds
         )
+
+    @cached_property
+    def filled(self) -> Filling:
+        """What stands for lines of the triads, and of those that they rest on."""
+        there = {one.kind for one in with_accelerometers(self.sensors, self.procedure)}
+        filling = self.filling
+        names = (*(line.expected for line in filling.lines), *filling.left)
+        return filling.of([name for name in names if name.owner in there])
 
     @cached_property
     def problem(self) -> Problem:

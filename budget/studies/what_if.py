@@ -267,6 +267,8 @@ def what_if(analysis: Analysis, *, budget: Budget | None = None) -> WhatIf:
     triads = {sensor.kind: (sensor,) for sensor in analysis.sensors}
     owners = dict.fromkeys((*triads, *(one.name.owner for one in problem.outputs)))
     held = limited_but_held(triads, analysis.procedure, limits)
+    prediction = analysis.filling.prediction
+    predicted = () if prediction is None else prediction.names
     return WhatIf(
         coverage=analysis.coverage,
         reference=analysis.reference,
@@ -279,6 +281,7 @@ def what_if(analysis: Analysis, *, budget: Budget | None = None) -> WhatIf:
                         for sensor in triads.get(owner, analysis.sensors)
                         for name in sensor.expected_missing
                     ),
+                    *(name for name in predicted if owner in {name.owner, IMU}),
                     *(name for name in held if name.owner == owner),
                 ),
                 doubt=doubts.get(owner, (1.0, 1.0)),

@@ -220,3 +220,12 @@ def test_the_page_has_the_table_of_the_script(script, tmp_path):
     )
     assert made == kept
     assert "median factor" in kept
+
+
+def test_nothing_is_predicted_from_nothing():
+    """Without any figure, of others or of its own, there is no prediction."""
+    device = load_device("stim210")
+    bare = replace(device, gyro=replace(device.gyro, lines=device.gyro.lines[1:]))
+
+    assert predict_figures([], {BIAS: figure("new")}) is None
+    assert predict(bare, device.gyro.expected_missing, ()) is None

@@ -8,7 +8,11 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from budget.names import key_title
-from budget.report.analysis.groups import budget_section, matrices_sections
+from budget.report.analysis.groups import (
+    budget_section,
+    filled_sections,
+    matrices_sections,
+)
 from budget.report.analysis.method import Trials, method_section
 from budget.report.analysis.station import station_section
 from budget.report.analysis.verdict import (
@@ -117,6 +121,7 @@ def report_document(
         _overview(groups, assessment),
         _contributions(rank_contributions(groups, devices, procedure, assessment)),
         _gaps(budget, extras),
+        *filled_sections(budget),
         None if assessment is None else limits_section(budget, assessment),
         inputs_section(devices, procedure),
         procedure_section(procedure, sensors),

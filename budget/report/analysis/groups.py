@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
-from budget.names import AXES
+from budget.names import AXES, key_title
 from budget.report.blocks import (
     Abreast,
     Cell,
@@ -32,7 +32,14 @@ from budget.report.tables import (
     round_u,
     settings_lines,
 )
-from budget.report.wording import capital, cell, not_given_lines, points, share_cell
+from budget.report.wording import (
+    capital,
+    cell,
+    mode_sentence,
+    not_given_lines,
+    points,
+    share_cell,
+)
 from budget.results import CONVENTION
 
 if TYPE_CHECKING:
@@ -54,6 +61,7 @@ def budget_answer(budget: Budget) -> tuple[Section, ...]:
         *(_group_section(group, checked=len(checks) > 1) for group in groups),
         *matrices_sections(budget),
         *_indices(budget, dict.fromkeys(group.sensor for group in groups)),
+        *filled_sections(budget),
         _listed("Not given", not_given_lines(budget.could_widen)),
         _listed("Assumptions", budget.assumptions),
         _listed("Warnings", budget.warnings),
@@ -61,6 +69,30 @@ def budget_answer(budget: Budget) -> tuple[Section, ...]:
             name="settings",
             title="Settings",
             blocks=(Pairs(rows=tuple((name, (text,)) for name, text in settings)),),
+        ),
+    )
+
+
+def filled_sections(budget: Budget) -> tuple[Section, ...]:
+    """Return what stands for expected lines that are not given; nothing to refuse."""
+    sentence = mode_sentence(budget.settings)
+    if not sentence:
+        return ()
+    lines = [
+        f"{key_title(line.source)}: {line.printed} ({line.basis})"
+        for line in budget.filled
+    ]
+    lines += [f"{key_title(name)}: nothing is known" for name in budget.left]
+    return (
+        Section(
+            name="filled",
+            title="In the place of lines that are not given",
+            blocks=(
+                Paragraph(words=(sentence,), small=True),
+                Listing(
+                    items=points(lines), empty="None: every expected line is given."
+                ),
+            ),
         ),
     )
 

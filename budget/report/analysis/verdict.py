@@ -20,6 +20,7 @@ from budget.report.tables import (
     UNKNOWN,
     join_outputs,
     largest_error,
+    print_chance,
     print_contributions,
     print_coverage,
     print_decimals,
@@ -36,6 +37,9 @@ from budget.report.wording import (
     VERDICTS,
     capital,
     cell,
+    doubt_sentence,
+    mode_remark,
+    mode_sentence,
     value,
 )
 from budget.studies.request import given_lines, sensors_of
@@ -69,6 +73,7 @@ def headline(budget: Budget, assessment: Assessment | None) -> str:
     part = ", chosen sources alone" if budget.settings.only else ""
     if assessment is None:
         coverage = print_coverage(budget.settings.coverage)
+        part += mode_remark(budget.settings)
         return f"Error budget, U at {coverage} % coverage{part}"
     given = {sensor.verdict for sensor in assessment.sensors}
     overall = next(word for word in SEVERITY if word in given)
@@ -77,7 +82,11 @@ def headline(budget: Budget, assessment: Assessment | None) -> str:
             key_title(sensor.sensor) for sensor in assessment.sensors
         )
         part = f", {present} alone{part}"
-    return f"{VERDICTS[overall]} {assessment.requirement}{part}"
+    said = VERDICTS[overall]
+    if overall == "predicted" and assessment.chance is not None:
+        said = f"{VERDICTS['meets']} with {print_chance(assessment.chance)}:"
+    part += mode_remark(budget.settings)
+    return f"{said} {assessment.requirement}{part}"
 
 
 def summary(budget: Budget, assessment: Assessment | None) -> Words:
@@ -95,7 +104,13 @@ def summary(budget: Budget, assessment: Assessment | None) -> Words:
             "Nothing is said of the misalignment, which the requirement limits too: it "
             "takes the mounting angles of a gyro and an accelerometer. "
         )
-    return (*_left_out(budget.settings), *absent, *_margin(budget, assessment))
+    mode = mode_sentence(budget.settings)
+    return (
+        *_left_out(budget.settings),
+        *absent,
+        *_margin(budget, assessment),
+        *((f" {mode}",) if mode else ()),
+    )
 
 
 def verdict_cards(budget: Budget, assessment: Assessment) -> tuple[Card, ...]:
@@ -133,6 +148,10 @@ def _outcome(assessment: Assessment, row: OutputAssessment) -> str:
     word = assessment.outcome(row)
     if row.lower_bound and row.is_within:
         return "open: lines missing"
+    if any(
+        one.doubt and one.sensor == row.output.name.owner for one in assessment.sensors
+    ):
+        return f"{word} at the medians"
     return f"{word}, by Monte Carlo" if row.by_monte_carlo else word
 
 
@@ -250,6 +269,8 @@ def _margin(budget: Budget, assessment: Assessment | None) -> Words:
         if 1.0 - worst >= SPARE:
             spare = print_decimals(100.0 * (1.0 - worst), 1)
             found += f", with {spare} % of the nearest one to spare"
+    if assessment.chance is not None:
+        found = f"At the medians of predicted lines: {found[:1].lower()}{found[1:]}"
     return (*nothing, f"{found}. ", _jointly(assessment), basis)
 
 
@@ -295,6 +316,13 @@ def _verdict_card(
         low, high = (print_utilisation(end) for end in sensor.utilisation_interval)
         text = f"It uses {low} to {high} of the limit: on which side is not decided."
         lines.append((text,))
+    if sensor.doubt is not None:
+        said = doubt_sentence(sensor.doubt, of=sensor.sensor)
+        low, high = (print_utilisation(end) for end in sensor.doubt.utilisation_90)
+        lines.append((Run(text=f"{capital(said)}.", strong=True),))
+        lines.append(
+            (f"It uses {low} to {high} of the limit, 90 % over predicted lines.",)
+        )
     lines.append(
         (
             f"Worst output: {join_outputs(sensor.worst_outputs)}, largest error ",
@@ -326,7 +354,8 @@ def _verdict_card(
             for part in budget.output(sensor.worst_output).contributions
         ]
     )
-    text = f"Because: {because} of the variance of that output."
+    at = "" if sensor.doubt is None else ", at the medians"
+    text = f"Because: {because} of the variance of that output{at}."
     if missing and sensor.verdict != "undecidable":
         text += f" Not given: {missing}."
     lines.append((text,))

@@ -56,7 +56,9 @@ def basis(comparison: Comparison) -> str:
     settings = comparison.settings
     coverage = print_coverage(settings.coverage)
     said = f"Errors at {coverage} % coverage; {ERROR_REFERENCES[settings.reference]}."
-    return " ".join(filter(None, [said, mode_sentence(settings)]))
+    if sentence := mode_sentence(settings):
+        said += f" {sentence} The exit code goes by given lines alone."
+    return said
 
 
 def computed_apart(comparison: Comparison) -> str:

@@ -196,18 +196,24 @@ def utilisation_title(assessment: Assessment) -> str:
         sensors[place] for place in largest([one.utilisation for one in sensors])
     ]
     beyond = sum(not output.is_within for output in assessment.outputs)
+    at = "" if assessment.chance is None else "At the medians of predicted lines: "
     name = join_outputs([name for one in nearest for name in one.worst_outputs])
     part = f"{name} at {used_part(worst).text} of the limit"
     total = len(assessment.outputs)
     if beyond:
-        return f"{beyond} of {total} outputs exceed their limits, most of all {part}"
+        return (
+            f"{at}{beyond} of {total} outputs exceed their limits, most of all {part}"
+        )
     open_ones = sum(output.lower_bound for output in assessment.outputs)
     if open_ones:
         return (
             f"{total - open_ones} of {total} outputs are within their limits, "
             f"{open_ones} cannot be decided, lines are missing"
         )
-    return f"All {total} outputs stay within their limits, the nearest is {part}"
+    every = "all" if at else "All"
+    return (
+        f"{at}{every} {total} outputs stay within their limits, the nearest is {part}"
+    )
 
 
 def _ranked(assessment: Assessment, sensor: str) -> list[list[OutputAssessment]]:

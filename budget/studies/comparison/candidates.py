@@ -15,7 +15,7 @@ from budget.model.sources import GYRO
 from budget.names import IMU, Name
 from budget.studies.comparison.records import MissingLines, Remedy
 from budget.studies.judgement import Limited, limit_problem, required_problem
-from budget.studies.lower_bounds import missing_of
+from budget.studies.lower_bounds import expecting_device, missing_of
 from budget.studies.missing import REFUSE, WORST, Filling, fill
 from budget.ties import first_largest
 
@@ -36,7 +36,8 @@ class Candidate:
 
     device: Device
     place: int  # of the device among those compared
-    sensor: Sensor
+    given: Sensor  # as the data sheet leaves it
+    sensor: Sensor  # with what stands for lines that are not given
     procedure: Procedure
     requirement: Requirement
     # What stands in the device for expected lines that are not given.
@@ -106,10 +107,9 @@ def bound_missing(
 ) -> MissingLines | None:
     """Return what expected lines that are not given could do; None where none miss.
 
-    `bare` is its device as the data sheet leaves it.
+    `bare` is its device as the file gives it.
     """
-    sensor = next(each for each in bare.sensors if each.kind == one.sensor.kind)
-    missing = missing_of((sensor,), one.procedure)
+    missing = missing_of((one.given,), one.procedure)
     if not missing:
         return None
     if one.filling.mode != REFUSE:
@@ -120,12 +120,14 @@ def bound_missing(
             verdict="",
             is_bound=False,
         )
+    bare = expecting_device(bare, one.procedure, one.requirement.reference)
     completed, filling = fill(bare, WORST, catalogue)
     # Beside a sensor of another kind its lines count where the verdict rests on them.
     filling = filling.of(missing)
     utilisation = None
     if len(filling.lines) == len(missing):
-        sensor = next(each for each in completed.sensors if each.kind == sensor.kind)
+        kind = one.sensor.kind
+        sensor = next(each for each in completed.sensors if each.kind == kind)
         held = replace(one, sensor=sensor).limited()
         ends = propagate(held.problem).interval(one.requirement.coverage)[held.rows]
         utilisation = float((np.abs(ends).max(axis=1) / held.limits).max())

@@ -23,7 +23,7 @@ from budget.studies.comparison.records import (
 )
 from budget.studies.figures_of_merit import MERITS, is_known, over_cap
 from budget.studies.judgement import MAX_TRIALS, TRIALS
-from budget.studies.lower_bounds import expecting, missing_of
+from budget.studies.lower_bounds import expecting_device, missing_of
 from budget.studies.missing import REFUSE, fill
 from budget.studies.progress import stage
 from budget.studies.request import (
@@ -111,22 +111,22 @@ def compare(
     most = max(trials, MAX_TRIALS) if max_trials is None else max_trials
     _check(method, trials=trials, max_trials=most, validate=validate)
     _check_names(procedures)
-    bare = devices
-    filled = [fill(device, missing, catalogue) for device in devices]
-    devices = [device for device, _ in filled]
     candidates = [
         one
         for procedure in procedures
-        for place, (device, filling) in enumerate(filled)
-        for sensor, given in zip(device.sensors, bare[place].sensors, strict=True)
+        for place, device in enumerate(devices)
+        for bare in [expecting_device(device, procedure, requirement.reference)]
+        for filled in [fill(bare, missing, catalogue)]
+        for given, sensor in zip(bare.sensors, filled[0].sensors, strict=True)
         if (
             one := Candidate(
-                device=device,
+                device=filled[0],
                 place=place,
-                sensor=expecting(sensor, procedure, requirement.reference),
+                given=given,
+                sensor=sensor,
                 procedure=procedure,
                 requirement=requirement,
-                filling=filling.of(missing_of((given,), procedure)),
+                filling=filled[1].of(missing_of((given,), procedure)),
             )
         ).is_limited
     ]
@@ -154,7 +154,7 @@ def compare(
             progress=stage(progress, "comparison of devices"),
         )
     verdicts = [
-        _verdict(one, finding, bare[one.place], catalogue)
+        _verdict(one, finding, devices[one.place], catalogue)
         for one, finding in zip(judged, findings, strict=True)
     ]
     ranked = rank(verdicts)
@@ -182,7 +182,7 @@ def compare(
         not_compared=_not_compared(devices, requirement),
         devices=ranked,
         nothing_known=tuple(
-            _entrant(one, bare[one.place], catalogue)
+            _entrant(one, devices[one.place], catalogue)
             for one in candidates
             if not one.sensor.lines
         ),
@@ -190,7 +190,10 @@ def compare(
         assumptions=tuple(
             dict.fromkeys(
                 f"{device.name}: {text}"
-                for device in devices
+                for device in (
+                    *devices,
+                    *(one.device for one in candidates if one.filling.lines),
+                )
                 for text in (
                     *device.assumptions,
                     *(
@@ -281,7 +284,7 @@ def _verdict(
 def _entrant(one: Candidate, bare: Device, catalogue: Sequence[Device]) -> Entrant:
     """Return what is said of every candidate, whether it can be judged or not.
 
-    `bare` is its device as the data sheet leaves it.
+    `bare` is its device as the file gives it.
     """
     device, caps = one.device, one.requirement.caps
     return Entrant(
