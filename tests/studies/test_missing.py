@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 from dataclasses import replace
 
@@ -19,6 +21,7 @@ from budget.report.comparison.tables import rankings
 from budget.spec import load_catalogue
 from budget.spec.load import load_variants
 from budget.studies.comparison.compare import compare
+from budget.studies.comparison.ranking import rank
 from budget.studies.missing import MODES, comparable, fill
 
 CATALOGUE = load_catalogue()
@@ -219,7 +222,15 @@ def test_a_prediction_looks_no_better_than_it_is(by_mode):
     assert row.ask.startswith("mounting repeatability 0.")
     assert one["conformance"] is None
     assert one["predicted"]["worth_asking"][0]["source"] == MOUNTING
-    assert LACKS_ONE.name in to_csv(found)
+    (first, *_) = [
+        each
+        for each in csv.DictReader(io.StringIO(to_csv(found)))
+        if each["device"] == LACKS_ONE.name and each["sensor"] == "gyro"
+    ]
+    assert first["device_conformance"] == ""
+    assert float(first["device_probability"]) == one["predicted"]["probability"]
+    assert first["ask_first"] == MOUNTING
+    assert "device_probability" not in to_csv(by_mode["refuse"])
 
 
 def test_pairs_of_predicted_parts():
@@ -232,6 +243,18 @@ def test_pairs_of_predicted_parts():
     assert pair.verdict == "predicted"
     assert_allclose(pair.probability, parts[0] * parts[1], rtol=1e-12)
     assert pair.to_dict()["conformance"] is None
+
+
+def test_no_chance_ranks_below_what_fails(by_mode):
+    """Of equal probability, 0, the decided device ranks before the predicted one."""
+    rows = [one for one in by_mode["predict"].devices if one.sensor == "gyro"]
+    fails = next(one for one in rows if one.verdict == "fails" and not one.missing)
+    likely = next(one for one in rows if one.doubt is not None)
+    none = replace(likely, doubt=replace(likely.doubt, probability=0.0))
+    some = replace(likely, doubt=replace(likely.doubt, probability=0.01))
+
+    assert rank([none, fails])[0].verdict == "fails"
+    assert rank([fails, some])[0].verdict == "predicted"
 
 
 def test_one_device_is_judged_as_among_others(by_mode):

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from budget.report.document import csv_text
 from budget.studies.comparison.records import DEVICES
+from budget.studies.missing import PREDICT
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -36,6 +37,9 @@ COLUMNS = (
     "lower_bound",
     "device_lower_bound",
 )
+
+
+PREDICTED = ("device_probability", "device_doubt", "ask_first", "ask_first_worth")
 
 
 def to_json(comparison: Comparison) -> str:
@@ -78,13 +82,19 @@ def _dumps(value: Any, *, depth: int) -> str:  # noqa: ANN401 - any part of a do
 
 
 def to_csv(comparison: Comparison) -> str:
-    """Write one row for each device and required output, in printed units."""
-    return csv_text(COLUMNS, _rows(comparison))
+    """Write one row for each device and required output, in printed units.
+
+    Where missing lines are predicted, with the probability and what to ask for.
+    """
+    more = PREDICTED if comparison.settings.missing == PREDICT else ()
+    return csv_text((*COLUMNS, *more), _rows(comparison))
 
 
 def _rows(comparison: Comparison) -> Iterator[dict[str, Any]]:
     """Yield the entries of the JSON document, one for each output, without lists."""
     for one in comparison.entries():
+        predicted = one.get("predicted", {})
+        first: dict[str, Any] = next(iter(predicted.get("worth_asking", [])), {})
         for output in one["outputs"]:
             low, high = output["interval"]
             yield {
@@ -92,6 +102,10 @@ def _rows(comparison: Comparison) -> Iterator[dict[str, Any]]:
                 **{key: one[key] for key in ("rank", "file", "verdict")},
                 "procedure": one["procedure"],
                 "device": one["name"],
+                "device_probability": predicted.get("probability"),
+                "device_doubt": predicted.get("doubt"),
+                "ask_first": first.get("source"),
+                "ask_first_worth": first.get("reduction"),
                 **output,
                 "interval_low": low,
                 "interval_high": high,

@@ -75,6 +75,8 @@ def _place(row: DeviceVerdict) -> tuple[int, float, int, float, float]:
         verdict = "undecidable"
     elif verdict == "undecidable" and not lacks:  # a limit by which none is judged
         verdict = "meets"
+    elif row.doubt is not None and row.doubt.probability == 0.0:
+        verdict = "fails"  # of equal probability the decided one is the better
     worst = inf if row.at_worst is None else settle(row.at_worst)
     p = 0.0 if row.doubt is None else row.doubt.probability
     return VERDICTS.index(verdict), -p, lacks, worst, settle(row.utilisation)
