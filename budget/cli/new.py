@@ -127,7 +127,15 @@ def _ask(name: str, source: str) -> tuple[str, str, dict[tuple[str, str], str]]:
 
 def _answer(question: str, usual: str) -> str:
     """Return what a person types; Enter is the usual answer."""
-    text: str = typer.prompt(
-        question, default=usual, show_default=bool(usual), err=True
-    )
-    return text.strip()
+    from budget.errors import CallError
+
+    shown = f" [{usual}]" if usual else ""
+    sys.stderr.write(f"{question}{shown}: ")
+    sys.stderr.flush()
+    text = sys.stdin.readline()
+    if not text:
+        raise CallError(
+            "the answers ended before the questions, and nothing was written; answer "
+            "each, with Enter where a data sheet prints none, or give --line"
+        )
+    return text.strip() or usual

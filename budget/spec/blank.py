@@ -54,9 +54,16 @@ def new_device(
 
     Raises
     ------
+    CallError
+        A text has a line break or what is no text.
     SpecError
         Something is wrong with a line, at its place in the file it would stand in.
     """
+    for text in (name, source, *lines.values()):
+        if not text.isprintable():
+            raise CallError(
+                f"found {text!r}, expected a name, a source or a value on one line"
+            )
     given = {sensor for sensor, _ in lines}
     text = "\n".join(_text(name, source, lines, given or set(SENSORS))) + "\n"
     document = parse(text.encode(), shown, base_name=shown)

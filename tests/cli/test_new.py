@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import io
 import re
 
 import pytest
 from command_line import call
 
 from budget.cli.new import new
+from budget.errors import CallError
 from budget.model.sources import SENSORS, lines_of
 from budget.spec import load_device
 
@@ -131,42 +133,55 @@ def test_a_name_that_is_no_yaml_is_refused(tmp_path):
     assert ".yaml" in outcome.err
 
 
+class Terminal(io.StringIO):
+    """A stream that a person sits at."""
+
+    def isatty(self):
+        """Say so."""
+        return True
+
+
+def asked(folder, monkeypatch, answers):
+    """Answer the questions; return the file and what was said."""
+    said = Terminal()
+    monkeypatch.setattr("sys.stdin", Terminal("".join(f"{one}\n" for one in answers)))
+    monkeypatch.setattr("sys.stderr", said)
+    path = folder / "imu.yaml"
+    new(path)
+    return path, said.getvalue()
+
+
 def test_on_a_terminal_it_asks(tmp_path, monkeypatch):
     """A wrong answer is explained and asked again; Enter leaves a line out."""
-    asked = []
-    answers = {
-        "Name": ["Mine, 2"],
-        "Data sheet": ["rev. 1"],
-        "  value": ["1 deg", "1 deg/h", "0.3 deg/h"],
-        "  meaning": ["max", "max", "typical"],
-        "  definition": ["allan_minimum"],
-    }
-
-    def answer(question, **options):
-        asked.append(question)
-        mine = next(rest for key, rest in answers.items() if question.startswith(key))
-        return mine.pop(0) if mine else options["default"]
-
-    class Terminal:
-        def isatty(self):
-            return True
-
-        def write(self, _):
-            return None
-
-        def flush(self):
-            return None
-
-    monkeypatch.setattr("typer.prompt", answer)
-    monkeypatch.setattr("sys.stdin", Terminal())
-    monkeypatch.setattr("sys.stderr", Terminal())
-    path = tmp_path / "imu.yaml"
-    new(path)
-
+    wrong, right = ["1 deg", "max"], ["1 deg/h", "max"]
+    stable = ["0.3 deg/h", "typical", "allan_minimum"]
+    rest = [""] * 10
+    path, said = asked(
+        tmp_path, monkeypatch, ["Mine, 2", "", *wrong, *right, *stable, *rest]
+    )
     device = load_device(str(path))
     assert lines(device) == {
         "gyro.bias_repeatability": ("1 deg/h", "max"),
         "gyro.bias_stability": ("0.3 deg/h", "typical"),
     }
-    assert (device.name, device.source) == ("Mine, 2", "rev. 1")
-    assert sum(one.startswith("  value") for one in asked) == 3 + 4 + 6
+    assert (device.name, device.source) == ("Mine, 2", "")
+    assert "found '1 deg', which is an angle" in said
+    # Each expected line but flicker, and the second noise, since none was given.
+    assert said.count("such as 1 ") == 1 + 6 + 6
+    assert "docs/datasheets.md#bias-stability" in said
+
+
+def test_answers_that_end_write_nothing(tmp_path, monkeypatch):
+    """The end of stdin is no Enter."""
+    with pytest.raises(CallError, match="nothing was written"):
+        asked(tmp_path, monkeypatch, ["Mine"])
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("option", ["--name", "--source"])
+def test_a_name_on_two_lines_is_refused(option, tmp_path):
+    """A file is not broken by what is put into it."""
+    outcome = call("new", tmp_path / "imu.yaml", option, "a\nb: c")
+    assert outcome.code == 2
+    assert "on one line" in outcome.err
+    assert list(tmp_path.iterdir()) == []
