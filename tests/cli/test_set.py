@@ -30,8 +30,8 @@ CALLS = {
     "devices": ("devices", "zhao-2019"),
     "report": ("report", "zhao-2019", "--no-validate", "-o", "a.html"),
 }
-# What reads files by itself: stored budgets, two sides, files as such, the paper.
-WITHOUT = {"check", "diff", "validate", "schema", "paper"}
+# What reads files by itself, or none: stored budgets, two sides, files, the paper.
+WITHOUT = {"check", "diff", "new", "validate", "schema", "paper"}
 
 
 def test_every_command_has_it_or_a_reason():
