@@ -154,9 +154,8 @@ TARGETS = (
         entries=_KALIBR,
         sources=(
             (
-                "https://github.com/ethz-asl/kalibr/wiki/IMU-Noise-Model (white "
-                "noise and "
-                "random walk of continuous time, two-sided)"
+                "https://github.com/adujardin/kalibr/wiki/IMU-Noise-Model, a copy of "
+                "Kalibr's own (white noise and random walk of continuous time)"
             ),
             (
                 "https://github.com/ethz-asl/kalibr, kalibr_common/ConfigReader.py, "
@@ -302,7 +301,7 @@ TARGETS = (
         sources=(
             (
                 "https://github.com/borglab/gtsam, "
-                "gtsam/navigation/CombinedImuFactor.h "
+                "gtsam/navigation/PreintegrationCombinedParams.h "
                 "and PreintegrationParams.h (names; covariances of continuous time)"
             ),
         ),
@@ -515,9 +514,9 @@ TARGETS = (
         ),
         sources=(
             (
-                "http://www.psins.org.cn, PSINS toolbox, imuerrset.m "
-                "(arguments, units) "
-                "and glvf.m (g0 = 9.7803267714 m/s^2, of which its ug is)"
+                "https://github.com/asenlinmu/psins, a copy of the PSINS toolbox: "
+                "base/imu/imuerrset.m (arguments, units) and base/glvf.m "
+                "(g0 = 9.7803267714 m/s^2, of which its ug is)"
             ),
         ),
         notes=(
