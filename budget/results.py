@@ -576,9 +576,16 @@ class FilledLine:
         return f"90 %: {low} to {high}; predicted from {some} of {self.designs} designs"
 
     @property
+    def origin(self) -> str:
+        """The basis, with how many devices the worst is of."""
+        if self.mode != "worst":
+            return self.basis
+        return f"{self.basis}, the worst of {self.devices}"
+
+    @property
     def words(self) -> str:
         """Say what was taken for it."""
-        return f"not given, {self.printed} taken ({self.basis})"
+        return f"not given, {self.printed} taken ({self.origin})"
 
     def _print(self, u: float) -> str:
         """Print a size to three digits."""

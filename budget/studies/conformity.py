@@ -121,7 +121,7 @@ def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Asses
         outputs=tuple(sorted(outputs, key=lambda row: order[row.output.name])),
         sensors=tuple(verdicts),
         conformance=together(found)
-        if found and not any(one.doubt for one in verdicts)
+        if found and analysis.filled.prediction is None
         else None,
         not_there=tuple(kind for kind in requirement.kinds if kind not in judged_kinds),
         caps=tuple(
@@ -169,7 +169,7 @@ def _verdict(
         worst_outputs=tuple(held.outputs[k].name for k in judged.all_worst),
         limiting_source=limiting,
         # At the medians of predicted lines it would look better than it is.
-        conformance=judged.conformance if has_lines and not doubt else None,
+        conformance=judged.conformance if has_lines and not prediction else None,
         trials=judged.trials,
         expected_missing=missing,
         nothing_known=not has_lines,

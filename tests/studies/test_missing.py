@@ -49,7 +49,10 @@ def by_mode():
     devices = [
         *load_variants("hg4930"),
         LACKS_ONE,
-        *(load_device(name) for name in ("stim210", "stim300#5g", "cgm300s10")),
+        *(
+            load_device(name)
+            for name in ("stim210", "stim300#5g", "stim300#80g", "cgm300s10")
+        ),
     ]
     return {mode: compared(*devices, missing=mode) for mode in MODES}
 
@@ -219,6 +222,8 @@ def test_a_prediction_looks_no_better_than_it_is(by_mode):
 
     assert row.verdict.startswith("meets 0.")
     assert row.conformance == ""
+    (fails,) = [d for d in found.devices if d.verdict == "fails" and d.at_medians][:1]
+    assert fails.to_dict()["conformance"] is None
     assert row.ask.startswith("mounting repeatability 0.")
     assert one["conformance"] is None
     assert one["predicted"]["worth_asking"][0]["source"] == MOUNTING
@@ -243,6 +248,9 @@ def test_pairs_of_predicted_parts():
     assert pair.verdict == "predicted"
     assert_allclose(pair.probability, parts[0] * parts[1], rtol=1e-12)
     assert pair.to_dict()["conformance"] is None
+    (failing,) = compared(load_device("stim300#80g"), missing="predict").pairs
+    assert (failing.verdict, failing.probability) == ("fails", None)
+    assert failing.to_dict()["conformance"] is None
 
 
 def test_no_chance_ranks_below_what_fails(by_mode):

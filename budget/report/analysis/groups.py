@@ -79,7 +79,7 @@ def filled_sections(budget: Budget) -> tuple[Section, ...]:
     if not sentence:
         return ()
     lines = [
-        f"{key_title(line.source)}: {line.printed} ({line.basis})"
+        f"{key_title(line.source)}: {line.printed} ({line.origin})"
         for line in budget.filled
     ]
     lines += [f"{key_title(name)}: nothing is known" for name in budget.left]

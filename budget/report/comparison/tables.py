@@ -185,7 +185,7 @@ def _row(one: DeviceVerdict, rank: str) -> Row:
 
 def _conformance(one: DeviceVerdict) -> str:
     """Print the conformance; '' where it would be that of predicted medians."""
-    if one.doubt is not None:
+    if one.at_medians:
         return ""
     return (print_at_most if one.lower_bound else print_probability)(one.conformance)
 
@@ -318,7 +318,7 @@ RANKING = (
         kind="number",
         cell=lambda row: Cell(
             text=row.conformance,
-            exact=None if row.of.doubt else PER_CENT * row.of.conformance.value,
+            exact=None if row.of.at_medians else PER_CENT * row.of.conformance.value,
         ),
         order=lambda row: _undecided_last(row, -row.of.conformance.value),
     ),
@@ -539,7 +539,7 @@ PAIRS = (
                 else print_probability(pair.conformance),
                 exact=PER_CENT * pair.conformance.value,
             )
-            if pair.probability is None
+            if not pair.at_medians
             else ""
         ),
     ),

@@ -188,7 +188,8 @@ def missing_effects(comparison: Comparison) -> tuple[MissingEffect, ...]:
             )
         else:
             effect = ", ".join(
-                f"{source_title(line.source, of=sensor)} {line.printed} ({line.basis})"
+                f"{source_title(line.source, of=sensor)} {line.printed} "
+                f"({line.basis if refused else line.origin})"
                 for line in assumed
             )
             met = {line.expected for line in assumed}

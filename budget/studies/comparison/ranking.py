@@ -131,6 +131,7 @@ def pair_up(rows: Sequence[DeviceVerdict], *, every: bool) -> tuple[Pair, ...]:
                     procedure=gyro.procedure,
                     verdict=max(gyro.verdict, other.verdict, key=GRAVEST.index),
                     probability=_both(gyro, other),
+                    at_medians=gyro.at_medians or other.at_medians,
                     lower_bound=gyro.lower_bound or other.lower_bound,
                     utilisation=max(gyro.utilisation, other.utilisation),
                     conformance=together((gyro.judged, other.judged)),

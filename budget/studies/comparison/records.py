@@ -167,6 +167,13 @@ class DeviceVerdict(Entrant):
         return self.lower_bound or (filled and not self.is_bound)
 
     @property
+    def at_medians(self) -> bool:
+        """Whether its numbers are those at the medians of predicted lines."""
+        if self.missing is None or self.missing.is_bound:
+            return False
+        return self.missing.filling.prediction is not None
+
+    @property
     def is_bound(self) -> bool:
         """Whether missing lines count as 0 in its numbers."""
         return self.missing is None or self.missing.is_bound
@@ -197,7 +204,7 @@ class DeviceVerdict(Entrant):
             "worst_output": self.worst_output,
             "worst_outputs": list(self.worst_outputs),
             # At the medians of predicted lines it would look better than it is.
-            **(self.conformance.to_dict() if not self.doubt else UNKNOWN_CONFORMANCE),
+            **(UNKNOWN_CONFORMANCE if self.at_medians else self.conformance.to_dict()),
             "limiting_source": self.remedy.source,
             "limiting_share": self.remedy.share,
             "improvement_factor": self.remedy.factor,
@@ -228,6 +235,7 @@ class Pair:
     conformance: Probability
     lower_bound: bool  # the utilisation is this or more, the conformance this or less
     probability: float | None = None  # that both meet, where lines are predicted [1]
+    at_medians: bool = False  # its numbers are those at medians of predicted lines
 
     def to_dict(self) -> dict[str, Any]:
         """Return what documents say of it."""
@@ -238,11 +246,8 @@ class Pair:
             "verdict": self.verdict,
             "lower_bound": self.lower_bound,
             "utilisation": self.utilisation,
-            **(
-                self.conformance.to_dict()
-                if self.probability is None
-                else {**UNKNOWN_CONFORMANCE, "probability": self.probability}
-            ),
+            **(UNKNOWN_CONFORMANCE if self.at_medians else self.conformance.to_dict()),
+            **({} if self.probability is None else {"probability": self.probability}),
         }
 
 
