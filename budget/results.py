@@ -411,6 +411,7 @@ class Budget:
     # What stands for expected lines that are not given, and those without a stand-in.
     filled: tuple[FilledLine, ...] = ()
     left: tuple[Name, ...] = ()
+    readings: tuple[ReadingEffect, ...] = ()  # other ones than are taken, one by one
     # What it is of (budget.studies.request.Analysis): results know nothing of files.
     analysis: object = field(default=None, repr=False)
 
@@ -476,6 +477,11 @@ class Budget:
             "assessment": None
             if self.assessment is None
             else self.assessment.to_dict(),
+            **(
+                {"readings": [one.to_dict() for one in self.readings]}
+                if self.readings
+                else {}
+            ),
             **(
                 {
                     "matrices": {
@@ -717,6 +723,66 @@ def worst_of(rows: Sequence[OutputAssessment]) -> OutputAssessment:
 
 
 @dataclass(frozen=True, kw_only=True)
+class ReadingEffect:
+    """What another reading of one line alone makes of the standard uncertainties."""
+
+    line: Name  # whose meaning the data sheet leaves open
+    reading: str
+    taken: str  # the one that the numbers stand on
+    output: Name  # whose u changes most
+    ratio: float  # of its u, over that with the reading taken [1]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it."""
+        return asdict(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reading:
+    """The verdict under one combination of readings."""
+
+    words: tuple[tuple[Name, str], ...]  # by line
+    verdict: str
+    utilisation: float  # the largest over the required outputs [1]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReadingVerdicts:
+    """The verdicts on one sensor under the readings of its open lines."""
+
+    sensor: str
+    total: int  # combinations that there are
+    found: tuple[Reading, ...]  # those computed, the one that is taken first
+
+    @property
+    def passing(self) -> tuple[Reading, ...]:
+        """Those under which it meets."""
+        return tuple(one for one in self.found if one.verdict == "meets")
+
+    @property
+    def passes(self) -> str:
+        """Under which readings it meets: 'all', 'some' or 'none' of those computed."""
+        if len(self.passing) == len(self.found):
+            return "all"
+        return "some" if self.passing else "none"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it."""
+        return {
+            "combinations": self.total,
+            "passes": self.passes,
+            "computed": [
+                {
+                    "readings": dict(one.words),
+                    "verdict": one.verdict,
+                    "utilisation": one.utilisation,
+                }
+                for one in self.found
+            ],
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
 class SensorAssessment:
     """The verdict on one triad."""
 
@@ -733,6 +799,7 @@ class SensorAssessment:
     nothing_known: bool = False  # no error line is given: a 0 is no good news
     doubt: Doubt | None = None  # of a verdict that rests on predicted lines
     not_estimated: tuple[Name, ...] = ()  # parameters with limits, held in the test
+    readings: ReadingVerdicts | None = None  # where the meaning of lines is open
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -812,6 +879,11 @@ class Assessment:
                     **(
                         {"not_estimated": names}
                         if (names := list(one.not_estimated))
+                        else {}
+                    ),
+                    **(
+                        {"readings": one.readings.to_dict()}
+                        if one.readings is not None
                         else {}
                     ),
                 }

@@ -52,8 +52,8 @@ _SAME = 1e-12  # relative difference of two sizes of one unit that is rounding
 # density D holds all power at positive frequencies: rms in a band B is D sqrt(B), and
 # the random walk coefficient is N = D / sqrt(2); the two-sided density is N itself,
 # and '' is a value that is the random walk, no density.
-ONE_SIDED = "one-sided"
-WALK_PER_DENSITY = {ONE_SIDED: 1.0 / sqrt(2.0), "two-sided": 1.0, "": 1.0}  # [1]
+ONE_SIDED, TWO_SIDED = "one-sided", "two-sided"
+WALK_PER_DENSITY = {ONE_SIDED: 1.0 / sqrt(2.0), TWO_SIDED: 1.0, "": 1.0}  # [1]
 
 
 @dataclass(frozen=True, kw_only=True)

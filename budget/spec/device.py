@@ -18,7 +18,6 @@ from budget.model.sources import (
     lines_of,
 )
 from budget.model.sources.later import AGEING
-from budget.names import Name
 from budget.spec.changes import apply, tell_changes
 from budget.spec.checking import check, nearest
 from budget.spec.fields import (
@@ -42,7 +41,13 @@ from budget.spec.records import (
     Sensor,
     UnusedValue,
 )
-from budget.spec.specification import read_value, time_in, value_type
+from budget.spec.specification import (
+    ELSEWHERE,
+    OVER_TEMPERATURE,
+    read_value,
+    time_in,
+    value_type,
+)
 from budget.spec.tree import all_of, describe, merge
 from budget.units import STANDARD_GRAVITY, Quantity, parse_quantity
 
@@ -133,7 +138,25 @@ class SensorPart(Strict):
         found: dict[tuple[str, ...], str] = {}
         for residual, coefficients in RESIDUALS.items():
             given = [key for key in coefficients if getattr(self.errors, key, None)]
-            if given and getattr(self.errors, residual, None):
+            elsewhere = [
+                line
+                for line, (_, other) in ELSEWHERE.items()
+                if other == residual
+                and OVER_TEMPERATURE
+                in getattr(getattr(self.errors, line, None), "reading", ())
+            ]
+            given += elsewhere[1:]
+            if elsewhere and (given or getattr(self.errors, residual, None)):
+                beside = [
+                    *given,
+                    *([residual] if getattr(self.errors, residual, None) else []),
+                ]
+                found["errors", elsewhere[0], "reading"] = (
+                    f"may be {OVER_TEMPERATURE}, which {' and '.join(beside)} is too: "
+                    "it would count twice; expected one of them. Remove that word, or "
+                    "the other"
+                )
+            elif given and getattr(self.errors, residual, None):
                 found["errors", residual] = (
                     f"stands beside {' and '.join(given)}: what is left over "
                     "temperature and what a temperature changes are one effect, and "
@@ -373,12 +396,8 @@ def _read_sensor(
     kind: str, device: str, part: SensorPart, *, gravity: float
 ) -> _ReadSensor:
     """Turn one sensor of a file into its record."""
-    model_lines = lines_of(kind)
-    values = {line: getattr(part.errors, line.name, None) for line in model_lines}
+    values = {line: getattr(part.errors, line.name, None) for line in lines_of(kind)}
     read = [read_value(line, kind, value) for line, value in values.items() if value]
-    given = {one.line.name for one in read}
-    met = {line.expected for line in model_lines if line.name in given} - {""}
-    expected = dict.fromkeys(line.expected for line in model_lines if line.expected)
     bias = _nominal(part, "bias", AXES)
     angle = _nominal(part, "mounting_angle", ANGLES)
     assumptions = [text for one in read for text in one.assumptions]
@@ -393,18 +412,11 @@ def _read_sensor(
             device=device,
             nominal_bias=np.array([bias.get(axis, 0.0) for axis in AXES]),
             nominal_mounting_angle=np.array([angle.get(axis, 0.0) for axis in ANGLES]),
-            lines=tuple(one.line for one in read),
-            not_given=tuple(
-                Name(line.name, owner=kind)
-                for line in model_lines
-                # Of lines for one thing the second is no gap where the first is given.
-                if line.varies and line.name not in given and line.expected not in met
-            ),
-            expected_missing=tuple(
-                Name(name, owner=kind) for name in expected if name not in met
-            ),
+            lines=(),
+            not_given=(),
+            expected_missing=(),
             gravity_unit=gravity,
-        ),
+        ).with_lines(one.line for one in read),
         assumptions=tuple(assumptions),
     )
 

@@ -8,11 +8,14 @@ from typing import TYPE_CHECKING
 
 from budget.model.place import Place
 from budget.model.source import Given
+from budget.model.sources import lines_of
 from budget.model.windows import Timing
 from budget.names import ANGLES, AXES, Name
 from budget.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from budget.arrays import Array
     from budget.model.windows import Window
     from budget.spec.changes import Changed
@@ -49,6 +52,9 @@ class ErrorLine(Given):
         What else the file says of it that moves its numbers, as (key, text).
     definition, includes, horizon, condition, source : str
         The maker's own words; '' where not given.
+    readings : tuple of (str, ErrorLine)
+        What the value may mean, where that is open, and the line that it is then; this
+        one is the largest of them.
     """
 
     printed: str
@@ -64,6 +70,7 @@ class ErrorLine(Given):
     horizon: str = ""
     condition: str = ""
     source: str = ""
+    readings: tuple[tuple[str, ErrorLine], ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,6 +124,28 @@ class Sensor:
     def line(self, name: str) -> ErrorLine | None:
         """Return the line of that name, or None where the data sheet has none."""
         return next((line for line in self.lines if line.name == name), None)
+
+    def with_lines(self, lines: Iterable[ErrorLine]) -> Sensor:
+        """Return the sensor with these lines, in their order, and what it then lacks.
+
+        Of lines for one thing the second is no gap where the first is given.
+        """
+        known = lines_of(self.kind)
+        given = {line.name: line for line in lines}
+        met = {line.expected for line in known if line.name in given} - {""}
+        expected = dict.fromkeys(line.expected for line in known if line.expected)
+        return replace(
+            self,
+            lines=tuple(given[line.name] for line in known if line.name in given),
+            not_given=tuple(
+                Name(line.name, owner=self.kind)
+                for line in known
+                if line.varies and line.name not in given and line.expected not in met
+            ),
+            expected_missing=tuple(
+                Name(name, owner=self.kind) for name in expected if name not in met
+            ),
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

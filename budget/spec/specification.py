@@ -2,10 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, cast
+from math import sqrt
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    ClassVar,
+    Literal,
+    Self,
+    cast,
+    get_args,
+)
 
 import numpy as np
 from pydantic import Field, create_model, model_validator
@@ -19,10 +29,11 @@ from budget.model.sources import (
     SAMPLE_NOISE,
     SENSORS,
     WALKS,
+    lines_of,
     walk_of,
 )
 from budget.model.sources.later import AGEING
-from budget.names import ONE_VALUE, Name, words
+from budget.names import AXES, ONE_VALUE, Name, words
 from budget.spec.fields import (
     Measured,
     OrText,
@@ -34,8 +45,10 @@ from budget.spec.fields import (
     mapping_of,
 )
 from budget.spec.records import ErrorLine
+from budget.ties import first_largest
 from budget.units import (
     ONE_SIDED,
+    TWO_SIDED,
     WALK_PER_DENSITY,
     Quantity,
     parse_quantity,
@@ -72,6 +85,22 @@ DENSITY_NOTE = (
     f"a factor of {WALK_PER_DENSITY[ONE_SIDED]:.4f}"
 )
 CORRELATION_TIME = 300.0  # of a stability that names none [s]
+
+
+# What a value may mean that the maker leaves open: words that exclude one another, and
+# what each of them says in the other keys of the line.
+MEANING_READINGS = tuple(SIGMAS) + tuple(HALF_WIDTHS)
+PER_AXIS, TOGETHER = "per axis", "root sum square"
+OVER_TEMPERATURE = "over temperature"
+READINGS = (  # by the key that says it, '' where none does
+    ("meaning", MEANING_READINGS),
+    ("definition", ("sigma", "allan_minimum")),
+    ("definition", ("coefficient", "allan_minimum")),
+    ("density", (ONE_SIDED, TWO_SIDED)),
+    ("", (PER_AXIS, TOGETHER)),
+    ("", ("in-run", OVER_TEMPERATURE)),
+    ("", ("turn-on", OVER_TEMPERATURE)),
+)
 
 
 class SpecificationValue(Strict):
@@ -399,6 +428,46 @@ class Whole(SpecificationValue):
     """Specification value for all axes, some of which may say otherwise."""
 
     axes: Strict | None = None
+    reading: tuple[str, ...] = ()
+
+    @model_validator(mode="after")
+    def _check_readings(self) -> Self:
+        """Refuse words that do not leave one thing open, or that the line says."""
+        words = self.reading
+        if not words:
+            return self
+        keys = [key for key, group in READINGS if {*words} <= {*group}]
+        own = [*vars(self.axes).values()] if self.axes else []
+        message = ""
+        if len({*words}) < max(2, len(words)):
+            message = (
+                f"found {', '.join(words)}, expected two different words at the least; "
+                "what is known is said by its own key"
+            )
+        elif not keys:
+            groups = "; ".join(", ".join(group) for _, group in READINGS)
+            message = (
+                f"found {', '.join(words)}, expected words that exclude one another: "
+                f"{groups}"
+            )
+        elif keys[0] in self.model_fields_set:
+            message = f"leaves open what {keys[0]!r} says, expected one of them"
+        elif any(isinstance(one, SpecificationValue) for one in own):
+            message = (
+                "is of the whole line, and an axis is a mapping of its own; give the "
+                "axes as values"
+            )
+        elif "max" in words and getattr(self, "distribution", None) == "normal":
+            message = "may be 'max', a half-width, which is never 'normal'; remove that"
+        elif keys[0] == "density" and not all(
+            per_root_hertz(quantity.unit)
+            for quantity in (self.value, *own)
+            if isinstance(quantity, Quantity)
+        ):
+            message = "is of a value per root of hertz; this is the random walk itself"
+        if message:
+            raise faults({("reading",): message})
+        return self
 
     @model_validator(mode="after")
     def _check_axes(self) -> Self:
@@ -413,6 +482,10 @@ class Whole(SpecificationValue):
         return self
 
 
+class Residual(ConstantValue, Whole):
+    """What is left over temperature, said of another line."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class ReadValue:
     """A line as the models take it, and what had to be assumed for that."""
@@ -424,7 +497,34 @@ class ReadValue:
 def value_type(line: Source, sensor: str) -> Any:  # noqa: ANN401
     """Return the type of a value of that line: a text or a mapping."""
     beside = beside_of(line.name, sensor)
-    return _value_type(line.like(sensor), _family(line, sensor), line.axes, beside)
+    family = _family(line, sensor)
+    readings = tuple(
+        word for words in readings_of(line, sensor) for word in words if line.varies
+    )
+    return _value_type(line.like(sensor), family, line.axes, beside, readings)
+
+
+def readings_of(line: Source, sensor: str) -> tuple[tuple[str, ...], ...]:
+    """Return what a value of that line may mean: lists of words that exclude others."""
+    fields = _family(line, sensor).model_fields
+    places = (
+        {"definition": get_args(fields["definition"].annotation)}
+        if ("definition" in fields)
+        else {}
+    )
+    found = []
+    for key, group in READINGS:
+        if key == "definition":
+            fits = {*group} <= {*places.get(key, ())}
+        elif key:
+            fits = key in fields
+        elif group == (PER_AXIS, TOGETHER):
+            fits = line.axes == AXES
+        else:
+            fits = ELSEWHERE.get(line.name, ("", ""))[0] == group[0]
+        if fits:
+            found.append(group)
+    return tuple(found)
 
 
 # Lines that may say the same again, and where.
@@ -441,10 +541,74 @@ def beside_of(name: str, sensor: str) -> str:
     return BESIDE.get(name, "")
 
 
+# Lines whose value may be that over temperature, what it is otherwise, and where the
+# other one stands.
+ELSEWHERE = {
+    "bias_stability": ("in-run", "bias_over_temperature"),
+    "bias_repeatability": ("turn-on", "bias_over_temperature"),
+    "scale_factor_repeatability": ("turn-on", "scale_factor_over_temperature"),
+}
+
+
 def read_value(
     line: Source, sensor: str, given: Quantity | SpecificationValue
 ) -> ReadValue:
     """Turn a value as printed into standard uncertainties by axis [SI].
+
+    Where the file leaves open what it means, the reading with the largest; the line
+    holds the others.
+    """
+    readings: tuple[str, ...] = getattr(given, "reading", ())
+    if not readings or isinstance(given, Quantity):
+        return _read(line, sensor, given)
+    read = [_under(line, sensor, given, word) for word in readings]
+    place = first_largest([float(one.line.u.max()) for one in read])
+    key = Name(line.name, owner=sensor)
+    note = (
+        f"{key}: what the value means is open ({', '.join(readings)}); the largest "
+        f"taken, {readings[place]}"
+    )
+    lines = tuple((word, one.line) for word, one in zip(readings, read, strict=True))
+    return ReadValue(
+        line=replace(read[place].line, readings=lines),
+        assumptions=(note, *read[place].assumptions),
+    )
+
+
+def _under(
+    line: Source, sensor: str, given: SpecificationValue, word: str
+) -> ReadValue:
+    """Read a value under one of its readings."""
+    says: dict[str, object] = {"reading": ()}
+    if word in MEANING_READINGS:
+        says["meaning"] = word
+    elif word in {ONE_SIDED, TWO_SIDED}:
+        says["density"] = word
+    elif word == OVER_TEMPERATURE:
+        name = ELSEWHERE[line.name][1]
+        other = next(one for one in lines_of(sensor) if one.name == name)
+        same = ("value", "axes", "meaning", "includes", "condition", "source")
+        kept = {key: getattr(given, key) for key in same}
+        return _read(other, sensor, Residual.model_construct(**kept))
+    elif word not in {PER_AXIS, TOGETHER, *(own for own, _ in ELSEWHERE.values())}:
+        says["definition"] = word
+    part = given.model_copy(update=says)
+    part.model_fields_set.update(says)
+    one = _read(line, sensor, part)
+    if word != TOGETHER:
+        return one
+    factor = 1.0 / sqrt(len(line.axes))
+    scaled = replace(
+        one.line,
+        u=one.line.u * factor,
+        si_per_unit=one.line.si_per_unit * factor,
+        factor=one.line.factor * factor,
+    )
+    return replace(one, line=scaled)
+
+
+def _read(line: Source, sensor: str, given: Quantity | SpecificationValue) -> ReadValue:
+    """Turn a value whose meaning is said into standard uncertainties by axis [SI].
 
     A text is 1 sigma and normal. A sigma meaning divides the value; `max` and `peak to
     peak` give a half-width, which its shape divides (JCGM 100:2008, 4.3.7 to 4.3.9).
@@ -537,11 +701,16 @@ def standard_size(quantity: Quantity, density: str = "") -> float:
 
 @cache
 def _value_type(
-    like: str, family: type[SpecificationValue], axes: tuple[str, ...], beside: str
+    like: str,
+    family: type[SpecificationValue],
+    axes: tuple[str, ...],
+    beside: str,
+    readings: tuple[str, ...],
 ) -> Any:  # noqa: ANN401
     """Return the type of the values that have this unit and these axes.
 
-    `beside` is a line of which the value may say that it is no part of it.
+    `beside` is a line of which the value may say that it is no part of it; `readings`
+    are what it may mean.
     """
     measured = Measured(like)
     value = Annotated[Quantity, measured]
@@ -551,11 +720,14 @@ def _value_type(
         alone = create_model(title, __base__=family, value=(value, ...))
         return Annotated[alone, text]
     of_axis = family.of_axis or family
+    says = "what the value may mean, where the maker leaves it open: all are computed"
+    reading = {"reading": (tuple[Literal[readings], ...], Field((), description=says))}  # type: ignore[valid-type]
     one_axis = create_model(f"{title}, one axis", __base__=of_axis, value=(value, ...))
     by_axis = mapping_of(
         f"{title}, by axis", dict.fromkeys(axes, Annotated[one_axis, OrText(measured)])
     )
     fields: dict[str, Any] = {
+        **(reading if readings else {}),
         "value": (value | None, None),
         "axes": (by_axis | None, None),
     }

@@ -40,6 +40,7 @@ from budget.studies.conformity import assess
 from budget.studies.lower_bounds import could_widen, expecting_device
 from budget.studies.missing import REFUSE, Filling, fill_all
 from budget.studies.progress import Engine, describe_cost, seconds_per_trial
+from budget.studies.readings import effects
 from budget.studies.request import (
     DEFAULT_COVERAGE,
     DEFAULT_REFERENCE,
@@ -296,6 +297,9 @@ def analyze_as(
         matrices=matrices,
         filled=analysis.filled.lines,
         left=analysis.filled.left,
+        readings=effects(analysis.sensors, procedure, reference=settings.reference)
+        if chosen is None
+        else (),
         analysis=analysis,
     )
     return budget if requirement is None else _judge(budget, requirement)

@@ -19,13 +19,14 @@ from budget.studies.judgement import (
     together,
 )
 from budget.studies.lower_bounds import missing_of
+from budget.studies.readings import verdicts_by_reading
 from budget.studies.request import analysis_of
 from budget.ties import first_largest
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.results import Budget, OutputAssessment
+    from budget.results import Budget, OutputAssessment, ReadingVerdicts
     from budget.spec.records import Device, Requirement
     from budget.studies.judgement import Judged, Limited
     from budget.studies.request import Analysis
@@ -107,7 +108,9 @@ def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Asses
         outputs += assess_outputs(held, judged, own.lacks)
         if any(sensor.lines for sensor in own.sensors):
             found.append(judged)
-        verdicts.append(_verdict(owner, own, held, judged))
+        verdicts.append(
+            replace(_verdict(owner, own, held, judged), readings=_readings(own, seed))
+        )
     if not verdicts:
         raise CallError(
             f"{requirement.name} sets no limit for what is estimated of a sensor that "
@@ -129,6 +132,15 @@ def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Asses
             for merit, cap in requirement.caps
             for device in analysis.devices
         ),
+    )
+
+
+def _readings(own: Analysis, seed: int) -> ReadingVerdicts | None:
+    """Judge one triad under its readings; what belongs to both is not."""
+    if len(own.sensors) > 1 or own.only is not None or own.requirement is None:
+        return None
+    return verdicts_by_reading(
+        own.sensors[0], own.procedure, own.requirement, seed=seed
     )
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from budget.distributions import NORMAL
 from budget.errors import CallError
-from budget.model.sources import ACCELEROMETER, GYRO, lines_of, source_of
+from budget.model.sources import ACCELEROMETER, GYRO
 from budget.model.sources.later import AGEING
 from budget.names import Name
 from budget.results import FilledLine
@@ -280,18 +280,7 @@ def _told(
 def _completed(sensor: Sensor, lines: dict[Name, ErrorLine]) -> Sensor:
     """Put lines into a sensor, in the order of the model lines."""
     own = {name: line for name, line in lines.items() if name.owner == sensor.kind}
-    met = {name.quantity for name in own}
-    order = [line.name for line in lines_of(sensor.kind)]
     return replace(
-        sensor,
-        lines=tuple(
-            sorted((*sensor.lines, *own.values()), key=lambda x: order.index(x.name))
-        ),
-        not_given=tuple(
-            name
-            for name in sensor.not_given
-            if name.quantity not in met
-            and source_of(sensor.kind, name.quantity).expected not in met
-        ),
+        sensor.with_lines((*sensor.lines, *own.values())),
         expected_missing=tuple(n for n in sensor.expected_missing if n not in own),
     )

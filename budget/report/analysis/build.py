@@ -12,6 +12,7 @@ from budget.report.analysis.groups import (
     budget_section,
     filled_sections,
     matrices_sections,
+    readings_section,
 )
 from budget.report.analysis.method import Trials, method_section
 from budget.report.analysis.station import station_section
@@ -123,6 +124,7 @@ def report_document(
         _gaps(budget, extras),
         *filled_sections(budget),
         None if assessment is None else limits_section(budget, assessment),
+        *readings_section(budget, assessment),
         inputs_section(devices, procedure),
         procedure_section(procedure, sensors),
         budget_section(groups),

@@ -21,6 +21,7 @@ from budget.report.blocks import (
 )
 from budget.report.figures.rows import chart_picture
 from budget.report.figures.sources import share_chart, sobol_chart
+from budget.report.readings import effect_line, verdict_line
 from budget.report.tables import (
     CheckCell,
     OutputRow,
@@ -47,7 +48,7 @@ if TYPE_CHECKING:
 
     from budget.report.blocks import Block, Table
     from budget.report.tables import GroupTable, Number
-    from budget.results import Budget, Compensation
+    from budget.results import Assessment, Budget, Compensation
 
 
 def budget_answer(budget: Budget) -> tuple[Section, ...]:
@@ -62,6 +63,7 @@ def budget_answer(budget: Budget) -> tuple[Section, ...]:
         *matrices_sections(budget),
         *_indices(budget, dict.fromkeys(group.sensor for group in groups)),
         *filled_sections(budget),
+        *readings_section(budget),
         _listed("Not given", not_given_lines(budget.could_widen)),
         _listed("Assumptions", budget.assumptions),
         _listed("Warnings", budget.warnings),
@@ -92,6 +94,37 @@ def filled_sections(budget: Budget) -> tuple[Section, ...]:
                 Listing(
                     items=points(lines), empty="None: every expected line is given."
                 ),
+            ),
+        ),
+    )
+
+
+def readings_section(
+    budget: Budget, assessment: Assessment | None = None
+) -> tuple[Section, ...]:
+    """Return what other readings would change; nothing where none is open."""
+    if not budget.readings:
+        return ()
+    judged = [] if assessment is None else assessment.sensors
+    text = (
+        "The data sheet leaves open what these values mean; the numbers stand on the "
+        "reading with the largest standard uncertainty."
+    )
+    lines = (
+        *(
+            f"The {one.sensor} {verdict_line(one.readings)}"
+            for one in judged
+            if one.readings
+        ),
+        *map(effect_line, budget.readings),
+    )
+    return (
+        Section(
+            name="readings",
+            title="Open readings",
+            blocks=(
+                Paragraph(words=(text,), small=True),
+                Listing(items=points(lines), empty=""),
             ),
         ),
     )

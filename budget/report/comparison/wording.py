@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from budget.names import IMU, words
 from budget.report.comparison.tables import MissingEffect
+from budget.report.readings import verdict_line
 from budget.report.tables import print_count, print_coverage, source_title
 from budget.report.wording import (
     ERROR_REFERENCES,
@@ -161,6 +162,15 @@ def rests_on_others_lines(comparison: Comparison) -> Iterator[str]:
                 else f"the verdicts on {len(names)} {sensor} devices rest"
             )
             yield f"{verb} on lines of other devices (missing lines: {mode})"
+
+
+def reading_lines(comparison: Comparison) -> Iterator[str]:
+    """Say of each device whose lines are open under which readings it meets."""
+    several = len(comparison.procedures) > 1
+    for one in comparison.devices:
+        if one.readings is not None:
+            under = f", {one.procedure}" if several else ""
+            yield f"{one.name} ({one.sensor}{under}) {verdict_line(one.readings)}"
 
 
 def missing_effects(comparison: Comparison) -> tuple[MissingEffect, ...]:

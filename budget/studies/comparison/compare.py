@@ -278,6 +278,7 @@ def _verdict(
         judged=judged,
         closer=finding.closer,
         doubt=finding.doubt,
+        readings=finding.readings,
     )
 
 

@@ -26,13 +26,14 @@ from budget.studies.judgement import (
     screen,
 )
 from budget.studies.lower_bounds import lacking
+from budget.studies.readings import verdicts_by_reading
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from concurrent.futures import Executor
 
     from budget.names import Name
-    from budget.results import Doubt, OutputAssessment
+    from budget.results import Doubt, OutputAssessment, ReadingVerdicts
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,6 +63,7 @@ class JudgedCandidate:
     all_worst: tuple[Name, ...]
     remedy: Remedy
     doubt: Doubt | None  # where missing lines are predicted
+    readings: ReadingVerdicts | None  # where the meaning of lines is open
     normals: int  # that a trial of its Problem draws
     impossible: tuple[str, ...]  # outputs beyond their limits without any source
     doubtful: tuple[str, ...]  # outputs for which Monte Carlo does not confirm the law
@@ -148,6 +150,9 @@ def _judge(task: tuple[Candidate, None], *, judging: Judging) -> JudgedCandidate
         all_worst=tuple(names[place] for place in judged.all_worst),
         remedy=find_remedy(held, law, judged),
         doubt=doubt,
+        readings=verdicts_by_reading(
+            one.sensor, one.procedure, one.requirement, seed=judging.seed
+        ),
         normals=held.problem.normals_per_trial,
         impossible=tuple(itertools.compress(names, beyond)),
         doubtful=doubtful,

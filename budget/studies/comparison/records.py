@@ -17,6 +17,7 @@ if TYPE_CHECKING:
         InputFile,
         OutputAssessment,
         Probability,
+        ReadingVerdicts,
         Settings,
     )
     from budget.studies.judgement import Judged
@@ -149,6 +150,7 @@ class DeviceVerdict(Entrant):
     judged: Judged = field(repr=False, compare=False)
     closer: Judged = field(repr=False, compare=False)  # for the rank
     doubt: Doubt | None = None  # of a verdict that rests on predicted lines
+    readings: ReadingVerdicts | None = None  # where the meaning of lines is open
 
     @property
     def lower_bound(self) -> bool:
@@ -219,6 +221,7 @@ class DeviceVerdict(Entrant):
             "advice": self.advice,
             "trials": self.trials,
             **({} if self.doubt is None else {"predicted": self.doubt.to_dict()}),
+            **({} if self.readings is None else {"readings": self.readings.to_dict()}),
             "outputs": [output.to_dict() for output in self.outputs],
         }
 
