@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 MOST = 3  # readings that are named
 DIGITS = 3
+LEAST = 0.005  # relative change of u that is worth a number [1]
 
 
 def effect_line(effect: ReadingEffect) -> str:
@@ -20,8 +21,8 @@ def effect_line(effect: ReadingEffect) -> str:
     ratio = print_given(settle(effect.ratio), digits=DIGITS)
     said = f"{source_title(effect.line)} read as {words(effect.reading)}"
     said += f" in place of {words(effect.taken)}"
-    if settle(effect.ratio) == 1.0:
-        return f"{said}: no u changes here"
+    if abs(settle(effect.ratio) - 1.0) < LEAST:
+        return f"{said}: no u changes by 0.5 %"
     return f"{said}: u of the {key_title(effect.output)} is {ratio} times as large"
 
 

@@ -428,6 +428,23 @@ class Whole(SpecificationValue):
     """Specification value for all axes, some of which may say otherwise."""
 
     axes: Strict | None = None
+
+    @model_validator(mode="after")
+    def _check_axes(self) -> Self:
+        if self.value is not None:
+            return self
+        if self.axes is None:
+            raise faults({(): "names neither value nor axes, expected one of them"})
+        absent = [a for a in type(self.axes).model_fields if not getattr(self.axes, a)]
+        if absent:
+            message = f"without value, expected all axes; missing: {', '.join(absent)}"
+            raise faults({("axes",): message})
+        return self
+
+
+class Open(Whole):
+    """Specification value whose meaning the maker may leave open."""
+
     reading: tuple[str, ...] = ()
 
     @model_validator(mode="after")
@@ -469,18 +486,6 @@ class Whole(SpecificationValue):
             raise faults({("reading",): message})
         return self
 
-    @model_validator(mode="after")
-    def _check_axes(self) -> Self:
-        if self.value is not None:
-            return self
-        if self.axes is None:
-            raise faults({(): "names neither value nor axes, expected one of them"})
-        absent = [a for a in type(self.axes).model_fields if not getattr(self.axes, a)]
-        if absent:
-            message = f"without value, expected all axes; missing: {', '.join(absent)}"
-            raise faults({("axes",): message})
-        return self
-
 
 class Residual(ConstantValue, Whole):
     """What is left over temperature, said of another line."""
@@ -498,8 +503,9 @@ def value_type(line: Source, sensor: str) -> Any:  # noqa: ANN401
     """Return the type of a value of that line: a text or a mapping."""
     beside = beside_of(line.name, sensor)
     family = _family(line, sensor)
+    is_open = line.varies and sensor in SENSORS
     readings = tuple(
-        word for words in readings_of(line, sensor) for word in words if line.varies
+        word for group in readings_of(line, sensor) for word in group if is_open
     )
     return _value_type(line.like(sensor), family, line.axes, beside, readings)
 
@@ -744,7 +750,8 @@ def _value_type(
             tuple[earlier, ...],  # type: ignore[valid-type]
             Field(default=(), description=says),
         )
-    whole = create_model(title, __base__=(family, Whole), **fields)
+    base = Open if readings else Whole
+    whole = create_model(title, __base__=(family, base), **fields)
     return Annotated[whole, text]
 
 

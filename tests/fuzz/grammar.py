@@ -125,6 +125,7 @@ def _keep_rules(tree):
         tree.pop("meaning", None)
     if "order" in tree:
         tree["order"] = ["y", "z", "x"]
+    _keep_lists(tree)
     if "variants" in tree and "abstract" in tree:
         del tree["abstract"]
     if "abstract" in tree:
@@ -132,6 +133,21 @@ def _keep_rules(tree):
     if tree.get("costs") == {}:
         tree["costs"] = {"gyro.bias_stability": {"a": Raw("2")}}
     return tree
+
+
+def _keep_lists(tree):
+    """Mend lists whose items fit together."""
+    if "soak_points" in tree:
+        tree["soak_points"] = ["1 min", "2 h"]
+    if "reading" in tree:
+        tree["reading"] = ["max", "1 sigma"]
+        for key in ("meaning", "distribution", "axes"):
+            tree.pop(key, None)
+    if isinstance(tree.get("value"), str) and "earlier" in tree:
+        tree["earlier"] = [{"value": tree["value"], "horizon": "1 s"}]
+        tree["horizon"] = "2 years"
+    else:
+        tree.pop("earlier", None)
 
 
 # Keys that go without those named, and keys that need theirs beside them.
@@ -162,6 +178,12 @@ def _keep_pairs(tree):
     barred |= {key for key in tree if _NEEDS.get(key, key) not in tree}
     if "sigma" not in tree and "value" not in tree and "definition" not in tree:
         barred.add("correlation_time")  # a stability has its time alone
+    own = tree.get("bias_repeatability"), tree.get("scale_factor_repeatability")
+    for parameter, one in zip(("bias", "scale_factor"), own, strict=True):
+        name = "ageing" if parameter == "bias" else "scale_factor_ageing"
+        ages = tree.get(name)
+        if isinstance(one, dict) and "horizon" in one and isinstance(ages, dict):
+            ages["adds_to"] = f"{parameter}_repeatability"
     return {key: value for key, value in tree.items() if key not in barred}
 
 

@@ -73,6 +73,7 @@ def example(key):
             "order": ["x", "y", "z"],
             "azimuths": ["10 deg", "100 deg"],
             "soak_points": ["70 s"],
+            "reading": ["2 sigma", "3 sigma"],
         }
         return lists.get(key.path[-1], ["scale_factor"])  # of what is estimated
     if key.path[-1] == "distribution" and "arcsine" in schema.get("enum", ()):
