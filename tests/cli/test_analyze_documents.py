@@ -47,6 +47,8 @@ NOT_GIVEN = [
     "gyro.scale_factor_cubic",
     "gyro.bias_over_temperature",
     "gyro.scale_factor_over_temperature",
+    "gyro.ageing",
+    "gyro.scale_factor_ageing",
     "gyro.vibration_rectification",
     "accelerometer.acceleration_random_walk",
     "accelerometer.quantization",
@@ -56,6 +58,8 @@ NOT_GIVEN = [
     "accelerometer.scale_factor_cubic",
     "accelerometer.bias_over_temperature",
     "accelerometer.scale_factor_over_temperature",
+    "accelerometer.ageing",
+    "accelerometer.scale_factor_ageing",
     "accelerometer.vibration_rectification",
 ]
 COLUMNS = (

@@ -17,6 +17,8 @@ FIXED = {
     "coverage": "90 %",
     "dwell": "60 s",
     "rate": "30 deg/s",
+    "horizon": "2 years",
+    "settling_time": "9 min",
 }
 TEXTS = ("x", "a: b", "5", "no", "\N{DEGREE SIGN}/\N{SQUARE ROOT}h", "'", "# c", "{")
 HALF_WIDTHS = ("max", "peak to peak", "p-p", "pk-pk", "peak-to-peak")
@@ -166,9 +168,6 @@ _NEEDS = {
     "warm_up": "warm_up_time",
     "warm_up_time": "warm_up",
     "sigma": "correlation_time",
-    "soak": "soak_points",
-    "soak_points": "settling_time",
-    "settling_time": "soak",
 }
 
 
@@ -178,6 +177,8 @@ def _keep_pairs(tree):
     barred |= {key for key in tree if _NEEDS.get(key, key) not in tree}
     if "sigma" not in tree and "value" not in tree and "definition" not in tree:
         barred.add("correlation_time")  # a stability has its time alone
+    soaks = {"soak", "soak_points", "settling_time"}
+    barred |= set() if soaks <= tree.keys() else soaks
     own = tree.get("bias_repeatability"), tree.get("scale_factor_repeatability")
     for parameter, one in zip(("bias", "scale_factor"), own, strict=True):
         name = "ageing" if parameter == "bias" else "scale_factor_ageing"

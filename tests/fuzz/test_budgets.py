@@ -16,6 +16,7 @@ from budget.errors import BudgetError
 
 # Down to 1e-25 and up to 1e20, in whatever unit stands beside.
 EXTREMES = ("0", "1e-25", "1e-12", "1e-6", "1", "30", "1e4", "1e9", "1e12", "1e20")
+KEPT = {*FIXED, "meaning", "reading", "soak_points"}  # no number, or one of its place
 REFERENCES = ("nominal", "as_tested", "next_turn_on")
 
 
@@ -24,7 +25,7 @@ def stretched(tree, seed):
     random = random_of(seed)
     for path, value in leaves(tree):
         number, _, unit = str(value).partition(" ")
-        if number in NUMBERS and path[-1] not in FIXED:
+        if number in NUMBERS and not KEPT & {*path}:
             tree = replaced(tree, path, f"{random.choice(EXTREMES)} {unit}")
     return tree
 
