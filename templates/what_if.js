@@ -5,6 +5,8 @@
 
 const LOWEST = -41;   // place of a slider at which its source is left out
 const HIGHEST = 40;   // at which it is ten times as large; 0 is as it is
+const MOST = 1e6;     // times its present size, up to where the law is looked at
+const DECIMAL = /^\+?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
 
 /** The factor that a place of a slider stands for: a tenth to ten times, or 0. */
 function factorAt(place) {
@@ -71,14 +73,15 @@ function judge(model, rows) {
     const own = model.outputs.map((output, k) => k).filter((k) =>
       rows[k].utilisation !== null && model.outputs[k].sensor === sensor.name);
     if (!own.length) continue;
-    const top = Math.max(...own.map((k) => rows[k].utilisation));
-    const all = own.filter((k) => rows[k].utilisation >= top * (1 - ALIKE));
+    const used = own.map((k) => rows[k].utilisation);
+    const top = used.some(Number.isNaN) ? Infinity : Math.max(...used);
+    const all = own.filter((k) => !(rows[k].utilisation < top * (1 - ALIKE)));
     const worst = all[0];
     const utilisation = rows[worst].utilisation;
     let verdict = sensor.missing.length ? "UNDECIDABLE" : "MEETS";
     const [low, high] = sensor.doubt.map((part) => settled(part * utilisation));
     if (low <= 1 && high > 1) verdict = "UNDECIDED";
-    else if (settled(utilisation) > 1) verdict = "FAILS";
+    else if (!(settled(utilisation) <= 1)) verdict = "FAILS";
     verdicts.push({
       sensor: sensor.name, worst, all, utilisation, verdict, missing: sensor.missing,
     });
@@ -184,9 +187,12 @@ function makeControl(source, change) {
   });
   const times = make("span", { class: "times" });
   const printed = make("small", {}, source.printed ? `given as ${source.printed}` : "");
+  const sizeOf = (factor) => (factor * source.u).toPrecision(4).replace(/\.?0+(e|$)/, "$1");
+  let present = 1;
   const show = (factor) => {
+    present = factor;
     slider.value = placeOf(factor);
-    field.value = (factor * source.u).toPrecision(4).replace(/\.?0+(e|$)/, "$1");
+    field.value = sizeOf(factor);
     field.removeAttribute("aria-invalid");
     times.textContent = factor === 1 ? "as it is" : `× ${fourDigits(factor)}`;
     slider.setAttribute("aria-valuetext", `${times.textContent}, ${field.value} ${source.unit}`);
@@ -199,10 +205,14 @@ function makeControl(source, change) {
   });
   field.addEventListener("change", () => {
     const text = field.value.trim().replace(",", ".").replace("\u2212", "-");
-    const factor = Number(text) / source.u;
-    if (text === "" || !Number.isFinite(factor) || factor < 0) {
+    // What stands in the field is rounded: typed again it is the size that it shows.
+    const typed = DECIMAL.test(text) ? Number(text) / source.u : NaN;
+    const factor = [present, 1].find((own) => Number(sizeOf(own)) === Number(text)) ?? typed;
+    if (!(typed >= 0 && factor <= MOST)) {
       field.setAttribute("aria-invalid", "true");
-      times.textContent = "expected a number from 0 on";
+      times.textContent = typed > MOST
+        ? `expected ${sizeOf(MOST)} at the most, a million times its size`
+        : "expected a number from 0 on";
       return;
     }
     show(factor);

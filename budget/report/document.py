@@ -15,9 +15,7 @@ if TYPE_CHECKING:
     from budget.results import Budget
 
 
-def to_json(
-    budget: Budget, extras: Mapping[str, Mapping[str, Any]] | None = None
-) -> str:
+def to_json(budget: Budget, extras: Mapping[str, Any] | None = None) -> str:
     """Write the JSON document of a budget, with those of other studies by their keys.
 
     Raises

@@ -19,9 +19,11 @@ at factors of 1 and an approximation elsewhere.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.optimize import brentq
 
 from budget.errors import CallError
 from budget.methods.scaling import scaled_law
@@ -344,6 +346,7 @@ def _in_unit(value: float | None, output: Output) -> float | None:
 
 
 FACTORS = (0.0, 0.5, 1.0, 2.0)  # on the standard uncertainty of the source [1]
+LARGEST = 1e3  # factor up to which it is asked what will do [1]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -367,6 +370,31 @@ class SourceSteps:
     lower_bound: bool  # a line that is not given would widen that output
     used_lower_bound: bool  # or an output of the sensor that has a limit
     steps: tuple[Step, ...]
+    # Largest factor at which the sensor's limits are kept, the others as they are [1];
+    # None where not even 0 is enough, or nothing is limited; inf where any will do.
+    most: float | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it, in printed units."""
+        scale = self.output.si_per_unit
+        return {
+            "source": self.source.name,
+            "output": self.output.name,
+            "unit": self.output.unit,
+            "share": self.share,
+            "lower_bound": self.lower_bound,
+            "meets_up_to": self.most if self.most != inf else None,
+            "meets_at_any": self.most == inf,
+            "steps": [
+                {
+                    "factor": step.factor,
+                    "expanded_uncertainty": step.expanded / scale,
+                    "utilisation": step.utilisation,
+                    "verdict": step.verdict,
+                }
+                for step in self.steps
+            ],
+        }
 
 
 def one_at_a_time(what_if: WhatIf) -> tuple[SourceSteps, ...]:
@@ -391,9 +419,29 @@ def one_at_a_time(what_if: WhatIf) -> tuple[SourceSteps, ...]:
                     _step(what_if, outlook, factor, k, sensor)
                     for factor, outlook in zip(FACTORS, outlooks, strict=True)
                 ),
+                most=_most(what_if, source.name, sensor),
             )
         )
     return tuple(rows)
+
+
+def _most(what_if: WhatIf, source: Name, sensor: str) -> float | None:
+    """Return up to what factor on one source a sensor's limits are kept.
+
+    A part of a limit does not fall where a source grows, but for shifts of the mean
+    that cancel; they are of second order.
+    """
+
+    def beyond(factor: float) -> float:
+        outlook = what_if.evaluate({source: factor})
+        used = [one.utilisation for one in outlook.sensors if one.sensor == sensor]
+        return settle(used[0] - 1.0) if used else 1.0
+
+    if beyond(0.0) > 0.0:
+        return None
+    if beyond(LARGEST) <= 0.0:
+        return inf
+    return float(brentq(beyond, 0.0, LARGEST))
 
 
 def _is_used_lower_bound(what_if: WhatIf, sensor: str) -> bool:

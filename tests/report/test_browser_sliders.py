@@ -157,12 +157,50 @@ def test_field_refuses_what_is_no_size(browser, path):
     with opened(browser, path) as (page, _):
         before = read(page, "expanded")
         field = page.get_by_label("gyro bias repeatability, standard uncertainty")
-        for text in ("much", "-1", ""):
+        for text in ("much", "-1", "", "0x10", "1 2", "Infinity", "1e-"):
             field.fill(text)
             field.blur()
             assert field.get_attribute("aria-invalid") == "true"
             assert page.get_by_text("expected a number from 0 on").is_visible()
             assert read(page, "expanded") == before
+
+
+def test_field_takes_a_size_that_the_law_can_be_asked_of(browser, path):
+    """1e76 is refused in words; a retyped original changes nothing, as does 0x10."""
+    with opened(browser, path) as (page, record):
+        before, said = read(page, "expanded"), page.locator(".outlook").inner_text()
+        field = page.get_by_label("gyro bias repeatability, standard uncertainty")
+        original = field.input_value()
+        field.fill("1e76")
+        field.blur()
+        assert page.get_by_text("a million times its size").is_visible()
+        assert page.locator(".outlook").inner_text() == said
+        field.fill(f"+{original}")
+        field.blur()
+        assert field.get_attribute("aria-invalid") is None
+        assert read(page, "expanded") == before
+        assert page.locator(".control.changed").count() == 0
+        field.fill(f"{float(original) * 1e5:g}")
+        field.blur()
+        fails = page.locator(".outlook").inner_text()
+    assert record.complaints == []
+    assert "Gyro: FAILS" in fails
+    assert "NaN" not in fails
+
+
+def test_what_is_not_within_a_limit_fails(browser, path):
+    """Also what is no number: nothing but a part of 1 at the most meets."""
+    model = {
+        "sensors": [{"name": "gyro", "missing": [], "doubt": [1, 1]}],
+        "outputs": [{"name": "gyro.bias.x", "sensor": "gyro"}],
+    }
+    with opened(browser, path) as (page, _):
+        for used in ("NaN", "Infinity", "1.0001"):
+            (found,) = page.evaluate(
+                "([m, used]) => judge(m, [{utilisation: Number(used)}])", [model, used]
+            )
+            assert found["verdict"] == "FAILS"
+            assert found["worst"] == 0
 
 
 def test_verdict_follows_the_sliders(browser, path):

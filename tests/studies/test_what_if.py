@@ -11,14 +11,14 @@ import pytest
 from numpy.testing import assert_allclose
 from report_examples import make_device
 
-from budget import analyze, load_device
+from budget import analyze, load_device, load_requirement
 from budget.distributions import ARCSINE, TRIANGULAR, UNIFORM
 from budget.errors import CallError
 from budget.names import Name
 from budget.spec.records import Limit, Origin, Requirement
 from budget.studies.conformity import assess
 from budget.studies.request import Analysis
-from budget.studies.what_if import what_if
+from budget.studies.what_if import one_at_a_time, what_if
 from budget.units import ARCSEC, DEG_PER_HOUR, PPM
 
 # The second-order law is even in every source and exact in the factors; what is left
@@ -302,3 +302,40 @@ def test_factors_that_mean_nothing_are_refused(factors, message):
     """An unknown source, a negative and an infinite factor are named."""
     with pytest.raises(CallError, match=message):
         what_if(Analysis.of(hard_device())).evaluate(factors)
+
+
+def test_the_largest_size_that_meets_is_at_the_limit():
+    """A device changed to it uses all of a limit, and one more of it fails."""
+    wanted = load_requirement("tactical-grade")
+    device = load_device("zhao-2019")
+    options = {"requirement": wanted, "reference": wanted.reference, "validate": False}
+    model = what_if(analyze(device, **options).analysis)
+    rows = {row.source.name: row for row in one_at_a_time(model)}
+    found = {name: row.most for name, row in rows.items()}
+    assert found["gyro.angle_random_walk"] > 10.0
+    for name in ("gyro.bias_repeatability", "accelerometer.scale_factor_repeatability"):
+        changed = scaled(device, {name: found[name]})
+        budget = analyze(changed, **options)
+        used = [one.utilisation for one in budget.assessment.sensors]
+        assert_allclose(max(used), 1.0, rtol=1e-9)
+        assert rows[name].to_dict()["meets_up_to"] == found[name]
+    assert [step.factor for step in rows[name].steps if step.verdict == "meets"] == [
+        0.0,
+        0.5,
+        1.0,
+        2.0,
+    ]
+
+
+def test_no_size_meets_where_others_are_beyond():
+    """The paper's gyro has seven times too much by its other lines."""
+    wanted = load_requirement("navigation-grade")
+    analysis = analyze(
+        load_device("zhao-2019"),
+        requirement=wanted,
+        reference=wanted.reference,
+        validate=False,
+    ).analysis
+    rows = one_at_a_time(what_if(analysis))
+    assert {row.most for row in rows} == {None}
+    assert {row.to_dict()["meets_up_to"] for row in rows} == {None}

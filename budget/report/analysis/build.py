@@ -117,6 +117,7 @@ def report_document(
     cards = (
         group_cards(groups) if assessment is None else verdict_cards(budget, assessment)
     )
+    rows = one_at_a_time(evidence.what_if)
     latitude = print_degrees(procedure.latitude)
     found: list[Section | None] = [
         _overview(groups, assessment),
@@ -130,7 +131,7 @@ def report_document(
         budget_section(groups),
         *matrices_sections(budget),
         station_section(budget, groups, procedure, assessment, evidence.unfelt),
-        what_if_section(budget, evidence.what_if, one_at_a_time(evidence.what_if)),
+        what_if_section(budget, evidence.what_if, rows),
         _coupling(evidence, owners),
         _indices(budget, owners),
         _validity(budget, owners),
@@ -158,7 +159,13 @@ def report_document(
         summary=summary(budget, assessment),
         cards=cards,
         sections=tuple(section for section in found if section is not None),
-        json=to_json(budget, {extra.key: extra.content for extra in extras}),
+        json=to_json(
+            budget,
+            {
+                "one_at_a_time": [row.to_dict() for row in rows],
+                **{extra.key: extra.content for extra in extras},
+            },
+        ),
         date=date,
         version=__version__,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from math import floor, inf, log10
 from typing import TYPE_CHECKING
 
 from budget.names import key_title
@@ -18,12 +19,14 @@ from budget.report.tables import (
     Number,
     bound_number,
     print_coverage,
+    print_given,
     print_utilisation,
     round_error,
     source_title,
 )
 from budget.report.wording import VERDICTS, cell, share_cell
 from budget.results import BY_LAW
+from budget.ties import settle
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -48,6 +51,11 @@ def what_if_section(
     )
     if required:
         text += " The part of the limit is the largest of the sensor's outputs."
+    text += (
+        " It meets up to so many times the present size of that line."
+        if required
+        else ""
+    )
     text += _not_by_law(budget, required=required)
     return Section(
         name="what-if",
@@ -108,7 +116,8 @@ def _table(rows: Sequence[SourceSteps], coverage: str, *, required: bool) -> Tab
         )
         for place, head in steps
     ]
-    against = (*used, Field(head="verdict then", cell=_verdicts))
+    most = Field(head="meets up to", kind="number", cell=_most)
+    against = (*used, Field(head="verdict then", cell=_verdicts), most)
     return table_of(
         rows,
         (
@@ -160,6 +169,24 @@ def _used(place: int, row: SourceSteps) -> Cell:
     )
     marked = bound_number(number, lower_bound=row.used_lower_bound)
     return cell(marked, strong=step.utilisation > 1.0)
+
+
+def _most(row: SourceSteps) -> Cell:
+    """Say up to what size, in that it has now, the limits of the sensor are kept."""
+    if row.used_lower_bound:
+        return Cell(text="?")
+    if row.most is None:
+        return Cell(text="none")
+    if row.most == inf:
+        return Cell(text="any")
+    # Down: what is printed has to meet.
+    step = 10.0 ** (floor(log10(row.most)) - 1) if row.most > 0.0 else 1.0
+    text = print_given(floor(settle(row.most / step)) * step)
+    return Cell(
+        text=f"\N{MULTIPLICATION SIGN} {text}",
+        exact=row.most,
+        strong=settle(row.most) < 1.0,
+    )
 
 
 def _verdicts(row: SourceSteps) -> str:
