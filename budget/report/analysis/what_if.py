@@ -52,7 +52,7 @@ def what_if_section(
     if required:
         text += " The part of the limit is the largest of the sensor's outputs."
     text += (
-        " It meets up to so many times the present size of that line."
+        " Meets up to: that many times the present size of the line."
         if required
         else ""
     )
@@ -117,7 +117,7 @@ def _table(rows: Sequence[SourceSteps], coverage: str, *, required: bool) -> Tab
         for place, head in steps
     ]
     most = Field(head="meets up to", kind="number", cell=_most)
-    against = (*used, Field(head="verdict then", cell=_verdicts), most)
+    against = (*used, most, Field(head="verdict then", cell=_verdicts))
     return table_of(
         rows,
         (
