@@ -32,7 +32,12 @@ PRINTING = {
     "allocate json": ("allocate", *GRADE, "--no-validate", "--json", "-"),
     "compare": ("compare", "zhao-2019", *GRADE, *GUM),
     "compare csv": ("compare", "zhao-2019", *GRADE, *GUM, "--csv", "-"),
+    "compare catalogue": (
+        *("compare", "--catalogue", "--kind", "IMU", "--grade", "navigation"),
+        *("--requirement", "catalogue-edge", *GUM),
+    ),
     "devices": ("devices",),
+    "devices of a kind": ("devices", "--kind", "gyro", "--grade", "tactical"),
     "devices json": ("devices", "--json", "-"),
     "paper": ("paper",),
     "validate": ("validate", DEVICE),

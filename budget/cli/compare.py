@@ -17,13 +17,19 @@ EXIT_BAD_INPUT = 2
 def compare(
     context: typer.Context,
     devices: Annotated[
-        list[str],
+        list[str] | None,
         typer.Argument(
-            metavar="DEVICE...",
+            metavar="[DEVICE]",
             help="Device files; FILE is its base and every variant, FILE#VARIANT one.",
+            show_default=False,
         ),
-    ],
+    ] = None,
     *,
+    catalogue: Annotated[
+        bool, typer.Option("--catalogue", help="Compare the devices that ship too.")
+    ] = False,
+    kind: options.Kinds = None,
+    grade: options.Grades = None,
     changes: options.Changes = None,
     requirement: Annotated[Path, options.REQUIREMENT],
     procedure: Annotated[
@@ -89,9 +95,9 @@ def compare(
 ) -> None:
     """Compare devices against a requirement, best first.
 
-    For every sensor: who meets, by what part of the limit and with what probability,
-    and which line of the data sheet limits it. Exit code 1 if a required sensor has no
-    device that meets.
+    For every sensor, and every IMU as one device: who meets, by what part of the limit
+    and with what probability, and which line of the data sheet limits it. Exit code 1
+    if a required sensor has no device that meets.
     """
     from budget.cli.computing import computing
     from budget.cli.output import (
@@ -107,7 +113,7 @@ def compare(
     from budget.report.comparison.page import comparison_answer, comparison_document
     from budget.report.comparison.tables import find_column
     from budget.spec import load_catalogue, load_procedure, load_requirement
-    from budget.spec.load import try_changed
+    from budget.spec.load import shipped_path, try_changed
     from budget.studies.comparison.compare import compare as run
     from budget.studies.judgement import TRIALS
 
@@ -115,14 +121,28 @@ def compare(
         json,
         csv,
         *(output or ()),
-        inputs=[*devices, *(procedure or ()), station, requirement],
+        inputs=[*(devices or ()), *(procedure or ()), station, requirement],
     )
     check_suffixes(output or [])
+    if not devices and not catalogue:
+        raise CallError("nothing to compare; name device files, or give --catalogue")
+    if (kind or grade) and not catalogue:
+        raise CallError("--kind and --grade choose from the catalogue; add --catalogue")
     column = None if sort is None else find_column(sort)
     wanted = load_requirement(requirement)
     paths: list[Path | None] = [*procedure] if procedure else [None]
     procedures = [load_procedure(path, station=station, age=age) for path in paths]
-    loaded, issues = try_changed(devices, changes or (), variants=True)
+    every = load_catalogue()
+    chosen = options.select_catalogue(kind, grade) if catalogue else ()
+    loaded, issues = try_changed(
+        [*(devices or ()), *map(shipped_path, chosen)], changes or (), variants=True
+    )
+    # What is named and ships too is compared once.
+    loaded = list(
+        {(one.origin.file, one.origin.sha256): one for one in loaded}.values()
+        if catalogue
+        else loaded
+    )
     if strict and issues:
         raise SpecError(tuple(issues))
     for issue in issues:
@@ -135,7 +155,7 @@ def compare(
             loaded,
             wanted,
             procedures,
-            catalogue=load_catalogue(),
+            catalogue=every,
             missing=missing,
             method=method,
             trials=trials or TRIALS,

@@ -20,12 +20,15 @@ def devices(
         ),
     ] = None,
     *,
+    kind: options.Kinds = None,
+    grade: options.Grades = None,
     changes: options.Changes = None,
     json: options.JsonFile = None,
 ) -> None:
     """List the devices that ship, or show every specification value of one.
 
-    A file with variants shows each of them.
+    A file with variants shows each of them. What the list has under name is what
+    every command takes as DEVICE.
     """
     from budget.cli.output import hand_out
     from budget.errors import CallError
@@ -35,13 +38,17 @@ def devices(
         list_sections,
         list_to_json,
     )
-    from budget.spec import load_catalogue
     from budget.spec.load import load_changed
 
     if name is None and changes:
         raise CallError("--set changes a device, and none is named; name one")
+    if name is not None and (kind or grade):
+        raise CallError(
+            f"--kind and --grade choose from the list, and {name} is named; leave one "
+            "of both out"
+        )
     if name is None:
-        every = load_catalogue()
+        every = options.select_catalogue(kind, grade)
         hand_out([(json, lambda: list_to_json(every))], lambda: list_sections(every))
         return
     found = load_changed([name], changes or (), variants=True)

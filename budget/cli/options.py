@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 from decimal import Decimal
+from enum import StrEnum
 from functools import wraps
 from inspect import Parameter, signature
 from pathlib import Path
@@ -15,7 +16,7 @@ import typer
 from budget.cli.streams import say
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from budget.results import Settings
     from budget.spec.records import Device, Requirement
@@ -24,6 +25,22 @@ BUILT_IN_DEVICE = "zhao-2019"
 STDOUT = Path("-")
 LONGEST_NUMBER = 20  # digits; longer ones cost time to read
 LEAST_TRIALS, MOST_TRIALS = 2, 100_000_000  # also of stored references
+
+
+class Kind(StrEnum):
+    """What a device has, or is."""
+
+    GYRO = "gyro"
+    ACCELEROMETER = "accelerometer"
+    IMU = "IMU"
+
+
+class Grade(StrEnum):
+    """What the list of devices has under grade."""
+
+    NAVIGATION = "navigation"
+    TACTICAL = "tactical"
+    CONSUMER = "consumer"
 
 
 def _coverage(text: str) -> float:
@@ -246,6 +263,25 @@ Matrices = Annotated[
         help="Add the matrices that turn readings into inputs, with uncertainties.",
     ),
 ]
+Kinds = Annotated[
+    list[Kind] | None,
+    typer.Option(
+        "--kind",
+        case_sensitive=False,
+        help="Of the catalogue what has this, alone or in an IMU, or is an IMU; may be "
+        "given again.",
+        show_default=False,
+    ),
+]
+Grades = Annotated[
+    list[Grade] | None,
+    typer.Option(
+        "--grade",
+        case_sensitive=False,
+        help="Of the catalogue what has this grade, of that kind; may be given again.",
+        show_default=False,
+    ),
+]
 Missing = Annotated[
     Literal["refuse", "worst", "typical", "predict"],
     typer.Option(
@@ -362,6 +398,36 @@ def comparable_devices(missing: str) -> tuple[Device, ...]:
     from budget.spec import load_catalogue
 
     return () if missing == "refuse" else load_catalogue()
+
+
+def select_catalogue(
+    kinds: Sequence[str] | None, grades: Sequence[str] | None
+) -> tuple[Device, ...]:
+    """Load the devices that ship, of some kinds and grades or all.
+
+    Raises
+    ------
+    CallError
+        There is none.
+    """
+    from budget.errors import CallError
+    from budget.spec import load_catalogue
+    from budget.studies.grades import is_one_of
+
+    found = tuple(
+        device for device in load_catalogue() if is_one_of(device, kinds, grades)
+    )
+    if not found:
+        asked = " and ".join(
+            f"{option} {' or '.join(words)}"
+            for option, words in (("--kind", kinds), ("--grade", grades))
+            if words
+        )
+        raise CallError(
+            f"{asked}: expected a device of the catalogue that is so, found none; "
+            "`budget devices` lists kind and grade of all"
+        )
+    return found
 
 
 def load_devices(

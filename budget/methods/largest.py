@@ -29,6 +29,8 @@ from budget.methods.execution import small_blocks, stream
 from budget.methods.intervals import interval_of_values
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from budget.arrays import Array
 
 BATCH = 512  # trials that are one point of the noise
@@ -117,6 +119,21 @@ def sampling_interval(ends: Ends) -> tuple[float, float]:
     return max(low, 0.0), high
 
 
+def joined(parts: Sequence[Ends]) -> Ends:
+    """Return the ends of several problems, found on the same trials, as one."""
+    return Ends(
+        value=np.concatenate([one.value for one in parts]),
+        noise=np.concatenate(_as_long([one.noise for one in parts]), axis=1),
+        bound=np.concatenate([one.bound for one in parts]),
+    )
+
+
+def _as_long(noises: Sequence[Array]) -> list[Array]:
+    """Bring noise to as many batches as the longest has; nothing moves in the rest."""
+    n = max(map(len, noises))
+    return [np.pad(noise, ((0, n - len(noise)), (0, 0))) for noise in noises]
+
+
 def probability_smaller(a: Ends, b: Ends) -> float:
     """Return the probability that the largest of a's true ends is the smaller one.
 
@@ -126,10 +143,7 @@ def probability_smaller(a: Ends, b: Ends) -> float:
     tie lifts; and over what the law can be off by. The least decided of these counts:
     0.5 where they do not agree on which is the smaller one.
     """
-    n = max(len(a.noise), len(b.noise))
-    noise_a, noise_b = (
-        np.pad(one.noise, ((0, n - len(one.noise)), (0, 0))) for one in (a, b)
-    )
+    noise_a, noise_b = _as_long([a.noise, b.noise])
     difference = a.largest - b.largest
     bound = _reach(a) + _reach(b)
     near_a, near_b = _candidates(a), _candidates(b)

@@ -10,6 +10,7 @@ from budget.report.blocks import Field, Listing, Pairs, Paragraph, Section, tabl
 from budget.report.document import json_text
 from budget.report.inputs import sensor_blocks, unused_table
 from budget.results import SCHEMA
+from budget.spec.files import bare_name
 from budget.studies.grades import completeness, grade, kind_of_device
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ def list_sections(devices: Sequence[Device]) -> tuple[Section, ...]:
     """Return a row for each device: what it is and how much its data sheet tells."""
     fields: tuple[Field[Device], ...] = (
         Field(head="device", cell=lambda device: device.name),
-        Field(head="file", cell=lambda device: device.origin.file),
+        Field(head="name", cell=lambda device: bare_name(device.origin.file)),
         Field(head="kind", cell=kind_of_device),
         Field(
             head="grade",
@@ -46,7 +47,7 @@ def list_sections(devices: Sequence[Device]) -> tuple[Section, ...]:
         "grade: gyros by bias stability (navigation below 0.01, tactical below 10 "
         "deg/h), accelerometers by bias repeatability (below 100 ug, below 5 mg), "
         "gyro/accelerometer of an IMU; -: the line is not given. lines: expected lines "
-        "given out of expected."
+        "given out of expected. name: what every command takes as DEVICE."
     )
     table = table_of(devices, fields, name="devices", caption="Devices")
     blocks = (table, Paragraph(words=(text,), small=True))

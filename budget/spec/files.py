@@ -64,7 +64,7 @@ def open_file(file: NamedFile, kind: str | None = None) -> Document:
         names = shipped_names(kind)
         bare = f", or a shipped one: {', '.join(names)}" if names else ""
         message = f"no such file, expected a YAML file{bare}"
-        raise refuse(file.shown, f"{message}{nearest(file.shown, names)}")
+        raise refuse(file.shown, f"{message}{_shipped_hint(file, names)}")
     document = read(file.path, file.shown)
     root = document.root
     if root.value is None:  # an issue already
@@ -106,6 +106,21 @@ def _shipped(kind: str | None) -> list[Path]:
 def shipped_names(kind: str | None) -> tuple[str, ...]:
     """Return the bare names of the shipped files of a kind, or of all."""
     return tuple(path.stem for path in _shipped(kind))
+
+
+def bare_name(file: str) -> str:
+    """Return 'hg4930#A', by which a shipped file is named, of 'hg4930.yaml#A'."""
+    path, mark, variant = file.partition("#")
+    return f"{Path(path).stem}{mark}{variant}"
+
+
+def _shipped_hint(file: NamedFile, names: tuple[str, ...]) -> str:
+    """Return a hint at the shipped file that may be meant, with its variant, or ''."""
+    variant = f"#{file.variant}" if file.variant else ""
+    name = bare_name(f"{file.shown}{variant}")
+    if name.partition("#")[0] in names:
+        return f"; did you mean {name!r}, which ships?"
+    return nearest(file.shown, names)
 
 
 def exists(path: Path) -> bool:

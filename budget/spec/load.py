@@ -272,6 +272,11 @@ def load_catalogue() -> tuple[Device, ...]:
     return load_all(sorted(folder.glob("*.yaml")))
 
 
+def shipped_path(device: Device) -> str:
+    """Return what a device of the catalogue is loaded by, wherever one works."""
+    return str(shipped("specs") / FOLDERS["device"] / device.origin.file)
+
+
 P = TypeVar("P")
 T = TypeVar("T")
 

@@ -10,6 +10,8 @@ from budget.model.sources import lines_of
 from budget.units import DEG_PER_HOUR, MICRO_G
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from budget.spec.records import Device, Sensor
 
 # The line a sensor is graded by, and the grades below these sizes of it [SI].
@@ -53,6 +55,21 @@ def grade(sensor: Sensor) -> str:
         return UNKNOWN
     size = float(line.u.max())
     return next((name for name, below in BELOW[sensor.kind] if size < below), REST)
+
+
+def is_one_of(
+    device: Device, kinds: Sequence[str] | None, grades: Sequence[str] | None
+) -> bool:
+    """Whether a device has a triad that is asked for, with one of the grades.
+
+    Kinds are 'gyro' and 'accelerometer', alone or in an IMU, and 'IMU', either triad
+    of a device that has both. None and () are no condition.
+    """
+    return any(
+        (not kinds or sensor.kind in kinds or kind_of_device(device) in kinds)
+        and (not grades or grade(sensor) in grades)
+        for sensor in device.sensors
+    )
 
 
 def completeness(sensor: Sensor) -> Completeness:

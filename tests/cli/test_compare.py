@@ -239,13 +239,35 @@ class TestTable:
 
     def test_pairs_need_both_sensors(self):
         """Pairs of a comparison of both sensors are printed, those of one are not."""
-        shipped = call(
-            *("compare", "zhao-2019", "--requirement", "catalogue-edge"),
-            *(*LAW, "--pairs"),
-        )
+        wanted = ("compare", "zhao-2019", "--requirement", "catalogue-edge", *LAW)
+        shipped = call(*wanted, "--pairs")
 
         assert "Pairs of gyro and accelerometer" in shipped.out
+        assert "IMUs as one device" in shipped.out
         assert "Pairs" not in compare("good.yaml", *LAW, "--pairs").out
+        assert "Pairs" not in call(*wanted).out
+        assert "IMUs" not in compare("good.yaml", *LAW).out
+
+    def test_the_catalogue_is_what_ships(self, tmp_path, monkeypatch):
+        """Outside a checkout, as if each file were named; what is named too, once."""
+        monkeypatch.chdir(tmp_path)
+        rest = ("--requirement", "catalogue-edge", *LAW, "--json", "-")
+        chosen = ("--catalogue", "--kind", "imu", "--grade", "navigation")
+        found = call("compare", *chosen, *rest).document
+        named = call("compare", "cgys30cj3#A", "zhao-2019", *rest).document
+
+        assert found == named
+        assert len(found["imus"]) == 2
+        twice = call("compare", "zhao-2019", *chosen, *rest).document
+        names = [one["name"] for one in twice["devices"]]
+        assert sorted(names) == sorted(one["name"] for one in found["devices"])
+
+    @pytest.mark.parametrize("words", [(), ("zhao-2019", "--kind", "imu")])
+    def test_choosing_needs_the_catalogue(self, words):
+        """Nothing to compare, or a choice among nothing, is refused with the way."""
+        found = call("compare", *words, "--requirement", "catalogue-edge")
+        assert found.code == 2
+        assert "--catalogue" in found.err
 
     def test_nothing_on_stderr_where_all_is_well(self):
         """Talk goes to stderr, and there is none."""

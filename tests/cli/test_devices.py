@@ -5,10 +5,12 @@ from __future__ import annotations
 import command_line
 import pytest
 from command_line import call
+from saying import assert_says
 
 import budget
 from budget.errors import SpecError
 from budget.spec import load_all, load_device, load_variants, variants
+from budget.studies.grades import grade
 
 
 @pytest.fixture
@@ -32,11 +34,71 @@ def test_list_names_every_shipped_device():
 @pytest.mark.usefixtures("wide")
 def test_list_says_kind_grade_and_completeness():
     """The paper's IMU: tactical gyros by bias stability, five lines of five each."""
-    (line,) = (x for x in call("devices").out.splitlines() if "zhao-2019.yaml" in x)
+    (line,) = (x for x in call("devices").out.splitlines() if " zhao-2019 " in x)
 
     assert "IMU" in line
     assert "tactical/navigation" in line
     assert "5/5 5/5" in line
+
+
+@pytest.mark.usefixtures("wide")
+def test_every_name_of_the_list_is_taken(tmp_path, monkeypatch):
+    """What stands under name is a DEVICE of every command, in any folder."""
+    monkeypatch.chdir(tmp_path)
+    lines = call("devices").out.partition("\n\n")[0].splitlines()
+    place = lines[0].index(" name ") + 1
+    names = [line[place:].split()[0] for line in lines[1:]]
+
+    found = [load_device(name).origin for name in names]
+    assert found == [one.origin for one in budget.load_catalogue()]
+    assert "hg4930#A" in names
+    assert call("analyze", "hg4930#A", "--no-validate").code == 0
+
+
+def test_a_file_that_ships_and_is_not_here_is_named_as_it_is_given():
+    """The error for hg4930.yaml#A says hg4930#A."""
+    found = call("analyze", "specs/hg4930.yaml#A")
+    assert found.code == 2
+    assert_says(found.err, "specs/hg4930.yaml", "'hg4930#A'")
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (("--kind", "gyro"), lambda one: one.gyro),
+        (("--kind", "imu"), lambda one: one.gyro and one.accelerometer),
+        (
+            ("--kind", "gyro", "--grade", "tactical"),
+            lambda one: one.gyro and grade(one.gyro) == "tactical",
+        ),
+        (
+            ("--grade", "navigation", "--grade", "consumer"),
+            lambda one: {"navigation", "consumer"} & {*map(grade, one.sensors)},
+        ),
+    ],
+)
+def test_the_list_is_cut_to_kinds_and_grades(words, expected):
+    """A kind alone or in an IMU, and the grade is that of the kind asked for."""
+    found = call("devices", *words, "--json", "-").document["devices"]
+    wanted = [one.name for one in budget.load_catalogue() if expected(one)]
+
+    assert [one["name"] for one in found] == wanted
+    assert 0 < len(wanted) < len(budget.load_catalogue())
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("devices", "hg4930", "--kind", "gyro"), ("--kind", "hg4930")),
+        (("devices", "--kind", "gyro", "--grade", "navigation"), ("found none",)),
+        (("devices", "--grade", "best"), ("--grade", "best", "navigation")),
+    ],
+)
+def test_what_chooses_nothing_is_refused(words, said):
+    """A named device is not chosen, and no device is no list."""
+    found = call(*words)
+    assert (found.code, found.out) == (2, "")
+    assert_says(found.err, *said)
 
 
 def test_json_of_the_list():

@@ -242,13 +242,13 @@ def test_pairs_of_predicted_parts():
     """The probability of a pair is the product; a part that fails, fails it."""
     device = load_device("cgm300s10")
     found = compared(device, missing="predict")
-    (pair,) = found.pairs
+    (pair,) = found.imus
     parts = [one.doubt.probability for one in found.devices]
 
     assert pair.verdict == "predicted"
     assert_allclose(pair.probability, parts[0] * parts[1], rtol=1e-12)
     assert pair.to_dict()["conformance"] is None
-    (failing,) = compared(load_device("stim300#80g"), missing="predict").pairs
+    (failing,) = compared(load_device("stim300#80g"), missing="predict").imus
     assert (failing.verdict, failing.probability) == ("fails", None)
     assert failing.to_dict()["conformance"] is None
 

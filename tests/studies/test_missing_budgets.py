@@ -100,7 +100,7 @@ def test_one_verdict_whatever_the_command(predicted):
             ask.source for ask in other.doubt.asks
         ]
         assert own.conformance is None
-    (pair,) = compared.pairs
+    (pair,) = compared.imus
     assert_allclose(predicted.assessment.chance, pair.probability, atol=1e-3)
 
 

@@ -29,6 +29,7 @@ from budget.report.comparison.tables import (
     PAIRS_SHOWN,
     assumptions_table,
     front_table,
+    imus_table,
     missing_table,
     outputs_table,
     pairs_table,
@@ -99,6 +100,7 @@ def comparison_document(
             _devices(found, place, comparison.settings.missing, with_margins=False)
             for place in range(len(found))
         ),
+        *_imus(comparison),
         *_pairs(comparison),
         *_missing(comparison),
         _assumptions(comparison, in_report=False),
@@ -171,6 +173,7 @@ def _answer(
     yield from _procedures(comparison, found)
     for place in range(len(found)):
         yield _devices(found, place, comparison.settings.missing, with_margins=True)
+    yield from _imus(comparison)
     yield from _pairs(comparison)
     yield from _missing(comparison)
     yield _assumptions(comparison, in_report=True)
@@ -334,6 +337,25 @@ def _fronts(table: Ranking, end: str) -> Iterator[Picture]:
         if not no_front(table, merit):
             data = front_table(table, merit, f"{merit}-{end}")
             yield front_picture(table, merit, f"front-{merit}-{end}", data)
+
+
+def _imus(comparison: Comparison) -> tuple[Section, ...]:
+    """Return the ranking of IMUs as one device; nothing where there is none."""
+    imus = comparison.ranked_imus
+    if not imus:
+        return ()
+    text = (
+        "Gyro and accelerometer of one unit together: the graver verdict, the larger "
+        "part of a limit, and the probability that all outputs of both are within "
+        "their limits, counted in the same trials, so what the two share is in it."
+    )
+    return (
+        Section(
+            name="imus",
+            title="IMUs as one device",
+            blocks=(imus_table(imus), Paragraph(words=(text,), small=True)),
+        ),
+    )
 
 
 def _pairs(comparison: Comparison) -> tuple[Section, ...]:

@@ -515,6 +515,14 @@ def _pair_verdict(pair: Pair) -> str:
     return f"meets {print_chance(pair.probability)}"
 
 
+def _pair_conformance(pair: Pair) -> Cell | str:
+    """Print the joint conformance; '' where it would be that of predicted medians."""
+    if pair.at_medians:
+        return ""
+    printed = print_at_most if pair.lower_bound else print_probability
+    return Cell(text=printed(pair.conformance), exact=PER_CENT * pair.conformance.value)
+
+
 PAIRS = (
     Field["Pair"](
         head="gyro",
@@ -532,18 +540,58 @@ PAIRS = (
     Field["Pair"](
         head="conformance [%]",
         kind="number",
-        cell=lambda pair: (
-            Cell(
-                text=print_at_most(pair.conformance)
-                if pair.lower_bound
-                else print_probability(pair.conformance),
-                exact=PER_CENT * pair.conformance.value,
-            )
-            if not pair.at_medians
-            else ""
-        ),
+        cell=_pair_conformance,
     ),
 )
+
+
+def imus_table(imus: Sequence[tuple[Pair, str]]) -> Table:
+    """Return the IMUs as one device each, with their ranks, best first."""
+    several = len({pair.procedure for pair, _ in imus}) > 1
+    fields: tuple[Field[tuple[Pair, str]], ...] = (
+        Field(
+            head="device",
+            weight=1.6,
+            cell=lambda one: Cell(text=one[0].gyro, strong=one[0].verdict == "meets"),
+        ),
+        Field(head="procedure", cell=lambda one: one[0].procedure),
+        Field(
+            head="rank",
+            kind="number",
+            cell=lambda one: Cell(text=one[1], exact=float(rank_number(one[1]))),
+        ),
+        Field(head="verdict", cell=lambda one: _pair_verdict(one[0])),
+        Field(
+            head="% of limit",
+            kind="number",
+            cell=lambda one: _pair_utilisation(one[0]),
+        ),
+        Field(
+            head="conformance [%]",
+            kind="number",
+            cell=lambda one: _pair_conformance(one[0]),
+        ),
+        Field(
+            head="worst output",
+            weight=1.6,
+            cell=lambda one: join_outputs(one[0].worst_outputs),
+        ),
+        Field(
+            head="limited by",
+            weight=1.5,
+            cell=lambda one: source_title(
+                one[0].limiting_source, of=one[0].worst_outputs[0].owner
+            ),
+        ),
+    )
+    return table_of(
+        imus,
+        [field for field in fields if several or field.head != "procedure"],
+        name="imus-table",
+        caption="IMUs as one device, best first",
+        is_wide=True,
+        searchable=len(imus) >= LONG,
+    )
 
 
 def pairs_table(pairs: Sequence[Pair]) -> Table:

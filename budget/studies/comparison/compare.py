@@ -14,7 +14,7 @@ from budget.studies.blunders import against_limits
 from budget.studies.cautions import age_that_counts_not
 from budget.studies.comparison.candidates import Candidate, bound_missing
 from budget.studies.comparison.judging import JudgedCandidate, Judging, judge_all
-from budget.studies.comparison.ranking import pair_up, rank
+from budget.studies.comparison.ranking import pair_up, rank, rank_imus
 from budget.studies.comparison.records import (
     Comparison,
     DeviceVerdict,
@@ -90,8 +90,8 @@ def compare(
         By gum: judge as by 'monte-carlo' does, and say where Monte Carlo does not
         confirm the law (JCGM 101, clause 8).
     pairs : bool
-        Whether every gyro is paired with every accelerometer; without it only the two
-        of one device are.
+        Whether every gyro is paired with every accelerometer too; the two of one
+        device are ranked as an IMU in any case.
     seed, workers, executor
         As of monte_carlo.sample; workers share out devices.
     progress : callable, optional
@@ -186,7 +186,8 @@ def compare(
             for one in candidates
             if not one.sensor.lines
         ),
-        pairs=pair_up(ranked, every=pairs),
+        imus=rank_imus(ranked),
+        pairs=pair_up(ranked) if pairs else (),
         assumptions=tuple(
             dict.fromkeys(
                 f"{device.name}: {text}"

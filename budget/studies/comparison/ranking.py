@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import inf, prod
 from typing import TYPE_CHECKING
 
-from budget.methods.largest import probability_smaller
+from budget.methods.largest import joined, probability_smaller
 from budget.studies.comparison.records import (
     VERDICTS,
     DeviceVerdict,
@@ -19,6 +19,8 @@ from budget.ties import settle
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from budget.methods.largest import Ends
 
 
 # What a pair is where its parts differ, the last one rules: a part that fails, fails.
@@ -112,31 +114,15 @@ def _both(gyro: DeviceVerdict, other: DeviceVerdict) -> float | None:
     return prod(doubt.probability for doubt in doubts)
 
 
-def pair_up(rows: Sequence[DeviceVerdict], *, every: bool) -> tuple[Pair, ...]:
-    """Pair gyros and accelerometers of the same procedure, best first.
-
-    Every one with every other, or only those that are one device.
-    """
-    found = []
-    for gyro in (row for row in rows if row.sensor == "gyro"):
-        for other in (row for row in rows if row.sensor == "accelerometer"):
-            if other.procedure != gyro.procedure:
-                continue
-            if not every and other.place != gyro.place:
-                continue
-            found.append(
-                Pair(
-                    gyro=gyro.name,
-                    accelerometer=other.name,
-                    procedure=gyro.procedure,
-                    verdict=max(gyro.verdict, other.verdict, key=GRAVEST.index),
-                    probability=_both(gyro, other),
-                    at_medians=gyro.at_medians or other.at_medians,
-                    lower_bound=gyro.lower_bound or other.lower_bound,
-                    utilisation=max(gyro.utilisation, other.utilisation),
-                    conformance=together((gyro.judged, other.judged)),
-                )
-            )
+def pair_up(rows: Sequence[DeviceVerdict]) -> tuple[Pair, ...]:
+    """Pair every gyro with every accelerometer of the same procedure, best first."""
+    found = [
+        _pair(gyro, other)
+        for gyro in rows
+        if gyro.sensor == "gyro"
+        for other in rows
+        if other.sensor == "accelerometer" and other.procedure == gyro.procedure
+    ]
     found.sort(
         key=lambda p: (
             VERDICTS.index(p.verdict),
@@ -146,3 +132,77 @@ def pair_up(rows: Sequence[DeviceVerdict], *, every: bool) -> tuple[Pair, ...]:
         )
     )
     return tuple(found)
+
+
+def rank_imus(rows: Sequence[DeviceVerdict]) -> tuple[Pair, ...]:
+    """Rank the devices of which both sensors are judged, under each procedure.
+
+    As `rank` does, with the graver verdict, the missing lines of both and the larger
+    utilisation; so sure as the largest of the outputs of both tells them apart.
+    """
+    both: dict[tuple[str, int], dict[str, DeviceVerdict]] = {}
+    for row in rows:
+        both.setdefault((row.procedure, row.place), {})[row.sensor] = row
+    lists: dict[str, list[_Imu]] = {}
+    for (procedure, _), parts in both.items():
+        if len(parts) > 1:
+            gyro, other = parts["gyro"], parts["accelerometer"]
+            one = _Imu(pair=_pair(gyro, other), parts=(gyro, other))
+            lists.setdefault(procedure, []).append(one)
+    ranked: list[Pair] = []
+    for found in lists.values():
+        order = sorted(found, key=lambda one: one.place)
+        for one, following in zip(order, [*order[1:], None], strict=True):
+            ranked.append(replace(one.pair, ahead=one.lead(following)))
+    return tuple(ranked)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Imu:
+    """Both sensors of one device."""
+
+    pair: Pair
+    parts: tuple[DeviceVerdict, DeviceVerdict]
+
+    @property
+    def place(self) -> tuple[int, float, int, float, float]:
+        """What it is ranked by: less is better."""
+        _, _, lacks, worst, used = zip(*map(_place, self.parts), strict=True)
+        verdict = VERDICTS.index(self.pair.verdict)
+        p = self.pair.probability or 0.0
+        return verdict, -p, sum(lacks), max(worst), max(used)
+
+    @property
+    def ends(self) -> Ends:
+        """The ends of both, moved by the same trials."""
+        return joined([one.closer.ends for one in self.parts])
+
+    def lead(self, following: _Imu | None) -> Lead | None:
+        """Return how sure it is that this one is better than the next, as `_ahead`."""
+        if following is None or following.pair.verdict != self.pair.verdict:
+            return None
+        every = (*self.parts, *following.parts)
+        if any(one.trials is None or one.rests_on_others for one in every):
+            return None
+        return Lead(
+            other=following.pair.gyro,
+            probability=probability_smaller(self.ends, following.ends),
+        )
+
+
+def _pair(gyro: DeviceVerdict, other: DeviceVerdict) -> Pair:
+    """Put a gyro and an accelerometer together."""
+    worst = max(gyro, other, key=lambda one: settle(one.utilisation))
+    return Pair(
+        gyro=gyro.name,
+        accelerometer=other.name,
+        procedure=gyro.procedure,
+        verdict=max(gyro.verdict, other.verdict, key=GRAVEST.index),
+        probability=_both(gyro, other),
+        at_medians=gyro.at_medians or other.at_medians,
+        lower_bound=gyro.lower_bound or other.lower_bound,
+        utilisation=max(gyro.utilisation, other.utilisation),
+        worst_outputs=worst.worst_outputs,
+        limiting_source=worst.remedy.source,
+        conformance=together((gyro.judged, other.judged)),
+    )

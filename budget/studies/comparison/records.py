@@ -237,6 +237,10 @@ class Pair:
     utilisation: float
     conformance: Probability
     lower_bound: bool  # the utilisation is this or more, the conformance this or less
+    # Of the triad that uses most of its limits: its worst outputs and their source.
+    worst_outputs: tuple[Name, ...]
+    limiting_source: Name
+    ahead: Lead | None = None  # of the next IMU with the same verdict
     probability: float | None = None  # that both meet, where lines are predicted [1]
     at_medians: bool = False  # its numbers are those at medians of predicted lines
 
@@ -249,6 +253,8 @@ class Pair:
             "verdict": self.verdict,
             "lower_bound": self.lower_bound,
             "utilisation": self.utilisation,
+            "worst_outputs": list(self.worst_outputs),
+            "limiting_source": self.limiting_source,
             **(UNKNOWN_CONFORMANCE if self.at_medians else self.conformance.to_dict()),
             **({} if self.probability is None else {"probability": self.probability}),
         }
@@ -266,7 +272,9 @@ class Comparison:
     not_compared: tuple[str, ...]  # sensors that have limits and no candidate
     devices: tuple[DeviceVerdict, ...]
     nothing_known: tuple[Entrant, ...]  # no error line given: undecidable, not ranked
-    pairs: tuple[Pair, ...]
+    # Devices of both sensors as one, best first under each procedure.
+    imus: tuple[Pair, ...] = ()
+    pairs: tuple[Pair, ...]  # every gyro with every accelerometer, where asked for
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
 
@@ -304,6 +312,17 @@ class Comparison:
             found[one.sensor, one.procedure].append(one)
         return found
 
+    @property
+    def ranked_imus(self) -> tuple[tuple[Pair, str], ...]:
+        """IMUs as one device, each with its rank under its procedure."""
+        return tuple(
+            pair
+            for procedure in self.procedures
+            for own in [[one for one in self.imus if one.procedure == procedure]]
+            if own
+            for pair in zip(own, ranks(own), strict=True)
+        )
+
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON document of schema `budget/1`, in printed units."""
         return {**self.frame(), DEVICES: list(self.entries())}
@@ -322,6 +341,10 @@ class Comparison:
             "settings": self.settings.to_dict(),
             DEVICES: [],
             "nothing_known": [one.to_dict() for one in self.nothing_known],
+            "imus": [
+                {"name": pair.gyro, "rank": rank_number(rank), **pair.to_dict()}
+                for pair, rank in self.ranked_imus
+            ],
             "pairs": [pair.to_dict() for pair in self.pairs],
             "assumptions": list(self.assumptions),
             "warnings": list(self.warnings),
@@ -334,7 +357,7 @@ class Comparison:
                 yield one.to_dict() | {"rank": rank_number(rank)}
 
 
-def ranks(devices: Sequence[DeviceVerdict]) -> tuple[str, ...]:
+def ranks(devices: Sequence[DeviceVerdict | Pair]) -> tuple[str, ...]:
     """Return ranks; neighbours that cannot be told apart at 95 % share one, '2='."""
     numbers, tied = [1], [False] * len(devices)
     for place, (better, _) in enumerate(pairwise(devices)):

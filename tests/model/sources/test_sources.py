@@ -530,7 +530,7 @@ def test_a_device_whose_triads_share_a_source_is_judged_jointly():
     )
     found = compare([device], wanted, [how], trials=100_000)
     standard_error = np.sqrt(0.9 * 0.1 / 100_000)
-    (pair,) = found.pairs
+    (pair,) = found.imus
     for probability in (*(one.conformance for one in found.devices), pair.conformance):
         assert abs(probability.value - 0.9) < 5.0 * standard_error
     assert abs(pair.conformance.value - 0.81) > 50.0 * standard_error  # a product

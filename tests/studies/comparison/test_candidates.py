@@ -199,6 +199,10 @@ def test_pairs_are_counted_together():
     found = compared(devices, requirement(sensors=both), pairs=True, method="gum")
 
     assert len(found.pairs) == 4
+    alone = compared(devices, requirement(sensors=both), method="gum")
+    assert alone.pairs == ()
+    own = {one for one in found.pairs if one.gyro == one.accelerometer}
+    assert {replace(one, ahead=None) for one in alone.imus} == own
     for pair in found.pairs:
         g = by_name(found, pair.gyro)
         a = by_name(found, pair.accelerometer, "accelerometer")
@@ -365,3 +369,32 @@ def test_kind_of_device():
     """Both sensors make an IMU; one alone is what it is."""
     assert kind_of_device(paper_device(sensors=("gyro", "accelerometer"))) == "IMU"
     assert kind_of_device(paper_device(sensors=("accelerometer",))) == "accelerometer"
+
+
+def test_imus_are_ranked_as_one_device():
+    """The worse triad rules; equal units tie, and one with more lines missing is last.
+
+    Each is better in one triad: the rank by the gyro alone is another one.
+    """
+    both = {"sensors": ("gyro", "accelerometer")}
+    even = paper_device("even", times=0.3, **both)
+    twin = replace(even, name="twin", gyro=replace(even.gyro, device="twin"))
+    uneven = replace(
+        paper_device("uneven", times=0.1, **both),
+        accelerometer=paper_device("u", times=0.6, **both).accelerometer,
+    )
+    gap = paper_device("gap", times=0.1, missing=("bias_repeatability",), **both)
+    found = compared([uneven, gap, even, twin], requirement(times=2.0, **both))
+
+    names = [(pair.gyro, rank) for pair, rank in found.ranked_imus]
+    assert names == [("even", "1="), ("twin", "1="), ("uneven", "3"), ("gap", "4")]
+    assert next(one.name for one in found.devices if one.sensor == "gyro") == "uneven"
+    pair = found.imus[2]
+    assert pair.utilisation == by_name(found, "uneven", "accelerometer").utilisation
+    assert {name.owner for name in pair.worst_outputs} == {"accelerometer"}
+    assert found.imus[3].verdict == "undecidable"
+    document = found.to_dict()
+    assert [(one["name"], one["rank"]) for one in document["imus"]] == [
+        *(("even", 1), ("twin", 1), ("uneven", 3), ("gap", 4))
+    ]
+    assert document["pairs"] == []
