@@ -66,23 +66,17 @@ app = typer.Typer(
     cls=_Commands,
     help="Error budgets for the discrete turntable calibration of strapdown IMUs.",
     no_args_is_help=True,
-    add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
     pretty_exceptions_enable=False,
     rich_markup_mode=None,  # plain help starts faster and reads well in any terminal
 )
-app.command()(analyze)
-app.command()(allocate)
-app.command()(station)
-app.command()(export)
-app.command()(report)
-app.command()(compare)
-app.command()(check)
-app.command()(diff)
-app.command()(devices)
-app.command()(paper)
-app.command()(new)
-app.command()(validate)
-app.command()(schema)
+for command in (
+    *(analyze, allocate, station, export, report, compare, check, diff),
+    *(devices, paper, new, validate, schema),
+):
+    # A short help that is given is printed whole; one that is found is cut.
+    summary = " ".join((command.__doc__ or "").partition("\n\n")[0].split())
+    app.command(short_help=summary)(command)
 
 
 def _print_version(wanted: bool) -> None:  # noqa: FBT001 - typer calls it so

@@ -20,6 +20,7 @@ def compare(
         list[str] | None,
         typer.Argument(
             metavar="[DEVICE]",
+            autocompletion=options.complete_device,
             help="Device files; FILE is its base and every variant, FILE#VARIANT one.",
             show_default=False,
         ),
@@ -46,26 +47,8 @@ def compare(
         Literal["gum", "monte-carlo"],
         typer.Option(help="gum is the fast screen."),
     ] = "monte-carlo",
-    trials: Annotated[
-        int | None,
-        typer.Option(
-            min=options.LEAST_TRIALS,
-            max=options.MOST_TRIALS,
-            metavar="N",
-            help="Monte Carlo trials of each device at first (100000).",
-            show_default=False,
-        ),
-    ] = None,
-    max_trials: Annotated[
-        int | None,
-        typer.Option(
-            min=options.LEAST_TRIALS,
-            max=options.MOST_TRIALS,
-            metavar="N",
-            help="The most of a device whose verdict or rank is open (1600000).",
-            show_default=False,
-        ),
-    ] = None,
+    trials: Annotated[int | None, options.FIRST_TRIALS] = None,
+    max_trials: Annotated[int | None, options.MOST_OF_A_DEVICE] = None,
     seed: options.Seed = 0,
     workers: options.Workers = 1,
     cluster: options.Cluster = None,

@@ -15,6 +15,7 @@ def devices(
         str | None,
         typer.Argument(
             metavar="[NAME]",
+            autocompletion=options.complete_device,
             help="A device to show, FILE or FILE#VARIANT; without it all that ship.",
             show_default=False,
         ),

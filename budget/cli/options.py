@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import re
+from contextlib import suppress
 from dataclasses import dataclass
 from decimal import Decimal
 from enum import StrEnum
@@ -64,14 +66,21 @@ def _trials(text: str) -> int | None:
     """Read a number of trials; 'adaptive' is none."""
     if text == "adaptive":
         return None
-    if not (text.isascii() and text.isdigit() and len(text) <= LONGEST_NUMBER) or not (
-        LEAST_TRIALS <= int(text) <= MOST_TRIALS
-    ):
+    return _number_of_trials(text, or_else=", or 'adaptive'")
+
+
+def _number_of_trials(text: str, *, or_else: str = "") -> int:
+    """Read a whole number, '1000000' or '1e6'."""
+    number = Decimal(0)
+    if len(text) <= LONGEST_NUMBER and re.fullmatch(r"[0-9.]+(e\+?[0-9]+)?", text):
+        with suppress(ArithmeticError):
+            number = Decimal(text)
+    if not (LEAST_TRIALS <= number <= MOST_TRIALS) or number % 1:
         raise typer.BadParameter(
-            f"{text!r} is no number of trials; give a whole number, "
-            f"{LEAST_TRIALS} or more and {MOST_TRIALS} at the most, or 'adaptive'"
+            f"{text!r} is no number of trials; give a whole number, as 1000000 or 1e6, "
+            f"{LEAST_TRIALS} or more and {MOST_TRIALS} at the most{or_else}"
         )
-    return int(text)
+    return int(number)
 
 
 def _processes(wanted: int) -> int:
@@ -94,10 +103,28 @@ def processors() -> int:
     return os.cpu_count() or 1
 
 
+def complete_device(incomplete: str) -> list[str]:
+    """Complete the name of a shipped device, or a file that is there."""
+    from budget.spec.files import shipped_names
+
+    folder, slash, start = incomplete.rpartition("/")
+    found = [name for name in shipped_names("device") if name.startswith(incomplete)]
+    with suppress(OSError):  # no such folder: nothing to complete
+        for path in Path(folder + slash).iterdir():
+            if path.name.startswith(start):
+                named = f"{folder}{slash}{path.name}"
+                if path.is_dir():
+                    found.append(f"{named}/")
+                elif path.suffix.lower() in {".yaml", ".yml"}:
+                    found.append(named)
+    return sorted(found)
+
+
 Devices = Annotated[
     list[str] | None,
     typer.Argument(
         metavar="[DEVICE]",
+        autocompletion=complete_device,
         help="Device files, FILE or FILE#VARIANT; without one the built-in paper "
         "device.",
         show_default=False,
@@ -126,6 +153,20 @@ Age = Annotated[
         show_default=False,
     ),
 ]
+FIRST_TRIALS: Any = typer.Option(
+    "--trials",
+    parser=_number_of_trials,
+    metavar="N",
+    help="Monte Carlo trials of each device at first (100000).",
+    show_default=False,
+)
+MOST_OF_A_DEVICE: Any = typer.Option(
+    "--max-trials",
+    parser=_number_of_trials,
+    metavar="N",
+    help="The most of a device whose verdict or rank is open (1600000).",
+    show_default=False,
+)
 REQUIREMENT: Any = typer.Option(
     "--requirement",
     metavar="FILE",
@@ -163,8 +204,7 @@ Digits = Annotated[
 MaxTrials = Annotated[
     int | None,
     typer.Option(
-        min=LEAST_TRIALS,
-        max=MOST_TRIALS,
+        parser=_number_of_trials,
         metavar="N",
         help="Where adaptive trials stop at the latest (2000000).",
         show_default=False,

@@ -18,6 +18,7 @@ from command_line import call, start
 from places import PACKAGE
 from saying import assert_says
 
+from budget.cli import app
 from budget.version import __version__
 
 NOTE = "No device given: using the built-in zhao-2019 (Zhao 2019).\n"
@@ -33,7 +34,7 @@ SHARED = (
 BAD_VALUES = [
     ("--method", "linear", "'gum', 'monte-carlo', 'simulation'"),
     ("--trials", "0", "2 or more"),
-    ("--trials", "1e5", "2 or more"),
+    ("--trials", "1.5e0", "2 or more"),
     ("--trials", "-5", "2 or more"),
     ("--max-trials", "1", "2"),
     ("--samples", "1", "2"),
@@ -463,3 +464,63 @@ def test_more_workers_than_processors_are_cut_with_a_word(monkeypatch):
     one = call(*asked, "--workers", "1")
     assert "--workers" not in one.err
     assert cut.out == one.out
+
+
+def test_help_has_a_short_name_and_whole_summaries():
+    """-h is --help, of commands too; no summary ends in three dots."""
+    assert call("-h").out == call("--help").out
+    assert call("analyze", "-h").out == call("analyze", "--help").out
+    assert "..." not in call("-h").out.partition("Commands:")[2]
+    listed = " ".join(call("-h").out.split())
+    for command in app.registered_commands:
+        summary = command.callback.__doc__.partition("\n\n")[0]
+        assert " ".join(summary.split()) in listed
+
+
+@pytest.mark.parametrize(
+    ("text", "number"), [("1e3", 1000), ("2.5e3", 2500), ("0300", 300), ("1e+3", 1000)]
+)
+def test_a_number_of_trials_in_powers_of_ten(text, number):
+    """1e3 is 1000, of every option that takes trials."""
+    how = ("--method", "monte-carlo", "--json", "-")
+    found = call("analyze", *how, "--trials", text, "--max-trials", "1e8").document
+    assert found["settings"]["trials"] == number
+    wanted = ("compare", "zhao-2019", "--requirement", "navigation-grade", *how)
+    found = call(*wanted, "--trials", text, "--max-trials", "1e4").document
+    assert {one["trials"] for one in found["devices"]} <= {number, 4 * number, 10_000}
+
+
+@pytest.mark.parametrize(
+    "text", ["1e-3", "1.5", "1e99", "1e999999999", "1", "nan", "-5", "1.2.3", "1e", ""]
+)
+@pytest.mark.parametrize("option", ["--trials", "--max-trials"])
+@pytest.mark.parametrize("name", ["analyze", "compare"])
+def test_what_is_no_number_of_trials_is_refused(name, option, text):
+    """A fraction, too many, too few, or no number: said with what is allowed."""
+    found = call(name, f"{option}={text}")
+    assert (found.code, found.out) == (2, "")
+    assert_says(found.err, option, "1e6")
+
+
+def test_a_shell_completes_what_ships_and_what_is_there(tmp_path, monkeypatch):
+    """Commands, shipped devices by name, files and folders; other files are none."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "hg-mine.yaml").touch()
+    (tmp_path / "hg.txt").touch()
+    (tmp_path / "hgs").mkdir()
+    (tmp_path / "hgs" / "own.yml").touch()
+
+    def completed(*words):
+        found = call(
+            _BUDGET_COMPLETE="complete_bash",
+            COMP_WORDS=" ".join(("budget", *words)),
+            COMP_CWORD=str(len(words)),
+        )
+        return found.out.split()
+
+    assert completed("comp") == ["compare"]
+    ours = ["hg-mine.yaml", "hg1700", "hg4930", "hg9900", "hgs/"]
+    for name in ("analyze", "compare", "devices"):
+        assert completed(name, "hg") == ours
+    assert completed("analyze", "hgs/o") == ["hgs/own.yml"]
+    assert completed("analyze", "no/") == []
