@@ -51,7 +51,7 @@ from typing import TYPE_CHECKING
 from budget.version import __version__
 
 if TYPE_CHECKING:
-    from budget.errors import BudgetError, SpecError
+    from budget.errors import BudgetError, CallError, ProblemError, SpecError
     from budget.methods.decisions import (
         acceptance_interval,
         conformance_probability,
@@ -73,22 +73,34 @@ if TYPE_CHECKING:
     from budget.results import Budget
     from budget.spec import (
         load_catalogue,
+        load_costs,
         load_device,
         load_procedure,
         load_requirement,
+        load_station,
     )
+    from budget.spec.records import Device
+    from budget.studies.allocation.allocate import allocate
+    from budget.studies.allocation.cases import Bounds
     from budget.studies.analysis import analyze
     from budget.studies.comparison.compare import compare
     from budget.studies.conformity import assess
+    from budget.studies.export.study import export
+    from budget.studies.stations import qualify
 
 _HOME = {
+    "Bounds": "budget.studies.allocation.cases",
     "Budget": "budget.results",
     "BudgetError": "budget.errors",
+    "CallError": "budget.errors",
+    "Device": "budget.spec.records",
     "Group": "budget.problem",
     "Output": "budget.problem",
     "Problem": "budget.problem",
+    "ProblemError": "budget.errors",
     "SpecError": "budget.errors",
     "acceptance_interval": "budget.methods.decisions",
+    "allocate": "budget.studies.allocation.allocate",
     "analyze": "budget.studies.analysis",
     "assess": "budget.studies.conformity",
     "box_region": "budget.methods.regions",
@@ -96,29 +108,38 @@ _HOME = {
     "conformance_probability": "budget.methods.decisions",
     "decide": "budget.methods.decisions",
     "ellipsoid_region": "budget.methods.regions",
+    "export": "budget.studies.export.study",
     "first_trials": "budget.methods.trials",
     "global_guard_band": "budget.methods.decisions",
     "global_risks": "budget.methods.decisions",
     "load_catalogue": "budget.spec",
+    "load_costs": "budget.spec",
     "load_device": "budget.spec",
     "load_procedure": "budget.spec",
     "load_requirement": "budget.spec",
+    "load_station": "budget.spec",
     "normal_region": "budget.methods.regions",
     "propagate": "budget.methods.gum",
+    "qualify": "budget.studies.stations",
     "sample": "budget.methods.monte_carlo",
     "smallest_region": "budget.methods.regions",
     "specific_guard_band": "budget.methods.decisions",
 }
 
 __all__ = [
+    "Bounds",
     "Budget",
     "BudgetError",
+    "CallError",
+    "Device",
     "Group",
     "Output",
     "Problem",
+    "ProblemError",
     "SpecError",
     "__version__",
     "acceptance_interval",
+    "allocate",
     "analyze",
     "assess",
     "box_region",
@@ -126,15 +147,19 @@ __all__ = [
     "conformance_probability",
     "decide",
     "ellipsoid_region",
+    "export",
     "first_trials",
     "global_guard_band",
     "global_risks",
     "load_catalogue",
+    "load_costs",
     "load_device",
     "load_procedure",
     "load_requirement",
+    "load_station",
     "normal_region",
     "propagate",
+    "qualify",
     "sample",
     "smallest_region",
     "specific_guard_band",
@@ -146,3 +171,8 @@ def __getattr__(name: str) -> object:
     if name in _HOME:
         return getattr(import_module(_HOME[name]), name)
     raise AttributeError(f"module 'budget' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    """Return the public names alone, whatever has been imported below them."""
+    return sorted(__all__)

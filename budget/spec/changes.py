@@ -6,6 +6,8 @@ rules and refused in the same words.
 
 from __future__ import annotations
 
+import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -18,7 +20,7 @@ from budget.spec.tree import Node, all_of, describe, merge
 from budget.units import per_root_hertz
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable
 
     from budget.spec.files import NamedFile
 
@@ -80,6 +82,43 @@ class Change:
         names = {file.shown, file.path.name, file.path.stem}
         marked = {f"{name}#{variant}" for name in (*names, "")} if variant else set()
         return not self.device or self.device in names | marked
+
+
+Changes = Mapping[str, object] | Sequence[str]
+
+
+def texts_of(changes: Changes) -> tuple[str, ...]:
+    """Write changes as SENSOR.LINE=VALUE, of a mapping {SENSOR.LINE: VALUE}.
+
+    Raises
+    ------
+    CallError
+        They are neither a mapping nor texts.
+    """
+    if isinstance(changes, str):  # one change, not a sequence of letters
+        return (changes,)
+    if isinstance(changes, Mapping):
+        return tuple(f"{line}={_value(value)}" for line, value in changes.items())
+    if not isinstance(changes, Sequence) or any(
+        not isinstance(one, str) for one in changes
+    ):
+        raise CallError(
+            f"changes are {changes!r:.60}, expected a dict of values by line, as "
+            "{'gyro.bias_stability': '0.02 deg/h'}"
+        )
+    return tuple(changes)
+
+
+def _value(value: object) -> str:
+    """Write the value of a change as a file would have it on one line."""
+    if isinstance(value, str):
+        return value
+    try:
+        return json.dumps(value, ensure_ascii=False, allow_nan=False)
+    except (TypeError, ValueError, RecursionError) as error:
+        raise CallError(
+            f"changes: {error}; a value is a text, a number, or a list or dict of them"
+        ) from None
 
 
 def read_change(text: str) -> Change:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from budget.errors import CallError
 from budget.resources import shipped
 from budget.spec.checking import nearest
 from budget.spec.reader import read, refuse
@@ -37,10 +40,36 @@ class NamedFile:
     path: Path
     shown: str  # as typed
     variant: str  # '' for the base
+    content: bytes | None = None  # where it is known, and not to be read
 
 
-def find(typed: str | Path, kind: str | None = None) -> NamedFile:
-    """Find the file behind FILE, FILE#VARIANT or the bare name of a shipped one."""
+# What stands for a file: its name, that of a shipped one, or what is in it.
+File = str | Path | Mapping[str, object] | NamedFile
+MAPPING = "dict"  # the name of a file that is none
+
+
+def find(typed: File, kind: str | None = None) -> NamedFile:
+    """Find the file behind FILE, FILE#VARIANT or the bare name of a shipped one.
+
+    A mapping stands for a file with its keys, and is kept as JSON indented by one.
+
+    Raises
+    ------
+    CallError
+        It is none of these.
+    """
+    if isinstance(typed, NamedFile):
+        return typed
+    if isinstance(typed, Mapping):
+        content = _written(typed)
+        return NamedFile(path=Path(MAPPING), shown=MAPPING, variant="", content=content)
+    if not isinstance(typed, str | Path):
+        what = kind or "file"
+        raise CallError(
+            f"found a {type(typed).__name__}, expected a {what}: what "
+            f"budget.load_{what} returns, the name of a file or of a shipped {what}, "
+            "or a dict with the keys of such a file"
+        )
     text = str(typed)
     shown, mark, variant = text.rpartition("#")
     if not mark or exists(Path(text)):
@@ -52,6 +81,24 @@ def find(typed: str | Path, kind: str | None = None) -> NamedFile:
     return NamedFile(path=path, shown=shown, variant=variant if mark else "")
 
 
+def _written(mapping: Mapping[str, object]) -> bytes:
+    """Write a mapping as the file that it stands for.
+
+    Raises
+    ------
+    CallError
+        It holds what no file can hold.
+    """
+    try:
+        text = json.dumps(mapping, indent=1, ensure_ascii=False, allow_nan=False)
+        return text.encode()
+    except (TypeError, ValueError, RecursionError) as error:
+        raise CallError(
+            f"{MAPPING}: {error}; a file holds texts, numbers, true or false, lists "
+            "and dicts of them"
+        ) from None
+
+
 def open_file(file: NamedFile, kind: str | None = None) -> Document:
     """Read a file and find its kind from its keys.
 
@@ -60,12 +107,12 @@ def open_file(file: NamedFile, kind: str | None = None) -> Document:
     SpecError
         It cannot be read, has a newer format, or is of another kind or of none.
     """
-    if not exists(file.path):
+    if file.content is None and not exists(file.path):
         names = shipped_names(kind)
         bare = f", or a shipped one: {', '.join(names)}" if names else ""
         message = f"no such file, expected a YAML file{bare}"
         raise refuse(file.shown, f"{message}{_shipped_hint(file, names)}")
-    document = read(file.path, file.shown)
+    document = read(file.path, file.shown, file.content)
     root = document.root
     if root.value is None:  # an issue already
         raise all_of(document.issues)

@@ -2,45 +2,56 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeVar
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from budget.errors import SpecError
 from budget.resources import shipped
-from budget.spec.changes import check_used, read_change
+from budget.spec.changes import check_used, read_change, texts_of
 from budget.spec.costs import read_costs
 from budget.spec.device import read_device, root_of, variant_names
 from budget.spec.files import FOLDERS, find, open_file
 from budget.spec.procedure import read_procedure
 from budget.spec.reader import refuse
-from budget.spec.records import Checked
+from budget.spec.records import (
+    Checked,
+    Costs,
+    Device,
+    Procedure,
+    Requirement,
+    Station,
+)
 from budget.spec.requirement import read_requirement
 from budget.spec.station import aged, done_at, read_station
 from budget.spec.tree import MOST_ISSUES, all_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
-    from pathlib import Path
+    from collections.abc import Callable, Sequence
 
     from budget.errors import Issue
-    from budget.spec.changes import Change
-    from budget.spec.files import NamedFile
-    from budget.spec.records import Costs, Device, Procedure, Requirement, Station
+    from budget.spec.changes import Change, Changes
+    from budget.spec.files import File, NamedFile
     from budget.spec.tree import Document
 
 
+P = TypeVar("P")
+T = TypeVar("T")
 PAPER = "zhao-2019"  # the shipped procedure that stands in for none
 
 
-def load_device(path: str | Path, changes: Sequence[str] = ()) -> Device:
+def load_device(path: Device | File, changes: Changes = ()) -> Device:
     """Read a device.
 
     Parameters
     ----------
-    path : str or Path
-        'FILE', 'FILE#VARIANT', or the bare name of a shipped device instead of FILE.
-    changes : sequence of str
-        What is other than in the file: 'gyro.bias_stability=0.02 deg/h'. The result
-        names every change.
+    path : str, Path or mapping
+        'FILE', 'FILE#VARIANT', or the bare name of a shipped device instead of FILE; or
+        a dict with the keys of such a file. A Device is its own.
+    changes : mapping, or sequence of str
+        What is other than in the file: {'gyro.bias_stability': '0.02 deg/h'}, or
+        'gyro.bias_stability=0.02 deg/h'. The result names every change.
 
     Returns
     -------
@@ -51,13 +62,43 @@ def load_device(path: str | Path, changes: Sequence[str] = ()) -> Device:
     ------
     SpecError
         Everything that is wrong with the file, each at its place.
+    CallError
+        It is no such thing, or a change is none or reaches no sensor.
     """
+    if isinstance(path, Device):
+        return path.replace(changes) if changes else path
     (device,) = load_changed([path], changes, variants=False)
     return device
 
 
+def load_devices(
+    given: Device | File | Iterable[Device | File], *, variants: bool = False
+) -> tuple[Device, ...]:
+    """Read devices, one or several; of a file every variant if asked for.
+
+    Raises as load_device, with the issues of all files.
+    """
+
+    def load(one: Device | File) -> tuple[Device, ...]:
+        if isinstance(one, Device):
+            return (one,)
+        return load_changed([one], (), variants=variants)
+
+    found, issues = try_all(several(given), load)
+    if issues:
+        raise SpecError(tuple(issues))
+    return tuple(device for some in found for device in some)
+
+
+def several(given: object) -> tuple[Any, ...]:
+    """Return records or files, of which one may be given alone."""
+    if isinstance(given, str | Mapping) or not isinstance(given, Iterable):
+        return (given,)
+    return tuple(given)
+
+
 def load_changed(
-    paths: Sequence[str | Path], changes: Sequence[str], *, variants: bool
+    paths: Sequence[File], changes: Changes, *, variants: bool
 ) -> tuple[Device, ...]:
     """Load devices with changes, each file's base and every variant if asked for.
 
@@ -75,7 +116,7 @@ def load_changed(
 
 
 def try_changed(
-    paths: Sequence[str | Path], changes: Sequence[str], *, variants: bool
+    paths: Sequence[File], changes: Changes, *, variants: bool
 ) -> tuple[list[Device], list[Issue]]:
     """Load what can be read with changes, and the issues of what cannot.
 
@@ -84,7 +125,7 @@ def try_changed(
     CallError
         A change is none, or reaches no device though all could be read.
     """
-    wanted = [read_change(text) for text in changes]
+    wanted = [read_change(text) for text in texts_of(changes)]
     found, issues = try_all(paths, lambda path: _load(path, wanted, variants=variants))
     devices = [device for some in found for device in some]
     if not issues:
@@ -94,7 +135,7 @@ def try_changed(
 
 
 def _load(
-    path: str | Path, changes: Sequence[Change], *, variants: bool
+    path: File, changes: Sequence[Change], *, variants: bool
 ) -> tuple[Device, ...]:
     """Load the devices of one file, or the one that is named."""
     file = find(path, "device")
@@ -118,40 +159,54 @@ def _read(
     document: Document, file: NamedFile, variant: str, changes: Sequence[Change]
 ) -> Device:
     """Read one device with those of the changes that are its own."""
-    if not changes:
-        return read_device(document, variant)
-    root = root_of(document, variant)
-    own = [change for change in changes if change.is_of(file, variant, root)]
-    return read_device(document, variant, own)
+    own: Sequence[Change] = ()
+    if changes:
+        root = root_of(document, variant)
+        own = [change for change in changes if change.is_of(file, variant, root)]
+    device = read_device(document, variant, own)
+    same = replace(file, variant=variant, content=document.text.encode())
+    texts = tuple(change.text for change in own)
+    return replace(device, read_again=partial(_read_again, same, texts))
+
+
+def _read_again(file: NamedFile, before: tuple[str, ...], changes: Changes) -> Device:
+    """Read a device as it was read, with more changes after those that it has."""
+    return load_device(file, (*before, *texts_of(changes)))
 
 
 def load_procedure(
-    path: str | Path | None = None,
+    path: Procedure | File | None = None,
     *,
-    station: str | Path | None = None,
+    station: Station | File | None = None,
     age: str | None = None,
 ) -> Procedure:
     """Read a procedure; without a path that of the paper. Raises as load_device.
 
     Parameters
     ----------
-    path : str or Path, optional
+    path : str, Path or mapping, optional
         As in load_device.
-    station : str or Path, optional
+    station : str, Path or mapping, optional
         A station file to do it at, for a procedure that names no station itself.
     age : str, optional
         Time from the calibration to its use, '1 year', where neither file gives one.
     """
     if path is None:
         path = shipped("specs") / FOLDERS["procedure"] / f"{PAPER}.yaml"
-    procedure = read_procedure(_open(path, "procedure"))
+    if isinstance(path, Procedure):
+        procedure, shown = path, path.origin.file
+    else:
+        procedure = read_procedure(_open(path, "procedure"))
+        shown = find(path, "procedure").shown
     if station is not None:
-        procedure = done_at(procedure, load_station(station), str(path))
-    return procedure if age is None else aged(procedure, age, str(path))
+        procedure = done_at(procedure, load_station(station), shown)
+    return procedure if age is None else aged(procedure, age, shown)
 
 
-def load_station(path: str | Path) -> Station:
+def load_station(path: Station | File) -> Station:
     """Read a test station. Raises as load_device."""
+    if isinstance(path, Station):
+        return path
     return read_station(_open(path, "station"))
 
 
@@ -170,22 +225,26 @@ def load_stations() -> tuple[Station, ...]:
     return tuple(found)
 
 
-def load_requirement(path: str | Path) -> Requirement:
+def load_requirement(path: Requirement | File) -> Requirement:
     """Read a requirement. Raises as load_device."""
+    if isinstance(path, Requirement):
+        return path
     return read_requirement(_open(path, "requirement"))
 
 
-def load_costs(path: str | Path) -> Costs:
+def load_costs(path: Costs | File) -> Costs:
     """Read the costs of better lines. Raises as load_device."""
+    if isinstance(path, Costs):
+        return path
     return read_costs(_open(path, "costs"))
 
 
-def variants(path: str | Path) -> tuple[str, ...]:
+def variants(path: File) -> tuple[str, ...]:
     """Return the variants of a device file, '' for its base unless it is abstract."""
     return variant_names(open_file(find(path, "device"), "device"))
 
 
-def validate(path: str | Path) -> Checked:
+def validate(path: File) -> Checked:
     """Check a file of any kind, of a device the base and every variant.
 
     Parameters
@@ -246,7 +305,7 @@ _READERS: dict[str, Callable[[Document], Procedure | Station | Requirement | Cos
 }
 
 
-def _open(path: str | Path, kind: str) -> Document:
+def _open(path: File, kind: str) -> Document:
     """Open a file that can have no variants."""
     file = find(path, kind)
     _refuse_variant(file)
@@ -277,10 +336,6 @@ def shipped_path(device: Device) -> str:
     return str(shipped("specs") / FOLDERS["device"] / device.origin.file)
 
 
-P = TypeVar("P")
-T = TypeVar("T")
-
-
 def try_all(paths: Iterable[P], load: Callable[[P], T]) -> tuple[list[T], list[Issue]]:
     """Load what can be read of several files, and the issues of what cannot."""
     found: list[T] = []
@@ -293,7 +348,7 @@ def try_all(paths: Iterable[P], load: Callable[[P], T]) -> tuple[list[T], list[I
     return found, issues
 
 
-def load_all(paths: Sequence[str | Path]) -> tuple[Device, ...]:
+def load_all(paths: Sequence[File]) -> tuple[Device, ...]:
     """Load devices as `load_variants` does, from several files.
 
     Raises
@@ -304,7 +359,7 @@ def load_all(paths: Sequence[str | Path]) -> tuple[Device, ...]:
     return load_changed(paths, (), variants=True)
 
 
-def load_variants(path: str | Path) -> tuple[Device, ...]:
+def load_variants(path: File) -> tuple[Device, ...]:
     """Load the devices of one file.
 
     Parameters

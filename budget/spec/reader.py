@@ -22,8 +22,10 @@ MOST_BYTES = 64 * 1024
 _BREAK = re.compile("\r\n|\r|\n")
 
 
-def read(path: Path, shown: str) -> Document:
+def read(path: Path, shown: str, content: bytes | None = None) -> Document:
     """Read one file, which messages name `shown`: its nodes, and its lesser issues.
+
+    What it holds may be known already: then nothing is read from the disk.
 
     Duplicate keys, empty values, aliases, anchors and tags do not stop the reading.
 
@@ -32,7 +34,7 @@ def read(path: Path, shown: str) -> Document:
     SpecError
         The file cannot be read on: missing, too large, no UTF-8, no YAML.
     """
-    data = _read_bytes(path, shown)
+    data = _read_bytes(path, shown) if content is None else content
     # In any locale the characters of the name, not what stands for its bytes.
     base_name = os.fsencode(path.name).decode("utf-8", errors="replace")
     return parse(data, shown, base_name=base_name)

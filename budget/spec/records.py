@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from budget.errors import CallError
 from budget.model.place import Place
 from budget.model.source import Given
 from budget.model.sources import lines_of
@@ -14,11 +15,11 @@ from budget.names import ANGLES, AXES, Name
 from budget.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
     from budget.arrays import Array
     from budget.model.windows import Window
-    from budget.spec.changes import Changed
+    from budget.spec.changes import Changed, Changes
 
 __all__ = ["ANGLES", "AXES"]
 
@@ -178,6 +179,31 @@ class Device:
     power: str = ""
     range: str = ""
     notes: str = ""
+    # Reads the same file again with changes, where it was read from one.
+    read_again: Callable[[Changes], Device] | None = field(default=None, repr=False)
+
+    def replace(self, changes: Changes) -> Device:
+        """Return what the same file gives with other values, each of them named.
+
+        Parameters
+        ----------
+        changes : mapping, or sequence of str
+            {'gyro.bias_stability': '0.02 deg/h'}, as of `load_device`; they count
+            after those that the device has already.
+
+        Raises
+        ------
+        SpecError
+            A value is none of that line.
+        CallError
+            There is no such line or sensor, or the device is of no file.
+        """
+        if self.read_again is None:
+            raise CallError(
+                f"{self.name} was read from no file, so what it is changed from cannot "
+                "be named; make it with budget.load_device"
+            )
+        return self.read_again(changes)
 
     @property
     def as_printed(self) -> str:

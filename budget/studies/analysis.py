@@ -33,7 +33,7 @@ from budget.results import (
     Validation,
     input_files,
 )
-from budget.spec import load_procedure
+from budget.spec import load_devices, load_procedure, load_requirement
 from budget.studies import blunders, cautions
 from budget.studies.compensation import compensations
 from budget.studies.conformity import assess
@@ -61,6 +61,7 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.methods.gum import Propagation
     from budget.problem import Problem
+    from budget.spec.files import File
     from budget.spec.records import Device, Procedure, Requirement
     from budget.studies.progress import Progress
 
@@ -83,9 +84,9 @@ class Estimate:
 
 
 def analyze(
-    *devices: Device,
-    procedure: Procedure | None = None,
-    requirement: Requirement | None = None,
+    *devices: Device | File,
+    procedure: Procedure | File | None = None,
+    requirement: Requirement | File | None = None,
     method: str = "gum",
     trials: int | None = None,
     digits: int = 1,
@@ -191,9 +192,9 @@ def analyze(
     )
     return analyze_as(
         settings,
-        *devices,
-        procedure=procedure,
-        requirement=requirement,
+        *load_devices(devices),
+        procedure=load_procedure(procedure),
+        requirement=None if requirement is None else load_requirement(requirement),
         catalogue=catalogue,
         engine=Engine(workers=workers, executor=executor, progress=progress, talk=talk),
         command=command,

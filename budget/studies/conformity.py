@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from budget.calibration.derived import known_outputs
 from budget.errors import CallError
 from budget.results import INTERACTION, Assessment, CapAssessment, SensorAssessment
+from budget.spec import load_devices, load_requirement
 from budget.studies.doubt import doubt_of
 from budget.studies.figures_of_merit import over_cap, read_amount
 from budget.studies.judgement import (
@@ -27,13 +28,16 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.results import Budget, OutputAssessment, ReadingVerdicts
+    from budget.spec.files import File
     from budget.spec.records import Device, Requirement
     from budget.studies.judgement import Judged, Limited
     from budget.studies.request import Analysis
 
 
 def assess(
-    budget: Budget, requirement: Requirement, devices: Sequence[Device] = ()
+    budget: Budget,
+    requirement: Requirement | File,
+    devices: Sequence[Device | File] = (),
 ) -> Assessment:
     """Judge a budget against limits, as every command does (budget.studies.judgement).
 
@@ -62,22 +66,22 @@ def assess(
         The budget has another coverage or reference, or the requirement sets no limit
         for any sensor that is there.
     """
+    analysis, wanted = analysis_of(budget), load_requirement(requirement)
     found, settings = budget.assessment, budget.settings
-    if found is not None and found.requirement == requirement.name:
+    if found is not None and found.requirement == wanted.name:
         return found
     if (settings.coverage, settings.reference) != (
-        requirement.coverage,
-        requirement.reference,
+        wanted.coverage,
+        wanted.reference,
     ):
         raise CallError(
             f"the budget is for coverage {settings.coverage} and reference "
-            f"{settings.reference}, {requirement.name} asks for {requirement.coverage} "
-            f"and {requirement.reference}; compute it with those"
+            f"{settings.reference}, {wanted.name} asks for {wanted.coverage} "
+            f"and {wanted.reference}; compute it with those"
         )
-    analysis = analysis_of(budget)
     if devices:
-        analysis = replace(analysis, devices=tuple(devices))
-    return _assess(analysis, requirement, seed=settings.seed)
+        analysis = replace(analysis, devices=load_devices(devices))
+    return _assess(analysis, wanted, seed=settings.seed)
 
 
 def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Assessment:

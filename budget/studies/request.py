@@ -220,9 +220,12 @@ def analysis_of(budget: Budget) -> Analysis:
     CallError
         It was put together by hand.
     """
-    if not isinstance(budget.analysis, Analysis):
-        raise CallError("the budget does not say what it is of; make it with analyze")
-    return budget.analysis
+    if isinstance(found := getattr(budget, "analysis", None), Analysis):
+        return found
+    raise CallError(
+        f"{type(budget).__name__} does not say what it is a budget of; give what "
+        "budget.analyze returns"
+    )
 
 
 def sensors_of(

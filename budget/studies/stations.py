@@ -46,7 +46,13 @@ from budget.model.sources import (
 )
 from budget.names import Name, by_group
 from budget.results import SCHEMA, InputFile, input_files, inputs_document
-from budget.spec import load_procedure, load_stations
+from budget.spec import (
+    load_devices,
+    load_procedure,
+    load_requirement,
+    load_station,
+    load_stations,
+)
 from budget.spec.records import ErrorLine
 from budget.spec.station import IDEAL, at_station
 from budget.studies.blunders import against_limits
@@ -63,6 +69,7 @@ if TYPE_CHECKING:
     from budget.methods.scaling import ScaledLaw
     from budget.model.source import Source
     from budget.problem import Output, Problem
+    from budget.spec.files import File
     from budget.spec.records import (
         Device,
         Limit,
@@ -282,13 +289,13 @@ class Qualification:
 
 
 def qualify(
-    *devices: Device,
-    requirement: Requirement,
-    procedure: Procedure | None = None,
+    *devices: Device | File,
+    requirement: Requirement | File,
+    procedure: Procedure | File | None = None,
     ratio: float = RATIO,
     guard: float = GUARD,
     strategy: str | None = None,
-    stations: Sequence[Station] | None = None,
+    stations: Sequence[Station | File] | None = None,
 ) -> Qualification:
     """Say how good each figure of a test station must be, and which station does.
 
@@ -319,33 +326,36 @@ def qualify(
     CallError
         Options that mean nothing, or no limit on what the test estimates.
     """
-    procedure = load_procedure(None) if procedure is None else procedure
-    _check(ratio, guard, strategy or STRATEGIES[0], procedure)
-    sensors = sensors_of(devices, procedure)
-    names = known_outputs([sensor.kind for sensor in sensors], procedure)
-    limits = tuple(one for one in requirement.limits if one.output in names)
+    imus, wanted = load_devices(devices), load_requirement(requirement)
+    how = load_procedure(procedure)
+    _check(ratio, guard, strategy or STRATEGIES[0], how)
+    sensors = sensors_of(imus, how)
+    names = known_outputs([sensor.kind for sensor in sensors], how)
+    limits = tuple(one for one in wanted.limits if one.output in names)
     if not limits:
         raise CallError(
-            f"{requirement.origin.file}: {requirement.name} sets no limit for what "
-            f"{procedure.name} estimates of a sensor that is there "
+            f"{wanted.origin.file}: {wanted.name} sets no limit for what "
+            f"{how.name} estimates of a sensor that is there "
             f"({', '.join(sensor.kind for sensor in sensors)}), one at least is "
             "needed; add limits for it, or give another procedure"
         )
     case = _Case(
         sensors=sensors,
-        procedure=procedure,
-        requirement=requirement,
+        procedure=how,
+        requirement=wanted,
         limits=limits,
         ratio=ratio,
         guard=guard,
     )
-    candidates = load_stations() if stations is None else tuple(stations)
+    candidates = (
+        load_stations() if stations is None else tuple(map(load_station, stations))
+    )
     verdicts = _verdicts(case, candidates)
     probe = _probe(case)
     return Qualification(
-        title=" + ".join(device.name for device in devices),
+        title=" + ".join(device.name for device in imus),
         inputs=(
-            *input_files(devices, procedure=procedure, requirement=requirement),
+            *input_files(imus, procedure=how, requirement=wanted),
             *(
                 InputFile(
                     role=f"candidate {place}",
@@ -355,25 +365,25 @@ def qualify(
                 for place, one in enumerate(candidates, start=1)
             ),
         ),
-        requirement=requirement.name,
-        procedure=procedure,
+        requirement=wanted.name,
+        procedure=how,
         ratio=ratio,
         guard=guard,
         strategy=strategy or STRATEGIES[0],
-        coverage=requirement.coverage,
+        coverage=wanted.coverage,
         coverage_factor=case.k,
-        reference=requirement.reference,
+        reference=wanted.reference,
         figures=_figures(case, probe, strategy or STRATEGIES[0]),
         stations=verdicts,
         times=probe.times,
         assumptions=(
-            *(text for device in devices for text in device.assumptions),
-            *(text for text in procedure.assumptions if text != IDEAL),
-            *requirement.assumptions,
-            *not_weighted(sensors, procedure),
+            *(text for device in imus for text in device.assumptions),
+            *(text for text in how.assumptions if text != IDEAL),
+            *wanted.assumptions,
+            *not_weighted(sensors, how),
             *probe.assumed,
         ),
-        warnings=(*_warnings(case, names), *against_limits(procedure, requirement)),
+        warnings=(*_warnings(case, names), *against_limits(how, wanted)),
     )
 
 

@@ -128,6 +128,117 @@ def test_public_names_are_there():
         _ = budget.analyse
 
 
+def test_what_is_public_is_listed():
+    """Completion shows the public names alone, also after modules were loaded."""
+    assert dir(budget) == sorted(budget.__all__)
+    assert {"CallError", "allocate", "qualify", "export"} < set(dir(budget))
+    assert "studies" not in dir(budget)
+
+
+SHEET = {
+    "name": "Mine",
+    "gyro": {
+        "errors": {"bias_stability": "0.5 deg/h", "angle_random_walk": "0.1 deg/√h"}
+    },
+}
+
+
+def test_a_device_of_a_dict_is_that_of_the_file(tmp_path):
+    """A dict is read as a file with its keys is, and hashed as its JSON."""
+    text = json.dumps(SHEET, indent=1, ensure_ascii=False)
+    file = tmp_path / "mine.yaml"
+    file.write_text(text, encoding="utf-8")
+    one, other = budget.load_device(SHEET), budget.load_device(file)
+
+    assert one.name == other.name
+    assert one.assumptions == other.assumptions
+    assert one.origin.sha256 == other.origin.sha256
+    assert (one.origin.file, other.origin.file) == ("dict", "mine.yaml")
+    kept = budget.analyze(one, validate=False).to_dict()
+    assert kept["outputs"] == budget.analyze(file, validate=False).to_dict()["outputs"]
+
+
+def test_a_wrong_dict_is_refused_like_a_file():
+    """The issue names the key; what JSON cannot hold is told as such."""
+    wrong = {**SHEET, "gyro": {"errors": {"bias_stability": "3 m"}}}
+    with pytest.raises(budget.SpecError, match=r"gyro\.errors\.bias_stability: found"):
+        budget.load_device(wrong)
+    with pytest.raises(budget.CallError, match=r"dict: .*not JSON"):
+        budget.load_device({**SHEET, "notes": object()})
+    with pytest.raises(budget.CallError, match="found a int, expected a device"):
+        budget.load_device(3)
+
+
+def test_names_stand_for_records(result):
+    """What a command takes, the name of a file, a call takes too."""
+    by_name = budget.analyze("zhao-2019", procedure="zhao-2019", validate=False)
+    assert by_name.to_dict() == result.to_dict()
+    variant = budget.analyze("stim300#5g", validate=False)
+    assert variant.inputs[0].name == "stim300.yaml#5g"
+
+
+def test_studies_take_names():
+    """Allocation, stations, exports and comparisons are a line each."""
+    wanted = "navigation-grade"
+    shared = budget.allocate("zhao-2019", requirement=wanted, validate=False)
+    assert shared.title == "Zhao 2019 optical IMU"
+    assert budget.qualify("zhao-2019", requirement=wanted).requirement
+    assert (
+        budget.export("stim300#5g", to="kalibr", rate=200.0).to_dict()["command"]
+        == "export"
+    )
+    ranked = budget.compare("stim300", wanted, "zhao-2019", method="gum")
+    assert "STIM300 (5g)" in {row.name for row in ranked.devices}
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: budget.analyze(budget.load_procedure()),
+        lambda: budget.analyze("zhao-2019", requirement=7),
+        lambda: budget.compare([None], "navigation-grade"),
+        lambda: budget.allocate("zhao-2019", requirement=None),
+        lambda: budget.assess(budget.load_device("zhao-2019"), "navigation-grade"),
+        lambda: budget.load_device("zhao-2019", changes=7),
+    ],
+)
+def test_a_wrong_argument_is_a_call_error(call):
+    """A record of another kind is refused in words, by an error of ours."""
+    with pytest.raises(budget.CallError):
+        call()
+
+
+def test_a_replaced_value_is_named():
+    """What is replaced stands beside the hash of the file, with its old value."""
+    printed = budget.load_device("zhao-2019")
+    new = printed.replace({"gyro.bias_repeatability": "0.02 deg/h"})
+    again = new.replace({"gyro.bias_repeatability": ["0.1 deg/h"] * 3})
+
+    assert (new.name, new.as_printed) == (f"{printed.name}, changed", printed.name)
+    assert new.origin.sha256 == printed.origin.sha256
+    for device, value in ((new, "0.02 deg/h"), (again, "x 0.1 deg/h")):
+        (told,) = device.origin.changes
+        assert (told.address, told.old) == ("gyro.bias_repeatability", "0.05 deg/h")
+        assert told.new.startswith(value)
+    by_text = budget.load_device(
+        "zhao-2019", changes=["gyro.bias_repeatability=0.02 deg/h"]
+    )
+    assert by_text.origin == new.origin
+    with pytest.raises(budget.SpecError, match=r"gyro\.errors\.bias_instability"):
+        printed.replace({"gyro.bias_instability": "0.1 deg/h"})
+
+
+def test_a_file_that_changed_on_disk_does_not_count(tmp_path):
+    """What is replaced is a value of the text that was read."""
+    file = tmp_path / "mine.yaml"
+    file.write_text(json.dumps(SHEET), encoding="utf-8")
+    device = budget.load_device(file)
+    file.write_text("name: Another", encoding="utf-8")
+
+    new = device.replace({"gyro.bias_stability": "0.2 deg/h"})
+    assert new.origin.sha256 == device.origin.sha256
+
+
 def test_import_is_cheap(tmp_path):
     """Importing the package imports no numpy."""
     code = "import sys, budget; print('numpy' in sys.modules)"

@@ -15,7 +15,7 @@ from budget.methods.gum import propagate
 from budget.methods.trials import coverage_of
 from budget.names import IMU, Name
 from budget.results import input_files
-from budget.spec import load_procedure
+from budget.spec import load_costs, load_devices, load_procedure, load_requirement
 from budget.studies.allocation.cases import (
     NO_BOUNDS,
     STRATEGIES,
@@ -52,6 +52,7 @@ from budget.studies.request import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from budget.spec.files import File
     from budget.spec.records import Costs, Device, Procedure, Requirement, Sensor
     from budget.studies.allocation.cases import Bounds, SensorCase
     from budget.studies.allocation.records import LongerTest
@@ -66,11 +67,11 @@ ASSURED = 1e-9  # more than an interval reaches over a limit, for a file's digit
 
 
 def allocate(
-    *devices: Device,
-    requirement: Requirement,
-    procedure: Procedure | None = None,
+    *devices: Device | File,
+    requirement: Requirement | File,
+    procedure: Procedure | File | None = None,
     strategy: str | None = None,
-    costs: Costs | None = None,
+    costs: Costs | File | None = None,
     bounds: Bounds = NO_BOUNDS,
     market: bool = False,
     catalogue: Sequence[Device] | None = None,
@@ -116,11 +117,12 @@ def allocate(
     CallError
         Options that do not fit together, or no limit for any sensor that is there.
     """
-    strategy = _choose_strategy(strategy, costs)
-    procedure = load_procedure(None) if procedure is None else procedure
+    imus, wanted = load_devices(devices), load_requirement(requirement)
+    how = load_procedure(procedure)
+    prices = None if costs is None else load_costs(costs)
+    strategy = _choose_strategy(strategy, prices)
     sensors = tuple(
-        expecting(sensor, procedure, requirement.reference)
-        for sensor in sensors_of(devices, procedure)
+        expecting(sensor, how, wanted.reference) for sensor in sensors_of(imus, how)
     )
     warnings: tuple[str, ...] = ()
     if catalogue is None:
@@ -129,22 +131,18 @@ def allocate(
     cases = [
         case
         for sensor in sensors
-        if (
-            case := set_up(
-                sensor, procedure, requirement, bounds, offered if market else {}
-            )
-        )
+        if (case := set_up(sensor, how, wanted, bounds, offered if market else {}))
         is not None
     ]
     if not cases:
         raise CallError(
-            f"{requirement.name} sets no limit for what is estimated of a sensor "
+            f"{wanted.name} sets no limit for what is estimated of a sensor "
             "that is there "
             f"({', '.join(sensor.kind for sensor in sensors)}); add limits for it"
         )
     feasible = all(case.task.is_feasible for case in cases)
     longer_tests = tuple(test for case in cases for test in _longer_tests(case))
-    share_out = partial(solve, strategy=strategy, costs=costs)
+    share_out = partial(solve, strategy=strategy, costs=prices)
     for place, case in enumerate(cases):
         if case.task.is_feasible:
             solved = share_out(case)
@@ -155,24 +153,22 @@ def allocate(
         if progress is not None:
             progress("error allocation", place + 1, len(cases))
     there = {sensor.kind for sensor in sensors}
-    missing = tuple(kind for kind in requirement.kinds if kind not in there)
+    missing = tuple(kind for kind in wanted.kinds if kind not in there)
     allotted = tuple(_resized(sensor, cases) for sensor in sensors)
     solved_kinds = {case.sensor.kind for case in cases if case.s is not None}
     return Allocation(
-        title=" + ".join(device.name for device in devices),
-        inputs=input_files(
-            devices, procedure=procedure, requirement=requirement, costs=costs
-        ),
+        title=" + ".join(device.name for device in imus),
+        inputs=input_files(imus, procedure=how, requirement=wanted, costs=prices),
         strategy=strategy,
-        requirement=requirement.name,
-        procedure=procedure.name,
-        coverage=requirement.coverage,
-        reference=requirement.reference,
-        formulas=procedure.formulas,
+        requirement=wanted.name,
+        procedure=how.name,
+        coverage=wanted.coverage,
+        reference=wanted.reference,
+        formulas=how.formulas,
         seed=seed,
         feasible=feasible,
         not_allocated=missing,
-        not_estimated=limited_but_held(there, procedure, requirement.outputs),
+        not_estimated=limited_but_held(there, how, wanted.outputs),
         sources=(
             *(
                 row
@@ -195,34 +191,34 @@ def allocate(
         matches=match_catalogue(
             catalogue,
             tuple(sensor for sensor in allotted if sensor.kind in solved_kinds),
-            sample_rate=procedure.sample_rate,
+            sample_rate=how.sample_rate,
         ),
-        devices=devices,
+        devices=imus,
         sensors=allotted,
         not_given=tuple(name for sensor in sensors for name in sensor.not_given),
         assumptions=(
             *(
                 text
-                for record in (*devices, procedure, requirement, costs)
+                for record in (*imus, how, wanted, prices)
                 if record is not None
                 for text in record.assumptions
             ),
-            *not_weighted(sensors, procedure),
+            *not_weighted(sensors, how),
         ),
         warnings=(
             *warnings,
-            *age_that_counts_not(procedure, requirement.reference),
-            *against_limits(procedure, requirement),
-            *not_estimated(devices, procedure, requirement),
-            *not_of_one_sensor(requirement),
+            *age_that_counts_not(how, wanted.reference),
+            *against_limits(how, wanted),
+            *not_estimated(imus, how, wanted),
+            *not_of_one_sensor(wanted),
             *(
-                f"the requirement limits the {kind}, which is not "
-                f"{'given' if calibrates(kind, procedure) else 'calibrated'}: nothing "
+                f"the wanted limits the {kind}, which is not "
+                f"{'given' if calibrates(kind, how) else 'calibrated'}: nothing "
                 "is allocated for it"
                 for kind in missing
                 if kind != IMU
             ),
-            *_warnings(sensors, cases, bounds, costs),
+            *_warnings(sensors, cases, bounds, prices),
         ),
     )
 

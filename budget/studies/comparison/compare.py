@@ -9,7 +9,8 @@ from budget.errors import CallError
 from budget.methods.execution import local_executor
 from budget.names import IMU
 from budget.results import Settings, input_file, stations_of
-from budget.spec import load_procedure
+from budget.spec import load_devices, load_procedure, load_requirement
+from budget.spec.load import several
 from budget.studies.blunders import against_limits
 from budget.studies.cautions import age_that_counts_not
 from budget.studies.comparison.candidates import Candidate, bound_missing
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from concurrent.futures import Executor
 
+    from budget.spec.files import File
     from budget.spec.records import Device, Procedure, Requirement
     from budget.studies.progress import Progress
 
@@ -48,9 +50,9 @@ UNSURE = "the law is not sure enough here: use --method monte-carlo"
 
 
 def compare(
-    devices: Sequence[Device],
-    requirement: Requirement,
-    procedures: Sequence[Procedure] = (),
+    devices: Device | File | Sequence[Device | File],
+    requirement: Requirement | File,
+    procedures: Procedure | File | Sequence[Procedure | File] = (),
     *,
     catalogue: Sequence[Device] = (),
     missing: str = REFUSE,
@@ -69,7 +71,8 @@ def compare(
     Parameters
     ----------
     devices : sequence of Device
-        Candidates; variants are devices of their own.
+        Candidates; variants are devices of their own, and the name of a file stands
+        for its base and every variant.
     requirement : Requirement
         Limits, coverage and reference.
     procedures : sequence of Procedure
@@ -107,15 +110,17 @@ def compare(
         Options that do not fit together, or no device has a sensor that the
         requirement limits.
     """
-    procedures = procedures or (load_procedure(None),)
+    imus = load_devices(devices, variants=True)
+    wanted = load_requirement(requirement)
+    tests = tuple(map(load_procedure, several(procedures) or (None,)))
     most = max(trials, MAX_TRIALS) if max_trials is None else max_trials
     _check(method, trials=trials, max_trials=most, validate=validate)
-    _check_names(procedures)
+    _check_names(tests)
     candidates = [
         one
-        for procedure in procedures
-        for place, device in enumerate(devices)
-        for bare in [expecting_device(device, procedure, requirement.reference)]
+        for procedure in tests
+        for place, device in enumerate(imus)
+        for bare in [expecting_device(device, procedure, wanted.reference)]
         for filled in [fill(bare, missing, catalogue)]
         for given, sensor in zip(bare.sensors, filled[0].sensors, strict=True)
         if (
@@ -125,7 +130,7 @@ def compare(
                 given=given,
                 sensor=sensor,
                 procedure=procedure,
-                requirement=requirement,
+                requirement=wanted,
                 filling=filled[1].of(missing_of((given,), procedure)),
             )
         ).is_limited
@@ -133,13 +138,13 @@ def compare(
     judged = [one for one in candidates if one.sensor.lines]
     if not candidates:
         raise CallError(
-            f"{requirement.name} limits no sensor that these devices have, or nothing "
-            f"that {' and '.join(one.name for one in procedures)} estimates of it; add "
-            "limits for what is estimated, or give other devices or procedures"
+            f"{wanted.name} limits no sensor that these imus have, or nothing "
+            f"that {' and '.join(one.name for one in tests)} estimates of it; add "
+            "limits for what is estimated, or give other imus or procedures"
         )
     judging = Judging(
         method=method,
-        coverage=requirement.coverage,
+        coverage=wanted.coverage,
         seed=seed,
         trials=trials,
         max_trials=most,
@@ -154,35 +159,35 @@ def compare(
             progress=stage(progress, "comparison of devices"),
         )
     verdicts = [
-        _verdict(one, finding, devices[one.place], catalogue)
+        _verdict(one, finding, imus[one.place], catalogue)
         for one, finding in zip(judged, findings, strict=True)
     ]
     ranked = rank(verdicts)
     return Comparison(
-        requirement=requirement.name,
-        procedures=tuple(procedure.name for procedure in procedures),
+        requirement=wanted.name,
+        procedures=tuple(procedure.name for procedure in tests),
         inputs=(
-            *(input_file("device", device) for device in devices),
-            *(input_file("procedure", procedure) for procedure in procedures),
-            input_file("requirement", requirement),
-            *stations_of(procedures),
+            *(input_file("device", device) for device in imus),
+            *(input_file("procedure", procedure) for procedure in tests),
+            input_file("requirement", wanted),
+            *stations_of(tests),
         ),
         settings=Settings(
             method=method,
             trials=trials if method == "monte-carlo" or validate else None,
             seed=seed,
-            coverage=requirement.coverage,
+            coverage=wanted.coverage,
             interval="symmetric",
-            reference=requirement.reference,
+            reference=wanted.reference,
             missing=missing,
-            formulas=", ".join(dict.fromkeys(p.formulas for p in procedures)),
+            formulas=", ".join(dict.fromkeys(p.formulas for p in tests)),
             normals_per_trial=max((finding.normals for finding in findings), default=0),
         ),
-        caps=requirement.caps,
-        not_compared=_not_compared(devices, requirement),
+        caps=wanted.caps,
+        not_compared=_not_compared(imus, wanted),
         devices=ranked,
         nothing_known=tuple(
-            _entrant(one, devices[one.place], catalogue)
+            _entrant(one, imus[one.place], catalogue)
             for one in candidates
             if not one.sensor.lines
         ),
@@ -192,14 +197,14 @@ def compare(
             dict.fromkeys(
                 f"{device.name}: {text}"
                 for device in (
-                    *devices,
+                    *imus,
                     *(one.device for one in candidates if one.filling.lines),
                 )
                 for text in (
                     *device.assumptions,
                     *(
                         text
-                        for procedure in procedures
+                        for procedure in tests
                         for text in not_weighted(device.sensors, procedure)
                     ),
                 )
@@ -208,16 +213,16 @@ def compare(
         warnings=(
             *dict.fromkeys(
                 text
-                for procedure in procedures
+                for procedure in tests
                 for text in (
-                    *age_that_counts_not(procedure, requirement.reference),
-                    *against_limits(procedure, requirement),
-                    *not_calibrated(devices, procedure),
-                    *not_estimated(devices, procedure, requirement),
+                    *age_that_counts_not(procedure, wanted.reference),
+                    *against_limits(procedure, wanted),
+                    *not_calibrated(imus, procedure),
+                    *not_estimated(imus, procedure, wanted),
                 )
             ),
-            *not_of_one_sensor(requirement),
-            *_warnings(devices, requirement, judged, findings),
+            *not_of_one_sensor(wanted),
+            *_warnings(imus, wanted, judged, findings),
         ),
     )
 

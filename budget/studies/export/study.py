@@ -12,7 +12,7 @@ from budget.errors import CallError
 from budget.model.sources import ACCELEROMETER, GYRO, SENSORS
 from budget.names import Name
 from budget.results import SCHEMA, InputFile, input_files, inputs_document
-from budget.spec import load_procedure
+from budget.spec import load_devices, load_procedure
 from budget.studies.analysis import analyze
 from budget.studies.export.figures import Figure, Known, Missing, print_number
 from budget.studies.export.targets import (
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from budget.results import Budget
+    from budget.spec.files import File
     from budget.spec.records import Device, Procedure, Sensor
 
 REFERENCE = "next_turn_on"  # what a calibration leaves is met at a later turn-on
@@ -150,9 +151,9 @@ def find_target(name: str) -> Target:
 
 
 def export(
-    *devices: Device,
+    *devices: Device | File,
     to: str,
-    procedure: Procedure | None = None,
+    procedure: Procedure | File | None = None,
     residual: bool = False,
     inflate: float = 1.0,
     rate: float | None = None,
@@ -186,6 +187,7 @@ def export(
     CallError
         A triad, the rate, or a figure that the target must have is missing.
     """
+    imus = load_devices(devices)
     target = find_target(to)
     _check(target, inflate=inflate, rate=rate)
     if procedure is not None and not residual:
@@ -193,10 +195,10 @@ def export(
             f"a procedure changes nothing without --residual: {target.name} gets the "
             "raw figures of the data sheet; add --residual, or leave the procedure out"
         )
-    filled = [fill(device, missing, catalogue) for device in devices]
-    devices = tuple(device for device, _ in filled)
+    filled = [fill(device, missing, catalogue) for device in imus]
+    imus = tuple(device for device, _ in filled)
     told = {line.source: line for _, filling in filled for line in filling.lines}
-    sensors = {one.kind: one for one in sensors_of(devices)}
+    sensors = {one.kind: one for one in sensors_of(imus)}
     absent = [kind for kind in SENSORS if kind not in sensors]
     if absent:
         raise CallError(
@@ -204,32 +206,31 @@ def export(
             "a device file that has one beside this one"
         )
     left: Budget | None = None
+    how: Procedure | None = None
     if residual:
-        procedure = load_procedure(None) if procedure is None else procedure
-        left = analyze(
-            *devices, procedure=procedure, reference=REFERENCE, validate=False
-        )
-    name = procedure.name if procedure is not None and residual else ""
+        how = load_procedure(procedure)
+        left = analyze(*imus, procedure=how, reference=REFERENCE, validate=False)
+    name = "" if how is None else how.name
     known = {
         kind: Known(sensor=sensor, rate=rate, left=left, procedure=name, filled=told)
         for kind, sensor in sensors.items()
     }
     entries, left_out = _entries(target, known, inflate=inflate, rate=rate)
     held = {line for one in entries for line in one.lines}
-    said = {one.said for device in devices for one in device.origin.changes}
+    said = {one.said for device in imus for one in device.origin.changes}
     said |= {
         f"{one.expected}: {one.words}" for name, one in told.items() if name in held
     }
     assumptions = tuple(
         text
-        for device in devices
+        for device in imus
         for text in device.assumptions
         if text in said or any(text.startswith(f"{line}:") for line in held)
     )
     return Export(
         target=target,
         title=" and ".join(dict.fromkeys(one.device for one in sensors.values())),
-        inputs=input_files(devices, procedure=procedure if residual else None),
+        inputs=input_files(imus, procedure=how if residual else None),
         entries=entries,
         left_out=left_out,
         not_held=tuple(_not_held(sensors, held | told.keys())),
@@ -240,7 +241,7 @@ def export(
         rate=rate,
         inflate=inflate,
         procedure=name,
-        gravity=procedure.gravity if residual and procedure else STANDARD_GRAVITY,
+        gravity=how.gravity if residual and how else STANDARD_GRAVITY,
     )
 
 
