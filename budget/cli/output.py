@@ -109,14 +109,16 @@ def print_page(sections: Iterable[Section], *, title: str = "") -> None:
     print_sections(sections, page)
 
 
-def deliver(budget: Budget, *, json: Path | None, csv: Path | None) -> None:
+def deliver(
+    budget: Budget, *, json: Path | None, csv: Path | None, brief: bool = False
+) -> None:
     """Print the budget for people, or the document asked for; write the files."""
     from budget.report.document import to_csv, to_json
 
     def sections() -> Iterable[Section]:
         from budget.report.analysis.groups import budget_answer
 
-        return budget_answer(budget)
+        return budget_answer(budget, brief=brief)
 
     if csv == STDOUT:  # the only output that has no room for them
         for text in budget.warnings:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 from command_line import analyze, call, contribution, last_digit, output
@@ -588,3 +590,38 @@ def test_outputs_that_cannot_be_had_are_refused(args, said):
     assert run.code == 2
     for words in ("--outputs", *said):
         assert_says(run.err, words)
+
+
+def test_a_requirement_is_judged_as_by_report(tmp_path, monkeypatch):
+    """The verdict stands first, the document holds it, and the exit code stays 0."""
+    monkeypatch.chdir(tmp_path)
+    wanted = ("hg4930#A", "--requirement", "catalogue-edge", "--no-validate")
+    found = call("analyze", *wanted)
+    assert found.code == 0
+    assert found.out.index("FAILS edge of the catalogue") < found.out.index("Worst")
+    assert "28 deg/h" in found.out.partition("\nLimits\n")[2]
+    call("report", *wanted, "-o", "a.html", "--json", "a.json")
+    stored = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
+    document = call("analyze", *wanted, "--json", "-").document
+    assert document["assessment"] == stored["assessment"]
+    assert document["settings"]["reference"] == "next_turn_on"
+
+
+def test_a_requirement_allows_no_other_reference():
+    """An option that contradicts the requirement is refused."""
+    wanted = ("--requirement", "catalogue-edge", "--reference", "nominal")
+    found = call("analyze", *wanted)
+    assert (found.code, found.out) == (2, "")
+    assert "next_turn_on" in found.err
+
+
+def test_in_brief_nothing_is_hidden():
+    """Lower bounds, lines that are not given and warnings are said in brief too."""
+    found = call("analyze", "hg1700", "--no-validate", "--brief")
+    assert ">= 17 " in found.out
+    assert "bias stability, scale factor repeatability not given" in found.out
+    given = call("analyze", "hg1700", "--no-validate", "--json", "-").document
+    assert f"Not given: {len(given['not_given'])} lines" in found.out
+    assert "axis " not in found.out.partition("Worst axis")[2]
+    warned = call("analyze", "--no-validate", "--brief", "--age", "1 year")
+    assert "Warnings" in warned.out

@@ -7,6 +7,12 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from budget.names import AXES, key_title
+from budget.report.analysis.verdict import (
+    headline,
+    limits_section,
+    summary,
+    verdict_cards,
+)
 from budget.report.blocks import (
     Abreast,
     Cell,
@@ -23,6 +29,7 @@ from budget.report.figures.rows import chart_picture
 from budget.report.figures.sources import share_chart, sobol_chart
 from budget.report.readings import effect_line, verdict_line
 from budget.report.tables import (
+    UNKNOWN,
     CheckCell,
     OutputRow,
     SourceRow,
@@ -51,14 +58,37 @@ if TYPE_CHECKING:
     from budget.results import Assessment, Budget, Compensation
 
 
-def budget_answer(budget: Budget) -> tuple[Section, ...]:
-    """Return what stands on a terminal: all groups, then what they rest on."""
+def budget_answer(budget: Budget, *, brief: bool = False) -> tuple[Section, ...]:
+    """Return what stands on a terminal: the answer, all groups, what they rest on.
+
+    In brief it is the answer, and what a reader must know beside it.
+    """
     groups = group_tables(budget)
+    warnings = _listed("Warnings", budget.warnings)
+    if brief:
+        return (
+            *_verdict_sections(budget),
+            _worst_axes(budget, groups),
+            *filled_sections(budget),
+            Section(
+                name="not-given",
+                title="Not given",
+                blocks=(),
+                in_brief=f"Not given: {len(budget.not_given)} lines, all named "
+                "without --brief"
+                if budget.not_given
+                else "",
+            ),
+            *((warnings,) if budget.warnings else ()),
+        )
     checks = list({group.validation for group in groups})
     settings = [*settings_lines(budget.settings)]
     if len(checks) == 1 and checks[0]:
         settings.append(("checked", checks[0]))
     return (
+        *_verdict_sections(budget),
+        _worst_axes(budget, groups),
+        *((limits_section(budget, budget.assessment),) if budget.assessment else ()),
         *(_group_section(group, checked=len(checks) > 1) for group in groups),
         *matrices_sections(budget),
         *_indices(budget, dict.fromkeys(group.sensor for group in groups)),
@@ -66,13 +96,86 @@ def budget_answer(budget: Budget) -> tuple[Section, ...]:
         *readings_section(budget),
         _listed("Not given", not_given_lines(budget.could_widen)),
         _listed("Assumptions", budget.assumptions),
-        _listed("Warnings", budget.warnings),
+        warnings,
         Section(
             name="settings",
             title="Settings",
             blocks=(Pairs(rows=tuple((name, (text,)) for name, text in settings)),),
         ),
     )
+
+
+def _verdict_sections(budget: Budget) -> Iterator[Section]:
+    """Yield the verdict and why, as page one of a report has it; none without one."""
+    assessment = budget.assessment
+    if assessment is None:
+        return
+    yield Section(
+        name="verdict",
+        title=headline(budget, assessment),
+        blocks=(
+            Paragraph(words=summary(budget, assessment)),
+            *(
+                Panel(
+                    title=card.title,
+                    blocks=tuple(Paragraph(words=line) for line in card.lines),
+                )
+                for card in verdict_cards(budget, assessment)
+            ),
+        ),
+    )
+
+
+def _worst_axes(budget: Budget, groups: Sequence[GroupTable]) -> Section:
+    """Return the worst axis of each group: u, U, and what contributes to it.
+
+    The mean stands beside them where an error is expected that is not 0.
+    """
+    coverage = print_coverage(budget.settings.coverage)
+
+    def number(head: str, pick: Callable[[OutputRow], Number]) -> Field[GroupTable]:
+        return Field(
+            head=head, kind="number", cell=lambda group: cell(pick(group.widest))
+        )
+
+    means = [group.widest.mean.text for group in groups]
+    has_mean = any(text != UNKNOWN and float(text) for text in means)
+    # Where an interval is not mean +- U, the two ends must be seen.
+    interval: tuple[Field[GroupTable], ...] = (
+        number(f"U{coverage}", lambda row: row.expanded),
+    )
+    if not all(group.widest.is_centred for group in groups):
+        interval = (
+            number(f"{coverage} % interval from", lambda row: row.low),
+            number("to", lambda row: row.high),
+        )
+    fields = (
+        Field["GroupTable"](head="", cell=lambda group: group.title),
+        *((number("mean", lambda row: row.mean),) if has_mean else ()),
+        number("u", lambda row: row.u),
+        *interval,
+        Field(head="", kind="unit", cell=lambda group: group.unit),
+        Field(
+            head="contributions",
+            weight=3.0,
+            cell=lambda group: group.contributions,
+        ),
+    )
+    gaps = dict.fromkeys(f"{group.gaps}." for group in groups if group.gaps)
+    return Section(
+        name="worst-axes",
+        title=f"Worst axis of each{': ' if not budget.assessment else ''}"
+        + ("" if budget.assessment else _lower(headline(budget, None))),
+        blocks=(
+            table_of(groups, fields, name="worst-axes-table", caption="Worst axes"),
+            *(Paragraph(words=(text,)) for text in gaps),
+        ),
+    )
+
+
+def _lower(text: str) -> str:
+    """Write a title within another one."""
+    return text[:1].lower() + text[1:]
 
 
 def filled_sections(budget: Budget) -> tuple[Section, ...]:
