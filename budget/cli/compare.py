@@ -21,7 +21,8 @@ def compare(
         typer.Argument(
             metavar="[DEVICE]",
             autocompletion=options.complete_device,
-            help="Device files; FILE is its base and every variant, FILE#VARIANT one.",
+            help="Device files; FILE is its base and every variant, FILE#VARIANT one; "
+            "- is standard input.",
             show_default=False,
         ),
     ] = None,

@@ -125,8 +125,8 @@ Devices = Annotated[
     typer.Argument(
         metavar="[DEVICE]",
         autocompletion=complete_device,
-        help="Device files, FILE or FILE#VARIANT; without one the built-in paper "
-        "device.",
+        help="Device files, FILE or FILE#VARIANT, - for standard input; without one "
+        "the built-in paper device.",
         show_default=False,
     ),
 ]

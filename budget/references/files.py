@@ -9,7 +9,7 @@ from os.path import isdir, isfile
 from pathlib import Path, PureWindowsPath
 from typing import TYPE_CHECKING
 
-from budget.errors import ReferenceFileError
+from budget.errors import CallError, ReferenceFileError
 from budget.model.sources import STATION
 from budget.references.exchange import effective
 from budget.references.records import StoredInput
@@ -107,6 +107,11 @@ def _stored(
     ships = shipped("specs") / FOLDERS[role]
     is_bare = file.path.parent == ships and file.shown == file.path.stem
     shown = file.shown
+    if folder is not None and file.content is not None:
+        raise CallError(
+            f"{shown}: a reference is computed again from its files, expected a file "
+            "that stays; save what is there to a file and name it"
+        )
     if folder is not None and not is_bare:
         shown = _path_from(folder, file.path)
     return StoredInput(

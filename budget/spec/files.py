@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from budget.errors import CallError
 from budget.resources import shipped
 from budget.spec.checking import nearest
-from budget.spec.reader import read, refuse
+from budget.spec.reader import INPUT, read, read_stdin, refuse
 from budget.spec.tree import all_of, describe
 from budget.version import __version__
 
@@ -29,6 +29,7 @@ FOLDERS = {
     "requirement": "requirements",
     "costs": "costs",
 }
+STDIN = "-"
 NEWEST_FORMAT = 1  # that this version reads, of every kind
 _BARE_NAME = re.compile(r"\w[\w.+-]*")
 
@@ -51,12 +52,15 @@ MAPPING = "dict"  # the name of a file that is none
 def find(typed: File, kind: str | None = None) -> NamedFile:
     """Find the file behind FILE, FILE#VARIANT or the bare name of a shipped one.
 
-    A mapping stands for a file with its keys, and is kept as JSON indented by one.
+    A mapping stands for a file with its keys, and is kept as JSON indented by one;
+    '-' and '-#VARIANT' for what is on standard input.
 
     Raises
     ------
     CallError
         It is none of these.
+    SpecError
+        Standard input cannot be read.
     """
     if isinstance(typed, NamedFile):
         return typed
@@ -74,11 +78,16 @@ def find(typed: File, kind: str | None = None) -> NamedFile:
     shown, mark, variant = text.rpartition("#")
     if not mark or exists(Path(text)):
         shown, mark = text, ""
+    variant = variant if mark else ""
+    if shown == STDIN:
+        return NamedFile(
+            path=Path(INPUT), shown=INPUT, variant=variant, content=read_stdin()
+        )
     path = Path(shown)
     if _BARE_NAME.fullmatch(shown) and not (exists(path) and path.is_file()):
         same_name = (one for one in _shipped(kind) if one.stem == shown)
         path = next(same_name, path)
-    return NamedFile(path=path, shown=shown, variant=variant if mark else "")
+    return NamedFile(path=path, shown=shown, variant=variant)
 
 
 def _written(mapping: Mapping[str, object]) -> bytes:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 import re
+import sys
 from functools import lru_cache
 from hashlib import sha256
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TextIO
 
 from budget.errors import Issue, SpecError
 from budget.journal import note_read
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 # A device file has 2 KiB. The parser is plain Python and scans some 100 KiB/s.
 MOST_BYTES = 64 * 1024
+INPUT = "standard input"  # its name in messages and results
 
 _BREAK = re.compile("\r\n|\r|\n")
 
@@ -38,6 +40,31 @@ def read(path: Path, shown: str, content: bytes | None = None) -> Document:
     # In any locale the characters of the name, not what stands for its bytes.
     base_name = os.fsencode(path.name).decode("utf-8", errors="replace")
     return parse(data, shown, base_name=base_name)
+
+
+def read_stdin() -> bytes:
+    """Return what is on standard input, the same whenever a run asks for it.
+
+    Raises
+    ------
+    SpecError
+        It cannot be read.
+    """
+    if sys.stdin is None:
+        raise refuse(INPUT, "is closed, expected a YAML file on it")
+    return _read_stream(sys.stdin)
+
+
+@lru_cache(maxsize=1)
+def _read_stream(stream: TextIO) -> bytes:
+    """Return what is on a stream, never much more than a file may hold."""
+    try:
+        return stream.buffer.read(MOST_BYTES + 1)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise refuse(
+            INPUT, f"cannot be read ({reason}), expected a YAML file"
+        ) from None
 
 
 # A run names a file more than once: as a device, in the catalogue, in a reference.

@@ -11,6 +11,7 @@ import re
 import signal
 import subprocess
 import sys
+from hashlib import sha256
 from pathlib import Path
 
 import pytest
@@ -19,6 +20,7 @@ from places import PACKAGE
 from saying import assert_says
 
 from budget.cli import app
+from budget.resources import shipped
 from budget.version import __version__
 
 NOTE = "No device given: using the built-in zhao-2019 (Zhao 2019).\n"
@@ -524,3 +526,51 @@ def test_a_shell_completes_what_ships_and_what_is_there(tmp_path, monkeypatch):
         assert completed(name, "hg") == ours
     assert completed("analyze", "hgs/o") == ["hgs/own.yml"]
     assert completed("analyze", "no/") == []
+
+
+def test_a_device_may_stand_on_standard_input(tmp_path, monkeypatch):
+    """The same numbers as of the file, once or twice named, and a variant of it."""
+    text = (shipped("specs") / "devices" / "hg4930.yaml").read_bytes()
+
+    def piped(*words):
+        monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(text)))
+        return call(*words)
+
+    how = ("--no-validate", "--csv", "-")
+    assert (
+        piped("analyze", *how, "--", "-#A").out == call("analyze", "hg4930#A", *how).out
+    )
+    found = piped("analyze", "--no-validate", "--json", "-", "--", "-#A").document
+    assert found["inputs"]["device"] == {
+        "name": "standard input#A",
+        "sha256": sha256(text).hexdigest(),
+    }
+    rest = ("--requirement", "catalogue-edge", "--method", "gum", "--json", "-")
+    names = [one["name"] for one in piped("compare", "-", *rest).document["devices"]]
+    both = call("compare", "hg4930", *rest).document["devices"]
+    assert names == [one["name"] for one in both]
+    monkeypatch.chdir(tmp_path)
+    refused = piped("check", "--save", "a.json", "--", "-#A")
+    assert refused.code == 2
+    assert_says(refused.err, "standard input", "a file that stays")
+    assert not (tmp_path / "a.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (b"", "the file is empty"),
+        (b"\xff", "not UTF-8"),
+        (b"{gyro: {errrs: {}}}", "did you mean 'errors'"),
+        (b"#" * 70_000, "is larger than"),
+    ],
+)
+def test_bad_standard_input_is_refused_in_place(text, said, monkeypatch):
+    """As a file is, under the name 'standard input'."""
+    monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(text)))
+    found = call("analyze", "-")
+    assert (found.code, found.out) == (2, "")
+    assert said in found.err
+    assert found.err.startswith("standard input:1:")
+    monkeypatch.setattr(sys, "stdin", None)
+    assert_says(call("analyze", "-").err, "standard input", "is closed")
