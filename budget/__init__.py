@@ -70,6 +70,7 @@ if TYPE_CHECKING:
     )
     from budget.methods.trials import first_trials
     from budget.problem import Group, Output, Problem
+    from budget.report import report
     from budget.results import Budget
     from budget.spec import (
         load_catalogue,
@@ -121,6 +122,7 @@ _HOME = {
     "normal_region": "budget.methods.regions",
     "propagate": "budget.methods.gum",
     "qualify": "budget.studies.stations",
+    "report": "budget.report",
     "sample": "budget.methods.monte_carlo",
     "smallest_region": "budget.methods.regions",
     "specific_guard_band": "budget.methods.decisions",
@@ -160,6 +162,7 @@ __all__ = [
     "normal_region",
     "propagate",
     "qualify",
+    "report",
     "sample",
     "smallest_region",
     "specific_guard_band",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
+from importlib import import_module
 from math import prod
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from budget.names import Name
 from budget.ties import first_largest, from_largest, settle
+from budget.units import parse_quantity
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -22,6 +24,8 @@ if TYPE_CHECKING:
     from budget.spec.records import Costs, Device, Origin, Procedure, Requirement
 
 SCHEMA = "budget/1"
+# What draws a result stands above it, and is loaded when it is asked to.
+SHOWN_BY = "budget.report.notebook"
 INTERACTION = Name("interaction")  # the row of products of two sources
 TOTAL = Name("total")
 TINY = 1e-300  # in the place of a utilisation of 0 [1]
@@ -93,6 +97,16 @@ class Validation:
 
 
 @dataclass(frozen=True, kw_only=True)
+class InUnit:
+    """The numbers of an output with the unit that they are in."""
+
+    unit: str
+    mean: float
+    standard_uncertainty: float
+    interval: tuple[float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
 class OutputBudget:
     """Expected error, its uncertainty and the contributions, for one output [SI]."""
 
@@ -119,6 +133,25 @@ class OutputBudget:
     def axis(self) -> str:
         """x, y, z or, of an angle, xy, xz, yx, yz, zx, zy."""
         return self.output.name.axis
+
+    def in_unit(self, unit: str = "") -> InUnit:
+        """Return its numbers in a unit, the printed one without: both agree.
+
+        Raises
+        ------
+        UnitError
+            It is no unit of this quantity.
+        """
+        scale = self.output.si_per_unit
+        if unit and unit != self.output.unit:
+            scale = parse_quantity(f"1 {unit}", self.output.unit).value
+        low, high = self.interval
+        return InUnit(
+            unit=unit or self.output.unit,
+            mean=self.mean / scale,
+            standard_uncertainty=self.standard_uncertainty / scale,
+            interval=(low / scale, high / scale),
+        )
 
     @property
     def is_resolved(self) -> bool:
@@ -450,6 +483,16 @@ class Budget:
         import pandas as pd
 
         return pd.DataFrame.from_records(list(self.rows()))
+
+    @property
+    def plot(self) -> Any:  # noqa: ANN401 - Plots, of a floor above this one
+        """The figures of the report, `plot.contributions()`: matplotlib Figures."""
+        return import_module(SHOWN_BY).Plots(self)
+
+    def _repr_html_(self) -> str:
+        """Return a small table, as notebooks show it."""
+        table: str = import_module(SHOWN_BY).budget_html(self)
+        return table
 
     def _missing(self) -> dict[str, Any]:
         """Return what documents say of lines that are not given; {} to refuse."""

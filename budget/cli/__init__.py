@@ -23,13 +23,13 @@ from budget.cli.devices import devices
 from budget.cli.diff import diff
 from budget.cli.export import export
 from budget.cli.new import new
-from budget.cli.output import document_date
 from budget.cli.paper import paper
 from budget.cli.report import report
 from budget.cli.station import station
 from budget.cli.streams import in_line, prepare_streams, say, tell
 from budget.errors import BudgetError, WorkerError
 from budget.journal import keep_journal
+from budget.report.rendering import document_date
 from budget.version import __version__
 
 if TYPE_CHECKING:

@@ -86,16 +86,15 @@ def compare(
     from budget.cli.computing import computing
     from budget.cli.output import (
         check_destinations,
-        check_suffixes,
         command_line,
-        document_date,
         hand_out,
-        render_pages,
+        pages_of,
     )
     from budget.errors import CallError, SpecError
     from budget.report.comparison.document import json_pieces, to_csv
     from budget.report.comparison.page import comparison_answer, comparison_document
     from budget.report.comparison.tables import find_column
+    from budget.report.rendering import check_suffixes, document_date
     from budget.spec import load_catalogue, load_procedure, load_requirement
     from budget.spec.load import shipped_path, try_changed
     from budget.studies.comparison.compare import compare as run
@@ -157,7 +156,7 @@ def compare(
         document = comparison_document(
             found, date=document_date(), command_line=command
         )
-        pages = render_pages(document, output)
+        pages = pages_of(document, output)
     hand_out(
         [(json, lambda: json_pieces(found)), (csv, lambda: [to_csv(found)])],
         lambda: comparison_answer(

@@ -141,67 +141,15 @@ def check_yaml(write: Path | None, kind: str) -> None:
         )
 
 
-SUFFIXES = (".html", ".pdf")
+def pages_of(document: Document, paths: Sequence[Path]) -> dict[Path, str | bytes]:
+    """Return the contents of the files; what no font has is named on stderr."""
+    from budget.report.rendering import render_pages
 
-
-def check_suffixes(paths: Sequence[Path]) -> None:
-    """Refuse a kind of page that there is not, before anything is computed.
-
-    Raises
-    ------
-    CallError
-        A suffix is neither of SUFFIXES.
-    """
-    wrong = [str(path) for path in paths if path.suffix.lower() not in SUFFIXES]
-    if wrong:
-        raise CallError(
-            f"-o {', '.join(wrong)}: the suffix decides the kind of page, "
-            f"allowed: {', '.join(SUFFIXES)}"
-        )
-
-
-def render_pages(document: Document, paths: Sequence[Path]) -> dict[Path, str | bytes]:
-    """Return the contents of the files, each kind rendered once.
-
-    Characters that no font of this machine has are named on stderr.
-    """
-    from budget.report.page import render_page
-    from budget.report.typeset import typeset
-
-    files: dict[Path, str | bytes] = {}
-    made: dict[str, str | bytes] = {}
-    for path in paths:
-        suffix = path.suffix.lower()
-        if suffix not in made and suffix == ".html":
-            made[suffix] = render_page(document)
-        elif suffix not in made:
-            found = typeset(document)
-            made[suffix] = found.pdf
-            if found.replaced:
-                names = ", ".join(found.replaced)
-                say(
-                    f"warning: {in_line(path)}: no font on this machine has {names}; "
-                    "the code points stand in their place. Install a font that has "
-                    "them, as Noto Sans CJK has Chinese, and write the report again"
-                )
-        files[path] = made[suffix]
-    return files
-
-
-def document_date() -> str:
-    """Return today's date, or that of SOURCE_DATE_EPOCH where it is set."""
-    from datetime import UTC, datetime
-
-    epoch = os.environ.get("SOURCE_DATE_EPOCH")
-    if epoch is None:
-        return datetime.now().astimezone().date().isoformat()
-    try:
-        return datetime.fromtimestamp(int(epoch), tz=UTC).date().isoformat()
-    except (ValueError, OverflowError, OSError):
-        raise CallError(
-            f"SOURCE_DATE_EPOCH is {epoch!r}, expected seconds since 1970 as a whole "
-            "number; unset it to use today's date"
-        ) from None
+    return render_pages(
+        document,
+        paths,
+        warn=lambda path, text: say(f"warning: {in_line(path)}: {text}"),
+    )
 
 
 # Where results go and who computes them changes no number.

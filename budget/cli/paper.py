@@ -21,13 +21,12 @@ def paper(
     """
     from budget.cli.output import (
         check_destinations,
-        check_suffixes,
-        document_date,
         hand_out,
-        render_pages,
+        pages_of,
     )
     from budget.report.document import json_text
     from budget.report.paper.page import paper_document, paper_sections, to_csv
+    from budget.report.rendering import check_suffixes, document_date
     from budget.studies.paper.study import reproduce
 
     check_destinations(json, csv, *(output or ()))
@@ -37,7 +36,7 @@ def paper(
 
     rendered: dict[Path, str | bytes] = {}
     if pages:
-        rendered = render_pages(paper_document(study, date=document_date()), pages)
+        rendered = pages_of(paper_document(study, date=document_date()), pages)
     hand_out(
         [(json, lambda: json_text(study.to_dict())), (csv, lambda: to_csv(study))],
         None if pages else lambda: paper_sections(study),

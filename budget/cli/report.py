@@ -63,15 +63,14 @@ def report(
     from budget.cli.computing import computing
     from budget.cli.output import (
         check_destinations,
-        check_suffixes,
         command_line,
-        document_date,
         hand_out,
-        render_pages,
+        pages_of,
     )
     from budget.errors import CallError
     from budget.report.analysis.build import report_document
     from budget.report.document import to_csv
+    from budget.report.rendering import check_suffixes, document_date
     from budget.spec import load_all, load_procedure, load_requirement
     from budget.studies.analysis import analyze_as
     from budget.studies.evidence import gather_evidence
@@ -136,7 +135,7 @@ def report(
             date=date,
             number=number,
         )
-        files = render_pages(document, output)
+        files = pages_of(document, output)
         show(1, 1)
     documents = [(json, lambda: document.json), (csv, lambda: to_csv(budget))]
     hand_out(documents, pages=files)

@@ -79,10 +79,11 @@ def test_the_example_of_decision_rules_runs_as_printed():
     assert names["one"].is_accepted
 
 
-def test_the_library_example_runs_as_printed(capsys):
+def test_the_library_example_runs_as_printed(capsys, tmp_path, monkeypatch):
     """The Python of docs/results.md runs on and gives a verdict for each sensor."""
     text = (DOCS / "results.md").read_text(encoding="utf-8")
     code = "\n".join(re.findall(r"```python\n(.*?)```", text, re.DOTALL))
+    monkeypatch.chdir(tmp_path)
     exec(compile(code, "results.md", "exec"), {})  # noqa: S102 - our own text
 
     out = capsys.readouterr().out
@@ -90,6 +91,7 @@ def test_the_library_example_runs_as_printed(capsys):
     assert "('gyro', 'fails'" in out
     assert "('accelerometer', 'fails'" in out
     assert "Zhao 2019 optical IMU, changed" in out
+    assert {path.name for path in tmp_path.iterdir()} == {"bias.png", "report.html"}
 
 
 # ---- docs/references.md --------------------------------------------------------------

@@ -8,7 +8,7 @@ import re
 import subprocess
 import sys
 from contextlib import redirect_stdout
-from dataclasses import FrozenInstanceError
+from dataclasses import FrozenInstanceError, replace
 
 import numpy as np
 import pytest
@@ -237,6 +237,86 @@ def test_a_file_that_changed_on_disk_does_not_count(tmp_path):
 
     new = device.replace({"gyro.bias_stability": "0.2 deg/h"})
     assert new.origin.sha256 == device.origin.sha256
+
+
+@pytest.fixture(scope="module")
+def judged():
+    """Provide a budget that is held against limits."""
+    return budget.analyze(
+        "zhao-2019",
+        requirement="navigation-grade",
+        reference="next_turn_on",
+        validate=False,
+    )
+
+
+def test_values_agree_with_their_unit(result):
+    """`in_unit()` is what the table prints; another unit of the quantity is taken."""
+    row = result.output("gyro.bias.x")
+    printed, si = row.in_unit(), row.in_unit("rad/s")
+
+    assert (printed.unit, si.unit) == ("deg/h", "rad/s")
+    assert_allclose(
+        printed.standard_uncertainty * DEG_PER_HOUR,
+        row.standard_uncertainty,
+        rtol=1e-12,
+    )
+    assert_allclose(np.array(printed.interval) * DEG_PER_HOUR, row.interval, rtol=1e-12)
+    assert_allclose([si.mean, *si.interval], [row.mean, *row.interval], rtol=1e-12)
+    with pytest.raises(budget.BudgetError, match="length"):
+        row.in_unit("m")
+
+
+def test_a_notebook_shows_a_table(judged):
+    """A row for each group with its largest u, the verdict, every warning; escaped."""
+    html = judged._repr_html_()
+
+    assert html.count("<tr>") == 1 + 6
+    assert "<td>gyro bias</td><td>x</td><td>0.000</td><td>0.075</td>" in html
+    assert "FAILS navigation grade" in html
+    assert html.count("Warning: ") == len(judged.warnings) > 0
+    hostile = replace(judged, title="<script>")
+    assert "&lt;script&gt;" in hostile._repr_html_()
+    assert "<script>" not in hostile._repr_html_()
+    assert not re.search(r"src=|href=|url\(", html)
+
+
+def test_figures_of_a_result(judged):
+    """Each figure is a matplotlib Figure that names what it shows."""
+    plot = judged.plot
+    for figure in (plot.overview(), plot.limits(), plot.coupling("accelerometer")):
+        assert figure.get_label()
+        assert figure.axes
+    worst = max(judged.assessment.outputs, key=lambda row: row.utilisation)
+    label = plot.contributions().get_label()
+    assert label == plot.contributions(str(worst.output.name.group)).get_label()
+    assert label != plot.contributions("accelerometer.bias").get_label()
+
+
+def test_a_figure_that_there_is_not_is_refused(result):
+    """What cannot be drawn is an error that says what can, or what to ask for."""
+    with pytest.raises(budget.CallError, match="requirement="):
+        result.plot.limits()
+    with pytest.raises(budget.CallError, match="validate=True"):
+        result.plot.validation()
+    with pytest.raises(budget.CallError, match="samples="):
+        result.plot.indices()
+    with pytest.raises(budget.CallError, match=r"can show: .*gyro\.bias"):
+        result.plot.contributions("gyro.bais")
+
+
+def test_a_report_is_a_line(judged, tmp_path):
+    """`budget.report` writes the pages of the command, before and after its import."""
+    page = tmp_path / "r.html"
+    assert budget.report(judged, page, number="17") == (page,)
+    text = page.read_text(encoding="utf-8")
+    assert "FAILS navigation grade" in text
+    assert "report 17" in text
+    budget.report(judged, str(page))  # the package of that name is loaded now
+    with pytest.raises(budget.CallError, match="suffix"):
+        budget.report(judged, tmp_path / "r.docx")
+    with pytest.raises(budget.CallError, match="analyze"):
+        budget.report(budget.load_device("zhao-2019"), page)
 
 
 def test_import_is_cheap(tmp_path):

@@ -1,0 +1,78 @@
+"""Documents as files: which kinds of page there are, what is in them, their date."""
+
+from __future__ import annotations
+
+import os
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING
+
+from budget.errors import CallError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from pathlib import Path
+
+    from budget.report.blocks import Document
+
+SUFFIXES = (".html", ".pdf")
+
+
+def check_suffixes(paths: Sequence[Path]) -> None:
+    """Refuse a kind of page that there is not, before anything is computed.
+
+    Raises
+    ------
+    CallError
+        A suffix is neither of SUFFIXES.
+    """
+    wrong = [str(path) for path in paths if path.suffix.lower() not in SUFFIXES]
+    if wrong:
+        raise CallError(
+            f"-o {', '.join(wrong)}: the suffix decides the kind of page, "
+            f"allowed: {', '.join(SUFFIXES)}"
+        )
+
+
+def render_pages(
+    document: Document, paths: Sequence[Path], *, warn: Callable[[Path, str], None]
+) -> dict[Path, str | bytes]:
+    """Return the contents of the files, each kind rendered once.
+
+    `warn` is told of characters that no font of this machine has.
+    """
+    from budget.report.page import render_page
+    from budget.report.typeset import typeset
+
+    files: dict[Path, str | bytes] = {}
+    made: dict[str, str | bytes] = {}
+    for path in paths:
+        suffix = path.suffix.lower()
+        if suffix not in made and suffix == ".html":
+            made[suffix] = render_page(document)
+        elif suffix not in made:
+            found = typeset(document)
+            made[suffix] = found.pdf
+            if found.replaced:
+                names = ", ".join(found.replaced)
+                warn(
+                    path,
+                    f"no font on this machine has {names}; "
+                    "the code points stand in their place. Install a font that has "
+                    "them, as Noto Sans CJK has Chinese, and write the report again",
+                )
+        files[path] = made[suffix]
+    return files
+
+
+def document_date() -> str:
+    """Return today's date, or that of SOURCE_DATE_EPOCH where it is set."""
+    epoch = os.environ.get("SOURCE_DATE_EPOCH")
+    if epoch is None:
+        return datetime.now().astimezone().date().isoformat()
+    try:
+        return datetime.fromtimestamp(int(epoch), tz=UTC).date().isoformat()
+    except (ValueError, OverflowError, OSError):
+        raise CallError(
+            f"SOURCE_DATE_EPOCH is {epoch!r}, expected seconds since 1970 as a whole "
+            "number; unset it to use today's date"
+        ) from None
