@@ -88,6 +88,7 @@ if TYPE_CHECKING:
     from budget.studies.conformity import assess
     from budget.studies.export.study import export
     from budget.studies.stations import qualify
+    from budget.studies.sweep import sweep
 
 _HOME = {
     "Bounds": "budget.studies.allocation.cases",
@@ -126,6 +127,7 @@ _HOME = {
     "sample": "budget.methods.monte_carlo",
     "smallest_region": "budget.methods.regions",
     "specific_guard_band": "budget.methods.decisions",
+    "sweep": "budget.studies.sweep",
 }
 
 __all__ = [
@@ -166,6 +168,7 @@ __all__ = [
     "sample",
     "smallest_region",
     "specific_guard_band",
+    "sweep",
 ]
 
 
