@@ -115,6 +115,7 @@ class Table:
     groups: tuple[RowGroup, ...]  # every row has as many cells as there are columns
     is_wide: bool = False  # whether it needs the width of the page
     searchable: bool = False  # whether it is long enough to be searched and sorted
+    for_pen: bool = False  # whether people write into it: wide, with rows of 12 mm
 
     def __post_init__(self) -> None:
         """Hold every row to the number of columns."""
@@ -150,6 +151,7 @@ def table_of(
     titled: bool = False,
     is_wide: bool = False,
     searchable: bool = False,
+    for_pen: bool = False,
 ) -> Table:
     """Set records, a row each, under the columns that are declared for them.
 
@@ -182,6 +184,7 @@ def table_of(
         ),
         is_wide=is_wide,
         searchable=searchable,
+        for_pen=for_pen,
     )
 
 

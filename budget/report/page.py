@@ -155,7 +155,7 @@ def _widths(table: Table) -> list[str]:
     as their numbers.
     """
     texts = [column.weight for column in table.columns if column.kind == "text"]
-    if not table.is_wide or len(set(texts)) < 2:  # noqa: PLR2004 - all alike
+    if not (table.is_wide or table.for_pen) or len(set(texts)) < 2:  # noqa: PLR2004 - all alike
         return [""] * len(table.columns)
     part = len(texts) / len(table.columns) / sum(texts)
     return [

@@ -72,7 +72,7 @@ def _file(file: InputFile) -> Cell:
 
 def sign_off_section() -> Section:
     """Return the lines on which those who answer for a report sign it."""
-    blank = Cell(text="\N{NO-BREAK SPACE}", note="\N{NO-BREAK SPACE}")
+    blank = Cell(text="\N{NO-BREAK SPACE}")
     table = table_of(
         ("prepared", "checked", "approved"),
         (
@@ -83,6 +83,6 @@ def sign_off_section() -> Section:
         ),
         name="signatures",
         caption="Lines to be signed: prepared, checked, approved",
-        is_wide=True,
+        for_pen=True,
     )
     return Section(name="sign-off", title="Sign-off", blocks=(table,))

@@ -263,6 +263,7 @@ def plain_table(table: Table) -> dict[str, Any]:
         "is": "table",
         "columns": columns,
         "crowded": crowded,
+        "pen": table.for_pen,
         "natural": sum(column["natural"] for column in columns),
         "least": sum(
             column["natural"] if column["share"] is None else LEAST_SHARE
@@ -296,6 +297,7 @@ def _plain_column(
         "kind": column.kind,
         "natural": max(widths),
         "share": share,
+        "weight": column.weight,
     }
 
 
