@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
 from importlib import import_module
-from math import prod
+from math import inf, prod
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -773,11 +773,11 @@ class ReadingEffect:
     reading: str
     taken: str  # the one that the numbers stand on
     output: Name  # whose u changes most
-    ratio: float  # of its u, over that with the reading taken [1]
+    ratio: float  # of its u, over that with the reading taken; inf over 0 [1]
 
     def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it."""
-        return asdict(self)
+        """Return what documents say of it; a ratio over 0 is none."""
+        return {**asdict(self), "ratio": self.ratio if self.ratio < inf else None}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -124,7 +124,7 @@ KINDS = (
     Kind("a ratio", ("ppm", "%")),
     Kind("an angle", ("arcsec", "arcmin", "deg", "mrad", "urad", "rad")),
     Kind("a velocity", ("m/s", "mm/s", "um/s", "ft/s")),
-    Kind("a time", ("s", "min", "h", "day", "year")),
+    Kind("a time", ("s", "min", "h", "day", "month", "year")),
     Kind("a length", ("m", "ft")),
     Kind("a frequency", ("Hz", "kHz")),
 )

@@ -367,7 +367,7 @@ RESPELLED = [
     ("DPS/rtHz", ANGLE_WALK, "did you mean '5 deg/s/sqrt(Hz)'?"),
     ("Hr", TIME, "did you mean '5 h'?"),
     ("PPM", RATIO, "did you mean '5 ppm'?"),
-    ("week", TIME, "expected a time (s, min, h, day, year)"),
+    ("week", TIME, "expected a time (s, min, h, day, month, year)"),
 ]
 
 # What is measured has no line, whatever the spelling; where somebody might put it.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import inf
 from typing import TYPE_CHECKING
 
 from budget.names import key_title, words
@@ -21,6 +22,8 @@ def effect_line(effect: ReadingEffect) -> str:
     ratio = print_given(settle(effect.ratio), digits=DIGITS)
     said = f"{source_title(effect.line)} read as {words(effect.reading)}"
     said += f" in place of {words(effect.taken)}"
+    if effect.ratio == inf:
+        return f"{said}: it alone reaches the {key_title(effect.output)}"
     if abs(settle(effect.ratio) - 1.0) < LEAST:
         return f"{said}: no u changes by 0.5 %"
     return f"{said}: u of the {key_title(effect.output)} is {ratio} times as large"

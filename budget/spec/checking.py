@@ -39,7 +39,7 @@ _EXPECTED = {
     "int_from_float": "expected a whole number, such as 1",
     "float_type": "expected a number, such as 1.5",
     "bool_type": "expected true or false",
-    "tuple_type": "expected a list, such as [x, y, z]",
+    "tuple_type": "expected a list in brackets, such as [x, y] of two items",
     "model_type": "expected a mapping of keys",
     "dict_type": "expected a mapping of keys",
 }

@@ -152,9 +152,9 @@ class SensorPart(Strict):
                     *([residual] if getattr(self.errors, residual, None) else []),
                 ]
                 found["errors", elsewhere[0], "reading"] = (
-                    f"may be {OVER_TEMPERATURE}, which {' and '.join(beside)} is too: "
-                    "it would count twice; expected one of them. Remove that word, or "
-                    "the other"
+                    f"may be {OVER_TEMPERATURE}, and so is {' and so is '.join(beside)}"
+                    ": it would count twice; expected one of them. Remove that word, "
+                    "or the other line"
                 )
             elif given and getattr(self.errors, residual, None):
                 found["errors", residual] = (

@@ -103,6 +103,9 @@ READINGS = (  # by the key that says it, '' where none does
 )
 
 
+_ORDER = tuple(dict.fromkeys(word for _, group in READINGS for word in group))
+
+
 class SpecificationValue(Strict):
     """What a file may say about one specification value, or about one axis of it.
 
@@ -300,8 +303,15 @@ class AgeingValue(ConstantValue):
                     "that rise to the horizon of the line"
                 )
         for place, each in enumerate(self.earlier):
+            later = [one.value for one in self.earlier[place + 1 :]]
+            most = later[0] if later else self.value
             if each.value.value == 0.0:
                 found["earlier", place, "value"] = "found 0, expected more than that"
+            elif most is not None and each.value.value > most.value:
+                found["earlier", place, "value"] = (
+                    f"found {each.value.printed!r} before {most.printed!r}, expected "
+                    "values that do not fall with time: what has aged stays so"
+                )
         if found:
             raise faults(found)
         return self
@@ -567,6 +577,8 @@ def read_value(
     readings: tuple[str, ...] = getattr(given, "reading", ())
     if not readings or isinstance(given, Quantity):
         return _read(line, sensor, given)
+    # In an order that is not the file's: of equal ones, what stays in this line.
+    readings = tuple(sorted(readings, key=_ORDER.index))
     read = [_under(line, sensor, given, word) for word in readings]
     place = first_largest([float(one.line.u.max()) for one in read])
     key = Name(line.name, owner=sensor)

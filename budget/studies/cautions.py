@@ -10,8 +10,9 @@ import numpy as np
 from budget.calibration.schemes import removal
 from budget.model.source import Change, Coefficient, Disturbance
 from budget.model.sources import DEVICE, ENVIRONMENT, source_of
-from budget.model.sources.later import AGE
+from budget.model.sources.later import AGE, AGEING
 from budget.names import Name, key_title
+from budget.spec.specification import time_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -167,6 +168,7 @@ def unfelt(analysis: Analysis) -> tuple[Unfelt, ...]:
         if line.u.any()
         and isinstance(known := source_of(ENVIRONMENT, line.name).effect, Coefficient)
         and has.isdisjoint(known.partners)
+        and not (line.name == AGE and any(_says_of_age(one) for one in sensors))
     ]
     effects = [
         (name, source_of(name.owner, name.quantity).effect)
@@ -183,6 +185,13 @@ def unfelt(analysis: Analysis) -> tuple[Unfelt, ...]:
             for name, effect in effects
             if isinstance(effect, Disturbance | Change | Coefficient)
         ),
+    )
+
+
+def _says_of_age(sensor: Sensor) -> bool:
+    """Say whether a sensor holds over a time, or is a lower bound for want of it."""
+    return any(time_of(line.horizon) for line in sensor.lines) or any(
+        name.quantity in AGEING.values() for name in sensor.expected_missing
     )
 
 

@@ -20,7 +20,7 @@ from budget.studies.judgement import (
     together,
 )
 from budget.studies.lower_bounds import missing_of
-from budget.studies.readings import verdicts_by_reading
+from budget.studies.readings import agreed, verdicts_by_reading
 from budget.studies.request import analysis_of
 from budget.ties import first_largest
 
@@ -112,8 +112,16 @@ def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Asses
         outputs += assess_outputs(held, judged, own.lacks)
         if any(sensor.lines for sensor in own.sensors):
             found.append(judged)
+        found_verdict, readings = (
+            _verdict(owner, own, held, judged),
+            _readings(own, seed),
+        )
         verdicts.append(
-            replace(_verdict(owner, own, held, judged), readings=_readings(own, seed))
+            replace(
+                found_verdict,
+                verdict=agreed(found_verdict.verdict, readings),
+                readings=readings,
+            )
         )
     if not verdicts:
         raise CallError(
@@ -140,8 +148,13 @@ def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Asses
 
 
 def _readings(own: Analysis, seed: int) -> ReadingVerdicts | None:
-    """Judge one triad under its readings; what belongs to both is not."""
+    """Judge one triad under its readings; what belongs to both is not.
+
+    Neither is what rests on predicted lines, whose verdict is a probability.
+    """
     if len(own.sensors) > 1 or own.only is not None or own.requirement is None:
+        return None
+    if own.filling.prediction is not None:
         return None
     return verdicts_by_reading(
         own.sensors[0], own.procedure, own.requirement, seed=seed

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from budget.model.source import Source
     from budget.spec.records import Device, ErrorLine, Procedure
 
+SAME_TIME = 0.01  # relative: 365 days are a year, of 365.25 [1]
+
 
 def lacking(
     sensors: Sequence[Sensor],
@@ -95,7 +97,7 @@ def expecting_device(device: Device, procedure: Procedure, reference: str) -> De
 def _holds_over(line: ErrorLine | None, age: float) -> bool:
     """Say whether a line says that it holds over a time as long as that [s]."""
     over = None if line is None else time_of(line.horizon)
-    return over is not None and over.value >= age
+    return over is not None and over.value * (1.0 + SAME_TIME) >= age
 
 
 def could_widen(

@@ -1,16 +1,17 @@
 """Readings of values whose meaning a data sheet leaves open: the answer under each.
 
-A line holds the reading with the largest standard uncertainty, so every other answer is
-on the safe side; here is what the other readings would give. Readings of several lines
-are combined as long as there are few combinations; else each is changed alone, and all
-at once to their smallest.
+A line holds the reading with the largest standard uncertainty, of equal ones that which
+leaves it the line it is; here is what the other readings give, which may be worse for
+an output. A sensor meets if it does under every one that is computed. Readings of
+several lines are combined as long as there are few combinations; else each is changed
+alone, and all at once to their smallest.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 from itertools import product
-from math import log, prod
+from math import inf, log, prod
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -61,7 +62,7 @@ def effects(
                 reading=word,
                 taken=_taken(sensor, line),
                 output=output,
-                ratio=u[output] / now[output] if now[output] else 1.0,
+                ratio=u[output] / now[output] if now[output] else inf,
             )
         )
     return tuple(found)
@@ -192,6 +193,19 @@ def _u(
 
 def _largest_change(u: Mapping[Name, float], taken: Mapping[Name, float]) -> Name:
     """Return the output whose u changes most, by its ratio."""
-    names = [name for name in u if taken[name] > 0.0 and u[name] > 0.0]
-    changes = [abs(log(settle(u[name] / taken[name]))) for name in names]
+    names = [name for name in u if taken[name] > 0.0 or u[name] > 0.0]
+    changes = [
+        abs(log(settle(u[name] / taken[name]))) if u[name] and taken[name] else inf
+        for name in names
+    ]
     return names[first_largest(changes)] if names else next(iter(u))
+
+
+def agreed(verdict: str, readings: ReadingVerdicts | None) -> str:
+    """Return the verdict that all readings share; 'undecided' where one does not meet.
+
+    What does not meet as it is taken stays what it is.
+    """
+    if verdict == "meets" and readings is not None and readings.passes != "all":
+        return "undecided"
+    return verdict

@@ -146,7 +146,7 @@ def test_words_that_leave_nothing_open_are_refused(gyro, text, message):
 )
 def test_two_lines_are_not_over_temperature_both(gyro, lines):
     """One of them would be lost."""
-    with pytest.raises(SpecError, match="may be over temperature, which"):
+    with pytest.raises(SpecError, match="may be over temperature, and so is"):
         gyro(**lines)
 
 

@@ -204,11 +204,17 @@ def recalibration_text(one: Recalibration, coverage: float) -> str:
     used = print_utilisation(one.utilisation)
     if one.is_soon:
         return f"{who}a limit is passed after one day already ({used} of it used)"
+    if one.age is None and one.not_given:
+        names = ", ".join(words(name.quantity) for name in one.not_given)
+        return f"{who}nobody can tell, as lines are not given: {names}"
     if one.age is None:
         return f"{who}no limit is reached within 30 years ({used} of one used then)"
+    latest = " at the latest" if one.not_given else ""
+    names = ", ".join(words(name.quantity) for name in one.not_given)
+    why = f"; not given: {names}" if names else ""
     return (
-        f"{who}a limit is reached after {print_time(one.age)}, at a coverage of "
-        f"{print_coverage(coverage)} %"
+        f"{who}a limit is reached after {print_time(one.age)}{latest}, at a coverage "
+        f"of {print_coverage(coverage)} %{why}"
     )
 
 
@@ -228,7 +234,7 @@ def line_match_text(line: LineMatch) -> str:
     """'bias stability x 85 (from its sample_noise)'."""
     title = source_title(line.source)
     if line.ratio is None:
-        return f"{title} not given"
+        return f"{title} {words(line.how) or 'not given'}"
     how = f" ({words(line.how)})" if line.how else ""
     return f"{title} x {print_given(line.ratio, digits=DIGITS)}{how}"
 

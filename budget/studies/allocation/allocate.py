@@ -127,7 +127,7 @@ def allocate(
     warnings: tuple[str, ...] = ()
     if catalogue is None:
         catalogue, warnings = load_catalogue()
-    offered = best_offered(catalogue)
+    offered = best_offered(catalogue, sensors)
     cases = [
         case
         for sensor in sensors

@@ -18,12 +18,13 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.arrays import Array
-    from budget.spec.records import Device, Sensor
+    from budget.spec.records import Device, ErrorLine, Sensor
 
 # White noise is printed as a density or for every sample: one is the other over the
 # root of the sample rate.
 DENSITIES = ("angle_random_walk", "velocity_random_walk")
 SAMPLE_NOISE = "sample_noise"
+OTHERWISE = "given as another quantity"
 
 
 def load_catalogue() -> tuple[tuple[Device, ...], tuple[str, ...]]:
@@ -46,16 +47,32 @@ def load_catalogue() -> tuple[tuple[Device, ...], tuple[str, ...]]:
     return tuple(devices), tuple(warnings)
 
 
-def best_offered(catalogue: Sequence[Device]) -> dict[Name, float]:
-    """Return the least value above zero of every line, largest axis [SI]."""
+def best_offered(
+    catalogue: Sequence[Device], sensors: Sequence[Sensor] = ()
+) -> dict[Name, float]:
+    """Return the least value above zero of every line, largest axis [SI].
+
+    Of a line that these sensors have, of those that are meant as theirs.
+    """
     best: dict[Name, float] = {}
+    wanted = {one.kind: one for one in sensors}
     for device in catalogue:
         for sensor in device.sensors:
             for line in sensor.lines:
                 name, u = Name(line.name, owner=sensor.kind), float(line.u.max())
-                if u > 0.0:
+                own = (
+                    wanted[sensor.kind].line(line.name)
+                    if wanted.get(sensor.kind)
+                    else None
+                )
+                if u > 0.0 and (own is None or _is_alike(line, own)):
                     best[name] = min(best.get(name, u), u)
     return best
+
+
+def _is_alike(line: ErrorLine, other: ErrorLine) -> bool:
+    """Say whether two lines are the same quantity: a curve is no constant."""
+    return (line.form, line.horizons) == (other.form, other.horizons)
 
 
 def match_catalogue(
@@ -96,7 +113,7 @@ def _match(device: Device, offered: Sensor, wanted: Sensor, rate: float) -> Matc
     for line in wanted.lines:
         if not line.u.any():
             continue
-        value, how = _value(offered, line.name, rate)
+        value, how = _value(offered, line, rate)
         # An axis that may have nothing has no ratio: the others decide.
         ratio = None
         if value is not None:
@@ -128,11 +145,11 @@ def _match(device: Device, offered: Sensor, wanted: Sensor, rate: float) -> Matc
     )
 
 
-def _value(sensor: Sensor, name: str, rate: float) -> tuple[Array | None, str]:
+def _value(sensor: Sensor, wanted: ErrorLine, rate: float) -> tuple[Array | None, str]:
     """Return what a triad has in one line [SI], white noise converted."""
-    line = sensor.line(name)
+    name, line = wanted.name, sensor.line(wanted.name)
     if line is not None:
-        return line.u, ""
+        return (line.u, "") if _is_alike(line, wanted) else (None, OTHERWISE)
     if name == SAMPLE_NOISE:
         for density in DENSITIES:
             if (other := sensor.line(density)) is not None:

@@ -10,10 +10,12 @@ from budget.model.sources.later import AGEING
 from budget.spec.station import with_age
 from budget.studies.allocation.longer_tests import AS_THEY_ARE, utilisation_of
 from budget.studies.allocation.records import Recalibration
+from budget.studies.lower_bounds import expecting
 from budget.units import DAY, YEAR, parse_quantity
 
 if TYPE_CHECKING:
     from budget.arrays import Array
+    from budget.spec.records import Procedure
     from budget.studies.allocation.cases import SensorCase
 
 SOONEST, LATEST = DAY, 30.0 * YEAR  # [s]
@@ -39,9 +41,11 @@ def find_recalibrations(case: SensorCase) -> tuple[Recalibration, ...]:
 def _find(case: SensorCase, s: Array, goal: str) -> Recalibration:
     """Look between a day and 30 years for the age at which the limits are reached."""
 
+    def aged(age: float) -> Procedure:
+        return with_age(case.procedure, parse_quantity(f"{age!r} s", "s"))
+
     def beyond(age: float) -> float:
-        time = parse_quantity(f"{age!r} s", "s")
-        return utilisation_of(case, with_age(case.procedure, time), s) - 1.0
+        return utilisation_of(case, aged(age), s) - 1.0
 
     soonest, latest = beyond(SOONEST), beyond(LATEST)
     age = None
@@ -51,6 +55,10 @@ def _find(case: SensorCase, s: Array, goal: str) -> Recalibration:
         sensor=case.sensor.kind,
         goal=goal,
         age=age,
-        utilisation=1.0 + (latest if soonest <= 0.0 else soonest),
+        utilisation=1.0
+        + (soonest if soonest > 0.0 else latest if age is None else 0.0),
         is_soon=soonest > 0.0,
+        not_given=expecting(
+            case.sensor, aged(LATEST), case.requirement.reference
+        ).expected_missing,
     )

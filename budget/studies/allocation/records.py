@@ -279,7 +279,8 @@ class Recalibration:
     age: (
         float | None
     )  # at which a limit is reached; None: not within what was tried [s]
-    utilisation: float  # at the youngest age tried that fails, or the oldest that meets
+    utilisation: float  # at the age; else at the youngest tried, or at the oldest [1]
+    not_given: tuple[Name, ...]  # lines of ageing that would make it sooner
     is_soon: bool  # whether a limit is passed at the youngest age
 
 

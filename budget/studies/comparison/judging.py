@@ -26,7 +26,7 @@ from budget.studies.judgement import (
     screen,
 )
 from budget.studies.lower_bounds import lacking
-from budget.studies.readings import verdicts_by_reading
+from budget.studies.readings import agreed, verdicts_by_reading
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -141,18 +141,21 @@ def _judge(task: tuple[Candidate, None], *, judging: Judging) -> JudgedCandidate
     doubt = None
     if prediction is not None and not missing:
         doubt = doubt_of(prediction, held, law, judged)
+    readings = None
+    if prediction is None:
+        readings = verdicts_by_reading(
+            one.sensor, one.procedure, one.requirement, seed=judging.seed
+        )
     return JudgedCandidate(
         judged=judged,
         closer=judged,
-        verdict="predicted" if doubt else judged.verdict(missing),
+        verdict="predicted" if doubt else agreed(judged.verdict(missing), readings),
         outputs=assess_outputs(held, judged, lacks),
         worst=names[judged.worst],
         all_worst=tuple(names[place] for place in judged.all_worst),
         remedy=find_remedy(held, law, judged),
         doubt=doubt,
-        readings=verdicts_by_reading(
-            one.sensor, one.procedure, one.requirement, seed=judging.seed
-        ),
+        readings=readings,
         normals=held.problem.normals_per_trial,
         impossible=tuple(itertools.compress(names, beyond)),
         doubtful=doubtful,
