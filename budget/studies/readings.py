@@ -20,7 +20,12 @@ from budget.calibration.problem import calibration_problem
 from budget.methods.gum import propagate
 from budget.names import Name
 from budget.results import Reading, ReadingEffect, ReadingVerdicts
-from budget.studies.judgement import judge, limit_problem, required_problem
+from budget.studies.judgement import (
+    judge,
+    limit_problem,
+    required_problem,
+    screen,
+)
 from budget.studies.lower_bounds import expecting, missing_of
 from budget.ties import first_largest, settle
 
@@ -69,12 +74,18 @@ def effects(
 
 
 def verdicts_by_reading(
-    sensor: Sensor, procedure: Procedure, requirement: Requirement, *, seed: int
+    sensor: Sensor,
+    procedure: Procedure,
+    requirement: Requirement,
+    *,
+    seed: int,
+    by_law: bool = False,
 ) -> ReadingVerdicts | None:
     """Judge a sensor under the readings of its open lines; None where none is open.
 
-    As every command judges (budget.studies.judgement). Of more than MOST combinations
-    those that are taken, each other one alone, and the smallest of every line.
+    As every command judges (budget.studies.judgement), or by the law alone. Of more
+    than MOST combinations those that are taken, each other one alone, and the smallest
+    of every line.
     """
     lines = _open_lines(sensor)
     if not lines:
@@ -88,11 +99,8 @@ def verdicts_by_reading(
         )
         if held is None:
             return None
-        judged = judge(
-            held,
-            propagate(held.problem),
-            coverage=requirement.coverage,
-            seed=seed,
+        judged = (screen if by_law else judge)(
+            held, propagate(held.problem), coverage=requirement.coverage, seed=seed
         )
         missing = (*missing_of((read,), procedure), *held.absent)
         found.append(
@@ -195,7 +203,9 @@ def _largest_change(u: Mapping[Name, float], taken: Mapping[Name, float]) -> Nam
     """Return the output whose u changes most, by its ratio."""
     names = [name for name in u if taken[name] > 0.0 or u[name] > 0.0]
     changes = [
-        abs(log(settle(u[name] / taken[name]))) if u[name] and taken[name] else inf
+        (abs(log(settle(u[name] / taken[name]))) if u[name] else 0.0)
+        if taken[name]
+        else inf
         for name in names
     ]
     return names[first_largest(changes)] if names else next(iter(u))

@@ -243,7 +243,7 @@ def test_octave_runs_the_script_of_matlab(tmp_path):
     assert imu["given"] == ["accel-gyro", "SampleRate", RATE]
     for name, triad in (("Gyroscope", "gyro"), ("Accelerometer", "accel")):
         given = imu[name]
-        assert given["NoiseType"] == "double-sided"
+        assert given["NoiseType"] == "single-sided"
         for key in ("NoiseDensity", "BiasInstability"):
             assert_allclose(np.ravel(given[key]), told[f"{triad}_{key}"], rtol=1e-14)
         (memory,) = told[f"{triad}_Memory"]

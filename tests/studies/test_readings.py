@@ -224,7 +224,7 @@ def test_commands_say_what_readings_do(gyro, limits, tmp_path):
     document = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
     assert len(document["readings"]) == len(OPEN)
     how = ("--requirement", wanted, "--json", tmp_path / "c.json", "--method", "gum")
-    said = call("compare", device, *how).out
+    said = call("compare", device, *how, "--validate").out
     assert_says(said, "meets under 2 of 7 readings")
     (row,) = json.loads((tmp_path / "c.json").read_text(encoding="utf-8"))["devices"]
     found = budget.analyze(
@@ -241,3 +241,32 @@ def test_commands_say_what_readings_do(gyro, limits, tmp_path):
     for here, there in pairs:
         assert here["readings"] == there["readings"]
         assert np.isclose(here["utilisation"], there["utilisation"], rtol=1e-9, atol=0)
+
+
+@pytest.mark.parametrize(
+    "words", ["in-run, over temperature", "over temperature, in-run"]
+)
+def test_a_verdict_is_that_of_all_readings_whatever_their_order(
+    gyro, limits, tmp_path, words
+):
+    """What meets by one reading and not by another is undecided: no device meets."""
+    gyro(
+        bias_repeatability="1 deg/h",
+        bias_stability=f"{{value: 3 deg/h, reading: [{words}]}}",
+        angle_random_walk="0.001 deg/sqrt(h)",
+        scale_factor_repeatability="1 ppm",
+        mounting_repeatability="1 arcsec",
+    )
+    device = load_device(tmp_path / "device.yaml")
+    found = budget.compare([device], limits(bias="6.2 deg/h"), method="gum")
+    (row,) = found.devices
+    assert (row.verdict, row.readings.passes) == ("undecided", "some")
+    assert not found.is_met
+    assert_allclose(row.utilisation, row.readings.found[0].utilisation, rtol=1e-12)
+    judged = budget.analyze(
+        device,
+        requirement=limits(bias="6.2 deg/h"),
+        reference="next_turn_on",
+        validate=False,
+    )
+    assert judged.assessment.sensors[0].verdict == "undecided"

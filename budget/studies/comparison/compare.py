@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 from budget.errors import CallError
 from budget.methods.execution import local_executor
+from budget.model.sources import ENVIRONMENT
+from budget.model.sources.later import AGE
 from budget.names import IMU
 from budget.results import Settings, input_file, stations_of
 from budget.spec import load_devices, load_procedure, load_requirement
@@ -194,6 +196,14 @@ def compare(
         imus=rank_imus(ranked),
         pairs=pair_up(ranked) if pairs else (),
         assumptions=tuple(
+            dict.fromkeys(
+                f"{procedure.name}: {text}"
+                for procedure in tests
+                for text in procedure.assumptions
+                if text.startswith(f"{ENVIRONMENT}.{AGE}: ")
+            )
+        )
+        + tuple(
             dict.fromkeys(
                 f"{device.name}: {text}"
                 for device in (

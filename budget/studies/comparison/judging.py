@@ -144,7 +144,11 @@ def _judge(task: tuple[Candidate, None], *, judging: Judging) -> JudgedCandidate
     readings = None
     if prediction is None:
         readings = verdicts_by_reading(
-            one.sensor, one.procedure, one.requirement, seed=judging.seed
+            one.sensor,
+            one.procedure,
+            one.requirement,
+            seed=judging.seed,
+            by_law=judging.method == "gum" and not judging.validate,
         )
     return JudgedCandidate(
         judged=judged,

@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     from budget.spec.files import File
     from budget.spec.records import Device, Procedure, Sensor
 
+# What a calibration finds, of the figures that targets hold.
+CALIBRATED = {"bias", "total_bias", "scale_factor", "mounting_angle"}
 REFERENCE = "next_turn_on"  # what a calibration leaves is met at a later turn-on
 LEAST_INFLATION, MOST_INFLATION = 1.0, 1e6  # [1]
 LEAST_RATE, MOST_RATE = 1e-3, 1e9  # [Hz]
@@ -208,6 +210,11 @@ def export(
     left: Budget | None = None
     how: Procedure | None = None
     if residual:
+        if not CALIBRATED & {entry.quantity for entry in target.entries}:
+            raise CallError(
+                f"--residual changes no key of {target.title}, which holds noise alone "
+                "and nothing that a calibration finds; leave the option out"
+            )
         how = load_procedure(procedure)
         left = analyze(*imus, procedure=how, reference=REFERENCE, validate=False)
     name = "" if how is None else how.name
@@ -221,11 +228,18 @@ def export(
     said |= {
         f"{one.expected}: {one.words}" for name, one in told.items() if name in held
     }
+    opened = {  # as the file names them: over temperature it is another line
+        Name(own.name, owner=kind)
+        for kind, sensor in sensors.items()
+        for line in sensor.lines
+        for _, own in line.readings
+        if Name(line.name, owner=kind) in held
+    }
     assumptions = tuple(
         text
         for device in imus
         for text in device.assumptions
-        if text in said or any(text.startswith(f"{line}:") for line in held)
+        if text in said or any(text.startswith(f"{line}:") for line in (held | opened))
     )
     return Export(
         target=target,

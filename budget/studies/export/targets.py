@@ -537,7 +537,7 @@ TARGETS = (
                 key=f"{key}_{name}",
                 owner=owner,
                 quantity=quantity,
-                unit=unit + suffix,
+                unit="s" if form is TIME else unit + suffix,
                 form=form,
                 absent=absent,
             )

@@ -146,6 +146,10 @@ def test_a_file_says_how_it_ages(tmp_path):
             "found '2 days' before '1 day', expected times that rise",
         ),
         (
+            "{value: 3 ug, horizon: 1 day, earlier: [{value: 4 ug, horizon: 1 h}]}",
+            "found '4 ug' before '3 ug', expected values that do not fall",
+        ),
+        (
             "{value: 3 ug, horizon: 1 day, earlier: [{value: 0 ug, horizon: 1 h}]}",
             "found 0, expected more",
         ),
@@ -180,6 +184,7 @@ def test_what_holds_over_a_year_contains_the_ageing(tmp_path):
     [
         ("1 year", "1 year", False),
         ("1 year", "13 months", True),
+        ("365 days", "1 year", False),
         ("6 runs", "1 day", True),
         ("1 year", None, False),
     ],

@@ -21,7 +21,11 @@ from budget.spec.files import open_file
 from budget.spec.records import Cost, Costs, Device, Limit, Requirement
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.cases import STRATEGIES, Bounds
-from budget.studies.allocation.market import best_offered, load_catalogue
+from budget.studies.allocation.market import (
+    best_offered,
+    load_catalogue,
+    match_catalogue,
+)
 from budget.studies.analysis import analyze
 from budget.studies.comparison.compare import compare
 from budget.studies.conformity import assess
@@ -509,3 +513,24 @@ def test_a_repeatability_counts_by_the_reference(reference, counting):
     assert (row.headroom is not None) is counting
     assert row.is_idle is not counting
     assert not rows["accelerometer.bias_repeatability"].is_idle  # no limit at all
+
+
+def test_a_curve_is_not_held_against_a_constant(tmp_path):
+    """K3 of a nonlinearity over a full scale is another quantity than a bare ratio."""
+    path = tmp_path / "curve.yaml"
+    path.write_text(
+        "name: curve\naccelerometer:\n  errors:\n    scale_factor_nonlinearity: "
+        "{value: 100 ppm, full_scale: 8 g}\n",
+        encoding="utf-8",
+    )
+    own = load_device(path)
+    stim = load_device("stim300#5g")
+    bare = stim.accelerometer.line("scale_factor_nonlinearity")
+    assert bare is not None
+    assert bare.form != own.accelerometer.lines[0].form
+    name = "accelerometer.scale_factor_nonlinearity"
+    assert name in best_offered((stim,))
+    assert name not in best_offered((stim,), own.sensors)
+    (match,) = match_catalogue((stim,), own.sensors, sample_rate=100.0)
+    (line,) = match.lines
+    assert (line.ratio, line.how) == (None, "given as another quantity")

@@ -17,6 +17,11 @@ name: aged
 accelerometer:
   errors:
     bias_repeatability: 10 ug
+    bias_stability: 1e-3 ug
+    velocity_random_walk: 1e-3 ug/sqrt(Hz)
+    scale_factor_repeatability: 1e-3 ppm
+    mounting_repeatability: 1e-3 arcsec
+    scale_factor_ageing: {{value: 1e-6 ppm, horizon: 1 year, law: drift}}
     ageing: {{value: {} ug, horizon: 1 year, law: {}}}
 """
 REQUIREMENT = """
@@ -92,6 +97,22 @@ def test_it_is_said_in_words(found, ageing, limit, words):
     assert words in recalibration_text(one, 0.95)
     assert (one.age is None) is ("after 9" not in words)
     assert one.age is None or DAY < one.age < 30.0 * YEAR
+
+
+def test_what_is_not_given_makes_it_sooner(found):
+    """An age is an upper bound then, and none that is not reached is promised."""
+    for ageing, words in (
+        (100, "after 9 months at the latest"),
+        (1e-3, "nobody can tell, as lines are not given"),
+    ):
+        device, limits = found(ageing, 150)
+        text = device.read_text(encoding="utf-8")
+        lines = [line for line in text.splitlines() if "scale_factor" not in line]
+        device.write_text("\n".join(lines), encoding="utf-8")
+        one, *_ = recalibrations(device, limits)
+        said = recalibration_text(one, 0.95)
+        assert words in said
+        assert "scale factor ageing" in said
 
 
 def test_nothing_is_said_where_age_counts_nothing(found):

@@ -488,6 +488,7 @@ def test_what_a_target_cannot_hold_is_listed(tmp_path):
         (dict(to="gtsam", inflate=float("nan")), ("inflate",)),
         (dict(to="ekf2"), ("ekf2", "kalibr", "nav-toolkit")),
         (dict(to="gtsam", procedure=load_procedure(None)), ("--residual",)),
+        (dict(to="kalibr", rate=RATE, residual=True), ("--residual", "changes no key")),
     ],
 )
 def test_a_call_that_means_nothing_is_refused(how, words, tmp_path):
