@@ -167,6 +167,20 @@ def probability_smaller(a: Ends, b: Ends) -> float:
     return min(found, key=lambda p: abs(p - 0.5))
 
 
+def is_same(a: Ends, b: Ends) -> bool:
+    """Whether all ends that could be the largest are the same, trial by trial.
+
+    Then `probability_smaller` is 0.5 with any number of trials: the others are too far
+    below to count in it, and more trials draw nothing that moves one alone.
+    """
+    near_a, near_b = _candidates(a), _candidates(b)
+    return (
+        np.array_equal(a.value[near_a], b.value[near_b])
+        and np.array_equal(a.bound[near_a], b.bound[near_b])
+        and np.array_equal(a.noise[:, near_a], b.noise[:, near_b])
+    )
+
+
 def _candidates(ends: Ends) -> Array:
     """Return which ends could be the largest, shape (n,)."""
     reach = FAR * ends.error + ends.bound

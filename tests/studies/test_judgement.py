@@ -23,7 +23,7 @@ from scipy.special import ndtr, ndtri
 from budget.distributions import ARCSINE, NORMAL, TRIANGULAR, UNIFORM, student_t
 from budget.methods.gum import propagate
 from budget.methods.intervals import interval_of_values
-from budget.methods.largest import Ends, ends_of_trials, probability_smaller
+from budget.methods.largest import Ends, ends_of_trials, is_same, probability_smaller
 from budget.methods.largest import sampling_interval as interval_of
 from budget.methods.normality import end_accuracy
 from budget.problem import Group, Output, Problem
@@ -327,6 +327,26 @@ def test_what_the_law_can_be_off_by_is_in_the_rank():
             for x in (0.90, 0.91)
         )
         assert probability_smaller(a, b) == expected
+
+
+def test_ends_that_only_differ_far_below_are_one():
+    """Trials that move the largest ends alike leave one half; one that differs, not."""
+    rng = np.random.default_rng(0)
+    noise = 1e-3 * rng.standard_normal((40, 3))
+    a = Ends(value=np.array([0.9, 0.9, 0.2]), noise=noise, bound=np.zeros(3))
+    far, near, moved = (
+        Ends(value=np.array(value), noise=noise * factors, bound=np.zeros(3))
+        for value, factors in (
+            ([0.9, 0.9, 0.3], [1.0, 1.0, 2.0]),
+            ([0.9, 0.8999, 0.2], [1.0, 1.0, 1.0]),
+            ([0.9, 0.9, 0.2], [1.0, 2.0, 1.0]),
+        )
+    )
+
+    assert is_same(a, far)
+    assert probability_smaller(a, far) == probability_smaller(far, a) == 0.5
+    assert not is_same(a, near)
+    assert not is_same(a, moved)
 
 
 # Together

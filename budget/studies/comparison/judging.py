@@ -11,7 +11,7 @@ import numpy as np
 
 from budget.methods.execution import in_order
 from budget.methods.gum import propagate
-from budget.methods.largest import probability_smaller
+from budget.methods.largest import is_same, probability_smaller
 from budget.methods.validation import validate
 from budget.studies.comparison.candidates import Candidate, find_remedy
 from budget.studies.comparison.records import Lead, Remedy
@@ -201,10 +201,8 @@ def _tied(
         order = sorted(places, key=lambda p: findings[p].judged.utilisation)
         for better, worse in itertools.pairwise(order):
             a, b = (findings[place].closer for place in (better, worse))
-            if np.array_equal(a.ends.value, b.ends.value) and np.array_equal(
-                a.ends.noise, b.ends.noise
-            ):
-                continue  # the same lines under two names: no trial parts them
+            if is_same(a.ends, b.ends):
+                continue  # what decides is the same lines: no trial parts them
             step = Lead(other="", probability=probability_smaller(a.ends, b.ends))
             if step.is_tied:
                 found |= {
@@ -212,4 +210,14 @@ def _tied(
                     for place, one in ((better, a), (worse, b))
                     if can_sharpen(one, max_trials, above=one.utilisation_interval[0])
                 }
+        # Those that nothing parts are drawn for together, or their ends would differ
+        # by the trials alone.
+        twins = [
+            pair
+            for pair in itertools.pairwise(order)
+            if is_same(*(findings[place].closer.ends for place in pair))
+        ]
+        for pair in (*twins, *reversed(twins)):
+            if found & {*pair}:
+                found |= {*pair}
     return sorted(found)

@@ -7,7 +7,7 @@ from math import prod, sqrt
 
 import numpy as np
 import pytest
-from builders import procedure
+from builders import line, procedure
 from comparison_examples import (
     CONSTANTS,
     K95,
@@ -25,6 +25,7 @@ from scipy.special import ndtr
 from scipy.stats import binomtest
 
 from budget.calibration.problem import calibration_problem
+from budget.distributions import UNIFORM
 from budget.methods.gum import propagate
 from budget.problem import Problem
 from budget.studies.judgement import _binomial, limit_problem
@@ -224,6 +225,49 @@ def test_identical_devices_tie_and_draw_no_more():
     assert first.ahead.probability == 0.5
     assert first.ahead.is_tied
     assert {first.trials, last.trials} == {20_000}
+
+
+def bounded_scale(name, used, bias, *, by="repeatability"):
+    """Return a gyro whose worst error is a uniform scale factor; bias [deg/h]."""
+    u = used * SIZES["gyro"]["scale_factor"] / (0.95 * sqrt(3.0))
+    lines = [
+        line(f"scale_factor_{by}", u, distribution=UNIFORM),
+        line("bias_repeatability", bias * DEG_PER_HOUR),
+    ]
+    return device(name, gyro=lines)
+
+
+@pytest.mark.parametrize("used", [0.5, 4.3])
+def test_what_has_the_same_worst_output_draws_no_more(used):
+    """Another bias changes no rank where the scale factor decides.
+
+    With four times the trials the two are as tied as before, to the last digit.
+    """
+    pair = [bounded_scale("a", used, 0.05), bounded_scale("b", used, 0.02)]
+    found = compared(pair, trials=5_000, max_trials=80_000)
+    assert [row.closer.trials for row in found.devices] == [5_000, 5_000]
+    for number in (5_000, 20_000):
+        found = compared(pair, trials=number, max_trials=number)
+        assert found.devices[0].ahead.probability == 0.5
+    other = [pair[0], bounded_scale("b", used, 0.05, by="nonlinearity")]
+    found = compared(other, trials=5_000, max_trials=80_000)
+    assert max(row.closer.trials for row in found.devices) > 5_000
+
+
+def test_what_nothing_parts_is_drawn_for_together():
+    """Twins, one of them tied with a third device: both get the trials that it takes.
+
+    With the trials of one alone their ends would differ, and so could their ranks.
+    """
+    three = [
+        bounded_scale("a", 0.5, 0.05),
+        bounded_scale("b", 0.5, 0.02),
+        bounded_scale("c", 0.5, 0.03, by="nonlinearity"),
+    ]
+    found = compared(three, trials=5_000, max_trials=80_000)
+    first, second = (by_name(found, name) for name in "ab")
+    assert first.closer.trials == second.closer.trials > 5_000
+    assert first.closer.used.tolist()[:3] == second.closer.used.tolist()[:3]
 
 
 def test_common_random_numbers_part_close_devices():
