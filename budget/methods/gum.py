@@ -27,8 +27,11 @@ from budget.errors import CallError, ProblemError
 from budget.methods.jets import expand
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from budget.arrays import Array
-    from budget.problem import Problem
+    from budget.names import Name
+    from budget.problem import Output, Problem
 
 
 ROUNDING = 1e-9  # [1], relative, of effective degrees of freedom
@@ -59,6 +62,10 @@ class Propagation:
         Sensitivities.
     H : ndarray, shape (n_out, n_in, n_in)
         Second derivatives.
+    outputs : tuple of Output
+        What the rows are of.
+    sources : tuple of Name
+        The groups, in the order of `source_variance`.
     """
 
     value: Array
@@ -70,6 +77,8 @@ class Propagation:
     degrees_of_freedom: Array
     C: Array
     H: Array
+    outputs: tuple[Output, ...] = ()
+    sources: tuple[Name, ...] = ()
 
     @property
     def standard_uncertainty(self) -> Array:
@@ -105,6 +114,44 @@ class Propagation:
         """Return mean +- k u, shape (n_out, 2)."""
         U = self.coverage_factor(coverage) * self.standard_uncertainty
         return np.stack([self.mean - U, self.mean + U], axis=1)
+
+    def to_frame(self, coverage: float = 0.95) -> pd.DataFrame:
+        """Return a pandas table, in the units of the outputs.
+
+        A row for each output and source, one for `interaction` (products of two
+        sources) and one for `total`: output, unit, source, standard_uncertainty and
+        share of the variance [1]; mean and interval stand on the totals alone.
+
+        Raises
+        ------
+        CallError
+            As of `coverage_factor`.
+        """
+        import pandas as pd
+
+        interval = self.interval(coverage)
+        names = (*map(str, self.sources), "interaction", "total")
+        rows = []
+        for k, output in enumerate(self.outputs):
+            total = float(self.covariance[k, k])
+            parts = [*self.source_variance[:, k], self.interaction_variance[k], total]
+            for name, part in zip(names, parts, strict=True):
+                ends = interval[k] if name == "total" else (np.nan, np.nan)
+                rows.append(
+                    {
+                        "output": str(output.name),
+                        "unit": output.unit,
+                        "source": name,
+                        "standard_uncertainty": np.sqrt(max(part, 0.0))
+                        / output.si_per_unit,
+                        "share": part / total if total > 0.0 else 0.0,
+                        "mean": (self.mean[k] if name == "total" else np.nan)
+                        / output.si_per_unit,
+                        "interval_low": ends[0] / output.si_per_unit,
+                        "interval_high": ends[1] / output.si_per_unit,
+                    }
+                )
+        return pd.DataFrame.from_records(rows)
 
 
 def propagate(problem: Problem) -> Propagation:
@@ -175,6 +222,8 @@ def propagate(problem: Problem) -> Propagation:
         degrees_of_freedom=_effective_degrees_of_freedom(problem, C, first_order),
         C=C,
         H=H,
+        outputs=tuple(problem.outputs),
+        sources=tuple(group.name for group in problem.groups),
     )
 
 

@@ -33,8 +33,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from concurrent.futures import Executor
 
+    import pandas as pd
+
     from budget.arrays import Array
-    from budget.problem import Problem
+    from budget.problem import Output, Problem
 
 
 EXACT_TRIALS = 2_000_000  # kept as they are; beyond, quantiles come from a histogram
@@ -73,6 +75,8 @@ class Sample:
         What they have settled to: the errors of estimate, standard uncertainty and both
         interval ends of an output are all within it with a probability of 0.95
         (7.9.4, with Stein's two stages). None where the number of trials was fixed.
+    outputs : tuple of Output
+        What the rows are of.
     """
 
     trials: int
@@ -81,6 +85,24 @@ class Sample:
     interval: Array
     tolerance: Array | None
     reached: Array | None
+    outputs: tuple[Output, ...] = ()
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a pandas table with a row for each output, in its unit."""
+        import pandas as pd
+
+        scale = np.array([output.si_per_unit for output in self.outputs])
+        return pd.DataFrame(
+            {
+                "output": [str(output.name) for output in self.outputs],
+                "unit": [output.unit for output in self.outputs],
+                "mean": self.mean / scale,
+                "standard_uncertainty": self.standard_uncertainty / scale,
+                "interval_low": self.interval[:, 0] / scale,
+                "interval_high": self.interval[:, 1] / scale,
+                "is_settled": self.is_settled,
+            }
+        )
 
     @property
     def standard_uncertainty(self) -> Array:
@@ -238,6 +260,7 @@ def sample(
         interval=gathering.interval(coverage, interval),
         tolerance=part * _tolerance(gathering, problem, digits) if adaptive else None,
         reached=gathering.reached(interval) if adaptive else None,
+        outputs=tuple(problem.outputs),
     )
 
 
@@ -452,7 +475,7 @@ class Gathering:
             self._settling.append(block.settling)
         if block.histogram is not None:
             self._count(block.histogram)
-        elif block.values is not None:
+        elif block.values is not None:  # noqa: PD011 - no pandas
             self._kept.append(block.values)
         if self._kept and (self._histogram or self.moments.n > self._keep):
             grid = self.grid or Grid.around(

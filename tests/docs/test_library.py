@@ -319,6 +319,32 @@ def test_a_report_is_a_line(judged, tmp_path):
         budget.report(budget.load_device("zhao-2019"), page)
 
 
+def test_results_of_problems_have_tables():
+    """Law and trials of a Problem as pandas tables, in the units of its outputs."""
+    problem = budget.Problem(
+        groups=(
+            budget.Group.independent("a", u=[3.0]),
+            budget.Group.independent("b", u=[4.0]),
+        ),
+        outputs=(budget.Output(name="y", unit="km", si_per_unit=1000.0),),
+        function=lambda x: 2.0 * x[:1] + 2.0 * x[1:],
+    )
+    law = budget.propagate(problem).to_frame(0.95).set_index("source")
+    u = law["standard_uncertainty"]
+
+    assert list(law.index) == ["a", "b", "interaction", "total"]
+    assert set(law["unit"]) == {"km"}
+    assert_allclose(u, [6e-3, 8e-3, 0.0, 10e-3], rtol=1e-12)
+    assert_allclose(law["share"], [0.36, 0.64, 0.0, 1.0], rtol=1e-12)
+    assert_allclose(law.loc["total", "interval_high"], 1.959964e-2, rtol=1e-6)
+    assert law.drop(index="total")["mean"].isna().all()
+    drawn = budget.sample(problem, trials=10_000, seed=1)
+    (row,) = drawn.to_frame().to_dict("records")
+    assert row["unit"] == "km"
+    # u of 10000 trials is within 5 standard errors of 1/sqrt(2 n).
+    assert_allclose(row["standard_uncertainty"], 1e-2, rtol=5.0 / np.sqrt(2e4))
+
+
 def test_import_is_cheap(tmp_path):
     """Importing the package imports no numpy."""
     code = "import sys, budget; print('numpy' in sys.modules)"
