@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
+
 import pytest
-from pdf_reading import needs_poppler, squeeze, text_of
+from command_line import call
+from pdf_reading import ask, needs_poppler, squeeze, text_of
 
 from budget.errors import OutputError
 from budget.report import typeset as pdf_module
@@ -54,3 +57,16 @@ def test_a_font_that_is_not_there_is_told(template):
     source = '#set document(title: "t")\n#text(font: "Nowhere Sans")[a]'
     with pytest.warns(UserWarning, match="nowhere sans"):
         render_pdf(template(source), {}, {}, date=DATE)
+
+
+@needs_poppler
+def test_what_is_copied_of_a_report_has_its_long_words_whole(tmp_path):
+    """Hashes and DOIs can be searched and copied: where a line may end is no sign."""
+    path = tmp_path / "report.pdf"
+    asked = ("report", "hg4930#C", "--no-validate", "-o", path, "--json", "-")
+    document = json.loads(call(*asked).out)
+    text = ask(path.read_bytes(), tmp_path, "pdftotext", "FILE", "-")
+    for one in document["inputs"].values():
+        assert one["sha256"] in text
+    assert "10.11823/j.issn.1674-5795.2019.03.06" in text
+    assert "\N{ZERO WIDTH SPACE}" not in text

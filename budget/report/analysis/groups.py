@@ -82,7 +82,11 @@ def budget_answer(budget: Budget, *, brief: bool = False) -> tuple[Section, ...]
             *((warnings,) if budget.warnings else ()),
         )
     checks = list({group.validation for group in groups})
-    settings = [*settings_lines(budget.settings)]
+    tested = ("procedure", "station")
+    settings = [
+        *((file.role, file.name) for file in budget.inputs if file.role in tested),
+        *settings_lines(budget.settings),
+    ]
     if len(checks) == 1 and checks[0]:
         settings.append(("checked", checks[0]))
     return (
