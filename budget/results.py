@@ -489,6 +489,16 @@ class Budget:
         """The figures of the report, `plot.contributions()`: matplotlib Figures."""
         return import_module(SHOWN_BY).Plots(self)
 
+    def to_markdown(self) -> str:
+        """Return a table with a row for each output, rounded as in a report."""
+        table: str = import_module(SHOWN_BY).budget_markdown(self)
+        return table
+
+    def to_latex(self) -> str:
+        """Return the same as a LaTeX tabular."""
+        table: str = import_module(SHOWN_BY).budget_latex(self)
+        return table
+
     def _repr_html_(self) -> str:
         """Return a small table, as notebooks show it."""
         table: str = import_module(SHOWN_BY).budget_html(self)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from dataclasses import dataclass
 from html import escape
@@ -22,7 +23,7 @@ from budget.report.figures.rows import draw
 from budget.report.figures.sources import coupling_chart, share_chart, sobol_chart
 from budget.report.files import check_targets, write_all
 from budget.report.rendering import check_suffixes, document_date, render_pages
-from budget.report.tables import group_tables, print_coverage
+from budget.report.tables import AT_LEAST, group_tables, print_coverage
 from budget.results import worst_of
 from budget.studies.coupling import coupling_by_law
 from budget.studies.densities import critical_densities
@@ -30,7 +31,7 @@ from budget.studies.evidence import gather_evidence
 from budget.studies.request import analysis_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from matplotlib.figure import Figure
 
@@ -73,21 +74,7 @@ def budget_html(budget: Budget) -> str:
 
     Its texts may come from anywhere: all are escaped. It loads nothing.
     """
-    coverage = print_coverage(budget.settings.coverage)
-    heads = ("", "axis", "mean", "u", f"U ({coverage} %)", "unit", "contributions")
-    rows = [
-        (
-            group.title,
-            row.axis,
-            row.mean.text,
-            row.u.text,
-            row.expanded.text,
-            group.unit,
-            group.contributions,
-        )
-        for group in group_tables(budget)
-        for row in [group.widest]
-    ]
+    heads, *rows = _lines(budget, widest=True)
     said = [] if budget.assessment is None else [headline(budget, budget.assessment)]
     said += [f"Warning: {text}" for text in budget.warnings]
     return (
@@ -101,6 +88,60 @@ def budget_html(budget: Budget) -> str:
         )
         + "</tbody></table>"
         + "".join(f"<p>{escape(text)}</p>" for text in said)
+    )
+
+
+def _lines(budget: Budget, *, widest: bool = False) -> Iterator[tuple[str, ...]]:
+    """Yield the heads of a budget table, then its rows, rounded as on every page."""
+    coverage = print_coverage(budget.settings.coverage)
+    yield (
+        "parameter",
+        "axis",
+        "mean",
+        "u",
+        f"U ({coverage} %)",
+        "unit",
+        "contributions",
+    )
+    for group in group_tables(budget):
+        for row in [group.widest] if widest else group.rows:
+            numbers = (row.mean.text, row.u.text, row.expanded.text)
+            yield (group.title, row.axis, *numbers, group.unit, group.contributions)
+
+
+def budget_markdown(budget: Budget) -> str:
+    """Write a row for each output as a pipe table."""
+    heads, *rows = (
+        [re.sub(r"([\\|<>*_`])", r"\\\1", text) for text in line]
+        for line in _lines(budget)
+    )
+    rule = ["---"] * len(heads)
+    return "".join(f"| {' | '.join(line)} |\n" for line in (heads, rule, *rows))
+
+
+LATEX = {
+    **{sign: f"\\{sign}" for sign in "&%$#_{}"},
+    "\\": r"\textbackslash{}",
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    "|": r"\textbar{}",
+    "<": "$<$",
+    ">": "$>$",
+    AT_LEAST: r"$\geq$",
+    "\N{MINUS SIGN}": "$-$",
+}
+
+
+def budget_latex(budget: Budget) -> str:
+    """Write a row for each output as a tabular, which needs no package."""
+    heads, *rows = (
+        " & ".join("".join(LATEX.get(sign, sign) for sign in text) for text in line)
+        for line in _lines(budget)
+    )
+    body = "".join(f"{line} \\\\\n" for line in rows)
+    return (
+        f"\\begin{{tabular}}{{llrrrll}}\n\\hline\n{heads} \\\\\n\\hline\n{body}"
+        "\\hline\n\\end{tabular}\n"
     )
 
 

@@ -281,6 +281,28 @@ def test_a_notebook_shows_a_table(judged):
     assert not re.search(r"src=|href=|url\(", html)
 
 
+def test_tables_for_documents(judged):
+    """A row for each output, the same number of cells in each; signs are escaped."""
+    head, _, *rows = judged.to_markdown().splitlines()
+    assert len(rows) == len(judged.outputs)
+    assert {len(re.findall(r"(?<!\\\\)\|", line)) for line in (head, *rows)} == {8}
+    assert any(row.startswith("| gyro bias | z | 0.000 | 0.075 |") for row in rows)
+    hostile = replace(
+        judged.outputs[0],
+        output=replace(judged.outputs[0].output, unit="a|b_%\\"),
+    )
+    odd = replace(judged, outputs=(hostile,))
+    assert r"| a\|b\_%\\ |" in odd.to_markdown()
+    assert r" & a\textbar{}b\_\%\textbackslash{} & " in odd.to_latex()
+
+    latex = judged.to_latex()
+    body = latex.split("\\hline\n")[2].splitlines()
+    assert len(body) == len(judged.outputs)
+    assert {line.count(" & ") for line in body} == {6}
+    assert not re.search(r"(?<!\\)%", latex)
+    assert "$>$99 \\%" in latex
+
+
 def test_figures_of_a_result(judged):
     """Each figure is a matplotlib Figure that names what it shows."""
     plot = judged.plot
