@@ -105,7 +105,7 @@ class TestExitCodes:
     @pytest.mark.parametrize(
         ("args", "said"),
         [
-            ((), "Missing argument"),
+            ((), "nothing to compare"),
             (("good.yaml", "--json", "-", "--csv", "-"), "both write to stdout"),
             (("good.yaml", "-o", "x.txt"), "allowed: .html, .pdf"),
             (("good.yaml", "--validate"), "--method gum"),
