@@ -156,6 +156,11 @@ def test_the_device_itself_is_no_witness_twice():
 
     assert_allclose(inside.location, outside.location, rtol=1e-9)
     assert_allclose(inside.scale, outside.scale, rtol=1e-9)
+    # Out of a copy of its file, which is none of the catalogue's, it is the same.
+    copy = replace(device, origin=replace(device.origin, sha256="copy"))
+    again = predict(copy, missing, catalogue)
+    assert_allclose(again.location, inside.location, rtol=1e-12)
+    assert_allclose(again.scale, inside.scale, rtol=1e-12)
 
 
 def test_a_better_device_is_predicted_to_be_better():
