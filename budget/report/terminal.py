@@ -230,6 +230,8 @@ def _set(table: Table, place: int, widest: int) -> SetColumn:
         else:
             cells += [_break(text, widest) for text in own]
     longest = max(len(line) for cell in cells for line in cell)
+    # No narrower than its longest word, which makes the column that wide anyway.
+    longest = max(longest, *map(len, ("", *column.head.split())))
     return SetColumn(
         head=_break(column.head, longest if widest in WIDEST_CELL else widest),
         cells=cells,
