@@ -248,7 +248,12 @@ def _gaps(budget: Budget, extras: Sequence[Extra]) -> Section:
     """Return what is not given, what is assumed, and what to beware of."""
     warnings = chain(
         budget.warnings,
-        (f"{extra.key}: {text}" for extra in extras for text in extra.warnings),
+        (
+            f"{extra.key}: {text}"
+            for extra in extras
+            for text in extra.warnings
+            if text not in budget.warnings
+        ),
     )
     missing = not_given_lines(budget.could_widen)
     lists = (
