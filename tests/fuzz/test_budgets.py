@@ -16,7 +16,13 @@ from budget.errors import BudgetError
 
 # Down to 1e-25 and up to 1e20, in whatever unit stands beside.
 EXTREMES = ("0", "1e-25", "1e-12", "1e-6", "1", "30", "1e4", "1e9", "1e12", "1e20")
-KEPT = {*FIXED, "meaning", "reading", "soak_points"}  # no number, or one of its place
+KEPT = {
+    *FIXED,
+    "meaning",
+    "reading",
+    "soak_points",
+    "earlier",
+}  # no number, or one of its place
 REFERENCES = ("nominal", "as_tested", "next_turn_on")
 
 

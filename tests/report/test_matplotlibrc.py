@@ -93,6 +93,8 @@ def test_every_function_that_draws_does_so_in_the_house_style():
     for file in (PACKAGE / "report").rglob("*.py"):
         if "matplotlib" not in (text := file.read_text(encoding="utf-8")):
             continue
+        if file.name == "notebook.py":  # hands on what others draw
+            continue
         for node in ast.walk(ast.parse(text)):
             if isinstance(node, ast.FunctionDef) and node.name not in bare:
                 made = node.returns

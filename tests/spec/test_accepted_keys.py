@@ -137,7 +137,7 @@ def device(key):
             beside = beside | {"horizon": "1 h" if rest == ["law"] else "2 years"}
         if rest[:1] == ["earlier"]:
             earlier = {"value": f"0.1 {line.like(sensor)}", "horizon": "1 day"}
-            beside = beside | {"earlier": [earlier]}
+            beside = beside | {"earlier": [earlier], "value": f"9 {line.like(sensor)}"}
         tree[sensor]["errors"][name] = figure | beside
         if len(rest) > 2 and rest[0] == "axes":  # a key of an axis that is a mapping
             tree[sensor]["errors"][name]["axes"] = {
@@ -302,7 +302,11 @@ def test_an_abstract_base_is_hidden(load, tmp_path):
 def facts(value):
     """Return what a record says as plain values, but for names and where it is from."""
     if is_dataclass(value):
-        left = [f.name for f in fields(value) if f.name not in {"origin", "device"}]
+        left = [
+            f.name
+            for f in fields(value)
+            if f.name not in {"origin", "device", "read_again"}
+        ]
         return {name: facts(getattr(value, name)) for name in left}
     if isinstance(value, np.ndarray):
         return value.tolist()

@@ -13,7 +13,7 @@ from command_line import call
 import budget
 from budget.calibration.problem import calibration_problem
 from budget.distributions import NORMAL, UNIFORM, student_t
-from budget.errors import CallError, ProblemError
+from budget.errors import CallError, ProblemError, SpecError
 from budget.methods.execution import BLOCK, draw
 from budget.methods.gum import propagate
 from budget.methods.monte_carlo import sample
@@ -210,8 +210,10 @@ def test_nonlinearity_that_counts_nothing_is_said():
 
 
 def test_what_is_no_device_is_refused_in_words():
-    """A path in place of a device raises CallError that names load_device."""
+    """What is neither a device nor its name raises CallError that names load_device."""
     with pytest.raises(CallError, match="load_device"):
+        budget.analyze(3.5)
+    with pytest.raises(SpecError, match="no such file"):
         budget.analyze("imu.yaml")
 
 

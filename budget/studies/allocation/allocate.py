@@ -212,7 +212,7 @@ def allocate(
             *not_estimated(imus, how, wanted),
             *not_of_one_sensor(wanted),
             *(
-                f"the wanted limits the {kind}, which is not "
+                f"the requirement limits the {kind}, which is not "
                 f"{'given' if calibrates(kind, how) else 'calibrated'}: nothing "
                 "is allocated for it"
                 for kind in missing

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from budget.errors import CallError
@@ -133,16 +134,20 @@ def compare(
                 sensor=sensor,
                 procedure=procedure,
                 requirement=wanted,
-                filling=filled[1].of(missing_of((given,), procedure)),
+                filling=filled[1],
             )
         ).is_limited
+    ]
+    candidates = [
+        replace(one, filling=one.filling.of(missing_of((one.given,), one.procedure)))
+        for one in candidates
     ]
     judged = [one for one in candidates if one.sensor.lines]
     if not candidates:
         raise CallError(
-            f"{wanted.name} limits no sensor that these imus have, or nothing "
+            f"{wanted.name} limits no sensor that these devices have, or nothing "
             f"that {' and '.join(one.name for one in tests)} estimates of it; add "
-            "limits for what is estimated, or give other imus or procedures"
+            "limits for what is estimated, or give other devices or procedures"
         )
     judging = Judging(
         method=method,
