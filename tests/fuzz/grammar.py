@@ -120,6 +120,8 @@ def _keep_rules(tree):
     if tree.get("meaning") in HALF_WIDTHS and tree.get("distribution") in NORMAL:
         del tree["distribution"]
     tree.pop("density", None)  # only beside some units
+    if "bias_stability" in tree and "adds_to" not in tree.get("flicker", {}):
+        tree.pop("flicker", None)
     if "sample_noise" in tree:
         tree.pop("angle_random_walk", None)
         tree.pop("velocity_random_walk", None)
