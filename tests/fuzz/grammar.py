@@ -139,8 +139,16 @@ def _keep_rules(tree):
     return tree
 
 
+def _keys(value):
+    """Return the keys of a mapping; none of what is no mapping."""
+    return value.keys() if isinstance(value, dict) else ()
+
+
 def _keep_lists(tree):
     """Mend lists whose items fit together."""
+    opened = [key for key, line in tree.items() if "reading" in _keys(line)]
+    for key in opened[1:]:  # each one more is a law for each of its words
+        del tree[key]["reading"]
     if "soak_points" in tree:
         tree["soak_points"] = ["1 min", "2 h"]
     if "reading" in tree:
