@@ -854,6 +854,12 @@ class SensorAssessment:
     not_estimated: tuple[Name, ...] = ()  # parameters with limits, held in the test
     readings: ReadingVerdicts | None = None  # where the meaning of lines is open
 
+    @property
+    def is_open_by_reading(self) -> bool:
+        """Whether it is undecided because another reading of its lines fails."""
+        low, high = map(settle, self.utilisation_interval)
+        return self.verdict == "undecided" and not low <= 1.0 < high
+
 
 @dataclass(frozen=True, kw_only=True)
 class CapAssessment:

@@ -130,8 +130,7 @@ def _answer(question: str, usual: str) -> str:
     from budget.errors import CallError
 
     shown = f" [{usual}]" if usual else ""
-    sys.stderr.write(f"{question}{shown}: ")
-    sys.stderr.flush()
+    say(f"{question}{shown}: ", end="")
     text = sys.stdin.readline()
     if not text:
         raise CallError(

@@ -122,9 +122,9 @@ def in_line(name: object) -> str:
     return text.replace("\n", "\\n").replace("\t", "\\t")
 
 
-def say(text: str) -> None:
+def say(text: str, *, end: str = "\n") -> None:
     """Talk on stderr; stdout is for results."""
-    sys.stderr.write(f"{without_controls(text)}\n")
+    sys.stderr.write(f"{without_controls(text)}{end}")
     sys.stderr.flush()  # before the work that it is about
 
 

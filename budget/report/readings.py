@@ -55,9 +55,8 @@ def verdict_line(found: ReadingVerdicts) -> str:
 
 
 def _combination(one: Reading, found: ReadingVerdicts) -> str:
-    """Name what a combination reads otherwise than is taken."""
+    """Name what a combination reads otherwise than is taken; that one whole."""
     taken = dict(found.found[0].words)
     other = [(line, word) for line, word in one.words if taken[line] != word]
-    if not other:
-        return "the readings that are taken"
-    return ", ".join(f"{words(line.quantity)} as {words(word)}" for line, word in other)
+    said = other or one.words  # what is taken itself
+    return ", ".join(f"{words(line.quantity)} as {words(word)}" for line, word in said)

@@ -20,7 +20,7 @@ from budget.studies.judgement import (
     together,
 )
 from budget.studies.lower_bounds import missing_of
-from budget.studies.readings import agreed, verdicts_by_reading
+from budget.studies.readings import verdict_of, verdicts_by_reading
 from budget.studies.request import analysis_of
 from budget.ties import first_largest
 
@@ -112,17 +112,7 @@ def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Asses
         outputs += assess_outputs(held, judged, own.lacks)
         if any(sensor.lines for sensor in own.sensors):
             found.append(judged)
-        found_verdict, readings = (
-            _verdict(owner, own, held, judged),
-            _readings(own, seed),
-        )
-        verdicts.append(
-            replace(
-                found_verdict,
-                verdict=agreed(found_verdict.verdict, readings),
-                readings=readings,
-            )
-        )
+        verdicts.append(_verdict(owner, own, held, judged, seed=seed))
     if not verdicts:
         raise CallError(
             f"{requirement.name} sets no limit for what is estimated of a sensor that "
@@ -152,9 +142,8 @@ def _readings(own: Analysis, seed: int) -> ReadingVerdicts | None:
 
     Neither is what rests on predicted lines, whose verdict is a probability.
     """
-    if len(own.sensors) > 1 or own.only is not None or own.requirement is None:
-        return None
-    if own.filling.prediction is not None:
+    is_one = len(own.sensors) == 1 and own.only is None
+    if not is_one or own.requirement is None or own.filling.prediction is not None:
         return None
     return verdicts_by_reading(
         own.sensors[0], own.procedure, own.requirement, seed=seed
@@ -176,9 +165,10 @@ def _cap(device: Device, merit: str, cap: str) -> CapAssessment:
 
 
 def _verdict(
-    owner: str, own: Analysis, held: Limited, judged: Judged
+    owner: str, own: Analysis, held: Limited, judged: Judged, *, seed: int
 ) -> SensorAssessment:
     """Return the verdict on one sensor, or on what belongs to both."""
+    readings = _readings(own, seed)
     missing = missing_of(own.sensors, own.procedure)
     has_lines = any(sensor.lines for sensor in own.sensors)
     parts = own.law.source_variance[:, held.rows[judged.worst]].tolist()
@@ -190,7 +180,9 @@ def _verdict(
         doubt = doubt_of(prediction, held, own.law, judged)
     return SensorAssessment(
         sensor=owner,
-        verdict="predicted" if doubt else judged.verdict((*missing, *held.absent)),
+        verdict=verdict_of(
+            judged, (*missing, *held.absent), doubt=doubt, readings=readings
+        ),
         doubt=doubt,
         utilisation=judged.utilisation,
         utilisation_interval=judged.utilisation_interval,
@@ -203,4 +195,5 @@ def _verdict(
         expected_missing=missing,
         nothing_known=not has_lines,
         not_estimated=held.absent,
+        readings=readings,
     )

@@ -32,7 +32,9 @@ from budget.ties import first_largest, settle
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from budget.results import Doubt
     from budget.spec.records import ErrorLine, Procedure, Requirement, Sensor
+    from budget.studies.judgement import Judged
 
 MOST = 16  # combinations that are all computed
 
@@ -211,11 +213,21 @@ def _largest_change(u: Mapping[Name, float], taken: Mapping[Name, float]) -> Nam
     return names[first_largest(changes)] if names else next(iter(u))
 
 
-def agreed(verdict: str, readings: ReadingVerdicts | None) -> str:
-    """Return the verdict that all readings share; 'undecided' where one does not meet.
+def verdict_of(
+    judged: Judged,
+    missing: Sequence[Name],
+    *,
+    doubt: Doubt | None,
+    readings: ReadingVerdicts | None,
+) -> str:
+    """Return the verdict on a sensor, the same in every command.
 
-    What does not meet as it is taken stays what it is.
+    'predicted' where it rests on predicted lines; 'undecided' where it meets as its
+    values are read and not under every other reading.
     """
+    if doubt is not None:
+        return "predicted"
+    verdict = judged.verdict(missing)
     if verdict == "meets" and readings is not None and readings.passes != "all":
         return "undecided"
     return verdict

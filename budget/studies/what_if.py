@@ -317,15 +317,20 @@ def _shape(
 
 
 def _doubts(budget: Budget) -> dict[str, tuple[float, float]]:
-    """Return the interval of each sensor's utilisation, over the utilisation [1]."""
+    """Return the interval of each sensor's utilisation, over the utilisation [1].
+
+    Where other readings of the data sheet leave the verdict open, that of all of them.
+    """
     sensors = () if budget.assessment is None else budget.assessment.sensors
     return {
-        one.sensor: (
-            one.utilisation_interval[0] / one.utilisation,
-            one.utilisation_interval[1] / one.utilisation,
-        )
+        one.sensor: (min(ends) / one.utilisation, max(ends) / one.utilisation)
         for one in sensors
         if one.utilisation > 0.0
+        for ends in [
+            [read.utilisation for read in one.readings.found]
+            if one.readings is not None and one.is_open_by_reading
+            else one.utilisation_interval
+        ]
     }
 
 

@@ -5,17 +5,20 @@ from __future__ import annotations
 import json
 from math import sqrt
 
-import numpy as np
 import pytest
 from command_line import call
+from document_text import say as spoken
 from numpy.testing import assert_allclose
 from saying import assert_says
 
 import budget
 from budget.errors import SpecError
+from budget.report.analysis.verdict import summary, verdict_cards
 from budget.report.readings import effect_line, verdict_line
 from budget.spec import load_device
 from budget.studies.readings import MOST, effects, under, verdicts_by_reading
+from budget.studies.request import analysis_of
+from budget.studies.what_if import what_if
 from budget.units import DEG_PER_HOUR, PPM
 
 PAPER = budget.load_procedure()
@@ -240,7 +243,7 @@ def test_commands_say_what_readings_do(gyro, limits, tmp_path):
     )
     for here, there in pairs:
         assert here["readings"] == there["readings"]
-        assert np.isclose(here["utilisation"], there["utilisation"], rtol=1e-9, atol=0)
+        assert_allclose(here["utilisation"], there["utilisation"], rtol=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -269,4 +272,15 @@ def test_a_verdict_is_that_of_all_readings_whatever_their_order(
         reference="next_turn_on",
         validate=False,
     )
-    assert judged.assessment.sensors[0].verdict == "undecided"
+    (sensor,) = judged.assessment.sensors
+    assert sensor.verdict == "undecided"
+    assert sensor.is_open_by_reading
+    (card,) = verdict_cards(judged, judged.assessment)
+    said = spoken(card.lines[0])
+    assert_says(said, "it meets under 1 of 2 readings", "bias stability as in-run")
+    assert_says(
+        spoken(summary(judged, judged.assessment)), "As the values are read here"
+    )
+    # The sliders of a report begin with the same verdict.
+    (outlook,) = what_if(analysis_of(judged), budget=judged).evaluate({}).sensors
+    assert outlook.verdict == "undecided"

@@ -97,7 +97,7 @@ def budget_answer(budget: Budget, *, brief: bool = False) -> tuple[Section, ...]
         *matrices_sections(budget),
         *_indices(budget, dict.fromkeys(group.sensor for group in groups)),
         *filled_sections(budget),
-        *readings_section(budget),
+        *readings_section(budget, budget.assessment),
         _listed("Not given", not_given_lines(budget.could_widen)),
         _listed("Assumptions", budget.assumptions),
         warnings,
@@ -207,7 +207,7 @@ def filled_sections(budget: Budget) -> tuple[Section, ...]:
 
 
 def readings_section(
-    budget: Budget, assessment: Assessment | None = None
+    budget: Budget, assessment: Assessment | None
 ) -> tuple[Section, ...]:
     """Return what other readings would change; nothing where none is open."""
     if not budget.readings:
@@ -215,7 +215,8 @@ def readings_section(
     judged = [] if assessment is None else assessment.sensors
     text = (
         "The data sheet leaves open what these values mean; the numbers stand on the "
-        "reading with the largest standard uncertainty."
+        "reading with the largest standard uncertainty. A sensor meets if it does "
+        "under every reading."
     )
     lines = (
         *(

@@ -15,6 +15,7 @@ from budget.report.blocks import (
     Section,
     table_of,
 )
+from budget.report.readings import verdict_line
 from budget.report.tables import (
     SMALL_SHARE,
     UNKNOWN,
@@ -271,6 +272,8 @@ def _margin(budget: Budget, assessment: Assessment | None) -> Words:
             found += f", with {spare} % of the nearest one to spare"
     if assessment.chance is not None:
         found = f"At the medians of predicted lines: {found[:1].lower()}{found[1:]}"
+    if any(sensor.is_open_by_reading for sensor in assessment.sensors):
+        found = f"As the values are read here: {found[:1].lower()}{found[1:]}"
     return (*nothing, f"{found}. ", _jointly(assessment), basis)
 
 
@@ -312,6 +315,9 @@ def _verdict_card(
             ),
         ]
         lines.append((f"It would meet, but {' and '.join(reasons)}.",))
+    elif sensor.is_open_by_reading and sensor.readings is not None:
+        said = verdict_line(sensor.readings)
+        lines.append((f"What its data sheet means is open: it {said}.",))
     elif sensor.verdict == "undecided":
         low, high = (print_utilisation(end) for end in sensor.utilisation_interval)
         text = f"It uses {low} to {high} of the limit: on which side is not decided."

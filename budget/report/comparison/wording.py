@@ -170,7 +170,7 @@ def reading_lines(comparison: Comparison) -> Iterator[str]:
     for one in comparison.devices:
         if one.readings is not None:
             under = f", {one.procedure}" if several else ""
-            yield f"{one.name} ({one.sensor}{under}) {verdict_line(one.readings)}"
+            yield f"the {one.sensor} of {one.name}{under} {verdict_line(one.readings)}"
 
 
 def missing_effects(comparison: Comparison) -> tuple[MissingEffect, ...]:

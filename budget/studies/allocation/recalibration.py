@@ -44,21 +44,20 @@ def _find(case: SensorCase, s: Array, goal: str) -> Recalibration:
     def aged(age: float) -> Procedure:
         return with_age(case.procedure, parse_quantity(f"{age!r} s", "s"))
 
-    def beyond(age: float) -> float:
-        return utilisation_of(case, aged(age), s) - 1.0
+    def used(age: float) -> float:
+        return utilisation_of(case, aged(age), s)
 
-    soonest, latest = beyond(SOONEST), beyond(LATEST)
-    age = None
-    if soonest <= 0.0 < latest:
-        age = float(brentq(beyond, SOONEST, LATEST))
+    age, utilisation = None, used(SOONEST)
+    if utilisation <= 1.0:
+        utilisation = used(LATEST)
+        if utilisation > 1.0:
+            age = float(brentq(lambda age: used(age) - 1.0, SOONEST, LATEST))
+            utilisation = 1.0
+    oldest = expecting(case.sensor, aged(LATEST), case.requirement.reference)
     return Recalibration(
         sensor=case.sensor.kind,
         goal=goal,
         age=age,
-        utilisation=1.0
-        + (soonest if soonest > 0.0 else latest if age is None else 0.0),
-        is_soon=soonest > 0.0,
-        not_given=expecting(
-            case.sensor, aged(LATEST), case.requirement.reference
-        ).expected_missing,
+        utilisation=utilisation,
+        not_given=oldest.expected_missing,
     )

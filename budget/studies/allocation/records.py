@@ -276,12 +276,20 @@ class Recalibration:
 
     sensor: str
     goal: str  # of which lines: as they are, as allocated
-    age: (
-        float | None
-    )  # at which a limit is reached; None: not within what was tried [s]
-    utilisation: float  # at the age; else at the youngest tried, or at the oldest [1]
-    not_given: tuple[Name, ...]  # lines of ageing that would make it sooner
-    is_soon: bool  # whether a limit is passed at the youngest age
+    # At which a limit is reached; None: passed at the youngest that was tried, or not
+    # reached at the oldest [s].
+    age: float | None
+    utilisation: float  # of the limits, there [1]
+    not_given: tuple[Name, ...]  # expected lines that would make it sooner
+
+    @property
+    def is_soon(self) -> bool:
+        """Whether a limit is passed at the youngest age that was tried."""
+        return self.age is None and self.utilisation > 1.0
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it; the age in seconds."""
+        return {**asdict(self), "is_soon": self.is_soon}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -354,7 +362,7 @@ class Allocation:
             ],
             "levers": [asdict(test) for test in self.longer_tests],
             **(
-                {"recalibrations": [asdict(one) for one in self.recalibrations]}
+                {"recalibrations": [one.to_dict() for one in self.recalibrations]}
                 if self.recalibrations
                 else {}
             ),

@@ -201,12 +201,10 @@ def compare(
         imus=rank_imus(ranked),
         pairs=pair_up(ranked) if pairs else (),
         assumptions=tuple(
-            dict.fromkeys(
-                f"{procedure.name}: {text}"
-                for procedure in tests
-                for text in procedure.assumptions
-                if text.startswith(f"{ENVIRONMENT}.{AGE}: ")
-            )
+            f"{procedure.name}: {ENVIRONMENT}.{AGE}: {line.printed}"
+            for procedure in tests
+            for line in procedure.environment
+            if line.name == AGE
         )
         + tuple(
             dict.fromkeys(

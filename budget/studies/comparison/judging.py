@@ -26,7 +26,7 @@ from budget.studies.judgement import (
     screen,
 )
 from budget.studies.lower_bounds import lacking
-from budget.studies.readings import agreed, verdicts_by_reading
+from budget.studies.readings import verdict_of, verdicts_by_reading
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -153,7 +153,7 @@ def _judge(task: tuple[Candidate, None], *, judging: Judging) -> JudgedCandidate
     return JudgedCandidate(
         judged=judged,
         closer=judged,
-        verdict="predicted" if doubt else agreed(judged.verdict(missing), readings),
+        verdict=verdict_of(judged, missing, doubt=doubt, readings=readings),
         outputs=assess_outputs(held, judged, lacks),
         worst=names[judged.worst],
         all_worst=tuple(names[place] for place in judged.all_worst),
