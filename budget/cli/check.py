@@ -12,6 +12,8 @@ from budget.cli import options
 from budget.cli.streams import in_line, say, tell
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from budget.references.difference import Difference
     from budget.references.records import Job, Role, StoredInput
     from budget.spec.files import NamedFile
@@ -89,6 +91,7 @@ def check(
     ] = None,
     reference: options.Reference = None,
     only: options.Only = None,
+    changes: options.Changes = None,
     sobol: options.Sobol = False,
     samples: options.Samples = None,
     strategy: Annotated[
@@ -161,9 +164,17 @@ def check(
     given = {name: value for name, value in settings.items() if value is not None}
     if save is not None:
         documents = (json, csv)
-        _save(save, kind or "analyze", files, given, documents, workers=workers)
+        _save(
+            save,
+            kind or "analyze",
+            files,
+            given,
+            documents,
+            changes=changes or (),
+            workers=workers,
+        )
         return
-    if given or kind or procedure or station or requirement or costs:
+    if given or kind or procedure or station or requirement or costs or changes:
         from budget.errors import CallError
 
         raise CallError(
@@ -187,12 +198,14 @@ def _save(
     given: dict[str, Any],
     documents: tuple[Path | None, Path | None],
     *,
+    changes: Sequence[str],
     workers: int,
 ) -> None:
     """Compute a reference and store it."""
     from budget.cli.output import check_destinations
     from budget.errors import CallError, ReferenceFileError
     from budget.references.check import make_reference
+    from budget.references.files import with_changes
     from budget.references.records import Asked
     from budget.references.store import parse_reference, reference_text
     from budget.report.files import write_all
@@ -210,7 +223,7 @@ def _save(
     check_destinations(None, None, path, inputs=inputs)
     reference = make_reference(
         kind,
-        _take(files, path.parent),
+        with_changes(_take(files, path.parent), changes),
         Asked(**given),
         workers=workers,
     )
@@ -312,20 +325,18 @@ def validate(
     files: Annotated[
         list[str], typer.Argument(metavar="FILE...", help="Files of any kind.")
     ],
+    *,
+    changes: options.Changes = None,
 ) -> None:
     """Check files and say everything that is wrong in them, with positions."""
     from budget.cli.output import printing
-    from budget.errors import Issue, SpecError
-    from budget.spec import validate as check
+    from budget.errors import SpecError
+    from budget.spec.load import try_valid
     from budget.spec.makers import MEANINGS
 
-    issues: list[Issue] = []
-    for name in files:
-        try:
-            found = check(name)
-        except SpecError as error:
-            issues.extend(error.issues)
-            continue
+    checked, issues = try_valid(files, changes or ())
+    for found in checked:
+        name = found.file
         with printing():
             tell(f"{in_line(name)}: {found.kind}, valid\n")
             for text in found.assumptions:

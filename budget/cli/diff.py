@@ -9,8 +9,9 @@ import typer
 from budget.cli import options
 
 if TYPE_CHECKING:
-    from budget.references.check import Side
-    from budget.references.records import Asked, ReferenceBudget
+    from collections.abc import Sequence
+
+    from budget.references.records import ReferenceBudget, StoredInput
 
 SUFFIX = ".json"
 
@@ -38,6 +39,7 @@ def diff(
     coverage: options.Coverage = None,
     reference: options.Reference = None,
     only: options.Only = None,
+    changes: options.Changes = None,
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
 ) -> None:
@@ -51,13 +53,17 @@ def diff(
     A device is analyzed by the law; beside a reference, with the procedure, the
     requirement and the settings of that. The numbers of a reference are the stored
     ones. Exit code 0 whatever differs.
+
+    --set changes the devices of the call as elsewhere; of a device beside itself it
+    changes B: what does this value do?
     """
     from budget.cli.output import check_destinations, hand_out
     from budget.errors import CallError
-    from budget.references.check import compare_sides
+    from budget.references.check import compare_sides, make_reference, side_of
     from budget.references.records import Asked
     from budget.report.reference.document import difference_json, differences_csv
     from budget.report.reference.sections import difference_sections
+    from budget.spec.records import CHANGED
 
     check_destinations(json, csv, inputs=[first, second, procedure])
     stored = [_reference(name) for name in (first, second)]
@@ -68,12 +74,20 @@ def diff(
             "takes them; leave --procedure, --coverage, --reference and --only out"
         )
     model = next((one for one in stored if one is not None), None)
-    difference = compare_sides(
-        *(
-            _side(name, own, model, procedure, asked)
-            for name, own in zip((first, second), stored, strict=True)
-        )
-    )
+    names = (first, second)
+    inputs = [
+        None if own else _inputs(name, model, procedure)
+        for name, own in zip(names, stored, strict=True)
+    ]
+    inputs = _changed(inputs, changes or ())
+    settings = asked if model is None else model.settings
+    sides = []
+    for name, own, given in zip(names, stored, inputs, strict=True):
+        budget = own or make_reference("analyze", given or (), settings)
+        changed = any(one.changes for one in given or ())
+        shown = f"{name}{CHANGED}" if changed else name
+        sides.append(side_of(budget, name=shown, is_fresh=own is None))
+    difference = compare_sides(*sides)
     hand_out(
         [
             (json, lambda: difference_json(difference)),
@@ -97,31 +111,34 @@ def _reference(name: str) -> ReferenceBudget | None:
     return read_reference(found.path, found.shown)
 
 
-def _side(
-    name: str,
-    own: ReferenceBudget | None,
-    model: ReferenceBudget | None,
-    procedure: str | None,
-    asked: Asked,
-) -> Side:
-    """Return one side: what is stored, or a device computed now."""
+def _inputs(
+    name: str, model: ReferenceBudget | None, procedure: str | None
+) -> tuple[StoredInput, ...]:
+    """Return a device, and what it is calibrated with."""
     from budget.errors import CallError
-    from budget.references.check import make_reference, side_of
     from budget.references.files import take, take_procedures
 
-    if own is not None:
-        return side_of(own, name=name)
     if model is not None and model.job != "analyze":
         raise CallError(
             f"{name} is a device, and the reference beside it is of kind {model.job}; "
             "give two references of that kind, or one of kind analyze"
         )
     # Nothing is stored, so paths do not matter.
-    inputs = [take("device", name)]
-    if model is not None:
-        inputs += [one for one in model.inputs if one.role != "device"]
-        asked = model.settings
-    else:
-        inputs += take_procedures([procedure])
-    made = make_reference("analyze", inputs, asked)
-    return side_of(made, name=name, is_fresh=True)
+    device = take("device", name)
+    if model is None:
+        return (device, *take_procedures([procedure]))
+    return (device, *(one for one in model.inputs if one.role != "device"))
+
+
+def _changed(
+    sides: list[tuple[StoredInput, ...] | None], changes: Sequence[str]
+) -> list[tuple[StoredInput, ...] | None]:
+    """Lay changes over the devices of both sides; of two that are one, over B's."""
+    from budget.references.files import with_changes
+
+    first, second = sides
+    if first == second:
+        return [first, None if second is None else with_changes(second, changes)]
+    both = with_changes((*(first or ()), *(second or ())), changes)
+    count = len(first or ())
+    return [first and both[:count], second and both[count:]]

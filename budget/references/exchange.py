@@ -10,11 +10,15 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from budget.references.difference import Change
+from budget.spec.changes import apply
 from budget.spec.device import root_of
+from budget.spec.records import CHANGED
 from budget.spec.tree import Document, Node, plain
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
+
+    from budget.spec.changes import Change as DeviceChange
 
 LONGEST = 60  # characters of a value in a message
 LONGEST_FIGURE = 160  # of a figure with several of its keys
@@ -74,17 +78,22 @@ class KeyChange:
         return show(before, LONGEST_FIGURE), show(after, LONGEST_FIGURE)
 
 
-def effective(document: Document, variant: str) -> Document:
-    """Return a device file as one device: the variant over the base.
+def effective(
+    document: Document, variant: str, changes: Sequence[DeviceChange] = ()
+) -> Document:
+    """Return a device file as one device: the variant over the base, changes over both.
 
     Figures get one shape, {value: ...}, so that a short one and a long one differ in
     their values only. The file is one that can be read (see spec.device).
     """
     root = _put(root_of(document, variant), ("abstract",), None)
+    for change in changes:
+        root = apply(root, change)
+    name = f"{document.base_name}#{variant}" if variant else document.base_name
     return replace(
         document,
         root=_long_figures(root),
-        base_name=f"{document.base_name}#{variant}" if variant else document.base_name,
+        base_name=f"{name}{CHANGED}" if changes else name,
     )
 
 

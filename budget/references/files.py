@@ -14,8 +14,9 @@ from budget.model.sources import STATION
 from budget.references.exchange import effective
 from budget.references.records import StoredInput
 from budget.resources import shipped
+from budget.spec.changes import check_used, read_change
 from budget.spec.checking import nearest
-from budget.spec.device import read_device, variant_names
+from budget.spec.device import read_device, root_of, variant_names
 from budget.spec.files import FOLDERS, NamedFile, find, open_file
 from budget.spec.load import PAPER
 from budget.spec.reader import parse
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.references.records import Role
+    from budget.spec.changes import Change
     from budget.spec.tree import Document
 
 FOLDER = "references"
@@ -155,6 +157,47 @@ def take_procedures(
     return (*taken, *stations.values())
 
 
+def with_changes(
+    inputs: Sequence[StoredInput], changes: Sequence[str]
+) -> tuple[StoredInput, ...]:
+    """Return inputs with the changes that are their own, as `--set` gives them.
+
+    Raises
+    ------
+    CallError
+        A change is none, or reaches no device.
+    SpecError
+        Everything that is wrong with a device that has one, each at its place.
+    """
+    wanted = [read_change(text) for text in changes]
+    taken = [replace(one, changes=_own(one, wanted)) for one in inputs]
+    check_used(wanted, (text for one in taken for text in one.changes))
+    return tuple(taken)
+
+
+def _own(one: StoredInput, changes: Sequence[Change]) -> tuple[str, ...]:
+    """Return those changes that a device, or any variant that it stands for, has."""
+    if one.role != "device" or not changes:
+        return ()
+    document = parse(one.text.encode(), one.file, base_name=_locate(one, Path()).name)
+    names = (one.variant,) if one.variant else variant_names(document)
+    found = {
+        change.text
+        for name in names
+        for change in _reaching(document, one, name, changes)
+    }
+    return tuple(change.text for change in changes if change.text in found)
+
+
+def _reaching(
+    document: Document, one: StoredInput, variant: str, changes: Sequence[Change]
+) -> list[Change]:
+    """Return those changes that are of one device in a file."""
+    root = root_of(document, variant)
+    file = NamedFile(path=_locate(one, Path()), shown=one.file, variant=variant)
+    return [change for change in changes if change.is_of(file, variant, root)]
+
+
 def present_documents(
     inputs: Sequence[StoredInput],
     folder: Path,
@@ -276,9 +319,13 @@ def _documents(document: Document, one: StoredInput, job: str) -> list[Document]
     names: tuple[str, ...] = (one.variant,)
     if job == "compare" and not one.variant:
         names = variant_names(document)
+    changes = [read_change(text) for text in one.changes]
+    found = []
     for name in names:
-        read_device(document, name)  # says what is wrong, at its place in the file
-    return [effective(document, name) for name in names]
+        own = _reaching(document, one, name, changes)
+        read_device(document, name, own)  # says what is wrong, at its place in the file
+        found.append(effective(document, name, own))
+    return found
 
 
 def _is_bare(file: str) -> bool:

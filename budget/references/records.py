@@ -85,6 +85,7 @@ class StoredInput:
     # Path from the folder of the reference, with '/'; or the name of a shipped file.
     file: Annotated[Line, Field(min_length=1)]
     variant: Line = ""  # '' for the base; of a comparison the base and every variant
+    changes: tuple[Line, ...] = ()  # laid over a device, each SENSOR.LINE=VALUE
     sha256: Sha256  # of the file's bytes
     text: Lines
 

@@ -244,13 +244,15 @@ def variants(path: File) -> tuple[str, ...]:
     return variant_names(open_file(find(path, "device"), "device"))
 
 
-def validate(path: File) -> Checked:
+def validate(path: File, changes: Changes = ()) -> Checked:
     """Check a file of any kind, of a device the base and every variant.
 
     Parameters
     ----------
     path : str or Path
         As in load_device; the variant after '#' must be one of the file's.
+    changes : mapping, or sequence of str
+        As in load_device.
 
     Returns
     -------
@@ -259,9 +261,36 @@ def validate(path: File) -> Checked:
 
     Raises
     ------
+    CallError
+        A change is none, or reaches no device.
     SpecError
         Everything that is wrong with the file, each at its place.
     """
+    found, issues = try_valid([path], changes)
+    if issues:
+        raise SpecError(tuple(issues))
+    return found[0]
+
+
+def try_valid(
+    paths: Sequence[File], changes: Changes
+) -> tuple[list[Checked], list[Issue]]:
+    """Check files of any kind with changes, and the issues of what is not valid.
+
+    Raises
+    ------
+    CallError
+        A change is none, or reaches no device though all could be read.
+    """
+    wanted = [read_change(text) for text in texts_of(changes)]
+    found, issues = try_all(paths, lambda path: _validate(path, wanted))
+    if not issues:
+        check_used(wanted, (text for one in found for text in one.changes))
+    return found, issues
+
+
+def _validate(path: File, changes: Sequence[Change]) -> Checked:
+    """Check one file with those of the changes that are its own."""
     file = find(path)
     document = open_file(file)
     if document.kind != "device":
@@ -274,6 +303,7 @@ def validate(path: File) -> Checked:
             assumptions=record.assumptions,
         )
     assumptions: list[str] = []
+    used: list[str] = []
     issues: list[Issue] = []
     names: tuple[str, ...] = ("",)
     try:
@@ -282,7 +312,9 @@ def validate(path: File) -> Checked:
         issues.extend(error.issues)
     for name in dict.fromkeys((*names, file.variant or names[0])):
         try:
-            assumptions.extend(read_device(document, name).assumptions)
+            device = _read(document, file, name, changes)
+            assumptions.extend(device.assumptions)
+            used.extend(text for one in device.origin.changes for text in one.texts)
         except SpecError as error:
             issues.extend(error.issues)
         if len(issues) > MOST_ISSUES:
@@ -290,10 +322,11 @@ def validate(path: File) -> Checked:
     if issues:
         raise all_of(issues)
     return Checked(
-        file=file.shown,
+        file=f"{file.shown}#{file.variant}" if file.variant else file.shown,
         kind=document.kind,
         variants=names,
         assumptions=tuple(dict.fromkeys(assumptions)),
+        changes=tuple(dict.fromkeys(used)),
     )
 
 

@@ -345,3 +345,4 @@ class Checked:
     kind: str  # 'device', 'procedure', 'station', 'requirement' or 'costs'
     variants: tuple[str, ...]  # of a device, '' for its base; () of the others
     assumptions: tuple[str, ...]  # of the base and every variant, each once
+    changes: tuple[str, ...] = ()  # those of the call that it has

@@ -30,16 +30,17 @@ CALLS = {
     "devices": ("devices", "zhao-2019"),
     "report": ("report", "zhao-2019", "--no-validate", "-o", "a.html"),
 }
-# What reads files by itself, or none: stored budgets, two sides, files, the paper.
-WITHOUT = {"check", "diff", "new", "validate", "schema", "paper"}
+# What has documents of its own: stored budgets, two sides, words on files.
+OTHERS = {"check", "diff", "validate"}
+WITHOUT = {"new", "schema", "paper"}  # what reads no device
 
 
 def test_every_command_has_it_or_a_reason():
     """None is forgotten."""
     names = {one.name or one.callback.__name__ for one in app.registered_commands}
-    assert names == CALLS.keys() | WITHOUT
+    assert names == CALLS.keys() | OTHERS | WITHOUT
     for name in names:
-        assert ("--set" in call(name, "--help").out) == (name in CALLS), name
+        assert ("--set" in call(name, "--help").out) == (name not in WITHOUT), name
 
 
 @pytest.fixture
@@ -119,6 +120,100 @@ def test_a_page_shows_the_change_and_the_call(tmp_path, monkeypatch):
     assert "Zhao 2019 optical IMU, changed" in plain
     assert "zhao-2019 --set 'gyro.bias_stability=0.02 deg/h'" in unescape(plain)
     assert "changed: gyro.bias_stability 0.02 deg/h" in plain
+
+
+def test_a_difference_is_that_to_an_edited_file(edited):
+    """Of a device beside itself B is changed; of two, the one that is named, or all."""
+    by_hand = call("diff", "zhao-2019", edited, "--json", "-").document
+
+    def moved(document):
+        return [{**one, "causes": len(one["causes"])} for one in document["moved"]]
+
+    assert len(by_hand["moved"]) > 50
+    for words in (
+        ("zhao-2019", "zhao-2019", "--set", CHANGE),
+        ("zhao-2019", "zhao-2019", "--set", f"zhao-2019:{CHANGE}"),
+    ):
+        run = call("diff", *words, "--json", "-")
+        assert run.code == 0
+        assert moved(run.document) == moved(by_hand)
+        assert run.document["first"] == "zhao-2019"
+        assert run.document["second"] == "zhao-2019, changed"
+        first, *texts = run.document["changes"]
+        assert first["key"] == "gyro.errors.bias_stability"
+        assert_says(first["before"], "0.04 deg/h")
+        assert_says(first["after"], "0.02 deg/h")
+        assert [one["after"] for one in texts] == ["--set"]
+    # Of two devices both are changed, so this line tells them apart no more.
+    both = call("diff", "zhao-2019", edited, "--set", CHANGE, "--json", "-").document
+    assert both["moved"] == []
+    change = f"{edited}:gyro.bias_stability=0.04 deg/h"
+    one = call("diff", "zhao-2019", edited, "--set", change, "--json", "-").document
+    assert one["moved"] == []
+    assert (one["first"], one["second"]) == ("zhao-2019", f"{edited}, changed")
+
+
+def test_a_reference_keeps_the_change(tmp_path, monkeypatch, edited):
+    """It is checked with the change, also where the file says something else by now."""
+    monkeypatch.chdir(tmp_path)
+    save = call("check", "--save", "changed.json", edited.name, "--set", CHANGE)
+    assert save.code == 0, save.err
+    stored = json.loads((tmp_path / "changed.json").read_text(encoding="utf-8"))
+    assert stored["inputs"][0]["changes"] == [CHANGE]
+    assert call("check", "changed.json").code == 0
+    text = edited.read_text(encoding="utf-8")
+    edited.write_text(text.replace("0.02 deg/h", "0.07 deg/h"), encoding="utf-8")
+    assert call("check", "changed.json").code == 0
+    edited.write_text(text.replace("50 ppm", "51 ppm"), encoding="utf-8")
+    assert call("check", "changed.json").code == 1
+    edited.write_text(text, encoding="utf-8")
+    plain = call("diff", "changed.json", "zhao-2019", "--json", "-").document
+    keys = [one["key"] for one in plain["changes"] if not one["is_text"]]
+    assert keys == ["gyro.errors.bias_stability"]
+
+
+def test_a_comparison_keeps_the_change_of_one_variant(tmp_path, monkeypatch):
+    """Variants of a file are stored together; a change finds its own."""
+    monkeypatch.chdir(tmp_path)
+    run = call(
+        *("check", "--save", "a.json", "hg4930", "--kind", "compare"),
+        *("--requirement", "catalogue-edge", "--set", f"#A:{CHANGE}"),
+    )
+    assert run.code == 0, run.err
+    text = (tmp_path / "a.json").read_text(encoding="utf-8")
+    subjects = {one["subject"] for one in json.loads(text)["numbers"]}
+    devices = {name.rpartition(" ")[0] for name in subjects if " " in name}
+    assert {name for name in devices if "hg4930" in name} == {
+        *("hg4930.yaml#A, changed", "hg4930.yaml#B", "hg4930.yaml#C"),
+    }
+    assert call("check", "a.json").code == 0
+
+
+def test_validity_is_that_of_the_changed_device():
+    """What is wrong in a change is said as of the file; what is right is assumed."""
+    run = call("validate", "zhao-2019", "hg4930#A", "--set", f"#A:{CHANGE}")
+    assert run.code == 0
+    assert_says(run.out, "zhao-2019: device, valid", "hg4930#A: device, valid")
+    assert run.out.count("by --set") == 1
+    run = call("validate", "zhao-2019", "--set", "gyro.bias_stability=0.02 deg")
+    assert run.code == 2
+    assert_says(run.err, "--set gyro.bias_stability", "an angle", "deg/h")
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("validate", "navigation-grade"),
+        ("diff", "zhao-2019", "stim300", "--set", f"iim:{CHANGE}"),
+        ("check", "zhao-2019"),
+    ],
+    ids=lambda words: words[0],
+)
+def test_a_change_that_reaches_nothing_is_refused(words):
+    """Never in silence; and a stored budget is what it is."""
+    run = call(*words, "--set", CHANGE)
+    assert (run.code, run.out) == (2, "")
+    assert "--set" in run.err or "settings are those" in run.err
 
 
 def test_a_csv_with_devices_names_the_change():
