@@ -12,9 +12,11 @@ from dataclasses import dataclass
 from functools import cache
 from unittest.mock import patch
 
+import jsonschema
 import typer.main
 
 from budget.cli import main
+from budget.report.schema import results_schema
 
 # A process builds its commands once; without this each call here would again.
 COMMAND = cache(typer.main.get_command)
@@ -35,8 +37,37 @@ class Outcome:
 
     @property
     def document(self):
-        """The JSON document on stdout, which is all that may stand there."""
-        return json.loads(self.out)
+        """The JSON document on stdout, which is all that may stand there.
+
+        Every key of it is in the schema of results.
+        """
+        return checked(json.loads(self.out))
+
+
+SCHEMA = results_schema()
+
+
+@cache
+def judge(command):
+    """Return what validates the documents of one command."""
+    refs = [
+        one["$ref"] for part in SCHEMA["oneOf"] for one in part.get("oneOf", [part])
+    ]
+    own = [
+        {"$ref": ref}
+        for ref in refs
+        for entry in [SCHEMA["$defs"][ref.rpartition("/")[2]]]
+        if command in entry["properties"]["command"]["enum"]
+    ]
+    return jsonschema.Draft202012Validator({"oneOf": own, "$defs": SCHEMA["$defs"]})
+
+
+def checked(document):
+    """Return a document all of whose keys are in the schema, or a schema."""
+    if "$schema" not in document:
+        faults = judge(document["command"]).iter_errors(document)
+        assert [(one.json_path, one.message[:200]) for one in faults] == []
+    return document
 
 
 def surroundings():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 import typer
 
@@ -22,6 +22,10 @@ if TYPE_CHECKING:
 EXIT_MOVED = 1
 EXIT_BAD_INPUT = 2
 SUFFIX = ".json"
+
+SchemaKind = Literal[
+    "device", "procedure", "station", "requirement", "costs", "reference", "results"
+]
 
 
 def check(
@@ -370,20 +374,22 @@ def _show_procedure(name: str) -> None:
 
 def schema(
     kind: Annotated[
-        Literal["device", "procedure", "station", "requirement", "costs", "reference"],
-        typer.Argument(
-            metavar="KIND",
-            help="device, procedure, station, requirement, costs, reference",
-        ),
+        SchemaKind,
+        typer.Argument(metavar="KIND", help=", ".join(get_args(SchemaKind))),
     ],
 ) -> None:
-    """Print the JSON Schema of a kind of file, for editors that complete and check."""
+    """Print the JSON Schema of a kind of file, for editors that complete and check.
+
+    That of `results` is of the documents that --json writes.
+    """
     from json import dumps
 
     from budget.cli.output import printing
     from budget.references.store import reference_schema
+    from budget.report.schema import results_schema
     from budget.spec import json_schema
 
-    found = reference_schema() if kind == "reference" else json_schema(kind)
+    others = {"reference": reference_schema, "results": results_schema}
+    found = others[kind]() if kind in others else json_schema(kind)
     with printing():
         typer.echo(dumps(found, indent=2, ensure_ascii=False))

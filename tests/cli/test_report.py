@@ -7,7 +7,7 @@ import re
 from html import unescape
 
 import pytest
-from command_line import call, start
+from command_line import call, checked, start
 from pdf_reading import needs_poppler, squeeze, text_of
 from saying import assert_says
 
@@ -136,7 +136,7 @@ def test_allocation_and_comparison_go_with_it(tmp_path):
     )
 
     assert run.code == 0, run.err
-    document = json.loads(file.read_text(encoding="utf-8"))
+    document = checked(json.loads(file.read_text(encoding="utf-8")))
     assert embedded(page) == document
     assert document["allocation"]["feasible"] in {True, False}
     names = {row["name"] for row in document["comparison"]["devices"]}

@@ -1,0 +1,754 @@
+"""JSON Schema of result documents: every key that `--json` may write, by command.
+
+Types are those of the records that documents are written from. What is listed here is
+which of their fields stand in a document, and under what key: 'binding=is_binding'.
+"""
+
+from __future__ import annotations
+
+from collections import abc
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from types import NoneType, UnionType
+from typing import TYPE_CHECKING, Any, Literal, Union, get_args, get_origin
+from typing import get_type_hints as hints_of
+
+from budget.names import Name
+from budget.references.difference import Change, Difference, Move
+from budget.references.records import Item
+from budget.report.catalogue import REMARKS
+from budget.results import (
+    SCHEMA,
+    Ask,
+    Assessment,
+    Budget,
+    CapAssessment,
+    Compensation,
+    Contribution,
+    Doubt,
+    FilledLine,
+    InputFile,
+    OutputAssessment,
+    OutputBudget,
+    Reading,
+    ReadingEffect,
+    ReadingVerdicts,
+    SensorAssessment,
+    Settings,
+    SobolIndex,
+    Validation,
+)
+from budget.spec.changes import Changed
+from budget.spec.records import Device, ErrorLine, Sensor, UnusedValue
+from budget.spec.schema import DIALECT
+from budget.studies.allocation.records import (
+    Allocation,
+    CostReport,
+    CoverageCheck,
+    Headroom,
+    LimitedOutput,
+    LimitPart,
+    LineMatch,
+    LongerTest,
+    Match,
+    Recalibration,
+    SourceAllotment,
+)
+from budget.studies.comparison.records import (
+    Comparison,
+    DeviceVerdict,
+    Entrant,
+    Lead,
+    MissingLines,
+    Pair,
+    UnknownCap,
+)
+from budget.studies.coupling import Coupling
+from budget.studies.export.study import Export
+from budget.studies.paper.orders import Sweep
+from budget.studies.paper.printed import Finding
+from budget.studies.paper.study import COLUMNS as FINDING
+from budget.studies.paper.study import PaperStudy
+from budget.studies.stations import (
+    Qualification,
+    StationFigure,
+    StationOutput,
+    StationVerdict,
+)
+from budget.studies.what_if import SourceSteps, Step
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+Node = dict[str, Any]  # a part of a JSON Schema
+
+SIMPLE = {
+    float: "number",
+    int: "integer",
+    bool: "boolean",
+    str: "string",
+    NoneType: "null",
+}
+VECTOR: Node = {"type": "array", "items": {"type": "number"}}
+MATRIX: Node = {"type": "array", "items": VECTOR}
+SAID = "assumptions warnings"  # what every study says beside its numbers
+CHANCE: Node = {  # of what may be unknown
+    "conformance": float | None,
+    "conformance_interval": tuple[float, float] | None,
+}
+
+
+def results_schema() -> Node:
+    """Return the JSON Schema (draft 2020-12) of all that commands write as `--json`.
+
+    A document has no key that it does not name.
+    """
+    schema = _Schema()
+    documents = [make(schema) for make in (_budget, *_STUDIES)]
+    return {
+        "$schema": DIALECT,
+        "title": f"budget result documents ({SCHEMA})",
+        "oneOf": documents,
+        "$defs": dict(sorted(schema.entries.items())),
+    }
+
+
+class _Schema:
+    """Collects the entries that documents are made of."""
+
+    def __init__(self) -> None:
+        self.entries: dict[str, Node] = {}
+
+    def entry(
+        self,
+        name: str,
+        record: type,
+        take: str = "",
+        /,
+        *,
+        maybe: Mapping[str, Any] | None = None,
+        **keys: Any,  # noqa: ANN401 - types and parts of a schema
+    ) -> Node:
+        """Describe an object once, return a reference to it.
+
+        Parameters
+        ----------
+        record : type
+            What it is written from; the first line on it says what it is.
+        take : str
+            Its fields and properties whose type the keys have, as they are called.
+        maybe : mapping of str to type
+            Keys that only some of these objects have.
+        **keys : type
+            Those whose type is none of the record's.
+        """
+        named = [item.partition("=") for item in take.split()]
+        always = {key: _hint(record, of or key) for key, _, of in named} | keys
+        parts = {**always, **(maybe or {})}
+        self.entries[name] = {
+            "description": _said(record),
+            "type": "object",
+            "properties": {key: self.of(hint) for key, hint in parts.items()},
+            "required": list(always),
+            "additionalProperties": False,
+        }
+        return {"$ref": f"#/$defs/{name}"}
+
+    def whole(self, name: str, record: type, /, **keys: Any) -> Node:  # noqa: ANN401 - as above
+        """Describe a record that stands in a document as it is, with further keys."""
+        own = " ".join(field.name for field in fields(record))
+        return self.entry(name, record, own, **keys)
+
+    def of(self, hint: Any) -> Node:  # noqa: ANN401 - a type, or a part already
+        """Return the schema of what a type is in JSON."""
+        if isinstance(hint, dict):
+            return hint
+        if get_origin(hint) is not None or isinstance(hint, UnionType):
+            return self._of_parts(get_origin(hint), get_args(hint))
+        if isinstance(hint, type) and is_dataclass(hint):
+            return self.whole(hint.__name__, hint)
+        if issubclass(hint, Enum):
+            return {"enum": [one.value for one in hint]}
+        return {"type": next(SIMPLE[one] for one in hint.__mro__ if one in SIMPLE)}
+
+    def _of_parts(self, origin: Any, inner: tuple[Any, ...]) -> Node:  # noqa: ANN401
+        """Return the schema of a type with others in it."""
+        if origin is Literal:
+            return {"enum": list(inner)}
+        if origin in {Union, UnionType}:
+            return _either([self.of(one) for one in inner])
+        if issubclass(origin, abc.Mapping):
+            return {"type": "object", "additionalProperties": self.of(inner[1])}
+        if origin is list or inner[-1] is Ellipsis:
+            return _many(self.of(inner[0]))
+        return {
+            "type": "array",
+            "prefixItems": [self.of(one) for one in inner],
+            "minItems": len(inner),
+            "items": False,
+        }
+
+
+def _many(item: Node) -> Node:
+    """Describe any number of things."""
+    return {"type": "array", "items": item}
+
+
+def _or_none(part: Node) -> Node:
+    """Describe what may be null."""
+    return _either([part, {"type": "null"}])
+
+
+def _either(parts: list[Node]) -> Node:
+    """Describe what is one of several things."""
+    if all(set(part) == {"type"} for part in parts):
+        return {"type": [part["type"] for part in parts]}
+    return {"anyOf": parts}
+
+
+def _said(record: type) -> str:
+    """Return the first line on a record; its numbers are in printed units here."""
+    return (record.__doc__ or "").partition("\n")[0].replace(" [SI]", "")
+
+
+# What records name in annotations and import for type checkers alone.
+KNOWN = {"Name": Name, "Mapping": abc.Mapping, "Sequence": abc.Sequence}
+
+
+def _hint(record: type, name: str) -> Any:  # noqa: ANN401 - any type
+    """Return the type of a field, or of what a property returns."""
+    for owner in record.__mro__:
+        text = vars(owner).get("__annotations__", {}).get(name)
+        found = vars(owner).get(name)
+        if text is None and isinstance(found, property):
+            text = found.fget.__annotations__["return"]
+        if text is not None:
+            alone = {"__module__": owner.__module__, "__annotations__": {name: text}}
+            return hints_of(type("_", (), alone), localns=KNOWN)[name]
+    raise LookupError(f"{record.__name__} has no {name}")
+
+
+# ---- what several commands write -----------------------------------------------------
+
+
+def _head(command: str | tuple[str, ...]) -> Node:
+    """Describe the two keys that every document begins with."""
+    commands = [command] if isinstance(command, str) else list(command)
+    return {"schema": {"const": SCHEMA}, "command": {"enum": commands}}
+
+
+def _files(schema: _Schema) -> Node:
+    """Describe the files that a result depends on, by their roles."""
+    changed = schema.entry("change", Changed, line=str, to=str, **FROM)
+    more: Node = {"changes": _many(changed)}
+    schema.entry("role_and_file", InputFile, "role name sha256", maybe=more)
+    file = schema.entry("file", InputFile, "name sha256", maybe=more)
+    return {"type": "object", "additionalProperties": file}
+
+
+def _settings(schema: _Schema) -> Node:
+    """Describe what a budget depends on besides its files."""
+    maybe = {"outputs", "missing"}
+    left_out = {"max_trials", "validate", "matrices", *maybe}
+    return schema.entry(
+        "settings",
+        Settings,
+        " ".join(f.name for f in fields(Settings) if f.name not in left_out),
+        maybe={name: _hint(Settings, name) for name in sorted(maybe)},
+    )
+
+
+def _filling(schema: _Schema) -> Node:
+    """Describe what stands for lines that are not given."""
+    line = schema.entry(
+        "filled_line",
+        FilledLine,
+        "source stands_for=expected printed unit standard_uncertainty=u devices "
+        "designs of=owners interval_50 interval_90",
+    )
+    lines = _many(line)
+    return {"mode": str, "filled": lines, "left": list[str]}
+
+
+def _doubt(schema: _Schema) -> Node:
+    """Describe a verdict that rests on predicted lines."""
+    return schema.entry(
+        "predicted",
+        Doubt,
+        "probability doubt utilisation_90",
+        worth_asking=tuple[Ask, ...],
+    )
+
+
+def _readings(schema: _Schema) -> Node:
+    """Describe the verdicts under the readings of lines with an open meaning."""
+    one = schema.entry(
+        "reading", Reading, "verdict utilisation", readings=dict[str, str]
+    )
+    return schema.entry(
+        "reading_verdicts",
+        ReadingVerdicts,
+        "combinations=total passes",
+        computed=_many(one),
+    )
+
+
+def _judged(schema: _Schema) -> Node:
+    """Describe required outputs against their limits."""
+    output = schema.entry(
+        "limited_output",
+        OutputAssessment,
+        "limit standard_uncertainty interval interval_by largest_error utilisation "
+        "conformance lower_bound nothing_known=is_unknown",
+        **KEYS,
+    )
+    return _many(output)
+
+
+FROM: Node = {"from": str}  # no name in Python
+KEYS: Node = {
+    "sensor": str,
+    "parameter": str,
+    "axis": str,
+    "unit": str,
+    "resolution": float,
+}
+
+
+# ---- analyze and report --------------------------------------------------------------
+
+
+def _budget(schema: _Schema) -> Node:
+    """Describe the budget of a calibration; a report adds its further studies."""
+    index: Node = dict.fromkeys(("sobol_first", "sobol_total"), float | None)
+    contribution = schema.entry(
+        "contribution",
+        Contribution,
+        "source standard_uncertainty share lower_bound",
+        **index,
+        maybe={
+            f"sobol_{name}": _hint(SobolIndex, name)
+            for name in ("first_interval", "total_interval", "interacts", "rank")
+        },
+    )
+    validation = schema.whole("validation", Validation)
+    output = schema.entry(
+        "output",
+        OutputBudget,
+        "mean standard_uncertainty lower_bound nothing_known=is_unknown lacks interval "
+        "interval_by",
+        **KEYS,
+        contributions=_many(contribution),
+        validation=_or_none(validation),
+    )
+    step = schema.entry(
+        "step", Step, "factor expanded_uncertainty=expanded utilisation verdict"
+    )
+    steps = schema.entry(
+        "one_at_a_time",
+        SourceSteps,
+        "share lower_bound meets_up_to=most",
+        source=str,
+        output=str,
+        unit=str,
+        meets_at_any=bool,
+        steps=_many(step),
+    )
+    own = "title not_given assumptions warnings"
+    return schema.entry(
+        "budget",
+        Budget,
+        own,
+        **_head(("analyze", "report")),
+        inputs=_files(schema),
+        settings=_settings(schema),
+        outputs=_many(output),
+        covariance=MATRIX,
+        assessment=_or_none(_assessment(schema)),
+        maybe={
+            "missing": schema.entry("missing", FilledLine, **_filling(schema)),
+            "readings": _many(_effect(schema)),
+            "matrices": _matrices(schema),
+            "one_at_a_time": _many(steps),
+            "allocation": {"$ref": "#/$defs/allocation"},
+            "comparison": {"$ref": "#/$defs/comparison"},
+        },
+    )
+
+
+def _effect(schema: _Schema) -> Node:
+    """Describe what another reading of a line changes; a ratio over 0 is none."""
+    return schema.whole("reading_effect", ReadingEffect, ratio=float | None)
+
+
+def _matrices(schema: _Schema) -> Node:
+    """Describe the compensation matrices of each triad."""
+    sized: Node = {"value": MATRIX, "standard_uncertainty": MATRIX}
+    bias = schema.entry(
+        "bias_of_matrix",
+        Compensation,
+        unit=str,
+        value=VECTOR,
+        standard_uncertainty=VECTOR,
+    )
+    triad = schema.entry(
+        "matrices",
+        Compensation,
+        "bias_lower_bound",
+        body_to_sensor=schema.entry("matrix", Compensation, value=MATRIX),
+        sensor_to_body=schema.entry(
+            "uncertain_matrix", Compensation, "lower_bound", **sized
+        ),
+        bias_sensor=bias,
+        bias_body=bias,
+        covariance=MATRIX,
+    )
+    return {
+        "type": "object",
+        "properties": {"convention": {"type": "string"}},
+        "required": ["convention"],
+        "additionalProperties": triad,
+    }
+
+
+def _assessment(schema: _Schema) -> Node:
+    """Describe a budget held against a requirement."""
+    sensor = schema.entry(
+        "sensor_verdict",
+        SensorAssessment,
+        "sensor verdict utilisation utilisation_interval worst_output worst_outputs "
+        "limiting_source trials expected_missing nothing_known",
+        **CHANCE,
+        maybe={
+            "predicted": _doubt(schema),
+            "not_estimated": list[str],
+            "readings": _readings(schema),
+        },
+    )
+    return schema.entry(
+        "assessment",
+        Assessment,
+        "requirement not_there",
+        **CHANCE,
+        sensors=_many(sensor),
+        outputs=_judged(schema),
+        caps=tuple[CapAssessment, ...],
+    )
+
+
+# ---- the other studies ---------------------------------------------------------------
+
+
+def _comparison(schema: _Schema) -> Node:
+    """Describe a ranking."""
+    filling: Node = _filling(schema)
+    missing = schema.entry(
+        "missing_lines",
+        MissingLines,
+        "lines utilisation",
+        assumed=list[str],
+        verdict=str | None,
+        maybe=filling,
+    )
+    entrant = (
+        "name file technology sensor procedure not_given price mass power over_caps"
+    )
+    gap: Node = {"missing": _or_none(missing)}
+    gap["unknown_caps"] = schema.of(tuple[UnknownCap, ...])
+    lead = schema.entry("lead", Lead, "other probability tied=is_tied")
+    device = schema.entry(
+        "device_verdict",
+        DeviceVerdict,
+        f"{entrant} verdict lower_bound utilisation utilisation_interval margin "
+        "worst_output worst_outputs on_front advice trials",
+        **gap,
+        **CHANCE,
+        rank=int,
+        limiting_source=str,
+        limiting_share=float,
+        improvement_factor=float | None,
+        ahead=_or_none(lead),
+        outputs=_judged(schema),
+        maybe={"predicted": _doubt(schema), "readings": _readings(schema)},
+    )
+    both = (
+        "gyro accelerometer procedure verdict lower_bound utilisation worst_outputs "
+        "limiting_source"
+    )
+    more: Node = {"probability": float}
+    imu = schema.entry("imu", Pair, both, name=str, rank=int, **CHANCE, maybe=more)
+    pair = schema.entry("pair", Pair, both, **CHANCE, maybe=more)
+    silent = schema.entry("entrant", Entrant, entrant, verdict=str, **gap)
+    return schema.entry(
+        "comparison",
+        Comparison,
+        f"requirement procedures met=is_met not_compared {SAID}",
+        **_head("compare"),
+        caps=dict[str, str],
+        inputs=_many({"$ref": "#/$defs/role_and_file"}),
+        settings=_settings(schema),
+        devices=_many(device),
+        nothing_known=_many(silent),
+        imus=_many(imu),
+        pairs=_many(pair),
+    )
+
+
+def _allocation(schema: _Schema) -> Node:
+    """Describe what each line may be."""
+    room = schema.entry(
+        "headroom",
+        Headroom,
+        "value all_that_stop=stopped_by",
+        stopped_by=str | None,
+    )
+    source = schema.entry(
+        "allotment",
+        SourceAllotment,
+        "source unit status now allowed uncorrected at_ceiling at_least ceiling least "
+        "binding_outputs best_offered counts=is_significant",
+        sensor=str,
+        binding_output=str | None,
+        headroom=_or_none(room),
+    )
+    output = schema.entry(
+        "shared_limit",
+        LimitedOutput,
+        "limit utilisation_now=now utilisation_allowed=allowed utilisation_floor=floor "
+        "binding=is_binding lower_bound",
+        output=str,
+        unit=str,
+        resolution=float,
+        parts=tuple[LimitPart, ...],
+    )
+    line = schema.entry("line_match", LineMatch, "source ratio how")
+    match = schema.entry(
+        "match",
+        Match,
+        "name=device file sensor meets extra",
+        lines=_many(line),
+    )
+    relaxed: Node = {"output": str, "unit": str, "limit": float, "needed": float}
+    check = schema.whole("coverage_check", CoverageCheck, corrected=bool)
+    again = schema.whole("recalibration", Recalibration, is_soon=bool)
+    return schema.entry(
+        "allocation",
+        Allocation,
+        f"title feasible not_allocated not_given {SAID}",
+        **_head("allocate"),
+        inputs=_files(schema),
+        settings=schema.entry(
+            "allocation_settings",
+            Allocation,
+            "strategy seed coverage reference formulas",
+            method=str,
+        ),
+        sources=_many(source),
+        outputs=_many(output),
+        relaxations=_many(schema.entry("relaxation", LimitedOutput, **relaxed)),
+        levers=tuple[LongerTest, ...],
+        costs=tuple[CostReport, ...],
+        checks=_many(check),
+        devices=_many(match),
+        maybe={
+            "not_estimated": list[str],
+            "recalibrations": _many(again),
+        },
+    )
+
+
+def _station(schema: _Schema) -> Node:
+    """Describe how good the figures of a station must be."""
+    figure = schema.entry(
+        "station_figure",
+        StationFigure,
+        "source unit any=is_any alone alone_stopped_by=stopped_by together "
+        "binding_outputs now takes_now within=is_within why",
+        owner=str,
+    )
+    output = schema.entry(
+        "station_output",
+        StationOutput,
+        "limit expanded_uncertainty=expanded utilisation acceptance_limit=acceptance",
+        output=str,
+        unit=str,
+        ratio=float | None,
+        limiting_source=str | None,
+    )
+    station = schema.entry(
+        "station_verdict",
+        StationVerdict,
+        "name file own=is_own verdict utilisation",
+        ratio=float | None,
+        worst_output=str | None,
+        limiting_source=str | None,
+        outputs=_many(output),
+    )
+    settings = schema.entry(
+        "station_settings",
+        Qualification,
+        "strategy ratio guard coverage coverage_factor reference",
+        method=str,
+        formulas=str,
+    )
+    return schema.entry(
+        "stations",
+        Qualification,
+        f"title {SAID}",
+        **_head("station"),
+        inputs=_files(schema),
+        settings=settings,
+        does=bool,
+        sources=_many(figure),
+        stations=_many(station),
+    )
+
+
+def _export(schema: _Schema) -> Node:
+    """Describe the figures as a target reads them."""
+    row: Node = {"key": str, "sensor": str, "axis": str, "value": float, "unit": str}
+    lists: Node = {"from": list[str], "steps": list[str]}
+    settings = schema.entry(
+        "export_settings",
+        Export,
+        "rate inflate missing",
+        target=str,
+        residual=bool,
+        reference=str | None,
+    )
+    return schema.entry(
+        "export",
+        Export,
+        f"title left_out not_held notes {SAID}",
+        **_head("export"),
+        inputs=_files(schema),
+        settings=settings,
+        entries=_many(schema.entry("exported", Export, **row, **lists)),
+        sources=list[str],
+    )
+
+
+def _paper(schema: _Schema) -> Node:
+    """Describe the paper beside ours."""
+    finding = schema.entry("finding", Finding, " ".join(FINDING))
+    sweep = schema.entry(
+        "sweep",
+        Sweep,
+        "figure source",
+        parameter=str,
+        size=VECTOR,
+        errors={"type": "object", "additionalProperties": VECTOR},
+    )
+    cell = schema.entry("coupling", Coupling, "source group reaches size")
+    return schema.entry(
+        "paper",
+        PaperStudy,
+        **_head("paper"),
+        title=str,
+        inputs=_files(schema),
+        rows=_many(finding),
+        verdicts=dict[str, str],
+        sweeps=_many(sweep),
+        coupling=_many(cell),
+        assumptions=list[str],
+        warnings=list[str],
+    )
+
+
+def _move(schema: _Schema) -> Node:
+    """Describe one number or word that is not what it was."""
+    cause = schema.entry("cause", Change, change=str, amount=float)
+    return {
+        **{field.name: str for field in fields(Item)},
+        **{
+            key: _hint(Move, key)
+            for key in ("unit", "before", "after", "difference", "relative", "times")
+        },
+        "sampled": bool,
+        "causes": _many(cause),
+        "together": float | None,
+        "because": str,
+    }
+
+
+def _check(schema: _Schema) -> Node:
+    """Describe stored budgets computed again."""
+    reference = schema.entry(
+        "reference",
+        Difference,
+        "name=first holds compared sampled changes",
+        kind=str,
+    )
+    moved = schema.entry("moved", Move, reference=str, **_move(schema))
+    return schema.entry(
+        "check",
+        Difference,
+        "holds",
+        **_head("check"),
+        references=_many(reference),
+        moved=_many(moved),
+        errors=list[str],
+    )
+
+
+def _diff(schema: _Schema) -> Node:
+    """Describe two budgets side by side."""
+    moved = schema.entry("difference_moved", Move, **_move(schema))
+    return schema.entry(
+        "difference",
+        Difference,
+        "first second compared changes",
+        **_head("diff"),
+        kind=str,
+        moved=_many(moved),
+    )
+
+
+def _devices(schema: _Schema) -> Node:
+    """Describe the list of devices, or one of them."""
+    done: Node = {"given": int, "expected": int}
+    lines = schema.entry("completeness", Sensor, **done)
+    head: Node = {
+        "file": str,
+        "sha256": str,
+        "kind": str,
+        "grades": dict[str, str],
+        "completeness": {"type": "object", "additionalProperties": lines},
+    }
+    texts = "name technology vendor price mass power"
+    line = schema.entry(
+        "line",
+        ErrorLine,
+        f"printed meaning unit {' '.join(REMARKS)}",
+        line=str,
+        standard_uncertainty=VECTOR,
+        correlation_time=_or_none(VECTOR),
+        distributions=list[str],
+    )
+    sensor = schema.entry(
+        "sensor",
+        Sensor,
+        "sensor=kind not_given expected_missing",
+        lines=_many(line),
+    )
+    whole = schema.entry(
+        "device",
+        Device,
+        f"{texts} source notes range assumptions",
+        **head,
+        sensors=_many(sensor),
+        figures=tuple[UnusedValue, ...],
+    )
+    row: Node = schema.entry("listed_device", Device, texts, **head)
+    many: Node = {"devices": _many(row)}
+    return {
+        "oneOf": [
+            schema.entry("device_list", Device, **_head("devices"), **many),
+            schema.entry("one_device", Device, **_head("devices"), device=whole),
+        ]
+    }
+
+
+_STUDIES: tuple[Callable[[_Schema], Node], ...] = (
+    *(_comparison, _allocation, _station, _export, _paper, _check, _diff, _devices),
+)

@@ -1,0 +1,55 @@
+"""JSON Schema of result documents: it names every key that a command writes."""
+
+from __future__ import annotations
+
+import jsonschema
+import pytest
+from command_line import SCHEMA, call
+
+EDGE = ("--requirement", "catalogue-edge")
+PREDICT = ("--missing", "predict")
+
+# What no other test asks for as JSON: `document` of each is held against the schema.
+CALLS = {
+    "everything": (
+        *("analyze", "--requirement", "navigation-grade", "--matrices"),
+        *("--sobol", "--samples", "16", "--set", "gyro.bias_stability=0.02 deg/h"),
+        *("--outputs", "gyro.bias,gyro.rotation", "--trials", "1000"),
+    ),
+    "predicted": ("analyze", "ltm210#S10", *EDGE, *PREDICT, "--no-validate"),
+    "compare": (
+        *("compare", "zhao-2019", "hg4930#A", "ltm210#S10", "--pairs", *EDGE),
+        *("--method", "gum", *PREDICT),
+    ),
+    "paper": ("paper",),
+}
+
+
+@pytest.mark.parametrize("case", CALLS)
+def test_the_schema_names_every_key(case, tmp_path, monkeypatch):
+    """A document passes, here as wherever a test reads `document`."""
+    monkeypatch.chdir(tmp_path)
+    assert call(*CALLS[case], "--json", "-").document
+
+
+def test_the_schema_is_sound():
+    """It is one of draft 2020-12, and each object in it is closed or a mapping."""
+    jsonschema.Draft202012Validator.check_schema(SCHEMA)
+    for entry in SCHEMA["$defs"].values():
+        assert entry["additionalProperties"] is False
+        assert set(entry["required"]) <= set(entry["properties"])
+        assert entry["description"]
+
+
+def test_a_key_that_is_not_in_it_is_refused():
+    """Control: a new key, one that is gone and a text for a number are seen."""
+    document = call("analyze", "--no-validate", "--json", "-").document
+    output = document["outputs"][0]
+    for wrong in (
+        {**document, "new": 1},
+        {key: value for key, value in document.items() if key != "covariance"},
+        {**document, "outputs": [{**output, "mean": "0"}]},
+        {**document, "outputs": [{**output, "news": 0.0}]},
+    ):
+        with pytest.raises(jsonschema.ValidationError):
+            jsonschema.validate(wrong, SCHEMA)
