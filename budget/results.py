@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
 from importlib import import_module
-from math import inf, prod
+from math import inf, isfinite, prod
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -55,14 +55,62 @@ class SobolIndex:
 
 
 @dataclass(frozen=True, kw_only=True)
+class InputQuantity:
+    """A specification line as the input quantity of a budget: x_i and u(x_i).
+
+    Its values are in the maker's own terms: `si_per_unit` of them make u in SI.
+    """
+
+    source: Name
+    printed: str  # as the file gives it
+    meaning: str  # '1 sigma', 'max', ...
+    unit: str
+    si_per_unit: float
+    u: tuple[float, ...]  # standard uncertainty by axis [unit]
+    distribution: str
+    divisor: float | None  # printed over u [1]; None where the axes differ in it
+    degrees_of_freedom: float = inf
+    origin: str = ""  # where another device's value stands for it
+    readings: int = 0  # that it is open to, where the maker does not say
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it."""
+        return {
+            "printed": self.printed,
+            "meaning": self.meaning,
+            "unit": self.unit,
+            "standard_uncertainty": list(self.u),
+            "distribution": self.distribution,
+            "divisor": self.divisor,
+            "degrees_of_freedom": _finite(self.degrees_of_freedom),
+            "origin": self.origin,
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
 class Contribution:
-    """What one source alone does to one output, by the first- and second-order law."""
+    """What one source alone does to one output, by the first- and second-order law.
+
+    To first order it is c u(x) of its input quantity, JCGM 100:2008, 5.1.3: c is of the
+    law's linear map, the root of the sum of squares where several inputs of one line
+    reach the output, their correlation included.
+    """
 
     source: Name
     standard_uncertainty: float  # [SI unit of the output]
     share: float  # of the law's own total variance [1]
     lower_bound: bool = False  # products with lines that are not given are not in it
     sobol: SobolIndex | None = None
+    # u(x) of its line, that of the largest axis that reaches the output; None of none.
+    u_input: float | None = None  # [SI unit of u(x)]
+    sensitivity: float | None = None  # c [SI unit of the output over that of u(x)]
+
+    @property
+    def linear(self) -> float | None:
+        """C u(x) [SI unit of the output]; None where it has no line."""
+        if self.u_input is None or self.sensitivity is None:
+            return None
+        return self.sensitivity * self.u_input
 
     @property
     def sobol_first(self) -> float | None:
@@ -118,6 +166,14 @@ class OutputBudget:
     interval_by: str = BY_LAW  # or 'monte-carlo', 'simulation'
     validation: Validation | None = None
     lacks: tuple[Name, ...] = ()  # expected lines, not given, that would widen it
+    degrees_of_freedom: float = inf  # effective ones, JCGM 100:2008, eq. (G.2b)
+
+    @property
+    def coverage_factor(self) -> float | None:
+        """Half the width of the interval over u [1]; None where nothing varies."""
+        if not self.is_resolved:
+            return None
+        return (self.interval[1] - self.interval[0]) / 2.0 / self.standard_uncertainty
 
     @property
     def sensor(self) -> str:
@@ -441,6 +497,7 @@ class Budget:
     could_widen: Mapping[Name, tuple[Name, ...]]
     assessment: Assessment | None = None  # against the requirement, where there is one
     matrices: Mapping[str, Compensation] = field(default_factory=dict)
+    quantities: tuple[InputQuantity, ...] = ()  # what its contributions are of
     # What stands for expected lines that are not given, and those without a stand-in.
     filled: tuple[FilledLine, ...] = ()
     left: tuple[Name, ...] = ()
@@ -469,7 +526,7 @@ class Budget:
         sources they are None.
         """
         for row in self.outputs:
-            total = _output_document(row)
+            total = _output_document(row, {})
             key = {name: total[name] for name in KEY}
             low, high = total["interval"]
             parts = total["contributions"]
@@ -515,13 +572,17 @@ class Budget:
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON document of schema `budget/1`, in printed units."""
         scale = np.array([row.output.si_per_unit for row in self.outputs])
+        quantities = {one.source: one for one in self.quantities}
         return {
             "schema": SCHEMA,
             "command": self.command,
             "title": self.title,
             "inputs": inputs_document(self.inputs),
             "settings": self.settings.to_dict(),
-            "outputs": [_output_document(row) for row in self.outputs],
+            "outputs": [_output_document(row, quantities) for row in self.outputs],
+            "quantities": {
+                name: quantity.to_dict() for name, quantity in quantities.items()
+            },
             "covariance": (self.covariance / np.outer(scale, scale)).tolist(),
             "not_given": list(self.not_given),
             **self._missing(),
@@ -548,7 +609,14 @@ class Budget:
         }
 
 
-def _output_document(row: OutputBudget) -> dict[str, Any]:
+def _finite(number: float) -> float | None:
+    """Return a number, None where it is infinite: JSON has no word for that."""
+    return number if isfinite(number) else None
+
+
+def _output_document(
+    row: OutputBudget, quantities: Mapping[Name, InputQuantity]
+) -> dict[str, Any]:
     """Return one entry of `outputs` in the JSON document, in printed units."""
     scale = row.output.si_per_unit
     validation = None
@@ -575,14 +643,19 @@ def _output_document(row: OutputBudget) -> dict[str, Any]:
         "lacks": list(row.lacks),
         "interval": [end / scale for end in row.interval],
         "interval_by": row.interval_by,
+        "coverage_factor": row.coverage_factor,
+        "degrees_of_freedom": _finite(row.degrees_of_freedom),
         "contributions": [
-            _contribution_document(part, scale) for part in row.contributions
+            _contribution_document(part, scale, quantities.get(part.source))
+            for part in row.contributions
         ],
         "validation": validation,
     }
 
 
-def _contribution_document(part: Contribution, scale: float) -> dict[str, Any]:
+def _contribution_document(
+    part: Contribution, scale: float, quantity: InputQuantity | None
+) -> dict[str, Any]:
     """Return one entry of `contributions`, in printed units."""
     document: dict[str, Any] = {
         "source": part.source,
@@ -592,6 +665,12 @@ def _contribution_document(part: Contribution, scale: float) -> dict[str, Any]:
         "sobol_first": part.sobol_first,
         "sobol_total": part.sobol_total,
     }
+    if quantity and part.u_input is not None and part.sensitivity is not None:
+        unit = quantity.si_per_unit
+        document |= {
+            "u_input": part.u_input / unit,
+            "sensitivity": part.sensitivity / scale * unit,
+        }
     if part.sobol is not None:
         document |= {
             "sobol_first_interval": list(part.sobol.first_interval),

@@ -226,6 +226,23 @@ def _noise_covariance(
     return covariance
 
 
+def line_u_of_inputs(owner: str, line: Given, group: Group) -> Array:
+    """Return the standard uncertainty of a line that each input of its source is of.
+
+    Shape (n,) [SI of the line]: that of the axis of the input; of inputs that are of
+    one process together, the largest.
+    """
+    n, u = len(group.mean), line.u
+    if isinstance(source_of(owner, line.name).meant(line).effect, Noise):
+        found = np.empty(n)
+        order = _statistics_order(n // 3)
+        found[order] = np.broadcast_to(u, (3,))[:, None]
+        return found
+    if n % u.size == 0 and group.is_independent:
+        return np.resize(u, n)
+    return np.full(n, u.max())
+
+
 def _statistics_order(k: int) -> Array:
     """Return where statistic j of axis i stands among the inputs, shape (3, k)."""
     first = min(k, STATISTICS)

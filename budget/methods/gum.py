@@ -53,6 +53,8 @@ class Propagation:
         First order alone, C U_x C^T.
     source_variance : ndarray, shape (n_groups, n_out)
         Variance from each source alone, its own second order included.
+    source_first_order : ndarray, shape (n_groups, n_out)
+        The part of it that is of first order; summed, the diagonal of `first_order`.
     interaction_variance : ndarray, shape (n_out,)
         Variance from products of two sources; with the rows above it adds up to the
         diagonal of `covariance`.
@@ -73,6 +75,7 @@ class Propagation:
     covariance: Array
     first_order: Array
     source_variance: Array
+    source_first_order: Array
     interaction_variance: Array
     degrees_of_freedom: Array
     C: Array
@@ -198,15 +201,21 @@ def propagate(problem: Problem) -> Propagation:
     leaning = np.einsum("ki,li,i->kl", C, diagonal, 0.5 * skew)
     second += leaning + leaning.T
 
-    alone = np.array(
+    linear = np.array(
         [
             np.einsum("ki,ij,kj->k", C[:, rows], block, C[:, rows])
-            + pair[:, rows, rows].sum(axis=(1, 2))
-            + diagonal[:, rows] ** 2 @ excess[rows]
-            + (C[:, rows] * diagonal[:, rows]) @ skew[rows]
             for rows, block in zip(problem.slices, blocks, strict=True)
         ]
     ).reshape(len(blocks), len(problem.outputs))
+    alone = np.array(
+        [
+            own
+            + pair[:, rows, rows].sum(axis=(1, 2))
+            + diagonal[:, rows] ** 2 @ excess[rows]
+            + (C[:, rows] * diagonal[:, rows]) @ skew[rows]
+            for own, rows in zip(linear, problem.slices, strict=True)
+        ]
+    ).reshape(linear.shape)
     within = np.zeros(pair.shape[1:], dtype=bool)
     for rows in problem.slices:
         within[rows, rows] = True
@@ -218,6 +227,7 @@ def propagate(problem: Problem) -> Propagation:
         covariance=covariance,
         first_order=first_order,
         source_variance=alone,
+        source_first_order=linear,
         interaction_variance=np.where(within, 0.0, pair).sum(axis=(1, 2)),
         degrees_of_freedom=_effective_degrees_of_freedom(problem, C, first_order),
         C=C,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
-from math import sqrt
+from math import isfinite, sqrt
 from typing import (
     TYPE_CHECKING,
     Annotated,
@@ -867,6 +867,18 @@ class _Level:
     notes: list[str]  # what was assumed
 
 
+def divisor(meaning: str, shape: Distribution) -> float:
+    """Return what is printed over the standard uncertainty that it means [1].
+
+    Of a half-width that of its shape (JCGM 100:2008, 4.3.7 to 4.3.9); where the shape
+    is normal the half-width bounds the sigma itself.
+    """
+    if meaning not in HALF_WIDTHS:
+        return SIGMAS[meaning]
+    own = shape.half_width if isfinite(shape.half_width) else 1.0
+    return own / HALF_WIDTHS[meaning]
+
+
 def _level(part: SpecificationValue, quantity: Quantity) -> _Level:
     """Return the standard uncertainty that a value means."""
     notes: list[str] = []
@@ -877,7 +889,6 @@ def _level(part: SpecificationValue, quantity: Quantity) -> _Level:
             notes.append(DENSITY_NOTE)
     if part.meaning in HALF_WIDTHS and isinstance(part, ProcessValue):
         shape = NORMAL
-        u = quantity.value * HALF_WIDTHS[part.meaning]
         half = "" if part.meaning == "max" else "half of "
         notes.append(
             f"{part.meaning!r} taken as a bound on the sigma of every unit, which is "
@@ -885,14 +896,13 @@ def _level(part: SpecificationValue, quantity: Quantity) -> _Level:
         )
     elif part.meaning in HALF_WIDTHS:
         shape = BY_NAME[part.distribution or "uniform"]
-        u = quantity.value * HALF_WIDTHS[part.meaning] / shape.half_width
         if part.distribution is None:
             notes.append(f"{part.meaning!r} taken as uniform, half-width over sqrt(3)")
     else:
         shape = BY_NAME[part.distribution or "normal"]
-        u = quantity.value / SIGMAS[part.meaning]
         if part.meaning == "typical":
             notes.append("'typical' taken as 1 sigma")
+    u = quantity.value / divisor(part.meaning, shape)
     return _Level(
         u=u * WALK_PER_DENSITY[density], shape=shape, density=density, notes=notes
     )

@@ -37,6 +37,7 @@ from budget.spec import load_devices, load_procedure, load_requirement
 from budget.studies import blunders, cautions
 from budget.studies.compensation import compensations
 from budget.studies.conformity import assess
+from budget.studies.input_quantities import input_quantities, sensitivities
 from budget.studies.lower_bounds import could_widen, expecting_device
 from budget.studies.missing import REFUSE, Filling, fill_all
 from budget.studies.progress import Engine, describe_cost, seconds_per_trial
@@ -59,7 +60,6 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
 
     from budget.arrays import Array
-    from budget.methods.gum import Propagation
     from budget.problem import Problem
     from budget.spec.files import File
     from budget.spec.records import Device, Procedure, Requirement
@@ -283,7 +283,7 @@ def analyze_as(
             sobol_scrambles=None if indices is None else indices.scrambles,
         ),
         outputs=_output_budgets(
-            problem, law, estimate, indices=indices, lacks=analysis.lacks
+            analysis, estimate, indices=indices, lacks=analysis.lacks
         ),
         covariance=estimate.covariance,
         not_given=tuple(name for sensor in sensors for name in sensor.not_given),
@@ -296,6 +296,7 @@ def analyze_as(
         warnings=warnings,
         could_widen=could_widen(sensors, procedure, reference=settings.reference),
         matrices=matrices,
+        quantities=input_quantities(analysis),
         filled=analysis.filled.lines,
         left=analysis.filled.left,
         readings=effects(analysis.sensors, procedure, reference=settings.reference)
@@ -453,15 +454,16 @@ def _most_to_validate(digits: int) -> int:
 
 
 def _output_budgets(
-    problem: Problem,
-    law: Propagation,
+    analysis: Analysis,
     estimate: Estimate,
     *,
     indices: SobolResult | None,
     lacks: Mapping[Name, tuple[Name, ...]],
 ) -> tuple[OutputBudget, ...]:
     """Put the estimate and the law's contributions together, output by output."""
+    problem, law = analysis.problem, analysis.law
     names = [group.name for group in problem.groups]
+    c = sensitivities(analysis)
     u = np.sqrt(np.diag(estimate.covariance))
     budgets = []
     for k, output in enumerate(problem.outputs):
@@ -491,12 +493,15 @@ def _output_budgets(
                         share=float(variance) / total if total > 0.0 else 0.0,
                         lower_bound=name == INTERACTION and bool(lacks[output.name]),
                         sobol=_sobol_index(indices, name, k),
+                        u_input=float(c[name].u_input[k]) if name in c else None,
+                        sensitivity=float(c[name].c[k]) if name in c else None,
                     )
                     for name, variance in variances
                 ),
                 interval_by=estimate.method,
                 validation=estimate.validations[k],
                 lacks=lacks[output.name],
+                degrees_of_freedom=float(law.degrees_of_freedom[k]),
             )
         )
     return tuple(budgets)

@@ -116,6 +116,8 @@ CONTRACT = record(
             mean=NUMBER,
             standard_uncertainty=SPREAD,
             interval=pair(NUMBER),
+            coverage_factor=SPREAD,
+            degrees_of_freedom={"type": ["number", "null"]},
             contributions={
                 "type": "array",
                 "items": record(
@@ -138,6 +140,18 @@ CONTRACT = record(
                     ),
                 ]
             },
+        ),
+    },
+    quantities={
+        "type": "object",
+        "additionalProperties": record(
+            printed={"type": "string", "minLength": 1},
+            meaning={"type": "string"},
+            unit={"type": "string", "minLength": 1},
+            standard_uncertainty={"type": "array", "items": SPREAD, "minItems": 1},
+            distribution={"type": "string", "minLength": 1},
+            divisor={"type": ["number", "null"]},
+            degrees_of_freedom={"type": ["number", "null"]},
         ),
     },
     covariance={"type": "array", "items": {"type": "array", "items": NUMBER}},

@@ -1,0 +1,94 @@
+"""Input quantities of a budget: what the specification gives, and what it is worth.
+
+A line of a data sheet is a quantity x with a standard uncertainty u(x); c is what one
+of it makes of an output, by the linear map of the law (JCGM 100:2008, 5.1.3 and 8.1,
+EA-4/02 M:2022, 4.9). Where several inputs of the Problem are of one line (axes, window
+averages of a noise) c is the root of c_i r_ij c_j, their correlation included.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.calibration.problem import line_u_of_inputs
+from budget.calibration.schemes import with_accelerometers
+from budget.results import InputQuantity
+from budget.spec.specification import ALLAN_MINIMUM, divisor
+from budget.studies.request import given_lines
+
+if TYPE_CHECKING:
+    from budget.arrays import Array
+    from budget.names import Name
+    from budget.spec.records import ErrorLine
+    from budget.studies.request import Analysis
+
+REACHES = 1e-6  # part of the largest input's contribution that is one too [1]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sensitivity:
+    """What one line makes of every output, to first order."""
+
+    u_input: Array  # of the largest axis that reaches the output, (n_out,) [SI]
+    c: Array  # shape (n_out,) [SI of the output over that of u_input]
+
+
+def input_quantities(analysis: Analysis) -> tuple[InputQuantity, ...]:
+    """Return the lines that a budget is made of, in the order of its sources."""
+    lines = _lines(analysis)
+    origins = {one.source: one.origin for one in analysis.filled.lines}
+    return tuple(
+        _quantity(group.name, lines[group.name], origins.get(group.name, ""))
+        for group in analysis.problem.groups
+    )
+
+
+def sensitivities(analysis: Analysis) -> dict[Name, Sensitivity]:
+    """Return u(x) and c of every source, for all outputs."""
+    problem, law = analysis.problem, analysis.law
+    lines = _lines(analysis)
+    found = {}
+    for group, rows, variance in zip(
+        problem.groups, problem.slices, law.source_first_order, strict=True
+    ):
+        of_inputs = line_u_of_inputs(group.name.owner, lines[group.name], group)
+        each = np.abs(law.C[:, rows]) * np.sqrt(np.diag(group.covariance))
+        # An output that nothing reaches has c = 0 of the largest axis.
+        reached = each >= REACHES * each.max(axis=1, keepdims=True, initial=0.0)
+        u = np.where(reached, of_inputs, 0.0).max(axis=1, initial=0.0)
+        c = np.sqrt(np.maximum(variance, 0.0)) / np.where(u > 0.0, u, np.inf)
+        found[group.name] = Sensitivity(u_input=u, c=c)
+    return found
+
+
+def _lines(analysis: Analysis) -> dict[Name, ErrorLine]:
+    """Return every line that is given, of all triads that are looked at."""
+    there = with_accelerometers(analysis.sensors, analysis.procedure)
+    return given_lines(there, analysis.procedure)
+
+
+def _quantity(name: Name, line: ErrorLine, origin: str) -> InputQuantity:
+    """Return one line as an input quantity."""
+    shapes = dict.fromkeys(line.distributions)
+    meaning = line.meaning
+    # Axes that mean different things have a text each: 'x max, y 3 sigma'.
+    is_minimum = line.definition == "allan_minimum"
+    differ = len(shapes) > 1 or "," in meaning
+    differ |= not is_minimum and line.definition.startswith(("x ", "y ", "z "))
+    own = None if differ else divisor(meaning, next(iter(shapes)))
+    return InputQuantity(
+        source=name,
+        printed=line.printed,
+        meaning=meaning,
+        unit=line.unit,
+        si_per_unit=line.si_per_unit,
+        u=tuple(float(u) for u in line.u / line.si_per_unit),
+        distribution=", ".join(dict.fromkeys(shape.name for shape in shapes)),
+        divisor=own * ALLAN_MINIMUM if own and is_minimum else own,
+        degrees_of_freedom=min(shape.degrees_of_freedom for shape in shapes),
+        origin=origin,
+        readings=len(line.readings),
+    )

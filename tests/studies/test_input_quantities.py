@@ -1,0 +1,159 @@
+"""Input quantities of a budget: divisor, u(x), c, and what they add up to."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import pytest
+from numpy.testing import assert_allclose
+
+from budget.resources import shipped
+from budget.results import INTERACTION
+from budget.spec import load_device
+from budget.studies.analysis import analyze
+
+DEVICE = """\
+name: Axes that differ
+gyro:
+  nominal: {bias: 3 deg/h}
+  errors:
+    bias_repeatability: {value: 0.06 deg/h, meaning: 3 sigma}
+    bias_stability: {value: 0.04 deg/h, correlation_time: 300 s}
+    angle_random_walk:
+      axes: {x: 0.005 deg/sqrt(h), y: 0.02 deg/sqrt(h), z: 0.01 deg/sqrt(h)}
+    scale_factor_repeatability: {value: 100 ppm, meaning: peak to peak}
+    scale_factor_nonlinearity: {value: 50 ppm, meaning: max}
+    mounting_repeatability: {value: 20 arcsec, meaning: max, distribution: triangular}
+"""
+
+
+@pytest.fixture(scope="module")
+def device(tmp_path_factory):
+    """Return a gyro whose noise differs by axis, and several shapes."""
+    path = tmp_path_factory.mktemp("device") / "axes.yaml"
+    path.write_text(DEVICE)
+    return load_device(path)
+
+
+@pytest.fixture(scope="module")
+def budget(device):
+    """Return its budget."""
+    return analyze(device, validate=False)
+
+
+def quantity(budget, name):
+    """Return one input quantity."""
+    return next(one for one in budget.quantities if one.source == f"gyro.{name}")
+
+
+@pytest.mark.parametrize(
+    ("name", "divisor", "u"),
+    [
+        ("bias_repeatability", 3.0, 0.06 / 3.0),
+        ("bias_stability", 1.0, 0.04),
+        ("scale_factor_repeatability", 2.0 * sqrt(3.0), 100.0 / sqrt(12.0)),
+        ("scale_factor_nonlinearity", sqrt(3.0), 50.0 / sqrt(3.0)),
+        ("mounting_repeatability", sqrt(6.0), 20.0 / sqrt(6.0)),
+    ],
+)
+def test_the_divisor_is_that_of_meaning_and_shape(budget, name, divisor, u):
+    """JCGM 100:2008, 4.3.3, 4.3.7 and 4.3.9: printed over u(x)."""
+    found = quantity(budget, name)
+
+    assert_allclose(found.divisor, divisor, rtol=1e-14)
+    assert_allclose(found.u, u, rtol=1e-14)
+
+
+def test_printed_over_divisor_is_u_in_the_whole_catalogue():
+    """Of every shipped line with one value: the text over its divisor is u(x)."""
+    found = 0
+    for path in sorted((shipped("specs") / "devices").glob("*.yaml"))[::6]:
+        if "\nvariants:" in path.read_text():
+            continue
+        budget = analyze(load_device(path), validate=False)
+        for one in budget.quantities:
+            number = one.printed.removesuffix(one.unit).strip()
+            if one.divisor is None or not number.replace(".", "").isdigit():
+                continue
+            assert_allclose(
+                one.u, float(number) / one.divisor, rtol=1e-9, err_msg=one.source
+            )
+            found += 1
+    assert found > 20
+
+
+def test_c_u_is_the_source_alone(device, budget):
+    """What the linear map says is what the budget of that source alone says."""
+    for name in ("bias_stability", "angle_random_walk", "mounting_repeatability"):
+        alone = analyze(device, validate=False, only=[f"gyro.{name}"])
+        for row in budget.outputs:
+            part = next(p for p in row.contributions if p.source == f"gyro.{name}")
+            expected = alone.output(row.output.name).standard_uncertainty
+            assert_allclose(
+                part.linear, expected, rtol=1e-9, atol=row.output.resolution
+            )
+
+
+def test_c_is_what_one_more_of_the_line_makes(device, budget):
+    """A line ten times as large has the same c, and ten times the c u(x)."""
+    changed = device.replace({"gyro.bias_stability": "0.4 deg/h"})
+    more = analyze(changed, validate=False)
+    for row in budget.outputs:
+        before, after = (
+            next(
+                p
+                for p in one.output(row.output.name).contributions
+                if p.source == "gyro.bias_stability"
+            )
+            for one in (budget, more)
+        )
+        assert_allclose(after.sensitivity, before.sensitivity, rtol=1e-9)
+        assert_allclose(after.u_input, 10.0 * before.u_input, rtol=1e-12)
+
+
+def test_u_is_that_of_the_axis_that_reaches(budget):
+    """The bias about y is reached by the noise of the gyro along y alone."""
+    line = quantity(budget, "angle_random_walk")
+    for axis, u in zip("xyz", (0.005, 0.02, 0.01), strict=True):
+        row = budget.output(f"gyro.bias.{axis}")
+        part = next(p for p in row.contributions if p.source == line.source)
+        assert_allclose(part.u_input / line.si_per_unit, u, rtol=1e-12)
+
+
+def test_the_rows_sum_to_the_combined_u(budget):
+    """(c u)^2 of the rows, and what is of second order, sum to u^2."""
+    document = budget.to_dict()
+    for row, output in zip(document["outputs"], budget.outputs, strict=True):
+        first = second = 0.0
+        for part in row["contributions"]:
+            whole = part["standard_uncertainty"] ** 2
+            if part["source"] == INTERACTION:
+                second += whole
+                continue
+            linear = (part["sensitivity"] * part["u_input"]) ** 2
+            first += linear
+            second += whole - linear
+            assert_allclose(
+                part["share"] * row["standard_uncertainty"] ** 2,
+                whole,
+                rtol=1e-9,
+                atol=1e-24,
+            )
+        u = row["standard_uncertainty"]
+        assert_allclose(first + second, u**2, rtol=1e-12)
+        assert_allclose(second, 0.0, atol=1e-6 * u**2)
+        assert first > 0.0
+        assert_allclose(
+            row["coverage_factor"] * u,
+            (row["interval"][1] - row["interval"][0]) / 2.0,
+            rtol=1e-12,
+        )
+        assert row["degrees_of_freedom"] is None, output.output.name
+
+
+def test_k_is_that_of_the_coverage(device):
+    """At 99.73 % the coverage factor is 3, not 1.96 by rote."""
+    budget = analyze(device, validate=False, coverage=0.9973)
+
+    factors = [row.coverage_factor for row in budget.outputs]
+    assert_allclose(factors, 3.0, rtol=1e-4)
