@@ -67,8 +67,9 @@ def _read_stream(stream: TextIO) -> bytes:
         ) from None
 
 
-# A run names a file more than once: as a device, in the catalogue, in a reference.
-@lru_cache(maxsize=64)
+# A run names a file more than once: as a device, in the catalogue, in a reference. All
+# that ships fits in, and more: a catalogue read in order would drive itself out.
+@lru_cache(maxsize=512)
 def parse(data: bytes, shown: str, *, base_name: str) -> Document:
     """Read the bytes of a file; as `read`, also before there is a file."""
     if len(data) > MOST_BYTES:

@@ -11,6 +11,7 @@ from budget.errors import SpecError
 from budget.resources import shipped
 from budget.spec import load_device, load_procedure, validate
 from budget.spec.composer import compose
+from budget.spec.reader import read
 
 GYRO = "name: x\ngyro:\n  errors:\n"
 LIMITS = "name: x\nlimits:\n"
@@ -396,3 +397,17 @@ def test_the_same_bytes_are_parsed_once_and_others_again(tmp_path):
         path.write_text("name: second\ngyro: {}\n", encoding="utf-8")
         assert load_device(path).name == "second"
     assert composed.call_count == 2
+
+
+def test_no_shipped_file_drives_another_out(tmp_path):
+    """All that ships is parsed once, read in order again and again, and more beside."""
+    own = [tmp_path / f"{number}.yaml" for number in range(100)]
+    for path in own:
+        path.write_text(f"name: own {path.stem}\ngyro: {{}}\n", encoding="utf-8")
+    files = [*sorted(shipped("specs").rglob("*.yaml")), *own]
+    for path in files:
+        read(path, str(path))
+    with patch("budget.spec.reader.compose") as composed:
+        for path in files:
+            read(path, str(path))
+    assert not composed.called
