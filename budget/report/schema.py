@@ -28,6 +28,7 @@ from budget.results import (
     Doubt,
     FilledLine,
     InputFile,
+    InputQuantity,
     OutputAssessment,
     OutputBudget,
     Reading,
@@ -329,7 +330,8 @@ def _budget(schema: _Schema) -> Node:
         maybe={
             f"sobol_{name}": _hint(SobolIndex, name)
             for name in ("first_interval", "total_interval", "interacts", "rank")
-        },
+        }
+        | dict.fromkeys(("u_input", "sensitivity"), float),
     )
     validation = schema.whole("validation", Validation)
     output = schema.entry(
@@ -338,6 +340,8 @@ def _budget(schema: _Schema) -> Node:
         "mean standard_uncertainty lower_bound nothing_known=is_unknown lacks interval "
         "interval_by",
         **KEYS,
+        coverage_factor=float | None,
+        degrees_of_freedom=float | None,
         contributions=_many(contribution),
         validation=_or_none(validation),
     )
@@ -363,6 +367,7 @@ def _budget(schema: _Schema) -> Node:
         inputs=_files(schema),
         settings=_settings(schema),
         outputs=_many(output),
+        quantities={"type": "object", "additionalProperties": _quantity(schema)},
         covariance=MATRIX,
         assessment=_or_none(_assessment(schema)),
         maybe={
@@ -373,6 +378,16 @@ def _budget(schema: _Schema) -> Node:
             "allocation": {"$ref": "#/$defs/allocation"},
             "comparison": {"$ref": "#/$defs/comparison"},
         },
+    )
+
+
+def _quantity(schema: _Schema) -> Node:
+    """Describe a specification line; degrees of freedom are null where infinite."""
+    return schema.entry(
+        "quantity",
+        InputQuantity,
+        "printed meaning unit standard_uncertainty=u distribution divisor origin",
+        degrees_of_freedom=float | None,
     )
 
 

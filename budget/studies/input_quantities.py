@@ -16,7 +16,12 @@ import numpy as np
 from budget.calibration.problem import line_u_of_inputs
 from budget.calibration.schemes import with_accelerometers
 from budget.results import InputQuantity
-from budget.spec.specification import ALLAN_MINIMUM, divisor
+from budget.spec.specification import (
+    ALLAN_MINIMUM,
+    HALF_WIDTHS,
+    SIGMAS,
+    divisor,
+)
 from budget.studies.request import given_lines
 
 if TYPE_CHECKING:
@@ -74,9 +79,10 @@ def _quantity(name: Name, line: ErrorLine, origin: str) -> InputQuantity:
     """Return one line as an input quantity."""
     shapes = dict.fromkeys(line.distributions)
     meaning = line.meaning
-    # Axes that mean different things have a text each: 'x max, y 3 sigma'.
+    # Axes that mean different things have a text each, 'x max, y 3 sigma'; of what was
+    # predicted nothing is printed.
     is_minimum = line.definition == "allan_minimum"
-    differ = len(shapes) > 1 or "," in meaning
+    differ = len(shapes) > 1 or meaning not in {*SIGMAS, *HALF_WIDTHS}
     differ |= not is_minimum and line.definition.startswith(("x ", "y ", "z "))
     own = None if differ else divisor(meaning, next(iter(shapes)))
     return InputQuantity(
