@@ -694,7 +694,7 @@ class FilledLine:
     si_per_unit: float
     owners: tuple[str, ...]  # of 'worst' the one device, else all that it comes from
     devices: int  # that give the line and are comparable
-    designs: int | None = None  # that these are variants of, by 'predict'
+    designs: int | None = None  # that these are variants of; None of 'worst'
     interval_50: tuple[float, float] | None = None  # of u, by 'predict' [SI]
     interval_90: tuple[float, float] | None = None
 
@@ -704,12 +704,12 @@ class FilledLine:
 
     @property
     def basis(self) -> str:
-        """'of NAME', 'median of 3 devices', 'predicted from 9 devices of 4 designs'."""
+        """'of NAME', 'median of 3 designs', 'predicted from 9 devices of 4 designs'."""
         if self.mode == "worst":
             return f"of {self.owners[0]}"
         some = f"{self.devices} device{'' if self.devices == 1 else 's'}"
         if self.interval_90 is None:
-            return f"median of {some}"
+            return f"median of {self.designs} design{'' if self.designs == 1 else 's'}"
         low, high = (self._print(end) for end in self.interval_90)
         return f"90 %: {low} to {high}; predicted from {some} of {self.designs} designs"
 

@@ -46,6 +46,7 @@ class NamedFile:
 
 # What stands for a file: its name, that of a shipped one, or what is in it.
 File = str | Path | Mapping[str, object] | NamedFile
+_MOST_NAMES = 20  # that one message lists
 MAPPING = "dict"  # the name of a file that is none
 
 
@@ -118,7 +119,10 @@ def open_file(file: NamedFile, kind: str | None = None) -> Document:
     """
     if file.content is None and not exists(file.path):
         names = shipped_names(kind)
-        bare = f", or a shipped one: {', '.join(names)}" if names else ""
+        ships = ", ".join(names)
+        if len(names) > _MOST_NAMES:
+            ships = f"`budget devices` lists {len(names)} of them"
+        bare = f", or a shipped one: {ships}" if names else ""
         message = f"no such file, expected a YAML file{bare}"
         raise refuse(file.shown, f"{message}{_shipped_hint(file, names)}")
     document = read(file.path, file.shown, file.content)

@@ -72,6 +72,8 @@ MEANINGS = {
         for gap in ("", " ")
     },
     **{f"{n}-sigma": f"{n} sigma" for n in "123"},
+    **dict.fromkeys(("typ", "typ."), "typical"),
+    **dict.fromkeys(("maximum", "max."), "max"),
     **dict.fromkeys(("p-p", "pk-pk", "peak-to-peak"), "peak to peak"),
 }
 GAUSSIAN = {"gaussian": "normal", "Gaussian": "normal"}

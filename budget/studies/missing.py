@@ -173,7 +173,7 @@ def fill_all(
 
 def comparable(
     name: Name, device: Device, sensor: Sensor, catalogue: Sequence[Device]
-) -> list[tuple[ErrorLine, str]]:
+) -> list[tuple[ErrorLine, Device]]:
     """Return a line of comparable devices of the catalogue, and whose each is.
 
     Of the same family of technology and the same grade, as a ring laser must not get
@@ -185,7 +185,7 @@ def comparable(
     if not own_family or own_grade == UNKNOWN:
         return []
     return [
-        (line, owner.name)
+        (line, owner)
         for owner in catalogue
         for other in owner.sensors
         if other.kind == sensor.kind and owner.as_printed != device.as_printed
@@ -219,22 +219,31 @@ def line_of(
 
 
 def _worst(
-    name: Name, offers: Sequence[tuple[ErrorLine, str]]
+    name: Name, offers: Sequence[tuple[ErrorLine, Device]]
 ) -> tuple[ErrorLine, FilledLine]:
     """Return the largest of the lines, and whose it is."""
     line, owner = offers[first_largest([float(line.u.max()) for line, _ in offers])]
-    return line, _told(name, line, mode=WORST, owners=(owner,), number=len(offers))
+    owners = (owner.name,)
+    return line, _told(name, line, mode=WORST, owners=owners, number=len(offers))
 
 
 def _typical(
-    name: Name, offers: Sequence[tuple[ErrorLine, str]]
+    name: Name, offers: Sequence[tuple[ErrorLine, Device]]
 ) -> tuple[ErrorLine, FilledLine]:
-    """Return the median of the lines, of two in the middle the geometric mean."""
-    logs = np.sort([settle(float(np.log(line.u.max()))) for line, _ in offers])
-    middle = float(np.exp(np.median(logs)))
+    """Return the median over designs of the lines, of each that of its variants.
+
+    A file is one design: its variants are no independent witnesses. Of two in the
+    middle the median is the geometric mean.
+    """
+    logs: dict[str, list[float]] = {}
+    for line, owner in offers:
+        design = owner.origin.sha256 or owner.name
+        logs.setdefault(design, []).append(settle(float(np.log(line.u.max()))))
+    middle = float(np.exp(np.median([np.median(own) for own in logs.values()])))
     line = line_of(stand_in(name), name.owner, middle, meaning="median")
-    owners = tuple(dict.fromkeys(owner for _, owner in offers))
-    return line, _told(name, line, mode=TYPICAL, owners=owners, number=len(offers))
+    owners = tuple(dict.fromkeys(owner.name for _, owner in offers))
+    told = _told(name, line, mode=TYPICAL, owners=owners, number=len(offers))
+    return line, replace(told, designs=len(logs))
 
 
 def _predicted(prediction: Prediction) -> dict[Name, tuple[ErrorLine, FilledLine]]:

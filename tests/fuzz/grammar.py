@@ -21,7 +21,7 @@ FIXED = {
     "settling_time": "9 min",
 }
 TEXTS = ("x", "a: b", "5", "no", "\N{DEGREE SIGN}/\N{SQUARE ROOT}h", "'", "# c", "{")
-HALF_WIDTHS = ("max", "peak to peak", "p-p", "pk-pk", "peak-to-peak")
+HALF_WIDTHS = ("max", "maximum", "max.", "peak to peak", "p-p", "pk-pk", "peak-to-peak")
 NORMAL = ("normal", "gaussian", "Gaussian")
 
 

@@ -18,6 +18,7 @@ from budget.names import Name
 from budget.report.comparison.document import to_csv, to_json
 from budget.report.comparison.page import comparison_answer, comparison_document
 from budget.report.comparison.tables import rankings
+from budget.report.comparison.wording import missing_effects
 from budget.spec import load_catalogue
 from budget.spec.load import load_variants
 from budget.studies.comparison.compare import compare
@@ -71,14 +72,31 @@ def test_an_unknown_mode_is_refused():
         fill(LACKS_ONE, "best", CATALOGUE)
 
 
-@pytest.mark.parametrize(("mode", "take"), [("worst", max), ("typical", np.median)])
+def median_of_designs(sizes):
+    """Return the median of the designs' medians, counted by hand."""
+    return np.median([np.median(own) for own in sizes.values()])
+
+
+@pytest.mark.parametrize(
+    ("mode", "take"),
+    [
+        ("worst", lambda sizes: max(one for own in sizes.values() for one in own)),
+        ("typical", median_of_designs),
+    ],
+)
 def test_worst_and_median_of_comparable_devices(mode, take):
-    """Of the same sensor, technology and grade; of the largest axis of each."""
+    """Of the same sensor, technology and grade; of the largest axis of each.
+
+    Variants of one file are one witness of what is typical.
+    """
     offers = comparable(MOUNTING, LACKS_ONE, LACKS_ONE.gyro, CATALOGUE)
     device, filling = fill(LACKS_ONE, mode, CATALOGUE)
     (told,) = filling.lines
     line = device.gyro.line("mounting_repeatability")
-    expected = np.exp(take([np.log(line.u.max()) for line, _ in offers]))
+    sizes = {}
+    for offer, owner in offers:
+        sizes.setdefault(owner.origin.sha256, []).append(np.log(offer.u.max()))
+    expected = np.exp(take(sizes))
 
     assert told.devices == len(offers) >= 3
     assert_allclose(line.u.max(), expected, rtol=1e-9)
@@ -282,3 +300,15 @@ def test_a_density_is_printed_as_makers_do():
 
     printed = float(told.printed.removesuffix(" ug/sqrt(Hz)"))
     assert_allclose(printed, np.sqrt(2.0) * line.u.max() / ug, rtol=6e-3)
+
+
+def test_what_names_no_technology_is_told_so():
+    """Nobody is comparable with it, which is no fault of the catalogue."""
+    for device, reason in (
+        (replace(LACKS_ONE, technology=""), "names no `technology`"),
+        (load_device("stim210"), "no device of the catalogue"),
+    ):
+        found = compared(device, missing="worst")
+        (effect,) = [one.effect for one in missing_effects(found)]
+        assert reason in effect
+        assert "nothing is known" in effect

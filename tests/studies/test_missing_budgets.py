@@ -86,7 +86,8 @@ def test_the_budget_is_that_of_a_device_with_those_lines(mode):
     assert f"--missing {mode}" in text
     for line in found.filled:
         assert f"{line.printed} ({line.origin})" in text
-        assert f"{line.devices}" in line.origin
+        number = line.designs if mode == "typical" else line.devices
+        assert f" {number} " in f"{line.origin} "
 
 
 def test_one_verdict_whatever_the_command(predicted):

@@ -178,23 +178,33 @@ def missing_effects(comparison: Comparison) -> tuple[MissingEffect, ...]:
 
     Of devices that do not fail in any case; those with the same lines in one.
     """
-    names: dict[tuple[str, tuple[Name, ...], tuple[FilledLine, ...]], list[str]] = {}
+    names: dict[
+        tuple[str, tuple[Name, ...], tuple[FilledLine, ...], bool], list[str]
+    ] = {}
     refused = comparison.settings.missing == "refuse"
     failed = {
         id(one) for one in comparison.devices if refused and one.verdict == "fails"
     }
     for one in comparison.entrants:
         if one.missing is not None and id(one) not in failed:
-            key = (one.sensor, one.missing.lines, one.missing.filling.lines)
+            key = (
+                one.sensor,
+                one.missing.lines,
+                one.missing.filling.lines,
+                bool(one.technology),
+            )
             names.setdefault(key, []).append(one.name)
     found = []
-    for (sensor, lines, assumed), devices in names.items():
+    predicted = comparison.settings.missing == "predict"
+    for (sensor, lines, assumed, of_known), devices in names.items():
         if not assumed or (refused and len(assumed) < len(lines)):
+            them = "it" if len(lines) == 1 else "them all"
+            why = f"no {NOBODY[predicted]} gives {them}"
+            if not (predicted or of_known):
+                why = NO_TECHNOLOGY
             effect = (
-                f"{', '.join(source_title(name) for name in lines)} not given, and no "
-                f"{NOBODY[comparison.settings.missing == 'predict']} gives "
-                f"{'it' if len(lines) == 1 else 'them all'}: nothing is known"
-                f"{' at worst' if refused else ''}"
+                f"{', '.join(source_title(name) for name in lines)} not given, and "
+                f"{why}: nothing is known{' at worst' if refused else ''}"
             )
         else:
             effect = ", ".join(
@@ -213,6 +223,8 @@ def missing_effects(comparison: Comparison) -> tuple[MissingEffect, ...]:
     return tuple(found)
 
 
+# Why no device of the catalogue is comparable.
+NO_TECHNOLOGY = "the data sheet names no `technology` by which others are comparable"
 # Who would have to give a line that nothing stands for; where lines are predicted.
 NOBODY = {
     False: "device of the catalogue of the same technology and grade",
