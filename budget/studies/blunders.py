@@ -11,6 +11,7 @@ evidence of one, that is a warning.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from math import atan, degrees, inf, isclose, tan
 from typing import TYPE_CHECKING
 
@@ -238,7 +239,7 @@ def against_limits(procedure: Procedure, requirement: Requirement) -> tuple[str,
 
 def _beside_limits(procedure: Procedure, limits: Mapping[Name, float]) -> Iterator[str]:
     """Say what is left open of the place and takes a good part of a limit."""
-    for one in left_open(procedure):
+    for one in left_open(procedure) if limits else ():
         moved = _moved(
             offset
             for offset in _of_ideal(one)
@@ -375,6 +376,8 @@ def _ideal(blunder: Blunder) -> tuple[Offset, ...]:
     return _moved(_of_ideal(blunder))
 
 
+# Of the procedure alone: thousands of devices share a few.
+@lru_cache(maxsize=64)
 def _of_ideal(blunder: Blunder) -> tuple[Offset, ...]:
     """Return what it adds to triads without errors; () where none are calibrated."""
     sensors = [
