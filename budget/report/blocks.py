@@ -13,6 +13,8 @@ from functools import cached_property
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
+from budget.language import say, speaking, spoken
+
 if TYPE_CHECKING:
     from collections.abc import (
         Callable,
@@ -172,7 +174,7 @@ def table_of(
         name=name,
         caption=caption,
         columns=tuple(
-            Column(head=field.head, kind=field.kind, weight=field.weight)
+            Column(head=say(field.head), kind=field.kind, weight=field.weight)
             for _, field in kept
         ),
         groups=tuple(
@@ -215,11 +217,13 @@ class ForPages:
     """Blocks that only a page shows, figures mostly; made where one does, and once."""
 
     make: Callable[[], Iterable[Block]]
+    language: str = field(default_factory=spoken)  # when they were asked for
 
     @cached_property
     def blocks(self) -> tuple[Block, ...]:
         """What was made."""
-        return tuple(self.make())
+        with speaking(self.language):
+            return tuple(self.make())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -296,8 +300,8 @@ def assumptions_section(texts: Sequence[str]) -> Section:
     """Return what was assumed, which a terminal leaves out where nothing was."""
     return Section(
         name="assumptions",
-        title="Assumptions",
-        blocks=(Listing(items=tuple((text,) for text in texts), empty="None."),),
+        title=say("Assumptions"),
+        blocks=(Listing(items=tuple((text,) for text in texts), empty=say("None.")),),
         in_brief=None if texts else "",
     )
 
@@ -326,11 +330,12 @@ class Document:
     json: str = field(repr=False)  # all numbers in full precision
     date: str  # year-month-day
     version: str  # of the tool
+    language: str = field(default_factory=spoken)  # 'en', 'zh'
 
     @property
     def running_head(self) -> str:
         """The verdict on every printed page."""
-        return f"{self.title}: {self.headline}"
+        return say("{title}: {headline}", title=self.title, headline=self.headline)
 
 
 def drawn(document: Document) -> Document:

@@ -6,8 +6,9 @@ from dataclasses import replace
 from math import degrees
 from typing import TYPE_CHECKING
 
+from budget.language import say, term, words
 from budget.model.sources import ENVIRONMENT, SENSORS, STATION, source_of
-from budget.names import Name, words
+from budget.names import Name
 from budget.report.blocks import Cell, Field, Pairs, Panel, Paragraph, Section, table_of
 from budget.report.figures.rows import chart_picture
 from budget.report.figures.timeline import (
@@ -39,7 +40,7 @@ def inputs_section(devices: Sequence[Device], procedure: Procedure) -> Section:
     """Return every value that the budget is made of, and those that it is not."""
     panels = [
         Panel(
-            title=f"{sensor.device}: {sensor.kind}",
+            title=say("{device}: {kind}", device=sensor.device, kind=sensor.kind),
             blocks=tuple(sensor_blocks(sensor, device.assumptions)),
         )
         for device in devices
@@ -47,7 +48,7 @@ def inputs_section(devices: Sequence[Device], procedure: Procedure) -> Section:
     ]
     panels += [
         Panel(
-            title=f"{procedure.name}: {owner}",
+            title=say("{name}: {owner}", name=procedure.name, owner=say(owner)),
             blocks=(lines_table(owner, procedure.name, lines, procedure.assumptions),),
         )
         for owner, lines in (
@@ -57,7 +58,7 @@ def inputs_section(devices: Sequence[Device], procedure: Procedure) -> Section:
         if lines
     ]
     panels += [panel for device in devices for panel in _about(device)]
-    return Section(name="inputs", title="Inputs", blocks=tuple(panels))
+    return Section(name="inputs", title=say("Inputs"), blocks=tuple(panels))
 
 
 def print_by_axis(values: Array) -> str:
@@ -67,22 +68,24 @@ def print_by_axis(values: Array) -> str:
         return printed[0]
     names = AXES if len(printed) == len(AXES) else ANGLES
     pairs = zip(names, printed, strict=True)
-    return ", ".join(f"{name} {text}" for name, text in pairs)
+    return say(", ").join(f"{name} {text}" for name, text in pairs)
 
 
 def sensor_blocks(sensor: Sensor, assumptions: Sequence[str]) -> Iterator[Block]:
     """Yield the data sheet of one triad."""
     unit, scale = NOMINAL_BIAS[sensor.kind]
-    nominal = (
-        f"Nominal bias {print_by_axis(sensor.nominal_bias / scale)} {unit}; nominal "
-        f"mounting angle {print_by_axis(sensor.nominal_mounting_angle / ARCSEC)} "
-        "arcsec."
+    nominal = say(
+        "Nominal bias {nominal_bias} {unit}; nominal mounting "
+        "angle {nominal_mounting_angle} arcsec.",
+        nominal_bias=print_by_axis(sensor.nominal_bias / scale),
+        unit=unit,
+        nominal_mounting_angle=print_by_axis(sensor.nominal_mounting_angle / ARCSEC),
     )
     yield Paragraph(words=(nominal,), small=True)
     if sensor.lines:
         yield lines_table(sensor.kind, sensor.device, sensor.lines, assumptions)
     else:
-        text = "The data sheet gives no line that the model uses."
+        text = say("The data sheet gives no line that the model uses.")
         yield Paragraph(words=(text,))
 
 
@@ -90,18 +93,20 @@ def lines_table(
     owner: str, of: str, lines: Sequence[ErrorLine], assumptions: Sequence[str]
 ) -> Table:
     """Return the lines of one owner, each with what was assumed of it."""
-    sheet = "Data sheet" if owner in SENSORS else "Lines"
+    sheet = say("Data sheet") if owner in SENSORS else say("Lines")
     assumed = [text.partition(": ") for text in assumptions]
     fields: tuple[Field[ErrorLine], ...] = (
-        Field(head="line", weight=1.4, cell=lambda line: words(line.name)),
-        Field(head="as printed, meaning", weight=1.2, cell=_printed),
+        Field(head=say("line"), weight=1.4, cell=lambda line: words(line.name)),
+        Field(head=say("as printed, meaning"), weight=1.2, cell=_printed),
         Field(
-            head="u, distribution", weight=3.0, cell=lambda line: _standard(line, owner)
+            head=say("u, distribution"),
+            weight=3.0,
+            cell=lambda line: _standard(line, owner),
         ),
-        Field(head="condition", weight=1.6, cell=_conditions),
-        Field(head="source", weight=1.2, cell=lambda line: line.source),
+        Field(head=say("condition"), weight=1.6, cell=_conditions),
+        Field(head=say("source"), weight=1.2, cell=lambda line: line.source),
         Field(
-            head="assumed",
+            head=say("assumed"),
             weight=1.6,
             cell=lambda line: _assumed(line, owner, assumed),
         ),
@@ -110,7 +115,9 @@ def lines_table(
         lines,
         [replace(field, optional=True) for field in fields],
         name=f"inputs-{owner}",
-        caption=f"{sheet} of the {owner} {of}",
+        caption=say(
+            "{sheet} of the {owner} {of}", sheet=sheet, owner=say(owner), of=of
+        ),
         is_wide=True,
         searchable=True,
     )
@@ -120,17 +127,20 @@ def _printed(line: ErrorLine) -> Cell:
     """Return a value as it is printed, and what it means."""
     meaning = line.meaning
     if line.definition:
-        meaning += f", {words(line.definition)}"
+        meaning += say(", {definition}", definition=words(line.definition))
     return Cell(text=line.printed, note=meaning)
 
 
 def _standard(line: ErrorLine, owner: str) -> Cell:
     """Return the standard uncertainty and its distribution, as the model takes them."""
-    shape = ", ".join(dict.fromkeys(d.name for d in line.distributions))
+    shape = say(", ").join(dict.fromkeys(d.name for d in line.distributions))
     if not source_of(owner, line.name).varies:
         shape = "fixed"
     if line.correlation_time is not None:
-        shape += f", correlation time {print_by_axis(line.correlation_time)} s"
+        shape += say(
+            ", correlation time {correlation_time} s",
+            correlation_time=print_by_axis(line.correlation_time),
+        )
     u = print_by_axis(line.u / line.si_per_unit)
     return Cell(text=f"{u} {line.unit}", note=shape)
 
@@ -139,10 +149,10 @@ def _conditions(line: ErrorLine) -> str:
     """Return under which conditions a value holds."""
     conditions = [
         line.condition,
-        f"includes {line.includes}" if line.includes else "",
-        f"over {line.horizon}" if line.horizon else "",
+        say("includes {includes}", includes=line.includes) if line.includes else "",
+        say("over {horizon}", horizon=line.horizon) if line.horizon else "",
     ]
-    return "; ".join(filter(None, conditions))
+    return say("; ").join(filter(None, conditions))
 
 
 def _assumed(
@@ -151,11 +161,11 @@ def _assumed(
     """Return what was assumed of a line, or of an axis of it."""
     key = Name(line.name, owner=owner)
     of_axis: dict[str, str] = {
-        Name(line.name, owner=owner, axis=axis): f"{axis}: "
+        Name(line.name, owner=owner, axis=axis): say("{axis}: ", axis=axis)
         for axis in source_of(owner, line.name).axes
         if axis
     }
-    return "; ".join(
+    return say("; ").join(
         of_axis.get(start, "") + note
         for start, _, note in assumptions
         if start == key or start in of_axis
@@ -168,28 +178,35 @@ def _about(device: Device) -> Iterator[Panel]:
     if device.figures:
         blocks.append(unused_table(device))
     said = [(label, getattr(device, label).rstrip(" .")) for label in ABOUT]
-    lines = "; ".join(f"{label} {text}" for label, text in said if text)
+    lines = say("; ").join(f"{label} {text}" for label, text in said if text)
     if lines:
-        blocks.append(Paragraph(words=(f"{capital(lines)}.",), small=True))
+        blocks.append(
+            Paragraph(words=(say("{lines}.", lines=capital(lines)),), small=True)
+        )
     if blocks:
-        title = "printed, not budgeted" if device.figures else "the device"
-        yield Panel(title=f"{device.name}: {title}", blocks=tuple(blocks))
+        title = say("printed, not budgeted") if device.figures else say("the device")
+        yield Panel(
+            title=say("{name}: {title}", name=device.name, title=title),
+            blocks=tuple(blocks),
+        )
 
 
 def unused_table(device: Device) -> Table:
     """Return what the maker prints and no model uses."""
     fields: tuple[Field[UnusedValue], ...] = (
-        Field(head="specification", cell=lambda value: words(value.name)),
-        Field(head="as printed", cell=lambda value: value.value),
-        Field(head="meaning", cell=lambda value: value.meaning),
-        Field(head="condition", cell=lambda value: value.condition),
-        Field(head="source", cell=lambda value: value.source),
+        Field(head=say("specification"), cell=lambda value: words(value.name)),
+        Field(head=say("as printed"), cell=lambda value: value.value),
+        Field(head=say("meaning"), cell=lambda value: value.meaning),
+        Field(head=say("condition"), cell=lambda value: value.condition),
+        Field(head=say("source"), cell=lambda value: value.source),
     )
     return table_of(
         device.figures,
         [replace(field, optional=True) for field in fields],
         name=f"not-budgeted-{device.origin.sha256[:8]}",
-        caption=f"Specification values of {device.name} that no model uses",
+        caption=say(
+            "Specification values of {name} that no model uses", name=device.name
+        ),
         is_wide=True,
         searchable=True,
     )
@@ -199,11 +216,14 @@ FORMULAS = {
     "corrected": ("formulas", "corrected"),
     "paper": (
         "formulas",
-        "as the paper prints eq. (4) for the gyro bias, all others corrected",
+        term("as the paper prints eq. (4) for the gyro bias, all others corrected"),
     ),
-    "least_squares": ("estimator", "least squares, every window alike"),
-    "weighted": ("estimator", "least squares, weighted by the device's own noise"),
-    "norm": ("estimator", "norm of gravity, at attitudes that nobody knows"),
+    "least_squares": ("estimator", term("least squares, every window alike")),
+    "weighted": (
+        "estimator",
+        term("least squares, weighted by the device's own noise"),
+    ),
+    "norm": ("estimator", term("norm of gravity, at attitudes that nobody knows")),
 }
 LATITUDE_DIGITS, GRAVITY_DIGITS = 7, 8
 
@@ -215,16 +235,36 @@ def procedure_section(procedure: Procedure, sensors: Sequence[str]) -> Section:
             "place",
             (
                 (
-                    f"latitude {print_degrees(procedure.latitude)} deg, gravity "
-                    f"{print_given(procedure.gravity, digits=GRAVITY_DIGITS)} m/s^2"
+                    say(
+                        "latitude {latitude} deg, gravity {gravity} m/s^2",
+                        latitude=print_degrees(procedure.latitude),
+                        gravity=print_given(procedure.gravity, digits=GRAVITY_DIGITS),
+                    )
                 ),
             ),
         ),
-        ("pulses", (f"read at {print_given(procedure.sample_rate)} Hz",)),
+        (
+            "pulses",
+            (
+                say(
+                    "read at {sample_rate} Hz",
+                    sample_rate=print_given(procedure.sample_rate),
+                ),
+            ),
+        ),
     ]
     if procedure.windows:
         rows += [
-            (track.sensor, (f"{made_of(track)}, in {print_time(track.end)}",))
+            (
+                track.sensor,
+                (
+                    say(
+                        "{made_of}, in {end}",
+                        made_of=made_of(track),
+                        end=print_time(track.end),
+                    ),
+                ),
+            )
             for track in make_tracks(procedure, sensors)
         ]
     elif "gyro" in sensors:
@@ -232,30 +272,36 @@ def procedure_section(procedure: Procedure, sensors: Sequence[str]) -> Section:
     if "accelerometer" in sensors and not procedure.windows:
         dwell = print_given(procedure.accelerometer.dwell)
         pause = _pause(procedure.accelerometer.pause)
-        text = f"twelve positions, {dwell} s each{pause}"
+        text = say("twelve positions, {dwell} s each{pause}", dwell=dwell, pause=pause)
         rows.append(("accelerometer", (text,)))
     name, text = FORMULAS[procedure.formulas]
-    stands = "they stand" if name == "formulas" else "it stands"
-    rows.append((name, (f"{text}; {stands} under Method",)))
+    stands = say("they stand") if name == "formulas" else say("it stands")
+    rows.append(
+        (name, (say("{text}; {stands} under Method", text=text, stands=stands),))
+    )
     rows.append((STATION, (_station(procedure),)))
     blocks: tuple[Block, ...] = (Pairs(rows=tuple(rows)),)
     schedule = schedule_chart(procedure, sensors)
     if schedule is not None:
         blocks += (chart_picture(schedule),)
-    return Section(name="procedure", title="Procedure", blocks=blocks)
+    return Section(name="procedure", title=say("Procedure"), blocks=blocks)
 
 
 def _station(procedure: Procedure) -> str:
     """Say what station the test is done at, in one line."""
     origin = procedure.station_origin
-    file = f" ({origin.file})" if origin else ""
+    file = say(" ({file})", file=origin.file) if origin else ""
     if not procedure.station:
-        said = f"given as ideal{file}"
+        said = say("given as ideal{file}", file=file)
         if IDEAL in procedure.assumptions:
-            said = "none is given, an ideal one is assumed"
-        return f"{said}: no error of table, place or timing is in this budget"
-    return (
-        f"{len(procedure.station)} figures{file}; their shares stand under Test station"
+            said = say("none is given, an ideal one is assumed")
+        return say(
+            "{said}: no error of table, place or timing is in this budget", said=said
+        )
+    return say(
+        "{station} figures{file}; their shares stand under Test station",
+        station=len(procedure.station),
+        file=file,
     )
 
 
@@ -267,23 +313,35 @@ def print_degrees(angle: float) -> str:
 def _gyro_rows(procedure: Procedure) -> list[tuple[str, Words]]:
     """Return the rate turns and the static test."""
     gyro = procedure.gyro
-    turns = "turn" if gyro.turns == 1 else "turns"
-    azimuths = ", ".join(print_degrees(azimuth) for azimuth in gyro.azimuths)
-    static = f"{print_given(gyro.dwell)} s at each azimuth {azimuths} deg"
+    azimuths = say(", ").join(print_degrees(azimuth) for azimuth in gyro.azimuths)
+    static = say(
+        "{dwell} s at each azimuth {azimuths} deg",
+        dwell=print_given(gyro.dwell),
+        azimuths=azimuths,
+    )
     if not gyro.azimuths:
-        static = "in the twelve positions of the accelerometers, each axis up and down"
+        static = say(
+            "in the twelve positions of the accelerometers, each axis up and down"
+        )
     return [
         (
-            "gyro, rate turns",
+            say("gyro, rate turns"),
             (
                 (
-                    f"{gyro.turns} {turns} at {print_degrees(gyro.rate)} deg/s, "
-                    f"forward and back about {', '.join(gyro.order)}"
+                    say(
+                        "1 turn at {rate} deg/s, forward and back about {order}"
+                        if gyro.turns == 1
+                        else "{turns} turns at {rate} deg/s, forward and back about "
+                        "{order}",
+                        turns=gyro.turns,
+                        rate=print_degrees(gyro.rate),
+                        order=say(", ").join(gyro.order),
+                    )
                 ),
             ),
         ),
         (
-            "gyro, static",
+            say("gyro, static"),
             (f"{static}{_pause(gyro.pause)}",),
         ),
     ]
@@ -291,7 +349,11 @@ def _gyro_rows(procedure: Procedure) -> list[tuple[str, Words]]:
 
 def _pause(pause: float) -> str:
     """Say how long the pauses are, where there are any [s]."""
-    return f"; pause {print_given(pause)} s between all windows" if pause else ""
+    return (
+        say("; pause {pause} s between all windows", pause=print_given(pause))
+        if pause
+        else ""
+    )
 
 
 def blunders_sections(
@@ -307,10 +369,10 @@ def blunders_sections(
     ]
     name = "blunders"
     fields: tuple[Field[tuple[str, Offset]], ...] = (
-        Field(head="mistake", cell=lambda row: row[0]),
-        Field(head="output", cell=lambda row: row[1].name),
-        Field(head="adds", cell=lambda row: row[1].printed),
+        Field(head=say("mistake"), cell=lambda row: row[0]),
+        Field(head=say("output"), cell=lambda row: row[1].name),
+        Field(head=say("adds"), cell=lambda row: row[1].printed),
     )
-    title = "What a mistake about the place would add (calibrated minus true)"
+    title = say("What a mistake about the place would add (calibrated minus true)")
     table = table_of(rows, fields, name=f"{name}-table", caption=title)
     return (Section(name=name, title=title, blocks=(table,)),)

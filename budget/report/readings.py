@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import inf
 from typing import TYPE_CHECKING
 
-from budget.names import key_title, words
+from budget.language import key_title, say, words
 from budget.report.tables import print_given, print_utilisation, source_title
 from budget.ties import settle
 
@@ -20,36 +20,55 @@ LEAST = 0.005  # relative change of u that is worth a number [1]
 def effect_line(effect: ReadingEffect) -> str:
     """Say what one other reading alone does to u, where it does most."""
     ratio = print_given(settle(effect.ratio), digits=DIGITS)
-    said = f"{source_title(effect.line)} read as {words(effect.reading)}"
-    said += f" in place of {words(effect.taken)}"
+    said = say(
+        "{line} read as {reading}",
+        line=source_title(effect.line),
+        reading=words(effect.reading),
+    )
+    said += say(" in place of {taken}", taken=words(effect.taken))
     if effect.ratio == inf:
-        return f"{said}: it alone reaches the {key_title(effect.output)}"
+        return say(
+            "{said}: it alone reaches the {output}",
+            said=said,
+            output=key_title(effect.output),
+        )
     if abs(settle(effect.ratio) - 1.0) < LEAST:
-        return f"{said}: no u changes by 0.5 %"
-    return f"{said}: u of the {key_title(effect.output)} is {ratio} times as large"
+        return say("{said}: no u changes by 0.5 %", said=said)
+    return say(
+        "{said}: u of the {output} is {ratio} times as large",
+        said=said,
+        output=key_title(effect.output),
+        ratio=ratio,
+    )
 
 
 def verdict_line(found: ReadingVerdicts) -> str:
     """Say under which readings a sensor meets, and how far they are apart."""
     used = sorted(settle(one.utilisation) for one in found.found)
     ends = list(dict.fromkeys(print_utilisation(end) for end in (used[0], used[-1])))
-    apart = f"uses {' to '.join(ends)} of a limit"
+    apart = say("uses {ends} of a limit", ends=say(" to ").join(ends))
     number = len(found.found)
     which = {
-        "all": f"under all {number} readings",
-        "none": f"under none of {number} readings",
-        "some": f"under {len(found.passing)} of {number} readings",
+        "all": say("under all {number} readings", number=number),
+        "none": say("under none of {number} readings", number=number),
+        "some": say(
+            "under {passing} of {number} readings",
+            passing=len(found.passing),
+            number=number,
+        ),
     }[found.passes]
-    text = f"meets {which} ({apart})"
+    text = say("meets {which} ({apart})", which=which, apart=apart)
     if found.passes == "some":
         named = [_combination(one, found) for one in found.passing[:MOST]]
         more = len(found.passing) - len(named)
-        text += f", with {'; or '.join(named)}"
-        text += f"; and {more} more" if more else ""
+        text += say(", with {named}", named=say("; or ").join(named))
+        text += say("; and {more} more", more=more) if more else ""
     if number < found.total:
-        text += (
-            f". {found.total} combinations there are, {number} were computed: each "
-            "reading alone, and the smallest of every line"
+        text += say(
+            ". {total} combinations there are, {number} were computed: "
+            "each reading alone, and the smallest of every line",
+            total=found.total,
+            number=number,
         )
     return text
 
@@ -59,4 +78,7 @@ def _combination(one: Reading, found: ReadingVerdicts) -> str:
     taken = dict(found.found[0].words)
     other = [(line, word) for line, word in one.words if taken[line] != word]
     said = other or one.words  # what is taken itself
-    return ", ".join(f"{words(line.quantity)} as {words(word)}" for line, word in said)
+    return say(", ").join(
+        say("{quantity} as {word}", quantity=words(line.quantity), word=words(word))
+        for line, word in said
+    )

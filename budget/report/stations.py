@@ -10,8 +10,9 @@ from operator import attrgetter
 from typing import TYPE_CHECKING
 
 from budget.distributions import NORMAL
+from budget.language import key_title, say, words
 from budget.model.sources import ENVIRONMENT, STATION, source_of
-from budget.names import key_title, keys_of, words
+from budget.names import keys_of
 from budget.report.allocation.words import CEILING, DASH, DIGITS, print_stop
 from budget.report.blocks import (
     Cell,
@@ -74,18 +75,27 @@ def station_section(found: Qualification) -> Section:
         if felt := [one for one in rows if not one.is_any]:
             inner.append(_figures_table(owner, felt))
         if points := tuple(_idle(rows)):
-            inner.append(Listing(items=points, empty="None."))
-        blocks.append(Panel(title=f"How good the {owner} must be", blocks=(*inner,)))
+            inner.append(Listing(items=points, empty=say("None.")))
+        blocks.append(
+            Panel(
+                title=say("How good the {owner} must be", owner=say(owner)),
+                blocks=(*inner,),
+            )
+        )
     verdicts = _verdicts_table(found)
-    blocks.append(Panel(title="Which station will do", blocks=(verdicts,)))
+    blocks.append(Panel(title=say("Which station will do"), blocks=(verdicts,)))
     blocks.append(
-        Panel(title="Acceptance limits", blocks=tuple(_acceptance_blocks(found)))
+        Panel(title=say("Acceptance limits"), blocks=tuple(_acceptance_blocks(found)))
     )
     if found.warnings:
         items = tuple((capital(text),) for text in found.warnings)
-        blocks.append(Panel(title="Remarks", blocks=(Listing(items=items, empty=""),)))
+        blocks.append(
+            Panel(title=say("Remarks"), blocks=(Listing(items=items, empty=""),))
+        )
     return Section(
-        name="stations", title="What the test station must be", blocks=tuple(blocks)
+        name="stations",
+        title=say("What the test station must be"),
+        blocks=tuple(blocks),
     )
 
 
@@ -93,32 +103,68 @@ def headline(found: Qualification) -> str:
     """State the finding: whether the procedure's own station does, and which others."""
     ratio = print_ratio(found.ratio)
     own, others = found.own, [one for one in found.doing if not one.is_own]
-    names = ", ".join(one.name for one in others)
+    names = say(", ").join(one.name for one in others)
     if own is None:
         if others:
-            will = f"{capital(names)} will do for {found.requirement} at {ratio}"
+            will = say(
+                "{names} will do for {requirement} at {ratio}",
+                names=capital(names),
+                requirement=found.requirement,
+                ratio=ratio,
+            )
             failing = [
                 one.name
                 for one in found.stations
                 if one.has_figures and one.verdict != DOES
             ]
-            return f"{will}; not: {', '.join(failing)}." if failing else f"{will}."
+            return (
+                say(
+                    "{will}; not: {failing}.",
+                    will=will,
+                    failing=say(", ").join(failing),
+                )
+                if failing
+                else say("{will}.", will=will)
+            )
         tried = [one for one in found.stations if one.has_figures]
-        none = f"No station here will do for {found.requirement} at {ratio}"
+        none = say(
+            "No station here will do for {requirement} at {ratio}",
+            requirement=found.requirement,
+            ratio=ratio,
+        )
         if not tried:
-            return f"{none}: none gives a figure."
+            return say("{none}: none gives a figure.", none=none)
         nearest = min(tried, key=lambda one: settle(one.utilisation))
-        return f"{none}; nearest is {nearest.name}, {_worst_text(nearest, found)}."
+        return say(
+            "{none}; nearest is {name}, {worst_text}.",
+            none=none,
+            name=nearest.name,
+            worst_text=_worst_text(nearest, found),
+        )
     if own.verdict == NO_FIGURES:
-        said = f"{capital(own.name)} gives no figure, so nothing is known of it"
+        said = say(
+            "{name} gives no figure, so nothing is known of it", name=capital(own.name)
+        )
     else:
-        word = "will do" if own.verdict == DOES else "will not do"
-        said = f"{capital(own.name)} {word} for {found.requirement} at {ratio}: "
+        word = say("will do") if own.verdict == DOES else say("will not do")
+        said = say(
+            "{name} {word} for {requirement} at {ratio}: ",
+            name=capital(own.name),
+            word=word,
+            requirement=found.requirement,
+            ratio=ratio,
+        )
         said += _worst_text(own, found)
     return (
-        f"{said}; {'also' if own.verdict == DOES else 'but'} {names} will."
-        if (names)
-        else f"{said}."
+        say(
+            "{said}; also {names} will."
+            if own.verdict == DOES
+            else "{said}; but {names} will.",
+            said=said,
+            names=names,
+        )
+        if names
+        else say("{said}.", said=said)
     )
 
 
@@ -131,7 +177,7 @@ def station_csv(found: Qualification) -> str:
     """Write one row for each source, values in its unit."""
     rows = (
         {
-            key: ", ".join(value) if isinstance(value, list) else value
+            key: say(", ").join(value) if isinstance(value, list) else value
             for key, value in one.to_dict().items()
         }
         for one in found.figures
@@ -178,18 +224,25 @@ def station_yaml(found: Qualification) -> str:
 def _settings(found: Qualification) -> str:
     """Say what the figures are and what they were found for."""
     shared = {
-        "equal": "each source gets an equal part of the limit that it uses most",
-        "proportional": "one factor on all figures of the procedure's own station",
+        "equal": say("each source gets an equal part of the limit that it uses most"),
+        "proportional": say("one factor on all figures of the procedure's own station"),
     }[found.strategy]
-    return (
-        f"Test uncertainty ratio {print_ratio(found.ratio)}: the expanded uncertainty "
-        f"of the station alone (coverage {print_coverage(found.coverage)} %, k = "
-        f"{found.coverage_factor:.4g}, law of propagation to second order, every line "
-        f"of the device 0) is to be at most limit / {print_given(found.ratio)}; "
-        "used is U over that. Alone: all other sources 0; together: "
-        f"{shared}. Values are standard uncertainties (1 "
-        f"sigma), of every axis alike. Procedure {found.procedure.name}, error "
-        f"reference {words(found.reference)}."
+    return say(
+        "Test uncertainty ratio {ratio}: the expanded uncertainty "
+        "of the station alone (coverage {coverage} %, k = "
+        "{coverage_factor:.4g}, law of propagation to second "
+        "order, every line of the device 0) is to be at most limit "
+        "/ {number}; used is U over that. Alone: all other sources "
+        "0; together: {shared}. Values are standard uncertainties "
+        "(1 sigma), of every axis alike. Procedure {name}, error "
+        "reference {reference}.",
+        ratio=print_ratio(found.ratio),
+        coverage=print_coverage(found.coverage),
+        coverage_factor=found.coverage_factor,
+        number=print_given(found.ratio),
+        shared=shared,
+        name=found.procedure.name,
+        reference=words(found.reference),
     )
 
 
@@ -215,32 +268,38 @@ def _figures_table(owner: str, rows: Sequence[StationFigure]) -> Table:
     def within(row: StationFigure) -> Cell | str:
         if row.is_within is None:
             return ""
-        return Cell(text="yes" if row.is_within else "no", strong=not row.is_within)
+        return Cell(
+            text=say("yes") if row.is_within else say("no"), strong=not row.is_within
+        )
 
     def stop(row: StationFigure) -> str:
-        return join_outputs(row.stopped_by) if row.stopped_by else CEILING
+        return join_outputs(row.stopped_by) if row.stopped_by else say(CEILING)
 
     fields: tuple[Field[StationFigure], ...] = (
         Field(
-            head="figure",
+            head=say("figure"),
             cell=lambda row: Cell(
                 text=capital(source_title(row.source)), note=capital(row.why)
             ),
         ),
-        Field(head="alone", kind="number", cell=lambda row: size(row.alone, row)),
-        Field(head="together", kind="number", cell=lambda row: size(row.together, row)),
-        Field(head="unit", kind="unit", cell=lambda row: row.unit),
-        Field(head="now", kind="number", optional=True, cell=now),
+        Field(head=say("alone"), kind="number", cell=lambda row: size(row.alone, row)),
         Field(
-            head="uses [%]",
+            head=say("together"),
+            kind="number",
+            cell=lambda row: size(row.together, row),
+        ),
+        Field(head=say("unit"), kind="unit", cell=lambda row: row.unit),
+        Field(head=say("now"), kind="number", optional=True, cell=now),
+        Field(
+            head=say("uses [%]"),
             kind="number",
             optional=True,
             cell=takes,
         ),
-        Field(head="within its part", optional=True, cell=within),
-        Field(head="alone stopped by", weight=1.4, cell=stop),
+        Field(head=say("within its part"), optional=True, cell=within),
+        Field(head=say("alone stopped by"), weight=1.4, cell=stop),
         Field(
-            head="together stopped by",
+            head=say("together stopped by"),
             weight=1.4,
             optional=True,
             cell=lambda row: print_stop(row.binding_outputs, ""),
@@ -250,7 +309,10 @@ def _figures_table(owner: str, rows: Sequence[StationFigure]) -> Table:
         rows,
         fields,
         name=f"station-figures-{owner}",
-        caption=f"What each figure of the {owner} may be, alone and together",
+        caption=say(
+            "What each figure of the {owner} may be, alone and together",
+            owner=say(owner),
+        ),
         by=attrgetter("unit"),
         is_wide=True,
     )
@@ -260,15 +322,23 @@ def _idle(rows: Sequence[StationFigure]) -> Iterator[tuple[str]]:
     """Say of which sources any value will do, and why."""
     why = [one for one in rows if one.is_any]
     for reason in dict.fromkeys(one.why for one in why):
-        names = ", ".join(source_title(one.source) for one in why if one.why == reason)
-        yield (f"{capital(names)}: any value will do; {reason}",)
+        names = say(", ").join(
+            source_title(one.source) for one in why if one.why == reason
+        )
+        yield (
+            say(
+                "{names}: any value will do; {reason}",
+                names=capital(names),
+                reason=reason,
+            ),
+        )
 
 
 def _verdicts_table(found: Qualification) -> Table:
     """Return every station with its verdict."""
 
     def name(row: StationVerdict) -> Cell:
-        own = "the procedure's own, " if row.is_own else ""
+        own = say("the procedure's own, ") if row.is_own else ""
         return Cell(text=row.name, note=f"{own}{row.file}")
 
     def used(row: StationVerdict) -> Cell | str:
@@ -287,44 +357,48 @@ def _verdicts_table(found: Qualification) -> Table:
         return join_outputs(row.all_worst) if row.utilisation else DASH
 
     fields: tuple[Field[StationVerdict], ...] = (
-        Field(head="station", cell=name),
+        Field(head=say("station"), cell=name),
         Field(
-            head="verdict",
+            head=say("verdict"),
             cell=lambda row: Cell(
-                text=row.verdict, strong=row.verdict not in {DOES, NO_FIGURES}
+                text=say(row.verdict), strong=row.verdict not in {DOES, NO_FIGURES}
             ),
         ),
         Field(
-            head="used [%]",
+            head=say("used [%]"),
             kind="number",
             cell=used,
         ),
-        Field(head="limit / U", kind="number", cell=ratio),
-        Field(head="worst output", weight=1.4, cell=worst),
-        Field(head="most of it from", cell=_from),
+        Field(head=say("limit / U"), kind="number", cell=ratio),
+        Field(head=say("worst output"), weight=1.4, cell=worst),
+        Field(head=say("most of it from"), cell=_from),
     )
     return table_of(
         found.stations,
         fields,
         name="station-verdicts",
-        caption="Which station will do, by its worst output",
+        caption=say("Which station will do, by its worst output"),
         is_wide=True,
     )
 
 
 def _from(row: StationVerdict) -> str:
     """Name the sources that take most of the worst output."""
-    return ", ".join(source_title(name) for name in row.worst.sources) or DASH
+    return say(", ").join(source_title(name) for name in row.worst.sources) or DASH
 
 
 def _worst_text(row: StationVerdict, found: Qualification) -> str:
     """Say what the worst output uses and of what."""
     if not row.utilisation:
-        return "no limited output feels it"
-    return (
-        f"{join_outputs(row.all_worst)} {'use' if len(row.all_worst) > 1 else 'uses'} "
-        f"{print_utilisation(row.utilisation)} of limit / {print_given(found.ratio)}, "
-        f"most of it by {_from(row)}"
+        return say("no limited output feels it")
+    return say(
+        "{outputs} uses {utilisation} of limit / {ratio}, most of it by {sources}"
+        if len(row.all_worst) == 1
+        else "{outputs} use {utilisation} of limit / {ratio}, most of it by {sources}",
+        outputs=join_outputs(row.all_worst),
+        utilisation=print_utilisation(row.utilisation),
+        ratio=print_given(found.ratio),
+        sources=_from(row),
     )
 
 
@@ -333,14 +407,18 @@ def _acceptance_blocks(found: Qualification) -> Iterator[Block]:
     guard = print_given(found.guard)
     band = "U" if found.guard == 1.0 else f"{guard} U"
     risk = float(NORMAL.probability([-found.guard * found.coverage_factor])[0])
-    text = (
-        f"The measured value of an error is accepted up to limit - {band}, U being "
-        "the expanded uncertainty of the station alone (guarded acceptance, JCGM "
-        f"106:2012, 8.3.2; r = {guard}). By an accepted value the error is beyond "
-        f"its limit with a probability of {print_given(PER_CENT * risk, digits=2)}"
-        " % at the most, as far as the value is uncertain by the station: noise "
-        "of the device and other errors of the measurement are not in U. None: "
-        f"{band} is not below the limit."
+    text = say(
+        "The measured value of an error is accepted up to limit - "
+        "{band}, U being the expanded uncertainty of the station "
+        "alone (guarded acceptance, JCGM 106:2012, 8.3.2; r = "
+        "{guard}). By an accepted value the error is beyond its "
+        "limit with a probability of {risk} % at the most, as far "
+        "as the value is uncertain by the station: noise of the "
+        "device and other errors of the measurement are not in U. "
+        "None: {band} is not below the limit.",
+        band=band,
+        guard=guard,
+        risk=print_given(PER_CENT * risk, digits=2),
     )
     yield Paragraph(words=(text,), small=True)
     shown = [found.own] if found.own else [s for s in found.stations if s.has_figures]
@@ -382,7 +460,7 @@ def _acceptance_table(station: StationVerdict, found: Qualification) -> Table:
             cell=lambda same: capital(join_outputs([row.output.name for row in same])),
         ),
         Field(
-            head="limit",
+            head=say("limit"),
             kind="number",
             cell=lambda same: number(
                 print_given(same[0].limit / scale(same[0]), digits=6),
@@ -397,7 +475,7 @@ def _acceptance_table(station: StationVerdict, found: Qualification) -> Table:
             ),
         ),
         Field(
-            head="accepted up to",
+            head=say("accepted up to"),
             kind="number",
             cell=lambda same: number(
                 accepted(same[0]),
@@ -406,9 +484,9 @@ def _acceptance_table(station: StationVerdict, found: Qualification) -> Table:
                 else same[0].acceptance / scale(same[0]),
             ),
         ),
-        Field(head="unit", kind="unit", cell=lambda same: same[0].output.unit),
+        Field(head=say("unit"), kind="unit", cell=lambda same: same[0].output.unit),
         Field(
-            head="used [%]",
+            head=say("used [%]"),
             kind="number",
             cell=lambda same: Cell(
                 text=used(same[0]),
@@ -421,7 +499,9 @@ def _acceptance_table(station: StationVerdict, found: Qualification) -> Table:
         rows,
         fields,
         name=f"acceptance-{found.stations.index(station)}",
-        caption=f"Acceptance limits of what is measured at {station.name}",
+        caption=say(
+            "Acceptance limits of what is measured at {name}", name=station.name
+        ),
         by=lambda same: key_title(same[0].output.name.group),
         is_wide=True,
     )

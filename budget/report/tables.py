@@ -8,7 +8,8 @@ from itertools import groupby
 from math import ceil, floor, fsum, isfinite, log10
 from typing import TYPE_CHECKING
 
-from budget.names import by_group, key_title, words
+from budget.language import key_title, say
+from budget.names import Name, by_group
 from budget.results import INTERACTION, Contribution
 from budget.spec.records import ANGLES
 from budget.ties import first_largest, from_largest, settle
@@ -16,7 +17,6 @@ from budget.ties import first_largest, from_largest, settle
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.names import Name
     from budget.problem import Output
     from budget.results import (
         Budget,
@@ -121,7 +121,7 @@ class GroupTable:
     @property
     def title(self) -> str:
         """'gyro scale factor'."""
-        return words(f"{self.sensor} {self.parameter}")
+        return key_title(Name(self.parameter, owner=self.sensor))
 
     @property
     def widest(self) -> OutputRow:
@@ -134,9 +134,16 @@ class GroupTable:
         lacks = dict.fromkeys(name for row in self.rows for name in row.lacks)
         if not lacks:
             return ""
-        said = f"{AT_LEAST} this or more: {', '.join(lacks)} not given"
+        said = say(
+            "{at_least} this or more: {lacks} not given",
+            at_least=AT_LEAST,
+            lacks=say(", ").join(lacks),
+        )
         if any(row.u.text == UNKNOWN for row in self.rows):
-            said += f"; {UNKNOWN}: no line that is given reaches it, nothing is known"
+            said += say(
+                "; {unknown}: no line that is given reaches it, nothing is known",
+                unknown=UNKNOWN,
+            )
         return said
 
     @property
@@ -292,7 +299,7 @@ def print_chance(p: float) -> str:
 
 def print_doubt(doubt: Doubt) -> str:
     """Print a verdict that rests on predicted lines: 'meets 0.83'."""
-    return f"meets {print_chance(doubt.probability)}"
+    return say("meets {probability}", probability=print_chance(doubt.probability))
 
 
 def print_coverage(coverage: float) -> str:
@@ -308,13 +315,15 @@ def print_count(count: int) -> str:
 def print_contributions(shares: Sequence[tuple[str, float]]) -> str:
     """Name the two largest and gather the rest; shares are of one variance."""
     if not any(share > NO_SHARE for _, share in shares):
-        return "no spread"
+        return say("no spread")
     ranked = [shares[k] for k in from_largest([share for _, share in shares])]
     head = [pair for pair in ranked[:NAMED] if pair[1] >= SMALL_SHARE]
     rest = fsum(share for _, share in ranked[len(head) :])
     parts = [f"{title} {print_share(share)}" for title, share in head]
-    return ", ".join(
-        [*parts, f"rest {print_share(rest)}"] if rest > NO_SHARE else parts
+    return say(", ").join(
+        [*parts, say("rest {rest}", rest=print_share(rest))]
+        if rest > NO_SHARE
+        else parts
     )
 
 
@@ -324,7 +333,7 @@ def source_title(source: Name, *, of: str = "") -> str:
     With its owner where it stands among those of another one: 'station levelling'.
     """
     if source == INTERACTION:
-        return "products of two sources"
+        return say("products of two sources")
     return key_title(source.within(of) if of else source.without_owner)
 
 
@@ -333,9 +342,9 @@ def join_outputs(names: Sequence[Name]) -> str:
     groups: dict[Name, list[str]] = {}
     for name in names:
         groups.setdefault(name.group, []).append(name.axis)
-    return "; ".join(
+    return say("; ").join(
         f"{key_title(group)} "
-        + ("(every axis)" if len(axes) == len(ANGLES) else ", ".join(axes))
+        + (say("(every axis)") if len(axes) == len(ANGLES) else say(", ").join(axes))
         for group, axes in groups.items()
     )
 
@@ -349,15 +358,15 @@ def settings_lines(settings: Settings) -> tuple[tuple[str, str], ...]:
         ("seed", str(settings.seed)),
         ("coverage", f"{print_coverage(settings.coverage)} %"),
         ("interval", settings.interval),
-        ("error reference", settings.reference),
+        (say("error reference"), settings.reference),
         ("formulas", settings.formulas),
     )
     chosen = (("only", settings.only), ("outputs", by_group(settings.outputs)))
     missing = "" if settings.missing == "refuse" else settings.missing
     return (
         *lines,
-        *((name, ", ".join(few)) for name, few in chosen if few),
-        *((("missing lines", missing),) if missing else ()),
+        *((name, say(", ").join(few)) for name, few in chosen if few),
+        *(((say("missing lines"), missing),) if missing else ()),
     )
 
 
@@ -484,16 +493,27 @@ def _validation(outputs: tuple[OutputBudget, ...], digits: int) -> str:
             scale = row.output.si_per_unit
             worse = max(check.difference_low, check.difference_high) / scale
             misses.append(
-                f"{row.axis} {check.word}: difference {round_uncertainty(worse)} "
-                f"{row.output.unit}, tolerance "
-                f"{round_uncertainty(check.tolerance / scale)}"
+                say(
+                    "{axis} {word}: difference {worse} {unit}, tolerance {tolerance}",
+                    axis=row.axis,
+                    word=say(check.word),
+                    worse=round_uncertainty(worse),
+                    unit=row.output.unit,
+                    tolerance=round_uncertainty(check.tolerance / scale),
+                )
             )
     if misses:
-        return f"against Monte Carlo with {trials} trials: {'; '.join(misses)}"
-    sure = "one digit" if digits == 1 else f"{digits} digits"
-    return (
-        f"against Monte Carlo with {trials} trials: "
-        f"holds for every axis, to {sure} of u"
+        return say(
+            "against Monte Carlo with {trials} trials: {misses}",
+            trials=trials,
+            misses=say("; ").join(misses),
+        )
+    sure = say("one digit") if digits == 1 else say("{digits} digits", digits=digits)
+    return say(
+        "against Monte Carlo with {trials} trials: holds for every "
+        "axis, to {sure} of u",
+        trials=trials,
+        sure=sure,
     )
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import string
 from typing import TYPE_CHECKING
 
-from budget.names import words
+from budget.language import say, template, term, words
 from budget.report.blocks import Cell, Run
 from budget.report.tables import (
     HALF_DIGIT,
@@ -19,39 +20,48 @@ if TYPE_CHECKING:
 
     from budget.names import Name
     from budget.report.blocks import Words
+    from budget.report.formulas import Math
     from budget.report.tables import Number
     from budget.results import Doubt, Settings
 
 
 METHODS = {
-    "gum": "the law of propagation of uncertainty with second-order terms (JCGM 100)",
-    "monte-carlo": "propagation of distributions by Monte Carlo (JCGM 101)",
-    "simulation": "simulation of the calibration, sample by sample",
+    "gum": term(
+        "the law of propagation of uncertainty with second-order terms (JCGM 100)"
+    ),
+    "monte-carlo": term("propagation of distributions by Monte Carlo (JCGM 101)"),
+    "simulation": term("simulation of the calibration, sample by sample"),
 }
 INTERVALS = {
-    "symmetric": "as much probability left out below as above",
-    "shortest": "the shortest that holds the coverage",
+    "symmetric": term("as much probability left out below as above"),
+    "shortest": term("the shortest that holds the coverage"),
 }
-BY_LAW = "mean \N{PLUS-MINUS SIGN} U, by the normal law"
+BY_LAW = term("mean \N{PLUS-MINUS SIGN} U, by the normal law")
 ERROR_REFERENCES = {
     "nominal": (
-        "errors are counted from the nominal values: a repeatability counts in full"
+        term(
+            "errors are counted from the nominal values: a repeatability counts in full"
+        )
     ),
     "as_tested": (
-        "errors are counted from the values during this test: what the procedure "
-        "alone adds; a repeatability cancels"
+        term(
+            "errors are counted from the values during this test: what the procedure "
+            "alone adds; a repeatability cancels"
+        )
     ),
     "next_turn_on": (
-        "errors are counted from the values at a later, independent turn-on, which "
-        "the navigation system will meet: a repeatability counts twice in variance"
+        term(
+            "errors are counted from the values at a later, independent turn-on, which "
+            "the navigation system will meet: a repeatability counts twice in variance"
+        )
     ),
 }
 VERDICTS = {
-    "meets": "MEETS",
-    "fails": "FAILS",
-    "undecided": "UNDECIDED",
-    "undecidable": "UNDECIDABLE",
-    "predicted": "PREDICTED",
+    "meets": term("MEETS"),
+    "fails": term("FAILS"),
+    "undecided": term("UNDECIDED"),
+    "undecidable": term("UNDECIDABLE"),
+    "predicted": term("PREDICTED"),
 }
 SEVERITY = (
     "fails",
@@ -60,22 +70,28 @@ SEVERITY = (
     "undecided",
     "meets",
 )  # the first is the page's
-MISSING = {"noise": "a noise line"}
+MISSING = {"noise": term("a noise line")}
 
 
 # What stands for lines that a device does not give, by the mode.
 MODES = {
     "worst": (
-        "the worst of comparable devices, those of the catalogue with the same sensor, "
-        "technology and grade"
+        term(
+            "the worst of comparable devices, those of the catalogue with the "
+            "same sensor, technology and grade"
+        )
     ),
     "typical": (
-        "the median of comparable devices, those of the catalogue with the same "
-        "sensor, technology and grade"
+        term(
+            "the median of comparable devices, those of the catalogue with the same "
+            "sensor, technology and grade"
+        )
     ),
     "predict": (
-        "predicted from other devices of the catalogue, and verdicts that rest on them "
-        "are probabilities"
+        term(
+            "predicted from other devices of the catalogue, and verdicts that "
+            "rest on them are probabilities"
+        )
     ),
 }
 
@@ -83,30 +99,44 @@ MODES = {
 def mode_remark(settings: Settings) -> str:
     """Name the mode beside a headline: ' (missing lines: predict)'; '' to refuse."""
     mode = settings.missing
-    return f" (missing lines: {mode})" if mode in MODES else ""
+    return say(" (missing lines: {mode})", mode=mode) if mode in MODES else ""
 
 
 def mode_sentence(settings: Settings) -> str:
     """Say what stands for expected lines that are not given; '' where nothing does."""
     if settings.missing not in MODES:
         return ""
-    return (
-        f"Expected lines that are not given are {MODES[settings.missing]} (--missing "
-        f"{settings.missing})."
+    return say(
+        "Expected lines that are not given are {modes} (--missing {missing}).",
+        modes=say(MODES[settings.missing]),
+        missing=settings.missing,
     )
 
 
 def doubt_sentence(doubt: Doubt, *, of: str) -> str:
     """Say how probable it is to meet, and which missing line to ask for first."""
-    said = f"meets with {print_chance(doubt.probability)}"
+    said = say("meets with {probability}", probability=print_chance(doubt.probability))
     first = doubt.asks[0]
     if settle(first.reduction) < HALF_DIGIT:
         return said
     line = source_title(first.source, of=of)
-    return (
-        f"{said}; {print_chance(first.reduction)} of the doubt is the missing {line}: "
-        "ask the maker for it first"
+    return say(
+        "{said}; {reduction} of the doubt is the missing {line}: "
+        "ask the maker for it first",
+        said=said,
+        reduction=print_chance(first.reduction),
+        line=line,
     )
+
+
+def say_words(text: str, /, **parts: str | Run | Math) -> Words:
+    """Write a template whose parts may be runs and formulas, as a line of a block."""
+    said = template(text)
+    line: list[str | Run | Math] = []
+    for before, part, _, _ in string.Formatter().parse(said):
+        line += [before] if before else []
+        line += [] if part is None else [parts[part]]
+    return tuple(line)
 
 
 def capital(text: str) -> str:
@@ -135,11 +165,11 @@ def points(lines: Iterable[str]) -> tuple[Words, ...]:
 
 
 PLURALS = {
-    "scale_factor": "scale factors",
-    "mounting_angle": "mounting angles",
-    "bias": "biases",
+    "scale_factor": term("scale factors"),
+    "mounting_angle": term("mounting angles"),
+    "bias": term("biases"),
 }
-NOTHING = "changes nothing under this error reference"
+NOTHING = term("changes nothing under this error reference")
 
 
 def not_given_lines(reach: Mapping[Name, tuple[Name, ...]]) -> tuple[str, ...]:
@@ -151,11 +181,22 @@ def not_given_lines(reach: Mapping[Name, tuple[Name, ...]]) -> tuple[str, ...]:
     absent: dict[tuple[str, str], list[str]] = {}
     for name, outputs in reach.items():
         reached = {output.quantity for output in outputs}
-        *most, last = [PLURALS[key] for key in PLURALS if key in reached] or [NOTHING]
-        effect = f"{', '.join(most)} and {last}" if most else last
-        said = effect if not reached else f"could widen {effect}"
+        *most, last = [say(PLURALS[key]) for key in PLURALS if key in reached] or [
+            say(NOTHING)
+        ]
+        effect = (
+            say("{most} and {last}", most=say(", ").join(most), last=last)
+            if most
+            else last
+        )
+        said = effect if not reached else say("could widen {effect}", effect=effect)
         absent.setdefault((name.owner, said), []).append(words(name.quantity))
     return tuple(
-        f"{sensor} {', '.join(lines)}: {effect}"
+        say(
+            "{sensor} {lines}: {effect}",
+            sensor=say(sensor),
+            lines=say(", ").join(lines),
+            effect=effect,
+        )
         for (sensor, effect), lines in absent.items()
     )

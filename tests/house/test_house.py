@@ -16,7 +16,7 @@ from saying import assert_says
 # rooms on one floor do not know each other.
 FLOORS = (
     ("version", "arrays", "errors", "names", "earth", "resources", "ties", "journal"),
-    ("units",),
+    ("units", "language"),
     ("distributions",),
     ("copula",),
     ("problem", "model"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from budget.names import key_title
+from budget.language import key_title, say
 from budget.report.allocation.words import (
     DIGITS,
     IDLE,
@@ -54,7 +54,7 @@ def waterfall_chart(row: LimitedOutput) -> Chart:
     ones what the sources take now; those leave the figure where the limit is passed.
     """
     left, left_now = 1.0, 1.0
-    rows = [Row(label="limit", marks=(Bar(start=0.0, end=100.0, colour=GRID),))]
+    rows = [Row(label=say("limit"), marks=(Bar(start=0.0, end=100.0, colour=GRID),))]
     for part in row.parts:
         if max(part.now, _after(part)) < SHOWN:
             continue
@@ -69,32 +69,38 @@ def waterfall_chart(row: LimitedOutput) -> Chart:
         "none" if value < -SHOWN else print_part(max(value, 0.0))
         for value in (left_now, left)
     )
-    rows.append(Row(label="left", marks=tuple(marks), beside=beside))
+    rows.append(Row(label=say("left"), marks=tuple(marks), beside=beside))
     scale = Scale(
         low=0.0,
         high=100.0,
         ticks=tuple((float(x), str(x)) for x in (0, 25, 50, 75, 100)),
-        label="part of the squared limit [%]",
+        label=say("part of the squared limit [%]"),
     )
     word, used = after_word(row), print_used(row, now=True)
     return Chart(
         name=f"waterfall-{row.output.name}",
         title=_waterfall_title(row),
         sides=(Side(panels=(Panel(scale=scale, groups=(Group(rows=tuple(rows)),)),)),),
-        lead=f"Parts of the squared limit {row.printed_limit}: ",
-        after=f" The largest error is now {used} of the limit.",
-        caption=(
-            f"From the squared limit down: thick bars are what is {word}, thin ones "
-            "what each source takes now."
+        lead=say(
+            "Parts of the squared limit {printed_limit}: ",
+            printed_limit=row.printed_limit,
         ),
-        beside=("now", word),
+        after=say(" The largest error is now {used} of the limit.", used=used),
+        caption=(
+            say(
+                "From the squared limit down: thick bars are what is "
+                "{word}, thin ones what each source takes now.",
+                word=word,
+            )
+        ),
+        beside=(say("now"), word),
         pitch=PITCH,
     )
 
 
 def after_word(row: LimitedOutput) -> str:
     """Say what stands beside 'now': what is allowed, or all that is held."""
-    return "held" if row.allowed is None else "allowed"
+    return say("held") if row.allowed is None else say("allowed")
 
 
 def _waterfall_title(row: LimitedOutput) -> str:
@@ -102,10 +108,16 @@ def _waterfall_title(row: LimitedOutput) -> str:
     name = key_title(row.output.name)
     largest = row.parts[first_largest([_after(part) for part in row.parts])]
     title = part_title(largest.source, row.sensor)
-    part = f"{title} takes {print_part(_after(largest))} %"
+    part = say(
+        "{title} takes {after} %", title=title, after=print_part(_after(largest))
+    )
     if row.allowed is None:
-        return f"{capital(name)} cannot be met: {part} of the squared limit"
-    return f"{capital(part)} of the squared {name} limit"
+        return say(
+            "{name} cannot be met: {part} of the squared limit",
+            name=capital(name),
+            part=part,
+        )
+    return say("{part} of the squared {name} limit", part=capital(part), name=name)
 
 
 def _after(part: LimitPart) -> float:
@@ -121,7 +133,13 @@ def _part_row(row: LimitedOutput, part: LimitPart, left: float, left_now: float)
     colour, hatch, _ = look_of(part.source)
     after, title = _after(part), part_title(part.source, row.sensor)
     now, then = print_part(part.now), print_part(after)
-    said = f"{title} now {now} %, {after_word(row)} {then} %"
+    said = say(
+        "{title} now {now} %, {after_word} {then} %",
+        title=title,
+        now=now,
+        after_word=after_word(row),
+        then=then,
+    )
     marks: list[Mark] = [
         Bar(
             start=100.0 * (left - after),
@@ -129,8 +147,12 @@ def _part_row(row: LimitedOutput, part: LimitPart, left: float, left_now: float)
             colour=colour,
             hatch=hatch,
             edge_width=0.4,
-            tip=f"{said} of the squared {key_title(row.output.name)} limit "
-            f"{row.printed_limit}",
+            tip=say(
+                "{said} of the squared {name} limit {printed_limit}",
+                said=said,
+                name=key_title(row.output.name),
+                printed_limit=row.printed_limit,
+            ),
         )
     ]
     start, end = 100.0 * min(left_now, 1.0), 100.0 * (left_now - part.now)
@@ -151,29 +173,37 @@ def headroom_chart(rows: Sequence[SourceAllotment]) -> Chart | None:
     shown = [row for row in rows if row.headroom is not None]
     if not shown:
         return None
-    names = ", ".join(source_title(row.source) for row in rows if row.is_idle)
-    idle = f" Not drawn, as it {IDLE}: {names}." if names else ""
+    names = say(", ").join(source_title(row.source) for row in rows if row.is_idle)
+    idle = (
+        say(" Not drawn, as it {idle}: {names}.", idle=say(IDLE), names=names)
+        if names
+        else ""
+    )
     scale = Scale(
         low=LEAST_FACTOR,
         high=MOST_FACTOR,
         kind="log",
         ticks=(
-            *((0.01, "1/100"), (0.1, "1/10"), (1.0, "now")),
+            *((0.01, "1/100"), (0.1, "1/10"), (1.0, say("now"))),
             *((10.0, "10"), (100.0, "100")),
         ),
         lines=((1.0, ""),),
-        label="value over the present one; diamond: allowed",
+        label=say("value over the present one; diamond: allowed"),
     )
     group = Group(rows=tuple(map(_headroom_row, shown)))
     return Chart(
         name=f"headroom-{shown[0].source.owner}",
         title=_headroom_title(shown, has_idle=bool(idle)),
         sides=(Side(panels=(Panel(scale=scale, groups=(group,)),)),),
-        lead="Each line alone, the others as now: ",
+        lead=say("Each line alone, the others as now: "),
         after=idle,
         caption=(
-            "Each line alone, the others as they are now; named is the limit that "
-            f"stops it. To the left: it must become better by that much.{idle}"
+            say(
+                "Each line alone, the others as they are now; named is the "
+                "limit that stops it. To the left: it must become better "
+                "by that much.{idle}",
+                idle=idle,
+            )
         ),
         flush="left",
         pitch=PITCH,
@@ -185,12 +215,18 @@ def _headroom_title(shown: Sequence[SourceAllotment], *, has_idle: bool) -> str:
     growing = [row for row in shown if _factor(row) > 1.0]
     sensor = shown[0].source.owner
     if not growing:
-        return f"No {sensor} line alone may grow"
+        return say("No {sensor} line alone may grow", sensor=say(sensor))
     most = growing[first_largest([_factor(row) for row in growing])]
-    that_count = " that count" if has_idle else ""
-    return (
-        f"{len(growing)} of {len(shown)} {sensor} lines{that_count} may grow alone, "
-        f"{source_title(most.source)} {print_given(_factor(most), digits=DIGITS)} times"
+    that_count = say(" that count") if has_idle else ""
+    return say(
+        "{growing} of {shown} {sensor} lines{that_count} may grow "
+        "alone, {source} {factor} times",
+        growing=len(growing),
+        shown=len(shown),
+        sensor=say(sensor),
+        that_count=that_count,
+        source=source_title(most.source),
+        factor=print_given(_factor(most), digits=DIGITS),
     )
 
 
@@ -199,16 +235,25 @@ def _headroom_row(row: SourceAllotment) -> Row:
     colour, hatch, _ = look_of(row.source)
     factor, title = _factor(row), source_title(row.source)
     up_to, stop = print_headroom(row)
-    stopped_by = f"{NONE}: {stop}" if up_to == NONE else stop
+    stopped_by = say("{none}: {stop}", none=NONE, stop=stop) if up_to == NONE else stop
     now = print_value(row.now / row.si_per_unit, row.unit)
     if row.headroom is not None and row.headroom.value:
         times = print_given(factor, digits=DIGITS)
-        said = f"{title} {times} times, stopped by {stopped_by}"
+        said = say(
+            "{title} {times} times, stopped by {stopped_by}",
+            title=title,
+            times=times,
+            stopped_by=stopped_by,
+        )
         value = print_value(row.headroom.value / row.si_per_unit, row.unit)
-        alone = f"alone up to {value}, then stopped by {stopped_by}"
+        alone = say(
+            "alone up to {value}, then stopped by {stopped_by}",
+            value=value,
+            stopped_by=stopped_by,
+        )
     else:
         said = f"{title} {stopped_by}"
-        alone = f"alone it cannot mend {stop}"
+        alone = say("alone it cannot mend {stop}", stop=stop)
     bar = Bar(
         start=1.0,
         end=_drawn(factor),
@@ -216,7 +261,7 @@ def _headroom_row(row: SourceAllotment) -> Row:
         edge=colour,
         edge_width=0.8,
         hatch=hatch,
-        tip=f"{title}: now {now}, {alone}",
+        tip=say("{title}: now {now}, {alone}", title=title, now=now, alone=alone),
     )
     is_moved = row.status == FREE and bool(row.allowed)
     diamond = Dot(at=_drawn(row.factor), shape="D", fill=PAPER, edge=INK, size=4.0)

@@ -6,7 +6,7 @@ from functools import partial
 from operator import attrgetter
 from typing import TYPE_CHECKING
 
-from budget.names import key_title, words
+from budget.language import key_title, say, term, words
 from budget.report.allocation.figures import (
     after_word,
     headroom_chart,
@@ -69,9 +69,9 @@ if TYPE_CHECKING:
     )
 
 STRATEGIES = {
-    "proportional": "one factor on all lines of a sensor",
-    "equal": "each line gets an equal part of the limit it uses most",
-    "cost": "the least total cost",
+    "proportional": term("one factor on all lines of a sensor"),
+    "equal": term("each line gets an equal part of the limit it uses most"),
+    "cost": term("the least total cost"),
 }
 CLOSEST = 5  # catalogue entries a sensor that are listed where none meets
 PER_CENT = 100.0
@@ -81,42 +81,52 @@ SHARP = 1e-12  # below it a residual is the rounding of the processor [1]
 def allocation_section(allocation: Allocation) -> Section:
     """Return what each line may be: the finding, its tables and figures."""
     coverage = print_coverage(allocation.coverage)
-    settings = (
-        f"Strategy {allocation.strategy}: {STRATEGIES[allocation.strategy]}. Coverage "
-        f"{coverage} %, error reference {words(allocation.reference)}, procedure "
-        f"{allocation.procedure}. Values are standard uncertainties of the largest "
-        "axis."
+    settings = say(
+        "Strategy {strategy}: {strategies}. Coverage {coverage} %, "
+        "error reference {reference}, procedure {procedure}. "
+        "Values are standard uncertainties of the largest axis.",
+        strategy=allocation.strategy,
+        strategies=say(STRATEGIES[allocation.strategy]),
+        coverage=coverage,
+        reference=words(allocation.reference),
+        procedure=allocation.procedure,
     )
     blocks: list[Block] = [
         Paragraph(words=(Run(text=headline(allocation), strong=True),)),
         Paragraph(words=(settings,), small=True),
-        *_points("What would make it feasible", relaxations(allocation.impossible)),
+        *_points(
+            say("What would make it feasible"), relaxations(allocation.impossible)
+        ),
     ]
     for sensor, rows in _by_sensor(allocation):
         limits = _limits(allocation, sensor)
         tables: list[Block] = [_lines_table(sensor, rows)]
         if idle := explain_idle(rows):
-            tables.append(Paragraph(words=(f"{capital(idle)}.",), small=True))
+            tables.append(
+                Paragraph(words=(say("{idle}.", idle=capital(idle)),), small=True)
+            )
         if limits:
             tables.append(_parts_table(sensor, limits))
-        blocks.append(Panel(title=capital(sensor), blocks=tuple(tables)))
+        blocks.append(Panel(title=capital(say(sensor)), blocks=tuple(tables)))
     blocks.append(Abreast(blocks=(ForPages(lambda: _pictures(allocation)),)))
     corrected = (row for row in allocation.sources if row.uncorrected is not None)
-    blocks += _points("Corrected by Monte Carlo", map(_correction, corrected))
-    blocks += _points("What limits cost", map(_cost_text, allocation.costs))
+    blocks += _points(say("Corrected by Monte Carlo"), map(_correction, corrected))
+    blocks += _points(say("What limits cost"), map(_cost_text, allocation.costs))
     if allocation.checks:
-        title = "Checked by Monte Carlo at the allocated values"
+        title = say("Checked by Monte Carlo at the allocated values")
         blocks.append(Panel(title=title, blocks=(_checks_table(allocation.checks),)))
-    blocks += _points("A longer test", map(longer_test_text, allocation.longer_tests))
+    blocks += _points(
+        say("A longer test"), map(longer_test_text, allocation.longer_tests)
+    )
     texts = (
         recalibration_text(one, allocation.coverage)
         for one in allocation.recalibrations
     )
-    blocks += _points("When to calibrate again", texts)
+    blocks += _points(say("When to calibrate again"), texts)
     blocks += _shelves(allocation)
-    blocks += _points("Remarks on the allocation", allocation.warnings)
+    blocks += _points(say("Remarks on the allocation"), allocation.warnings)
     return Section(
-        name="allocation", title="What each line may be", blocks=tuple(blocks)
+        name="allocation", title=say("What each line may be"), blocks=tuple(blocks)
     )
 
 
@@ -152,9 +162,10 @@ def _pictures(allocation: Allocation) -> Iterator[Picture]:
 def _correction(row: SourceAllotment) -> str:
     """Say what Monte Carlo changed."""
     value = (row.uncorrected or 0.0) / row.si_per_unit
-    return (
-        f"{source_title(row.source)}: the law alone allows "
-        f"{print_value(value, row.unit)}, corrected by Monte Carlo"
+    return say(
+        "{source}: the law alone allows {value}, corrected by Monte Carlo",
+        source=source_title(row.source),
+        value=print_value(value, row.unit),
     )
 
 
@@ -162,7 +173,7 @@ def _points(title: str, lines: Iterable[str]) -> Iterator[Panel]:
     """Yield lines of text under a heading, nothing where there are none."""
     items = tuple((capital(line),) for line in lines)
     if items:
-        yield Panel(title=title, blocks=(Listing(items=items, empty="None."),))
+        yield Panel(title=title, blocks=(Listing(items=items, empty=say("None.")),))
 
 
 def _limits(allocation: Allocation, sensor: str) -> tuple[LimitedOutput, ...]:
@@ -179,28 +190,35 @@ def _lines_table(sensor: str, rows: Sequence[SourceAllotment]) -> Table:
     """Return what each line is and may be."""
     fields: tuple[Field[SourceAllotment], ...] = (
         Field(
-            head="line",
+            head=say("line"),
             weight=1.4,
             cell=lambda row: Cell(
                 text=capital(source_title(row.source)), note=remarks(row)
             ),
         ),
-        Field(head="now", kind="number", cell=lambda row: _value(row.now, row)),
-        Field(head="allowed", kind="number", cell=lambda row: _value(row.allowed, row)),
-        Field(head="unit", kind="unit", cell=lambda row: row.unit),
-        Field(head="allowed / now", kind="number", cell=_factor),
+        Field(head=say("now"), kind="number", cell=lambda row: _value(row.now, row)),
         Field(
-            head="stopped by",
+            head=say("allowed"),
+            kind="number",
+            cell=lambda row: _value(row.allowed, row),
+        ),
+        Field(head=say("unit"), kind="unit", cell=lambda row: row.unit),
+        Field(head=say("allowed / now"), kind="number", cell=_factor),
+        Field(
+            head=say("stopped by"),
             cell=lambda row: print_stop(row.binding_outputs, row.source.owner),
         ),
-        Field(head="alone up to", kind="number", cell=_alone),
-        Field(head="then stopped by", cell=lambda row: print_headroom(row)[1]),
+        Field(head=say("alone up to"), kind="number", cell=_alone),
+        Field(head=say("then stopped by"), cell=lambda row: print_headroom(row)[1]),
     )
     return table_of(
         rows,
         fields,
         name=f"allocation-{sensor}",
-        caption=f"What each line of the {sensor} is now, and what it may be",
+        caption=say(
+            "What each line of the {sensor} is now, and what it may be",
+            sensor=say(sensor),
+        ),
         by=attrgetter("unit"),  # points are in line where that means something
         is_wide=True,
     )
@@ -236,17 +254,17 @@ def _parts_table(sensor: str, limits: Sequence[LimitedOutput]) -> Table:
 
     def head(place: int) -> str:
         if place == len(limits[0].parts):
-            return "Largest error, of the limit"
+            return say("Largest error, of the limit")
         return capital(part_title(limits[0].parts[place].source, sensor))
 
     fields: list[Field[int]] = [
-        Field(head="part of the squared limit [%]", weight=1.4, cell=head)
+        Field(head=say("part of the squared limit [%]"), weight=1.4, cell=head)
     ]
     for row in limits:
         name = print_stop((row.output.name,), sensor)
         fields += [
             Field(
-                head=f"{name}, {word}",
+                head=say("{name}, {word}", name=name, word=say(word)),
                 kind="number",
                 cell=partial(_part, row, after=after),
             )
@@ -257,7 +275,9 @@ def _parts_table(sensor: str, limits: Sequence[LimitedOutput]) -> Table:
         range(number + 1),
         fields,
         name=f"allocation-parts-{sensor}",
-        caption=f"Parts of the squared limits of the {sensor} by source",
+        caption=say(
+            "Parts of the squared limits of the {sensor} by source", sensor=say(sensor)
+        ),
         by=lambda place: place == number,
         is_wide=True,
     )
@@ -288,14 +308,23 @@ def _cost_text(cost: CostReport) -> str:
     """Say what the allocation of one sensor costs, and what limits cost."""
     given, now = (print_given(x, digits=DIGITS) for x in (cost.cost, cost.now))
     savings = "".join(
-        f" One percent more on {join_outputs(saving.outputs)} would save "
-        f"{print_given(saving.saves, digits=DIGITS)}."
+        say(
+            " One percent more on {outputs} would save {saves}.",
+            outputs=join_outputs(saving.outputs),
+            saves=print_given(saving.saves, digits=DIGITS),
+        )
         for saving in cost.savings
     )
-    return (
-        f"{cost.sensor}: {given} for the lines that are free, {now} now; at most a "
-        f"part of {cost.gap:.0e} above the least (residual below "
-        f"{max(settle(cost.residual), SHARP):.0e}).{savings}"
+    return say(
+        "{sensor}: {given} for the lines that are free, {now} now; "
+        "at most a part of {gap:.0e} above the least (residual "
+        "below {residual:.0e}).{savings}",
+        sensor=say(cost.sensor),
+        given=given,
+        now=now,
+        gap=cost.gap,
+        residual=max(settle(cost.residual), SHARP),
+        savings=savings,
     )
 
 
@@ -303,33 +332,33 @@ def _checks_table(checks: Sequence[CoverageCheck]) -> Table:
     """Return how often the law's interval holds, output by output."""
     fields: tuple[Field[CoverageCheck], ...] = (
         Field(
-            head="output at its limit",
+            head=say("output at its limit"),
             cell=lambda check: Cell(
                 text=capital(key_title(check.output)),
-                note="corrected" if check.is_corrected else "",
+                note=say("corrected") if check.is_corrected else "",
             ),
         ),
         Field(
-            head="trials",
+            head=say("trials"),
             kind="number",
             cell=lambda check: Cell(text=print_count(check.trials), exact=check.trials),
         ),
         Field(
-            head="within the interval of the law [%]",
+            head=say("within the interval of the law [%]"),
             kind="number",
             cell=lambda check: Cell(
                 text=f"{PER_CENT * check.covered:.2f}", exact=PER_CENT * check.covered
             ),
         ),
         Field(
-            head="k of the law",
+            head=say("k of the law"),
             kind="number",
             cell=lambda check: Cell(
                 text=f"{check.factor_before:.4f}", exact=check.factor_before
             ),
         ),
         Field(
-            head="k allocated with",
+            head=say("k allocated with"),
             kind="number",
             cell=lambda check: Cell(
                 text=f"{check.factor:.4f}",
@@ -342,7 +371,7 @@ def _checks_table(checks: Sequence[CoverageCheck]) -> Table:
         checks,
         fields,
         name="allocation-checks",
-        caption="Coverage of the intervals of the law, by Monte Carlo",
+        caption=say("Coverage of the intervals of the law, by Monte Carlo"),
     )
 
 
@@ -352,6 +381,11 @@ def _shelves(allocation: Allocation) -> Iterator[Panel]:
         own = [match for match in allocation.matches if match.sensor == sensor]
         meeting = sum(match.meets for match in own)
         yield from _points(
-            f"Catalogue: {meeting} of {len(own)} {sensor} entries meet every line",
+            say(
+                "Catalogue: {meeting} of {own} {sensor} entries meet every line",
+                meeting=meeting,
+                own=len(own),
+                sensor=say(sensor),
+            ),
             map(match_text, own[: max(meeting, CLOSEST)]),
         )

@@ -5,7 +5,8 @@ from __future__ import annotations
 from math import floor, log10
 from typing import TYPE_CHECKING
 
-from budget.names import by_group, key_title, words
+from budget.language import key_title, say, term, words
+from budget.names import by_group
 from budget.report.tables import (
     Number,
     bound_number,
@@ -35,8 +36,8 @@ if TYPE_CHECKING:
 
 DASH = "-"  # nothing to say
 NONE = "none"  # no value would do
-IDLE = "counts nothing here"
-CEILING = "its ceiling"
+IDLE = term("counts nothing here")
+CEILING = term("its ceiling")
 DIGITS = 3  # of an allocated value: it is a specification, not a measurement
 
 
@@ -53,9 +54,13 @@ def print_headroom(row: SourceAllotment) -> tuple[str, str]:
     """
     room = row.headroom
     if room is None:
-        return DASH, IDLE if row.is_idle else DASH
+        return DASH, say(IDLE) if row.is_idle else DASH
     up_to = print_given(room.value / row.si_per_unit, digits=DIGITS)
-    stop = print_stop(room.stopped_by, row.source.owner) if room.stopped_by else CEILING
+    stop = (
+        print_stop(room.stopped_by, row.source.owner)
+        if room.stopped_by
+        else say(CEILING)
+    )
     return up_to if room.value else NONE, stop
 
 
@@ -66,12 +71,15 @@ def print_stop(names: Sequence[Name], of: str) -> str:
 
 def explain_idle(rows: Sequence[SourceAllotment]) -> str:
     """Name the lines that count nothing and say what that means; '' without any."""
-    names = ", ".join(source_title(row.source) for row in rows if row.is_idle)
+    names = say(", ").join(source_title(row.source) for row in rows if row.is_idle)
     if not names:
         return ""
-    return (
-        f"{IDLE}: {names} (under this error reference, the other lines as now, less "
-        "than 0.1 % of every squared limit even at its ceiling)"
+    return say(
+        "{idle}: {names} (under this error reference, the other "
+        "lines as now, less than 0.1 % of every squared limit even "
+        "at its ceiling)",
+        idle=say(IDLE),
+        names=names,
     )
 
 
@@ -112,45 +120,47 @@ def tightest(outputs: Sequence[LimitedOutput]) -> tuple[LimitedOutput, ...]:
 
 def part_title(source: Name, sensor: str) -> str:
     """Name what takes a part of a limit of that sensor."""
-    return "mean error" if source == MEAN else source_title(source, of=sensor)
+    return say("mean error") if source == MEAN else source_title(source, of=sensor)
 
 
 def remarks(row: SourceAllotment) -> str:
     """Say what is special about a source."""
     found = []
     if row.status != FREE:
-        found.append(row.status)
+        found.append(say(row.status))
     if row.is_idle:
-        found.append(IDLE)
+        found.append(say(IDLE))
     if row.at_ceiling:
-        found.append("at its ceiling")
+        found.append(say("at its ceiling"))
     if row.at_least:
-        found.append("at its least")
+        found.append(say("at its least"))
     if row.is_beyond_market:
-        found.append("better than any offered")
-    return ", ".join(found)
+        found.append(say("better than any offered"))
+    return say(", ").join(found)
 
 
 def headline(allocation: Allocation) -> str:
     """State the finding in one sentence."""
     if allocation.feasible:
-        met = f"{allocation.requirement} can be met"
+        met = say("{requirement} can be met", requirement=allocation.requirement)
         if allocation.not_allocated:  # 'met' alone would speak for what is not there
             kinds = dict.fromkeys(row.sensor for row in allocation.outputs)
-            met += f" for the {' and the '.join(kinds)}"
+            met += say(" for the {kinds}", kinds=say(" and the ").join(map(say, kinds)))
         if allocation.not_estimated:
-            held = ", ".join(
+            held = say(", ").join(
                 key_title(one) for one in by_group(allocation.not_estimated)
             )
-            met += f" but for {held}, not estimated by this test"
+            met += say(" but for {held}, not estimated by this test", held=held)
         names = join_outputs([row.output.name for row in allocation.binding])
         if not names:
-            return f"{met}; no limit is reached."
-        return f"{met}; at its limit: {names}."
+            return say("{met}; no limit is reached.", met=met)
+        return say("{met}; at its limit: {names}.", met=met, names=names)
     names = join_outputs([row.output.name for row in allocation.impossible])
-    return (
-        f"{allocation.requirement} cannot be met: what is held and the procedure "
-        f"already pass the limits of {names}."
+    return say(
+        "{requirement} cannot be met: what is held and the "
+        "procedure already pass the limits of {names}.",
+        requirement=allocation.requirement,
+        names=names,
     )
 
 
@@ -169,52 +179,86 @@ def _relaxation(rows: Sequence[LimitedOutput]) -> str:
     scale = row.output.si_per_unit
     needed = print_value(row.floor * row.limit / scale, row.output.unit)
     users = [row.parts[k] for k in from_largest([part.floor for part in row.parts])]
-    taken = ", ".join(
+    taken = say(", ").join(
         f"{part_title(part.source, row.sensor)} {print_part(part.floor)} %"
         for part in users[:3]
         if part.floor > 0.01  # noqa: PLR2004 - of the squared limit
     )
-    return (
-        f"{join_outputs([each.output.name for each in rows])}: "
-        f"{print_floor(row)} of the limit {row.printed_limit} is used up "
-        f"(of its square: {taken}); relax it to more than {needed}, or let go what is "
-        "held"
+    return say(
+        "{outputs}: {floor} of the limit {printed_limit} is used "
+        "up (of its square: {taken}); relax it to more than "
+        "{needed}, or let go what is held",
+        outputs=join_outputs([each.output.name for each in rows]),
+        floor=print_floor(row),
+        printed_limit=row.printed_limit,
+        taken=taken,
+        needed=needed,
     )
 
 
 def longer_test_text(test: LongerTest) -> str:
     """Say what a change of the procedure would do."""
     unit = " s" if test.name == "dwell" else ""
-    what = f"{test.sensor}, {test.goal}: "
+    what = say("{sensor}, {goal}: ", sensor=say(test.sensor), goal=say(test.goal))
     if test.needed is not None:
-        return (
-            f"{what}{test.name} of {test.needed:g}{unit} in place of "
-            f"{test.now:g}{unit} would meet the limits"
+        return say(
+            "{what}{name} of {needed:g}{unit} in place of "
+            "{now:g}{unit} would meet the limits",
+            what=what,
+            name=say(test.name),
+            needed=test.needed,
+            unit=unit,
+            now=test.now,
         )
-    none = "dwell" if test.name == "dwell" else f"number of {test.name}"
-    return (
-        f"{what}no {none} up to {test.tried_to:g}{unit} would do; best "
-        f"{print_utilisation(test.utilisation)} of a limit, at {test.best:g}{unit}"
+    none = say("dwell")
+    if test.name != "dwell":
+        none = say("number of {name}", name=say(test.name))
+    return say(
+        "{what}no {none} up to {tried_to:g}{unit} would do; best "
+        "{utilisation} of a limit, at {best:g}{unit}",
+        what=what,
+        none=none,
+        tried_to=test.tried_to,
+        unit=unit,
+        utilisation=print_utilisation(test.utilisation),
+        best=test.best,
     )
 
 
 def recalibration_text(one: Recalibration, coverage: float) -> str:
     """Say how old a calibration may be."""
-    who = f"{one.sensor}, {one.goal}: "
+    who = say("{sensor}, {goal}: ", sensor=say(one.sensor), goal=say(one.goal))
     used = print_utilisation(one.utilisation)
     if one.is_soon:
-        return f"{who}a limit is passed after one day already ({used} of it used)"
+        return say(
+            "{who}a limit is passed after one day already ({used} of it used)",
+            who=who,
+            used=used,
+        )
     if one.age is None and one.not_given:
-        names = ", ".join(words(name.quantity) for name in one.not_given)
-        return f"{who}nobody can tell, as lines are not given: {names}"
+        names = say(", ").join(words(name.quantity) for name in one.not_given)
+        return say(
+            "{who}nobody can tell, as lines are not given: {names}",
+            who=who,
+            names=names,
+        )
     if one.age is None:
-        return f"{who}no limit is reached within 30 years ({used} of one used then)"
-    latest = " at the latest" if one.not_given else ""
-    names = ", ".join(words(name.quantity) for name in one.not_given)
-    why = f"; not given: {names}" if names else ""
-    return (
-        f"{who}a limit is reached after {print_time(one.age)}{latest}, at a coverage "
-        f"of {print_coverage(coverage)} %{why}"
+        return say(
+            "{who}no limit is reached within 30 years ({used} of one used then)",
+            who=who,
+            used=used,
+        )
+    latest = say(" at the latest") if one.not_given else ""
+    names = say(", ").join(words(name.quantity) for name in one.not_given)
+    why = say("; not given: {names}", names=names) if names else ""
+    return say(
+        "{who}a limit is reached after {age}{latest}, at a "
+        "coverage of {coverage} %{why}",
+        who=who,
+        age=print_time(one.age),
+        latest=latest,
+        coverage=print_coverage(coverage),
+        why=why,
     )
 
 
@@ -222,34 +266,45 @@ def print_time(seconds: float) -> str:
     """Write a time in days, months or years, two digits rounded down."""
     size, unit = next(
         (size, unit)
-        for size, unit in ((YEAR, "years"), (YEAR / 12.0, "months"), (DAY, "days"))
+        for size, unit in (
+            (YEAR, term("years")),
+            (YEAR / 12.0, term("months")),
+            (DAY, term("days")),
+        )
         if seconds >= 2.0 * size or unit == "days"
     )
     number = seconds / size
     step = 10.0 ** (floor(log10(number)) - 1)
-    return f"{print_given(floor(settle(number / step)) * step)} {unit}"
+    return f"{print_given(floor(settle(number / step)) * step)} {say(unit)}"
 
 
 def line_match_text(line: LineMatch) -> str:
     """'bias stability x 85 (from its sample_noise)'."""
     title = source_title(line.source)
     if line.ratio is None:
-        return f"{title} {words(line.how) or 'not given'}"
-    how = f" ({words(line.how)})" if line.how else ""
+        return f"{title} {words(line.how) or say('not given')}"
+    how = say(" ({how})", how=words(line.how)) if line.how else ""
     return f"{title} x {print_given(line.ratio, digits=DIGITS)}{how}"
 
 
 def match_text(match: Match) -> str:
     """Say of one triad which lines are larger than allowed, and by how much."""
     if match.meets:
-        text = f"{match.device}: meets every line"
+        text = say("{device}: meets every line", device=match.device)
     else:
         lines = [row for row in match.lines if row.ratio is None or row.ratio > 1.0]
         within = len(match.lines) - len(lines)
-        text = f"{match.device}: " + ", ".join(line_match_text(row) for row in lines)
-        text += f"; {within} of {len(match.lines)} lines within"
+        text = say("{device}: ", device=match.device) + say(", ").join(
+            line_match_text(row) for row in lines
+        )
+        text += say(
+            "; {within} of {lines} lines within", within=within, lines=len(match.lines)
+        )
     if match.extra:
-        text += f"; has besides {', '.join(source_title(name) for name in match.extra)}"
+        text += say(
+            "; has besides {extra}",
+            extra=say(", ").join(source_title(name) for name in match.extra),
+        )
     return text
 
 

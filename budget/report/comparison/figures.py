@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from budget.names import key_title, words
+from budget.language import counted, key_title, say, term, words
 from budget.report.comparison.tables import merit_points
 from budget.report.figures.rows import (
     Bar,
@@ -73,7 +73,11 @@ STEPS = 44  # of the hue on its scale, which goes on for a tenth beyond the dark
 ROOM = 5  # characters that a cell holds
 MOST_PER_CENT = 999.5  # beyond, a cell says >999
 BOTH = 2  # devices that are all there are
-SHORT = {"scale_factor": "SF", "mounting_angle": "angle", "bias": "bias"}
+SHORT = {
+    "scale_factor": term("SF"),
+    "mounting_angle": term("angle"),
+    "bias": term("bias"),
+}
 NAMED = 3  # devices in a title
 LEAST_COSTS = 2  # different ones, below which a scatter shows nothing
 
@@ -93,18 +97,23 @@ def margin_chart(table: Ranking, name: str) -> Chart:
         high=100.0 * max(2.0, *parts, *worst, *reached) * 1.3,
         kind="log",
         lines=((100.0, "limit"),),
-        label="largest error [% of the limit]",
+        label=say("largest error [% of the limit]"),
     )
     group = Group(rows=tuple(_margin_row(row, scale.high) for row in rows))
     return Chart(
         name=name,
         title=margin_title(table),
         sides=(Side(panels=(Panel(scale=scale, groups=(group,)),)),),
-        lead="Largest error in per cent of the limit: ",
+        lead=say("Largest error in per cent of the limit: "),
         caption=(
-            "Bars start at the limit: to the left is what is left of it. Hollow: "
-            f"undecided. {HOLLOW[rests_on_predictions(table)]}"
-            f"{explain_mark(table)}{more_devices(table)}"
+            say(
+                "Bars start at the limit: to the left is what is left of "
+                "it. Hollow: undecided. "
+                "{hollow}{explain_mark}{more_devices}",
+                hollow=say(HOLLOW[rests_on_predictions(table)]),
+                explain_mark=explain_mark(table),
+                more_devices=more_devices(table),
+            )
         ),
         flush="left",
         pitch=15.0,
@@ -114,12 +123,16 @@ def margin_chart(table: Ranking, name: str) -> Chart:
 # What a bar of a device that lacks a line shows; where lines are predicted.
 HOLLOW = {
     False: (
-        "A range: undecidable because an expected line is not given, from now to at "
-        "worst; an arrow: at worst is not known."
+        term(
+            "A range: undecidable because an expected line is not given, from now "
+            "to at worst; an arrow: at worst is not known."
+        )
     ),
     True: (
-        "Hollow with a range: at the medians of predicted lines, and 90 % over what "
-        "they may be."
+        term(
+            "Hollow with a range: at the medians of predicted lines, and 90 % "
+            "over what they may be."
+        )
     ),
 }
 
@@ -135,20 +148,46 @@ def margin_title(table: Ranking) -> str:
     meets = [row for row in table.rows if row.of.verdict == "meets"]
     decided = [row for row in table.rows if row.of.verdict not in OPEN]
     lacking = len(table.rows) - len(decided)
-    number = f"{len(meets) or 'None'} of {len(table.rows)}"
-    why = "cannot be decided, lines are missing"
+    number = say(
+        "{meets} of {rows}", meets=len(meets) or say("None"), rows=len(table.rows)
+    )
+    why = say("cannot be decided, lines are missing")
     if rests_on_predictions(table):
-        why = "by predicted lines"
+        why = say("by predicted lines")
     if not decided:
-        return f"{sensor}: {number} can be decided, lines are missing"
+        return say(
+            "{sensor}: {number} can be decided, lines are missing",
+            sensor=say(sensor),
+            number=number,
+        )
     best = min(meets or decided, key=lambda row: row.of.utilisation)
-    named = f"{best.device} at {print_utilisation(best.of.utilisation)} of the limit"
-    lack = f"; {lacking} {why}" if lacking else ""
+    named = say(
+        "{device} at {utilisation} of the limit",
+        device=best.device,
+        utilisation=print_utilisation(best.of.utilisation),
+    )
+    lack = say("; {lacking} {why}", lacking=lacking, why=why) if lacking else ""
     if meets:
-        verb = "meet" if len(meets) > 1 else "meets"
-        return f"{sensor}: {number} {verb}, the best is {named}{lack}"
-    least = "the best that can be decided" if lacking else "the least used limit"
-    return f"{sensor}: {number} meets; {least} is {named}{lack}"
+        return counted(
+            len(meets),
+            "{sensor}: {number} meets, the best is {named}{lack}",
+            "{sensor}: {number} meet, the best is {named}{lack}",
+            sensor=sensor,
+            number=number,
+            named=named,
+            lack=lack,
+        )
+    least = (
+        say("the best that can be decided") if lacking else say("the least used limit")
+    )
+    return say(
+        "{sensor}: {number} meets; {least} is {named}{lack}",
+        sensor=say(sensor),
+        number=number,
+        least=least,
+        named=named,
+        lack=lack,
+    )
 
 
 def _margin_row(row: Device, end: float) -> Row:
@@ -156,7 +195,9 @@ def _margin_row(row: Device, end: float) -> Row:
     x, ink = 100.0 * max(row.of.utilisation, LEAST), BLUE
     if row.of.utilisation > 1.0:
         ink = INK
-    at_worst = f"; at worst {row.at_worst}" if row.at_worst else ""
+    at_worst = (
+        say("; at worst {at_worst}", at_worst=row.at_worst) if row.at_worst else ""
+    )
     start, height = 100.0, 9.3
     marks: list[Mark] = []
     if row.of.verdict == "undecidable":  # not a margin: somewhere from here on
@@ -173,8 +214,16 @@ def _margin_row(row: Device, end: float) -> Row:
             edge=ink,
             edge_width=0.9,
             height=height,
-            tip=f"{row.device}: {row.verdict}, {row.utilisation} % of the limit, "
-            f"worst {row.worst_output}, limited by {row.limiting_source}{at_worst}",
+            tip=say(
+                "{device}: {verdict}, {utilisation} % of the limit, worst "
+                "{worst_output}, limited by {limiting_source}{at_worst}",
+                device=row.device,
+                verdict=say(row.verdict),
+                utilisation=row.utilisation,
+                worst_output=row.worst_output,
+                limiting_source=row.limiting_source,
+                at_worst=at_worst,
+            ),
         )
     )
     low, high = (100.0 * max(end, LEAST) for end in row.of.range)
@@ -185,8 +234,13 @@ def _margin_row(row: Device, end: float) -> Row:
         marks=tuple(marks),
         beside=(f"{row.utilisation} {row.verdict}",),
         strong=row.of.verdict == "meets",
-        said=f"{row.device} {row.utilisation} %, {row.verdict}"
-        f"{at_worst.replace(';', ',')}",
+        said=say(
+            "{device} {utilisation} %, {verdict}{at_worst}",
+            device=row.device,
+            utilisation=row.utilisation,
+            verdict=say(row.verdict),
+            at_worst=at_worst.replace(";", ","),
+        ),
     )
 
 
@@ -213,7 +267,7 @@ def map_chart(table: Ranking, name: str, data: DataTable) -> Chart:
         scale=Scale(
             low=0.0,
             high=STEPS * width,
-            ticks=((0.0, "0"), (1.0, "limit"), (DARKEST_AT, "200 % and more")),
+            ticks=((0.0, "0"), (1.0, "limit"), (DARKEST_AT, say("200 % and more"))),
         ),
         groups=(Group(rows=(Row(label="", marks=hues),)),),
     )
@@ -222,12 +276,19 @@ def map_chart(table: Ranking, name: str, data: DataTable) -> Chart:
         title=map_title(table),
         sides=(Side(panels=(cells, scale)),),
         lead=(
-            "Largest error of each output in per cent of its limit; the worst of each "
-            "device: "
+            say(
+                "Largest error of each output in per cent of its limit; the worst "
+                "of each device: "
+            )
         ),
         caption=(
-            "Largest error in % of the limit, devices by outputs, best first; framed "
-            f"and in bold: beyond the limit.{explain_mark(table)}{more_devices(table)}"
+            say(
+                "Largest error in % of the limit, devices by outputs, best "
+                "first; framed and in bold: beyond the "
+                "limit.{explain_mark}{more_devices}",
+                explain_mark=explain_mark(table),
+                more_devices=more_devices(table),
+            )
         ),
         heads=tuple(_output_heads([output.output.name for output in outputs])),
         pitch=16.0,
@@ -241,22 +302,38 @@ def map_title(table: Ranking) -> str:
     # Of what is only known to be this or more, nobody knows what is the tightest.
     rows = [row for row in table.rows if not row.of.lower_bound]
     if not rows:
-        return f"{table.subject}: no device gives all lines, each can be worse"
+        return say(
+            "{subject}: no device gives all lines, each can be worse",
+            subject=table.subject,
+        )
     worst = [output_group(row) for row in rows]
     first = max(dict.fromkeys(worst), key=worst.count)
     number = worst.count(first)
     whole = len(worst)
     lack = len(table.rows) - whole
-    but = f"; {lack} more {'lacks' if lack == 1 else 'lack'} lines" if lack else ""
-    of = f"{number} of {whole} devices"
-    if number == whole:
-        of = "both devices" if whole == BOTH else f"all {whole} devices"
-    if whole == 1:
-        return (
-            f"{table.subject}: the {first} is the tightest for the only device"
-            f"{' that gives all lines' if lack else ''}{but}"
+    but = (
+        counted(
+            lack, "; {lack} more lacks lines", "; {lack} more lack lines", lack=lack
         )
-    return f"{table.subject}: the {first} is the tightest for {of}{but}"
+        if lack
+        else ""
+    )
+    of = say("{number} of {whole} devices", number=number, whole=whole)
+    if number == whole:
+        of = (
+            say("both devices")
+            if whole == BOTH
+            else say("all {whole} devices", whole=whole)
+        )
+    if whole == 1:
+        of = say("the only device") + (say(" that gives all lines") if lack else "")
+    return say(
+        "{subject}: the {first} is the tightest for {of}{but}",
+        subject=table.subject,
+        first=first,
+        of=of,
+        but=but,
+    )
 
 
 def output_group(row: Device) -> str:
@@ -279,13 +356,25 @@ def _map_row(row: Device) -> Row:
                 is_framed=not output.is_within,
                 text=_cell(output),
                 strong=not output.is_within,
-                tip=f"{row.device}, {key_title(output.output.name)}: "
-                f"{largest_error(output).text} {output.output.unit} of "
-                f"{output.printed_limit}, {used_part(output).text} of the limit",
+                tip=say(
+                    "{device}, {name}: {largest_error} {unit} of "
+                    "{printed_limit}, {used_part} of the limit",
+                    device=row.device,
+                    name=key_title(output.output.name),
+                    largest_error=largest_error(output).text,
+                    unit=output.output.unit,
+                    printed_limit=output.printed_limit,
+                    used_part=used_part(output).text,
+                ),
             )
             for x, output in enumerate(row.of.outputs)
         ),
-        said=f"{row.device} {row.utilisation} % ({row.worst_output})",
+        said=say(
+            "{device} {utilisation} % ({worst_output})",
+            device=row.device,
+            utilisation=row.utilisation,
+            worst_output=row.worst_output,
+        ),
     )
 
 
@@ -296,7 +385,9 @@ def _output_heads(names: list[Name]) -> Iterator[Head]:
     for parameter, own in groupby(enumerate(names), key=lambda pair: pair[1].quantity):
         places = [place for place, _ in own]
         title = (
-            words(parameter) if len(places) > BOTH else SHORT.get(parameter, "angle")
+            words(parameter)
+            if len(places) > BOTH
+            else say(SHORT.get(parameter, "angle"))
         )
         yield Head(at=(places[0] + places[-1] + 1) / 2.0, text=title, level=1)
 
@@ -320,8 +411,14 @@ def _cell(output: OutputAssessment) -> str:
 def front_picture(table: Ranking, merit: str, name: str, data: DataTable) -> Picture:
     """Return the part of the limit against a cost; each point has its tooltip."""
     points = merit_points(table, merit)
-    said = "; ".join(
-        f"{row.device} {print_given(amount.value)} {amount.unit}, {row.utilisation} %"
+    said = say("; ").join(
+        say(
+            "{device} {amount} {unit}, {utilisation} %",
+            device=row.device,
+            amount=print_given(amount.value),
+            unit=amount.unit,
+            utilisation=row.utilisation,
+        )
         for row, amount in points
     )
     title = pareto_title(table, merit)
@@ -329,17 +426,34 @@ def front_picture(table: Ranking, merit: str, name: str, data: DataTable) -> Pic
         pareto_scatter(table, merit),
         name=name,
         title=title,
-        alt=f"{title}. {merit.capitalize()} and part of the limit: {said}.",
+        alt=say(
+            "{title}. {merit} and part of the limit: {said}.",
+            title=title,
+            merit=merit.capitalize(),
+            said=said,
+        ),
         tips={
-            f"tip-{place}": f"{row.device}: {print_given(amount.value)} {amount.unit}, "
-            f"{row.utilisation} % of the limit, {row.verdict}"
+            f"tip-{place}": say(
+                "{device}: {amount} {unit}, {utilisation} % of the limit, {verdict}",
+                device=row.device,
+                amount=print_given(amount.value),
+                unit=amount.unit,
+                utilisation=row.utilisation,
+                verdict=say(row.verdict),
+            )
             for place, (row, amount) in enumerate(points)
         },
         caption=(
-            "Lower left is better. Joined: no other device is better in one and as "
-            "good in the other. Hollow: undecided or undecidable; a line up from a "
-            "point: what lacks an expected line is there or above, up to at worst, and "
-            f"beats nobody. Only devices whose {merit} is known.{explain_mark(table)}"
+            say(
+                "Lower left is better. Joined: no other device is better "
+                "in one and as good in the other. Hollow: undecided or "
+                "undecidable; a line up from a point: what lacks an "
+                "expected line is there or above, up to at worst, and "
+                "beats nobody. Only devices whose {merit} is "
+                "known.{explain_mark}",
+                merit=say(merit),
+                explain_mark=explain_mark(table),
+            )
         ),
         data=data,
     )
@@ -349,15 +463,19 @@ def no_front(table: Ranking, merit: str) -> str:
     """Say why a front would show nothing; '' where it shows something."""
     points = merit_points(table, merit)
     if not points:
-        return "no device gives one that can be compared"
+        return say("no device gives one that can be compared")
     if len(points) == 1:
-        return f"only {points[0][0].device} gives one that can be compared"
+        return say(
+            "only {device} gives one that can be compared", device=points[0][0].device
+        )
     if len({amount.value for _, amount in points}) >= LEAST_COSTS:
         return ""
     amount = points[0][1]
-    return (
-        f"the {len(points)} devices that give one have the same, "
-        f"{print_given(amount.value)} {amount.unit}"
+    return say(
+        "the {points} devices that give one have the same, {amount} {unit}",
+        points=len(points),
+        amount=print_given(amount.value),
+        unit=amount.unit,
     )
 
 
@@ -368,12 +486,17 @@ def no_fronts(table: Ranking) -> str:
     if not missing:
         return ""
     if not any(merit_points(table, merit) for merit in MERITS):
-        return (
+        return say(
             "No device gives a price, a mass or a power that can be compared: there is "
             "no front to draw."
         )
-    said = "; ".join(f"{merit}: {reasons[merit]}" for merit in missing)
-    return f"No front is drawn where it would show nothing. {capital(said)}."
+    said = say("; ").join(
+        say("{merit}: {reasons}", merit=say(merit), reasons=reasons[merit])
+        for merit in missing
+    )
+    return say(
+        "No front is drawn where it would show nothing. {said}.", said=capital(said)
+    )
 
 
 @house_style()
@@ -383,7 +506,7 @@ def pareto_scatter(table: Ranking, merit: str) -> Figure:
     figure, axes = plane(
         pareto_title(table, merit),
         f"{merit} [{points[0][1].unit}]",
-        "largest error [% of the limit]",
+        say("largest error [% of the limit]"),
         220.0,
     )
     axes.set_xscale("log")
@@ -416,7 +539,11 @@ def pareto_scatter(table: Ranking, merit: str) -> Figure:
                 mark_name(row, NAME)
             )
     for (cost, part), own in names.items():
-        name = own[0] if len(own) == 1 else f"{own[0]} and {len(own) - 1} more"
+        name = (
+            own[0]
+            if len(own) == 1
+            else say("{first} and {more} more", first=own[0], more=len(own) - 1)
+        )
         room = WIDTH - INCH / figure.dpi * axes.transData.transform((cost, 100.0))[0]
         side = "left" if fits(name, room) else "right"  # it stays in the figure
         shift = (-6.0 if side == "right" else 5.0, 3.0)
@@ -433,14 +560,24 @@ def pareto_title(table: Ranking, merit: str) -> str:
     ]
     names = list(dict.fromkeys(best))
     if not names:
-        return (
-            f"{table.subject}: nobody can say which device is best in {merit} "
-            "and error, all lack lines"
+        return say(
+            "{subject}: nobody can say which device is best in {merit} "
+            "and error, all lack lines",
+            subject=table.subject,
+            merit=say(merit),
         )
     more = len(names) - NAMED
-    named = ", ".join(names[:NAMED]) + (f" and {more} more" if more > 0 else "")
-    verb = "is" if len(names) == 1 else "are"
-    return f"{table.subject}: {named} {verb} not beaten in {merit} and error at once"
+    named = say(", ").join(names[:NAMED]) + (
+        say(" and {more} more", more=more) if more > 0 else ""
+    )
+    return counted(
+        len(names),
+        "{subject}: {named} is not beaten in {merit} and error at once",
+        "{subject}: {named} are not beaten in {merit} and error at once",
+        subject=table.subject,
+        named=named,
+        merit=say(merit),
+    )
 
 
 def _draw_point(axes: Axes, row: Device, cost: float, *, is_best: bool) -> Line2D:
@@ -482,14 +619,18 @@ def explain_mark(table: Ranking) -> str:
     if not any(row.missing for row in table.rows[:SHOWN]):
         return ""
     if any(row.of.lower_bound for row in table.rows[:SHOWN]):
-        return (
+        return say(
             " *: expected lines are missing and count as 0; the error is this or more "
             "(≥)."
         )
-    return " *: expected lines are missing; others stand in their place."
+    return say(" *: expected lines are missing; others stand in their place.")
 
 
 def more_devices(table: Ranking) -> str:
     """Say that a figure does not show all devices, '' where it does."""
     whole = len(table.rows)
-    return f" The first {SHOWN} of {whole} devices." if whole > SHOWN else ""
+    return (
+        say(" The first {shown} of {whole} devices.", shown=SHOWN, whole=whole)
+        if whole > SHOWN
+        else ""
+    )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from budget.names import words
+from budget.language import counted, say, term, words
 from budget.report.blocks import (
     Abreast,
     Card,
@@ -73,14 +73,18 @@ if TYPE_CHECKING:
 COMMAND = "budget compare"
 METHODS = {
     "gum": (
-        "the law of propagation of uncertainty with second-order terms (JCGM 100); "
-        "joint conformance from the joint normal distribution"
+        term(
+            "the law of propagation of uncertainty with second-order terms (JCGM 100); "
+            "joint conformance from the joint normal distribution"
+        )
     ),
     "monte-carlo": (
-        "the law of propagation of uncertainty (JCGM 100) where what it can be off by "
-        "is less than the sampling error of the trials, else Monte Carlo (JCGM 101); "
-        "every device on the same random numbers; open verdicts and ranks get more "
-        "trials"
+        term(
+            "the law of propagation of uncertainty (JCGM 100) where what it can "
+            "be off by is less than the sampling error of the trials, else Monte "
+            "Carlo (JCGM 101); every device on the same random numbers; open "
+            "verdicts and ranks get more trials"
+        )
     ),
 }
 
@@ -90,7 +94,6 @@ def comparison_document(
 ) -> Document:
     """Put a comparison into one document, the answer first."""
     found = rankings(comparison)
-    several = len(comparison.procedures) > 1
     number = len({one.place for one in comparison.entrants})
     sections = [
         _overview(found),
@@ -114,9 +117,19 @@ def comparison_document(
     ]
     return Document(
         kind="comparison",
-        title=f"{number} device{'' if number == 1 else 's'} compared",
+        title=counted(
+            number,
+            "{number} device compared",
+            "{number} devices compared",
+            number=number,
+        ),
         facts=(
-            f"procedure{'s' if several else ''} {', '.join(comparison.procedures)}",
+            counted(
+                len(comparison.procedures),
+                "procedure {procedures}",
+                "procedures {procedures}",
+                procedures=say(", ").join(comparison.procedures),
+            ),
         ),
         headline=headline(comparison),
         summary=(f"{answer(comparison)} {basis(comparison)}",),
@@ -159,14 +172,16 @@ def _answer(
     lines = (*verdict_lines(found), *not_compared_lines(comparison))
     yield Section(
         name="comparison",
-        title=f"Comparison against {comparison.requirement}",
+        title=say(
+            "Comparison against {requirement}", requirement=comparison.requirement
+        ),
         blocks=(
             Paragraph(words=(Run(text=answer(comparison), strong=True),)),
             Paragraph(words=(basis(comparison),), small=True),
             *apart,
             Listing(
                 items=tuple((capital(line),) for line in lines),
-                empty="No device has a required sensor.",
+                empty=say("No device has a required sensor."),
             ),
         ),
     )
@@ -185,15 +200,22 @@ def _card(table: Ranking) -> Card:
     best = best_of(table)
     lines: list[Words] = []
     if best is None:
-        lines.append((Run(text="No device meets", strong=True),))
+        lines.append((Run(text=say("No device meets"), strong=True),))
     else:
         used = Run(
-            text=f"{best.utilisation} % of the limit",
+            text=say("{utilisation} % of the limit", utilisation=best.utilisation),
             exact=PER_CENT * best.of.utilisation,
         )
         lines += [
-            (Run(text=f"{best.device} is best", strong=True),),
-            (used, f" at {best.worst_output}, limited by {best.limiting_source}"),
+            (Run(text=say("{device} is best", device=best.device), strong=True),),
+            (
+                used,
+                say(
+                    " at {worst_output}, limited by {limiting_source}",
+                    worst_output=best.worst_output,
+                    limiting_source=best.limiting_source,
+                ),
+            ),
         ]
     lines.append((table.counts,))
     return Card(title=table.subject, lines=tuple(lines))
@@ -208,11 +230,11 @@ def _overview(found: Sequence[Ranking]) -> Section:
             if table.rows
         )
     )
-    nothing = Paragraph(words=("No device gives a line to draw.",))
+    nothing = Paragraph(words=(say("No device gives a line to draw."),))
     has_rows = any(table.rows for table in found)
     return Section(
         name="overview",
-        title="Against the limits",
+        title=say("Against the limits"),
         blocks=(Abreast(blocks=(drawing,)),) if has_rows else (nothing,),
         on_first_page=True,
     )
@@ -227,17 +249,21 @@ def _remarks(comparison: Comparison, *, on_first_page: bool) -> Section:
         *rests_on_others_lines(comparison),
         *reading_lines(comparison),
         *advice_lines(comparison),
-        *(f"Over a cap: {line}" for line in cap_lines(comparison)),
-        *(f"Cap on {line}" for line in unknown_cap_lines(comparison)),
+        *(say("Over a cap: {line}", line=line) for line in cap_lines(comparison)),
+        *(say("Cap on {line}", line=line) for line in unknown_cap_lines(comparison)),
     )
-    said = "no cap is exceeded" if comparison.caps else "the requirement sets no cap"
+    said = (
+        say("no cap is exceeded")
+        if comparison.caps
+        else say("the requirement sets no cap")
+    )
     return Section(
         name="remarks",
-        title="What to beware of",
+        title=say("What to beware of"),
         blocks=(
             Listing(
                 items=tuple((capital(line),) for line in lines),
-                empty=f"No verdict hangs on a missing line, and {said}.",
+                empty=say("No verdict hangs on a missing line, and {said}.", said=said),
             ),
         ),
         on_first_page=on_first_page,
@@ -253,7 +279,7 @@ def _missing(comparison: Comparison) -> tuple[Section, ...]:
     return (
         Section(
             name="missing",
-            title="In the place of lines that are not given",
+            title=say("In the place of lines that are not given"),
             blocks=(
                 Paragraph(words=(text,), small=True),
                 missing_table(effects),
@@ -268,11 +294,11 @@ def _procedures(
     """Return every device under every procedure; nothing where there is one."""
     if len(comparison.procedures) == 1 or not comparison.devices:
         return ()
-    text = "% of the limit and verdict, in the order of the first procedure."
+    text = say("% of the limit and verdict, in the order of the first procedure.")
     return (
         Section(
             name="procedures",
-            title="By procedure",
+            title=say("By procedure"),
             blocks=(
                 Paragraph(words=(text,), small=True),
                 *(
@@ -298,10 +324,19 @@ def _devices(
     is_first = not any(before.rows for before in found[:place])
     explained = (ranking_note(found, mode),) if is_first else ()
     unknown = nothing_known_line(table)
-    said = (Paragraph(words=(f"{capital(unknown)}.",)),) if unknown else ()
+    said = (
+        (Paragraph(words=(say("{unknown}.", unknown=capital(unknown)),)),)
+        if unknown
+        else ()
+    )
     end = f"{table.sensor}-{place}"
     name = f"devices-{end}"
-    title = f"{capital(table.sensor)} devices{table.under}: {table.counts}"
+    title = say(
+        "{sensor} devices{under}: {counts}",
+        sensor=capital(say(table.sensor)),
+        under=table.under,
+        counts=table.counts,
+    )
     if not table.rows:
         return Section(name=name, title=title, blocks=said)
 
@@ -344,7 +379,7 @@ def _imus(comparison: Comparison) -> tuple[Section, ...]:
     imus = comparison.ranked_imus
     if not imus:
         return ()
-    text = (
+    text = say(
         "Gyro and accelerometer of one unit together: the graver verdict, the larger "
         "part of a limit, and the probability that all outputs of both are within "
         "their limits, counted in the same trials, so what the two share is in it."
@@ -352,7 +387,7 @@ def _imus(comparison: Comparison) -> tuple[Section, ...]:
     return (
         Section(
             name="imus",
-            title="IMUs as one device",
+            title=say("IMUs as one device"),
             blocks=(imus_table(imus), Paragraph(words=(text,), small=True)),
         ),
     )
@@ -363,14 +398,14 @@ def _pairs(comparison: Comparison) -> tuple[Section, ...]:
     pairs = comparison.pairs
     if not pairs:
         return ()
-    text = "Counted in the same trials, so what the two share is in it."
+    text = say("Counted in the same trials, so what the two share is in it.")
     if len(pairs) > PAIRS_SHOWN:
         more = len(pairs) - PAIRS_SHOWN
-        text += f" {more} more pairs are in the JSON document."
+        text += say(" {more} more pairs are in the JSON document.", more=more)
     return (
         Section(
             name="pairs",
-            title="Pairs of gyro and accelerometer",
+            title=say("Pairs of gyro and accelerometer"),
             blocks=(pairs_table(pairs), Paragraph(words=(text,), small=True)),
         ),
     )
@@ -382,13 +417,19 @@ def _assumptions(comparison: Comparison, *, in_report: bool) -> Section:
     blocks: tuple[Block, ...] = (
         (assumptions_table(comparison, f"{name}-table"),)
         if comparison.assumptions
-        else (Paragraph(words=("None: the files say all that is needed.",)),)
+        else (Paragraph(words=(say("None: the files say all that is needed."),)),)
     )
-    title = "Assumptions of the compared devices" if in_report else "Assumptions"
+    title = (
+        say("Assumptions of the compared devices") if in_report else say("Assumptions")
+    )
     number = len(comparison.assumptions)
-    brief = f"Assumptions: {number}, all in --json" if number else "Assumptions: none"
+    brief = (
+        say("Assumptions: {number}, all in --json", number=number)
+        if number
+        else say("Assumptions: none")
+    )
     told = (one.said for file in comparison.inputs for one in file.changes)
-    brief = "; ".join((brief, *dict.fromkeys(told)))
+    brief = say("; ").join((brief, *dict.fromkeys(told)))
     return Section(name=name, title=title, blocks=blocks, in_brief=brief)
 
 
@@ -398,6 +439,8 @@ def _method(comparison: Comparison) -> Section:
     for name, value in settings_lines(comparison.settings):
         text = words(value) if name == "error reference" else value
         if name == "method":
-            text = f"{value}: {METHODS[value]}"
-        rows.append((name, (text,)))
-    return Section(name="method", title="Method", blocks=(Pairs(rows=tuple(rows)),))
+            text = say("{value}: {methods}", value=value, methods=say(METHODS[value]))
+        rows.append((say(name), (text,)))
+    return Section(
+        name="method", title=say("Method"), blocks=(Pairs(rows=tuple(rows)),)
+    )

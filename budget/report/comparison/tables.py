@@ -9,7 +9,7 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 from budget.errors import CallError
-from budget.names import key_title, words
+from budget.language import key_title, say, term, words
 from budget.report.blocks import Cell, Field, table_of
 from budget.report.tables import (
     AT_LEAST,
@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 
 
 PAIRS_SHOWN = 20
-NOT_CALIBRATED = "not calibrated"  # a sensor under a procedure that leaves it out
+NOT_CALIBRATED = term("not calibrated")  # a sensor under a procedure that leaves it out
 MOST_FACTOR = 1000.0  # beyond, a line does not limit anything in any case
 SURE = 5e-4  # of a utilisation [1]: half a unit in the third digit
 
@@ -86,7 +86,7 @@ class Ranking:
     @property
     def subject(self) -> str:
         """'Gyro', or 'Gyro, Zhao 2019' where there are several procedures."""
-        return f"{capital(self.sensor)}{self.under}"
+        return f"{capital(say(self.sensor))}{self.under}"
 
     @property
     def counts(self) -> str:
@@ -94,10 +94,10 @@ class Ranking:
         verdicts = [row.of.verdict for row in self.rows]
         verdicts += ["undecidable"] * len(self.nothing_known)
         if not verdicts:
-            return NOT_CALIBRATED
-        plural = {"meets": "meet", "fails": "fail"}
-        return ", ".join(
-            f"{verdicts.count(word)} {plural.get(word, word)}"
+            return say(NOT_CALIBRATED)
+        plural = {"meets": term("meet"), "fails": term("fail")}
+        return say(", ").join(
+            f"{verdicts.count(word)} {say(plural.get(word, word))}"
             for word in VERDICTS
             if word in verdicts
         )
@@ -133,7 +133,9 @@ def rankings(
                 procedure=procedure,
                 rows=tuple(rows),
                 nothing_known=unknown,
-                under=f", {procedure}" if len(comparison.procedures) > 1 else "",
+                under=say(", {procedure}", procedure=procedure)
+                if len(comparison.procedures) > 1
+                else "",
             )
         )
     return tuple(found)
@@ -151,7 +153,7 @@ def side_by_side(found: Sequence[Ranking], sensor: str) -> tuple[SideRow, ...]:
         SideRow(
             device=row.device,
             cells=tuple(
-                cells.get((row.of.place, table.procedure), NOT_CALIBRATED)
+                cells.get((row.of.place, table.procedure), say(NOT_CALIBRATED))
                 for table in own
             ),
         )
@@ -193,7 +195,7 @@ def _conformance(one: DeviceVerdict) -> str:
 def print_range(interval: tuple[float, float]) -> str:
     """Print an interval of a part of a limit, '4.2 to 61.5', in per cent."""
     low, high = (print_utilisation(end).removesuffix(" %") for end in interval)
-    return low if low == high else f"{low} to {high}"
+    return low if low == high else say("{low} to {high}", low=low, high=high)
 
 
 def print_ask(doubt: Doubt, sensor: str) -> str:
@@ -219,7 +221,7 @@ def print_parts(value: float, interval: tuple[float, float]) -> tuple[str, str]:
         return text, ""
     # round_value keeps two digits of an uncertainty; of ten times it, one.
     ends = [round_value(PER_CENT * x, 10.0 * PER_CENT * half) for x in (low, high)]
-    return text, f"{ends[0]} to {ends[1]}"
+    return text, say("{low} to {high}", low=ends[0], high=ends[1])
 
 
 def print_at_most(p: Probability) -> str:
@@ -272,25 +274,25 @@ def _utilisation(row: Row) -> Cell:
 RANKING = (
     RankingField(
         key="device",
-        head="device",
+        head=term("device"),
         weight=2.0,
         cell=lambda row: Cell(
             text=row.device,
             strong=row.verdict == "meets",
-            note="lines missing" if row.missing else "",
+            note=say("lines missing") if row.missing else "",
         ),
         order=lambda row: row.device.casefold(),
     ),
     RankingField(
         key="rank",
-        head="rank",
+        head=term("rank"),
         kind="number",
         cell=lambda row: Cell(text=row.rank, exact=float(rank_number(row.rank))),
         order=lambda row: rank_number(row.rank),
     ),
     RankingField(
         key="verdict",
-        head="verdict",
+        head=term("verdict"),
         cell=lambda row: Cell(text=row.verdict, strong=row.verdict == "meets"),
         order=lambda row: (
             VERDICTS.index(row.of.verdict),
@@ -299,14 +301,14 @@ RANKING = (
     ),
     RankingField(
         key="utilisation",
-        head="% of limit",
+        head=term("% of limit"),
         kind="number",
         cell=_utilisation,
         order=lambda row: _undecided_last(row, row.of.utilisation),
     ),
     RankingField(
         key="interval",
-        head="interval",
+        head=term("interval"),
         weight=1.3,
         cell=lambda row: row.interval,
         optional=True,
@@ -314,7 +316,7 @@ RANKING = (
     ),
     RankingField(
         key="conformance",
-        head="conformance [%]",
+        head=term("conformance [%]"),
         kind="number",
         cell=lambda row: Cell(
             text=row.conformance,
@@ -324,28 +326,28 @@ RANKING = (
     ),
     RankingField(
         key="worst_output",
-        head="worst output",
+        head=term("worst output"),
         weight=1.3,
         cell=lambda row: row.worst_output,
         order=lambda row: row.worst_output,
     ),
     RankingField(
         key="limiting_source",
-        head="limited by",
+        head=term("limited by"),
         weight=1.5,
         cell=lambda row: row.limiting_source,
         order=lambda row: row.limiting_source,
     ),
     RankingField(
         key="factor",
-        head="factor",
+        head=term("factor"),
         kind="number",
         cell=lambda row: Cell(text=row.factor or DASH, exact=row.of.remedy.factor),
         order=lambda row: -(row.of.remedy.factor or 0.0),
     ),
     RankingField(
         key="missing",
-        head="missing",
+        head=term("missing"),
         kind="number",
         cell=lambda row: Cell(
             text=row.missing, exact=float(row.missing) if row.missing else None
@@ -355,14 +357,14 @@ RANKING = (
     ),
     RankingField(
         key="at_worst",
-        head="at worst [% of limit]",
+        head=term("at worst [% of limit]"),
         cell=lambda row: row.at_worst,
         optional=True,
         order=lambda row: inf if row.of.at_worst is None else row.of.at_worst,
     ),
     RankingField(
         key="ask",
-        head="ask for first",
+        head=term("ask for first"),
         cell=lambda row: row.ask,
         optional=True,
         order=lambda row: -row.of.doubt.asks[0].reduction if row.of.doubt else 0.0,
@@ -394,26 +396,36 @@ def find_column(name: str) -> RankingField:
 # What the column of missing lines means, by the mode.
 MISSING_NOTES = {
     "refuse": (
-        f"; they count as 0, so that the error is this or more ({AT_LEAST}), and one "
-        "stops a 'meets'. At worst: with the worst of the catalogue of the same "
-        "technology and grade in their place; ?: there is none, and nothing is known."
+        term(
+            "; they count as 0, so that the error is this or more (≥), "
+            "and one stops a 'meets'. At worst: with the worst of the "
+            "catalogue of the same technology and grade in their place; ?: there is "
+            "none, and nothing is known."
+        )
     ),
     "worst": (
-        "; they count as the worst of comparable devices, those of the same technology "
-        "and grade, and as 0 where there are none: then the verdict is undecidable."
+        term(
+            "; they count as the worst of comparable devices, those of the same "
+            "technology and grade, and as 0 where there are none: then the "
+            "verdict is undecidable."
+        )
     ),
     "typical": (
-        "; they count as the median of comparable devices, those of the same "
-        "technology and grade, and as 0 where there are none: then the verdict is "
-        "undecidable."
+        term(
+            "; they count as the median of comparable devices, those of the same "
+            "technology and grade, and as 0 where there are none: then the verdict is "
+            "undecidable."
+        )
     ),
     "predict": (
-        ", predicted from other devices: 'meets 0.83' is the probability that the "
-        "device meets, over what its lines may be; % of limit is at their medians, "
-        "and the interval is 90 % over what they may be. Of equal probability the "
-        "decided device ranks first. Ask for first: the line whose knowledge would "
-        "lessen the doubt, the probability that the likelier verdict is wrong, by the "
-        "most, and by how much on average."
+        term(
+            ", predicted from other devices: 'meets 0.83' is the probability that "
+            "the device meets, over what its lines may be; % of limit is at their "
+            "medians, and the interval is 90 % over what they may be. Of equal "
+            "probability the decided device ranks first. Ask for first: the line "
+            "whose knowledge would lessen the doubt, the probability that the "
+            "likelier verdict is wrong, by the most, and by how much on average."
+        )
     ),
 }
 
@@ -424,7 +436,7 @@ def ranking_table(devices: Ranking, name: str) -> Table:
         devices.rows,
         RANKING,
         name=name,
-        caption=f"Ranking of the {devices.sensor} devices",
+        caption=say("Ranking of the {sensor} devices", sensor=say(devices.sensor)),
         is_wide=True,
         searchable=len(devices.rows) >= LONG,
     )
@@ -432,18 +444,20 @@ def ranking_table(devices: Ranking, name: str) -> Table:
 
 def ranking_note(found: Sequence[Ranking], mode: str) -> str:
     """Say what the columns of the rankings mean."""
-    text = (
-        "Best first; = marks neighbours that cannot be told apart at 95 %. "
-        "Conformance: probability that all required outputs are within their limits "
-        "together. Factor: times this, the standard uncertainty of the limiting "
-        "source alone would bring the worst output to its limit, by the law; "
-        f"{DASH}: it alone cannot."
+    text = say(
+        "Best first; = marks neighbours that cannot be told apart "
+        "at 95 %. Conformance: probability that all required "
+        "outputs are within their limits together. Factor: times "
+        "this, the standard uncertainty of the limiting source "
+        "alone would bring the worst output to its limit, by the "
+        "law; {dash}: it alone cannot.",
+        dash=DASH,
     )
     if any(row.interval for devices in found for row in devices.rows):
-        text += " Interval: 95 %, of the sampling, and what the law can be off by."
+        text += say(" Interval: 95 %, of the sampling, and what the law can be off by.")
     if any(row.missing for devices in found for row in devices.rows):
-        text += " Missing: expected lines that the data sheet does not give"
-        text += MISSING_NOTES[mode]
+        text += say(" Missing: expected lines that the data sheet does not give")
+        text += say(MISSING_NOTES[mode])
     return text
 
 
@@ -452,7 +466,7 @@ def outputs_table(devices: Ranking, name: str) -> Table:
     return table_of(
         devices.rows,
         (
-            Field[Row](head="device", cell=lambda row: row.device),
+            Field[Row](head=say("device"), cell=lambda row: row.device),
             *(
                 Field[Row](
                     head=_output_head(output.output.name),
@@ -463,7 +477,7 @@ def outputs_table(devices: Ranking, name: str) -> Table:
             ),
         ),
         name=name,
-        caption="Largest error in % of the limit, devices by outputs",
+        caption=say("Largest error in % of the limit, devices by outputs"),
         is_wide=True,
         searchable=len(devices.rows) >= LONG,
     )
@@ -475,7 +489,7 @@ def front_table(devices: Ranking, merit: str, name: str) -> Table:
     return table_of(
         points,
         (
-            Field(head="device", weight=1.6, cell=lambda point: point[0].device),
+            Field(head=say("device"), weight=1.6, cell=lambda point: point[0].device),
             Field(
                 head=f"{merit} [{points[0][1].unit}]",
                 kind="number",
@@ -484,18 +498,18 @@ def front_table(devices: Ranking, merit: str, name: str) -> Table:
                 ),
             ),
             Field(
-                head="% of limit",
+                head=say("% of limit"),
                 kind="number",
                 cell=lambda point: _utilisation(point[0]),
             ),
-            Field(head="verdict", cell=lambda point: point[0].verdict),
+            Field(head=say("verdict"), cell=lambda point: point[0].verdict),
             Field(
-                head="on the front",
+                head=say("on the front"),
                 cell=lambda point: "yes" if merit in point[0].of.on_front else "no",
             ),
         ),
         name=name,
-        caption=f"{merit} and part of the limit, cheapest first",
+        caption=say("{merit} and part of the limit, cheapest first", merit=say(merit)),
     )
 
 
@@ -512,7 +526,7 @@ def _pair_verdict(pair: Pair) -> str:
     """Return the verdict, of a predicted one the probability."""
     if pair.probability is None:
         return pair.verdict
-    return f"meets {print_chance(pair.probability)}"
+    return say("meets {probability}", probability=print_chance(pair.probability))
 
 
 def _pair_conformance(pair: Pair) -> Cell | str:
@@ -525,20 +539,20 @@ def _pair_conformance(pair: Pair) -> Cell | str:
 
 PAIRS = (
     Field["Pair"](
-        head="gyro",
+        head=term("gyro"),
         weight=1.6,
         cell=lambda pair: Cell(text=pair.gyro, strong=pair.verdict == "meets"),
     ),
     Field["Pair"](
-        head="accelerometer",
+        head=term("accelerometer"),
         weight=1.6,
         cell=lambda pair: Cell(text=pair.accelerometer, strong=pair.verdict == "meets"),
     ),
-    Field["Pair"](head="procedure", cell=lambda pair: pair.procedure),
-    Field["Pair"](head="verdict", cell=_pair_verdict),
-    Field["Pair"](head="% of limit", kind="number", cell=_pair_utilisation),
+    Field["Pair"](head=term("procedure"), cell=lambda pair: pair.procedure),
+    Field["Pair"](head=term("verdict"), cell=_pair_verdict),
+    Field["Pair"](head=term("% of limit"), kind="number", cell=_pair_utilisation),
     Field["Pair"](
-        head="conformance [%]",
+        head=term("conformance [%]"),
         kind="number",
         cell=_pair_conformance,
     ),
@@ -550,34 +564,34 @@ def imus_table(imus: Sequence[tuple[Pair, str]]) -> Table:
     several = len({pair.procedure for pair, _ in imus}) > 1
     fields: tuple[Field[tuple[Pair, str]], ...] = (
         Field(
-            head="device",
+            head=say("device"),
             weight=1.6,
             cell=lambda one: Cell(text=one[0].gyro, strong=one[0].verdict == "meets"),
         ),
-        Field(head="procedure", cell=lambda one: one[0].procedure),
+        Field(head=say("procedure"), cell=lambda one: one[0].procedure),
         Field(
-            head="rank",
+            head=say("rank"),
             kind="number",
             cell=lambda one: Cell(text=one[1], exact=float(rank_number(one[1]))),
         ),
-        Field(head="verdict", cell=lambda one: _pair_verdict(one[0])),
+        Field(head=say("verdict"), cell=lambda one: _pair_verdict(one[0])),
         Field(
-            head="% of limit",
+            head=say("% of limit"),
             kind="number",
             cell=lambda one: _pair_utilisation(one[0]),
         ),
         Field(
-            head="conformance [%]",
+            head=say("conformance [%]"),
             kind="number",
             cell=lambda one: _pair_conformance(one[0]),
         ),
         Field(
-            head="worst output",
+            head=say("worst output"),
             weight=1.6,
             cell=lambda one: join_outputs(one[0].worst_outputs),
         ),
         Field(
-            head="limited by",
+            head=say("limited by"),
             weight=1.5,
             cell=lambda one: source_title(
                 one[0].limiting_source, of=one[0].worst_outputs[0].owner
@@ -588,7 +602,7 @@ def imus_table(imus: Sequence[tuple[Pair, str]]) -> Table:
         imus,
         [field for field in fields if several or field.head != "procedure"],
         name="imus-table",
-        caption="IMUs as one device, best first",
+        caption=say("IMUs as one device, best first"),
         is_wide=True,
         searchable=len(imus) >= LONG,
     )
@@ -601,7 +615,7 @@ def pairs_table(pairs: Sequence[Pair]) -> Table:
         pairs[:PAIRS_SHOWN],
         [field for field in PAIRS if several or field.head != "procedure"],
         name="pairs-table",
-        caption="Pairs of gyro and accelerometer, best first",
+        caption=say("Pairs of gyro and accelerometer, best first"),
         is_wide=True,
         searchable=len(pairs) >= LONG,
     )
@@ -615,14 +629,17 @@ def procedures_table(
     return table_of(
         rows,
         (
-            Field[SideRow](head="device", weight=1.6, cell=lambda row: row.device),
+            Field[SideRow](head=say("device"), weight=1.6, cell=lambda row: row.device),
             *(
                 Field[SideRow](head=name, cell=partial(_under, place))
                 for place, name in enumerate(comparison.procedures)
             ),
         ),
         name=f"procedures-{sensor}",
-        caption=f"{sensor} devices by procedure: % of the limit and verdict",
+        caption=say(
+            "{sensor} devices by procedure: % of the limit and verdict",
+            sensor=say(sensor),
+        ),
         is_wide=True,
         searchable=len(rows) >= LONG,
     )
@@ -648,19 +665,19 @@ def assumptions_table(comparison: Comparison, name: str) -> Table:
         alike.items(),
         (
             Field(
-                head="line",
+                head=say("line"),
                 weight=1.2,
-                cell=lambda item: ", ".join(map(key_title, item[1])),
+                cell=lambda item: say(", ").join(map(key_title, item[1])),
             ),
-            Field(head="assumed", weight=2.0, cell=lambda item: item[0][0]),
+            Field(head=say("assumed"), weight=2.0, cell=lambda item: item[0][0]),
             Field(
-                head="of",
+                head=say("of"),
                 weight=2.0,
                 cell=lambda item: _owners(item[0][1], len(names)),
             ),
         ),
         name=name,
-        caption="Assumptions in the files",
+        caption=say("Assumptions in the files"),
         is_wide=True,
         searchable=len(alike) >= LONG,
     )
@@ -680,16 +697,20 @@ def missing_table(effects: Sequence[MissingEffect]) -> Table:
     return table_of(
         effects,
         (
-            Field(head="sensor", weight=0.7, cell=lambda row: row.sensor),
-            Field(head="devices", weight=1.5, cell=lambda row: ", ".join(row.devices)),
+            Field(head=say("sensor"), weight=0.7, cell=lambda row: row.sensor),
             Field(
-                head="in the place of what is missing",
+                head=say("devices"),
+                weight=1.5,
+                cell=lambda row: say(", ").join(row.devices),
+            ),
+            Field(
+                head=say("in the place of what is missing"),
                 weight=2.5,
                 cell=lambda row: row.effect,
             ),
         ),
         name="missing-table",
-        caption="In the place of expected lines that are not given",
+        caption=say("In the place of expected lines that are not given"),
         is_wide=True,
         searchable=len(effects) >= LONG,
     )
@@ -699,8 +720,8 @@ def _owners(devices: Sequence[str], number: int) -> str:
     """Name the devices that an assumption is of; many that are all, as such."""
     named = [name for name in devices if name]
     if len(named) == number > FEW:
-        return f"all {number} devices"
-    return ", ".join(named)
+        return say("all {number} devices", number=number)
+    return say(", ").join(named)
 
 
 def _output_head(name: Name) -> str:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from budget.names import IMU, words
+from budget.language import counted, say, term, words
+from budget.names import IMU
 from budget.report.comparison.tables import MissingEffect
 from budget.report.readings import verdict_line
 from budget.report.tables import print_count, print_coverage, source_title
@@ -28,27 +29,38 @@ if TYPE_CHECKING:
 
 def headline(comparison: Comparison) -> str:
     """State the answer in one line."""
-    verdict = "MET" if comparison.is_met else "NOT MET"
+    verdict = say("MET") if comparison.is_met else say("NOT MET")
     if comparison.not_compared:  # 'MET' alone would speak for what nobody judged
-        verdict += f" for the {' and the '.join(comparison.required)}"
-    return f"{verdict}: {comparison.requirement}{mode_remark(comparison.settings)}"
+        verdict += say(
+            " for the {required}",
+            required=say(" and the ").join(map(say, comparison.required)),
+        )
+    return say(
+        "{verdict}: {requirement}{mode_remark}",
+        verdict=verdict,
+        requirement=comparison.requirement,
+        mode_remark=mode_remark(comparison.settings),
+    )
 
 
 def answer(comparison: Comparison) -> str:
     """State the answer in a sentence."""
     if not comparison.not_compared:
         if comparison.is_met:
-            return "Each required sensor has a device that meets."
-        return "A required sensor has no device that meets."
+            return say("Each required sensor has a device that meets.")
+        return say("A required sensor has no device that meets.")
     if len(comparison.required) == 1:
-        has = "has a" if comparison.is_met else "has no"
+        has = say("has a") if comparison.is_met else say("has no")
     else:
-        has = "each have a" if comparison.is_met else "do not each have a"
+        has = say("each have a") if comparison.is_met else say("do not each have a")
     left = comparison.not_compared
-    return (
-        f"The {' and the '.join(comparison.required)} {has} device that meets; the "
-        f"limits for the {' and the '.join(map(words, left))} are not judged: "
-        f"{', '.join(dict.fromkeys(map(_why_not_compared, left)))}."
+    return say(
+        "The {required} {has} device that meets; the limits for "
+        "the {left} are not judged: {reasons}.",
+        required=say(" and the ").join(map(say, comparison.required)),
+        has=has,
+        left=say(" and the ").join(map(words, left)),
+        reasons=say(", ").join(dict.fromkeys(map(_why_not_compared, left))),
     )
 
 
@@ -56,27 +68,39 @@ def basis(comparison: Comparison) -> str:
     """Say what the errors are."""
     settings = comparison.settings
     coverage = print_coverage(settings.coverage)
-    said = f"Errors at {coverage} % coverage; {ERROR_REFERENCES[settings.reference]}."
+    said = say(
+        "Errors at {coverage} % coverage; {error_references}.",
+        coverage=coverage,
+        error_references=say(ERROR_REFERENCES[settings.reference]),
+    )
     if sentence := mode_sentence(settings):
-        said += f" {sentence} The exit code goes by given lines alone."
+        said += say(
+            " {sentence} The exit code goes by given lines alone.", sentence=sentence
+        )
     return said
 
 
 def computed_apart(comparison: Comparison) -> str:
     """Say how a comparison inside a report was computed, and why numbers differ."""
     settings = comparison.settings
-    how = "by the law of propagation of uncertainty (JCGM 100)"
+    how = say("by the law of propagation of uncertainty (JCGM 100)")
     if settings.trials is not None:
-        how = (
-            f"by Monte Carlo (JCGM 101) with {print_count(settings.trials)} trials of "
-            "each device"
+        how = say(
+            "by Monte Carlo (JCGM 101) with {trials} trials of each device",
+            trials=print_count(settings.trials),
         )
         most = max((one.trials or 0 for one in comparison.devices), default=0)
         if most > settings.trials:
-            how += f", up to {print_count(most)} where a verdict or a rank was open"
-    return (
-        f"Computed apart from page one, {how}, seed {settings.seed}, so its numbers "
-        "can differ from those of page one in the last digits."
+            how += say(
+                ", up to {most} where a verdict or a rank was open",
+                most=print_count(most),
+            )
+    return say(
+        "Computed apart from page one, {how}, seed {seed}, so its "
+        "numbers can differ from those of page one in the last "
+        "digits.",
+        how=how,
+        seed=settings.seed,
     )
 
 
@@ -85,15 +109,32 @@ def verdict_lines(found: Sequence[Ranking]) -> tuple[str, ...]:
     lines = []
     for table in found:
         best = best_of(table)
-        said = "no device meets"
+        said = say("no device meets")
         if best is not None:
-            said = f"{best.device} is best, {best.utilisation} % of the limit"
-        lines.append(f"{table.sensor}{table.under}: {said} ({table.counts})")
+            said = say(
+                "{device} is best, {utilisation} % of the limit",
+                device=best.device,
+                utilisation=best.utilisation,
+            )
+        lines.append(
+            say(
+                "{sensor}{under}: {said} ({counts})",
+                sensor=say(table.sensor),
+                under=table.under,
+                said=said,
+                counts=table.counts,
+            )
+        )
         likely = next((row for row in table.rows if row.of.doubt is not None), None)
         if likely is not None and likely.of.doubt is not None:
             lines.append(
-                f"{table.sensor}{table.under}, by predicted lines: {likely.device} "
-                f"{doubt_sentence(likely.of.doubt, of=table.sensor)}"
+                say(
+                    "{sensor}{under}, by predicted lines: {device} {doubt_sentence}",
+                    sensor=say(table.sensor),
+                    under=table.under,
+                    device=likely.device,
+                    doubt_sentence=doubt_sentence(likely.of.doubt, of=table.sensor),
+                )
             )
     return tuple(lines)
 
@@ -102,10 +143,13 @@ def nothing_known_line(table: Ranking) -> str:
     """Name the devices that no number can be given for; '' where there are none."""
     if not table.nothing_known:
         return ""
-    names = ", ".join(dict.fromkeys(table.nothing_known))
-    return (
-        f"nothing is known of {names}: no error line of the {table.sensor} is given, "
-        "so nothing is computed and the verdict is undecidable"
+    names = say(", ").join(dict.fromkeys(table.nothing_known))
+    return say(
+        "nothing is known of {names}: no error line of the "
+        "{sensor} is given, so nothing is computed and the verdict "
+        "is undecidable",
+        names=names,
+        sensor=say(table.sensor),
     )
 
 
@@ -118,7 +162,11 @@ def best_of(table: Ranking) -> Row | None:
 def not_compared_lines(comparison: Comparison) -> tuple[str, ...]:
     """Say of which sensors limits are judged for no device."""
     return tuple(
-        f"{words(sensor)}: limits not judged, {_why_not_compared(sensor)}"
+        say(
+            "{sensor}: limits not judged, {why_not_compared}",
+            sensor=words(sensor),
+            why_not_compared=_why_not_compared(sensor),
+        )
         for sensor in comparison.not_compared
     )
 
@@ -126,8 +174,8 @@ def not_compared_lines(comparison: Comparison) -> tuple[str, ...]:
 def _why_not_compared(sensor: str) -> str:
     """Say why limits are judged for no device."""
     if sensor == IMU:
-        return "sensors are taken one by one"
-    return "no device here has one"
+        return say("sensors are taken one by one")
+    return say("no device here has one")
 
 
 def undecidable_lines(comparison: Comparison) -> Iterator[str]:
@@ -139,10 +187,16 @@ def undecidable_lines(comparison: Comparison) -> Iterator[str]:
             if one.sensor == sensor and one.verdict == "undecidable" and one.missing
         }
         if names:
-            verb = "lacks a line" if len(names) == 1 else "lack lines"
             yield (
-                f"{len(names)} {sensor} device{'' if len(names) == 1 else 's'} would "
-                f"meet, but {verb} that a verdict needs: undecidable"
+                counted(
+                    len(names),
+                    "{number} {sensor} device would meet, but lacks a line that "
+                    "a verdict needs: undecidable",
+                    "{number} {sensor} devices would meet, but lack lines that "
+                    "a verdict needs: undecidable",
+                    number=len(names),
+                    sensor=say(sensor),
+                )
             )
 
 
@@ -157,11 +211,19 @@ def rests_on_others_lines(comparison: Comparison) -> Iterator[str]:
         }
         if names:
             verb = (
-                f"the verdict on 1 {sensor} device rests"
+                say("the verdict on 1 {sensor} device rests", sensor=say(sensor))
                 if len(names) == 1
-                else f"the verdicts on {len(names)} {sensor} devices rest"
+                else say(
+                    "the verdicts on {names} {sensor} devices rest",
+                    names=len(names),
+                    sensor=say(sensor),
+                )
             )
-            yield f"{verb} on lines of other devices (missing lines: {mode})"
+            yield say(
+                "{verb} on lines of other devices (missing lines: {mode})",
+                verb=verb,
+                mode=mode,
+            )
 
 
 def reading_lines(comparison: Comparison) -> Iterator[str]:
@@ -169,8 +231,14 @@ def reading_lines(comparison: Comparison) -> Iterator[str]:
     several = len(comparison.procedures) > 1
     for one in comparison.devices:
         if one.readings is not None:
-            under = f", {one.procedure}" if several else ""
-            yield f"the {one.sensor} of {one.name}{under} {verdict_line(one.readings)}"
+            under = say(", {procedure}", procedure=one.procedure) if several else ""
+            yield say(
+                "the {sensor} of {name}{under} {verdict_line}",
+                sensor=say(one.sensor),
+                name=one.name,
+                under=under,
+                verdict_line=verdict_line(one.readings),
+            )
 
 
 def missing_effects(comparison: Comparison) -> tuple[MissingEffect, ...]:
@@ -198,23 +266,34 @@ def missing_effects(comparison: Comparison) -> tuple[MissingEffect, ...]:
     predicted = comparison.settings.missing == "predict"
     for (sensor, lines, assumed, of_known), devices in names.items():
         if not assumed or (refused and len(assumed) < len(lines)):
-            them = "it" if len(lines) == 1 else "them all"
-            why = f"no {NOBODY[predicted]} gives {them}"
+            why = say(
+                "no {nobody} gives it"
+                if len(lines) == 1
+                else "no {nobody} gives them all",
+                nobody=say(NOBODY[predicted], number=LEAST_DESIGNS),
+            )
             if not (predicted or of_known):
-                why = NO_TECHNOLOGY
-            effect = (
-                f"{', '.join(source_title(name) for name in lines)} not given, and "
-                f"{why}: nothing is known{' at worst' if refused else ''}"
+                why = say(NO_TECHNOLOGY)
+            effect = say(
+                "{lines} not given, and {why}: nothing is known at worst"
+                if refused
+                else "{lines} not given, and {why}: nothing is known",
+                lines=say(", ").join(source_title(name) for name in lines),
+                why=why,
             )
         else:
-            effect = ", ".join(
-                f"{source_title(line.source, of=sensor)} {line.printed} "
-                f"({line.basis if refused else line.origin})"
+            effect = say(", ").join(
+                say(
+                    "{source} {line} ({basis})",
+                    source=source_title(line.source, of=sensor),
+                    line=line.printed,
+                    basis=line.basis if refused else line.origin,
+                )
                 for line in assumed
             )
             met = {line.expected for line in assumed}
             if left := [source_title(name) for name in lines if name not in met]:
-                effect += f"; {', '.join(left)}: nothing is known"
+                effect += say("; {left}: nothing is known", left=say(", ").join(left))
         found.append(
             MissingEffect(
                 sensor=sensor, devices=tuple(dict.fromkeys(devices)), effect=effect
@@ -224,38 +303,51 @@ def missing_effects(comparison: Comparison) -> tuple[MissingEffect, ...]:
 
 
 # Why no device of the catalogue is comparable.
-NO_TECHNOLOGY = "the data sheet names no `technology` by which others are comparable"
+NO_TECHNOLOGY = term(
+    "the data sheet names no `technology` by which others are comparable"
+)
 # Who would have to give a line that nothing stands for; where lines are predicted.
 NOBODY = {
-    False: "device of the catalogue of the same technology and grade",
-    True: f"{LEAST_DESIGNS} designs of the catalogue",
+    False: term("device of the catalogue of the same technology and grade"),
+    True: term("{number} designs of the catalogue"),
 }
 MISSING_NOTES = {
     "refuse": (
-        "Lines that a verdict needs and a data sheet does not give count as 0; at "
-        "worst they are what the worst device of the catalogue of the same technology "
-        "and grade has; where there is none, nothing is known. Of devices that fail in "
-        "any case nothing is assumed."
+        term(
+            "Lines that a verdict needs and a data sheet does not give count as "
+            "0; at worst they are what the worst device of the catalogue of the "
+            "same technology and grade has; where there is none, nothing is "
+            "known. Of devices that fail in any case nothing is assumed."
+        )
     ),
     "worst": (
-        "Lines that a verdict needs and a data sheet does not give are what the worst "
-        "device of the catalogue of the same technology and grade has."
+        term(
+            "Lines that a verdict needs and a data sheet does not give are what "
+            "the worst device of the catalogue of the same technology and grade "
+            "has."
+        )
     ),
     "typical": (
-        "Lines that a verdict needs and a data sheet does not give are the median of "
-        "the devices of the catalogue of the same technology and grade."
+        term(
+            "Lines that a verdict needs and a data sheet does not give are the "
+            "median of the devices of the catalogue of the same technology and "
+            "grade."
+        )
     ),
     "predict": (
-        "Lines that a verdict needs and a data sheet does not give are random: their "
-        "joint distribution is predicted from the given lines of the device and of the "
-        "catalogue. Printed are the median and, in brackets, the central 90 %."
+        term(
+            "Lines that a verdict needs and a data sheet does not give are "
+            "random: their joint distribution is predicted from the given lines "
+            "of the device and of the catalogue. Printed are the median and, in "
+            "brackets, the central 90 %."
+        )
     ),
 }
 
 
 def missing_note(mode: str) -> str:
     """Say what stands in the place of lines that are not given."""
-    return MISSING_NOTES[mode]
+    return say(MISSING_NOTES[mode])
 
 
 def advice_lines(comparison: Comparison) -> tuple[str, ...]:
@@ -263,9 +355,16 @@ def advice_lines(comparison: Comparison) -> tuple[str, ...]:
     names: dict[str, list[str]] = {}
     for one in comparison.devices:
         if one.advice:
-            names.setdefault(one.advice, []).append(f"{one.name} ({one.sensor})")
+            names.setdefault(one.advice, []).append(
+                say("{name} ({sensor})", name=one.name, sensor=say(one.sensor))
+            )
     return tuple(
-        f"{', '.join(dict.fromkeys(of))}: {advice}" for advice, of in names.items()
+        say(
+            "{devices}: {advice}",
+            devices=say(", ").join(dict.fromkeys(of)),
+            advice=advice,
+        )
+        for advice, of in names.items()
     )
 
 
@@ -273,7 +372,7 @@ def cap_lines(comparison: Comparison) -> tuple[str, ...]:
     """Say which devices exceed a cap; a cap sets no verdict."""
     return tuple(
         dict.fromkeys(
-            f"{one.name}: {text}"
+            say("{name}: {text}", name=one.name, text=text)
             for one in comparison.entrants
             for text in one.over_caps
         )
@@ -297,13 +396,23 @@ def unknown_cap_lines(comparison: Comparison) -> tuple[str, ...]:
         if not texts:
             continue
         named = [
-            f"{name} ({text!r}, which cannot be held against it)" if text else name
+            say(
+                "{name} ({text!r}, which cannot be held against it)",
+                name=name,
+                text=text,
+            )
+            if text
+            else name
             for name, text in texts.values()
         ]
         given = any(text for _, text in texts.values())
-        said = f"not {'known' if given else 'given'} for "
-        said += ", ".join(dict.fromkeys(named))
+        said = say(
+            "not known for {devices}" if given else "not given for {devices}",
+            devices=say(", ").join(dict.fromkeys(named)),
+        )
         if len(texts) == number > 1 and not given:
-            said = "given for no device"
-        lines.append(f"{merit}, at most {cap}: {said}")
+            said = say("given for no device")
+        lines.append(
+            say("{merit}, at most {cap}: {said}", merit=say(merit), cap=cap, said=said)
+        )
     return tuple(lines)

@@ -1,0 +1,192 @@
+"""The catalogues of words: complete, agreeing with the code, and exact."""
+
+from __future__ import annotations
+
+import ast
+import pickle
+import string
+from pathlib import Path
+
+import pytest
+from places import PACKAGE
+
+from budget.errors import CallError
+from budget.language import (
+    LANGUAGES,
+    Note,
+    counted,
+    key_title,
+    note,
+    read_catalogue,
+    say,
+    speaking,
+    spoken,
+    words,
+)
+from budget.model.sources import SOURCES
+from budget.names import OUTPUTS, Name
+from budget.names import words as plain_words
+from budget.report.wording import say_words
+
+CATALOGUES = [language for language in LANGUAGES if language != "en"]
+SAYING = {"say", "say_words", "counted", "term", "note"}
+
+
+def messages_of(tree):
+    """Return every template that a module hands to the functions of the language."""
+    own = {
+        alias.asname or alias.name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom)
+        and node.module in {"budget.language", "budget.report.wording"}
+        for alias in node.names
+    } & SAYING
+    calls = [
+        node
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call)
+        and isinstance(node.func, ast.Name)
+        and node.func.id in own
+    ]
+    return {
+        part.value
+        for call in calls
+        for given in (call.args[1:] if call.func.id == "counted" else call.args[:1])
+        # Of a choice both sides are said; what its condition compares with is not.
+        for side in (
+            [given.body, given.orelse] if isinstance(given, ast.IfExp) else [given]
+        )
+        for part in [side]
+        if isinstance(part, ast.Constant) and isinstance(part.value, str)
+    }
+
+
+def every_message():
+    """Return the templates of the whole package."""
+    return {
+        message
+        for path in PACKAGE.rglob("*.py")
+        for message in messages_of(ast.parse(path.read_text(encoding="utf-8")))
+    }
+
+
+def catalogue_of(language):
+    """Return the translations of a language, as the file has them."""
+    path = Path(PACKAGE) / "languages" / f"{language}.po"
+    return read_catalogue(path.read_text(encoding="utf-8"))
+
+
+def parts_of(template):
+    """Return the names of the parts of a template, with how they are formatted."""
+    return {
+        (name, conversion, spec)
+        for _, name, spec, conversion in string.Formatter().parse(template)
+        if name is not None
+    }
+
+
+def vocabulary():
+    """Return the words of files that reports print: of sources, outputs, owners."""
+    keys = {source.name.replace(".", " ") for source in SOURCES}
+    owners = {owner for source in SOURCES for owner in source.units}
+    return {plain_words(key) for key in (*keys, *owners, *OUTPUTS)}
+
+
+@pytest.mark.parametrize("language", CATALOGUES)
+def test_no_message_is_without_a_translation(language):
+    """Every template of the code and every word of the files is in the catalogue."""
+    known = catalogue_of(language)
+
+    assert sorted((every_message() | vocabulary()) - set(known)) == []
+
+
+@pytest.mark.parametrize("language", CATALOGUES)
+def test_translations_have_the_parts_of_their_templates(language):
+    """No number is lost, none is formatted otherwise."""
+    messages = every_message()
+    wrong = [
+        message
+        for message, said in catalogue_of(language).items()
+        if message in messages
+        and "{" in message
+        and parts_of(message) != parts_of(said)
+    ]
+
+    assert wrong == []
+
+
+@pytest.mark.parametrize("language", CATALOGUES)
+def test_no_translation_is_left_over(language):
+    """A translation with parts belongs to a template that there is."""
+    left = {m for m in catalogue_of(language) if "{" in m or len(m.split()) > 4}
+
+    assert sorted(left - every_message()) == []
+
+
+def test_the_count_can_fail():
+    """A template in any of the calls is found, a sentence elsewhere is not."""
+    tree = ast.parse(
+        "from budget.language import counted, say, term\n"
+        "HEAD = term('a head')\n"
+        "say('one {x}' if x else 'other {x}', x=1)\n"
+        "counted(n, '{n} turn', '{n} turns', n=n)\n"
+        "print('an error')\n"
+    )
+
+    assert messages_of(tree) == {
+        "a head",
+        "one {x}",
+        "other {x}",
+        "{n} turn",
+        "{n} turns",
+    }
+
+
+def test_english_is_what_the_template_says():
+    """Without a language templates are filled in as they stand."""
+    assert spoken() == "en"
+    assert say("{a} of {b:.2f} {{x}}", a="1", b=2.0) == "1 of 2.00 {x}"
+    assert counted(1, "{n} turn", "{n} turns", n=1) == "1 turn"
+
+
+def test_chinese_is_spoken_within_the_block_alone():
+    """Words follow the context, and what has no translation stays English."""
+    with speaking("zh"):
+        assert say("scale factors") == "标度因数"
+        assert say("no such words {n}", n=3) == "no such words 3"
+    assert say("scale factors") == "scale factors"
+
+
+def test_keys_are_words_of_the_language():
+    """A dotted key is its owner and its quantity, an axis keeps its letter."""
+    with speaking("zh"):
+        assert words("bias_stability") == "零偏稳定性"
+        assert key_title(Name("bias_stability", owner="gyro")) == "陀螺零偏稳定性"
+        assert key_title(Name("bias", owner="gyro", axis="x")) == "陀螺零偏 x"
+        assert key_title(Name("levelling.east", owner="station")) == "测试设备东向调平"
+    assert key_title(Name("bias_stability", owner="gyro")) == "gyro bias stability"
+
+
+def test_words_with_formulas_come_in_the_order_of_the_language():
+    """Parts that are no text keep what they are, wherever the template has them."""
+    with speaking("zh"):
+        assert say_words("{low} to {high}", low="1", high="2") == ("1", " 至 ", "2")
+    assert say_words("{low} to {high}", low="1", high="2") == ("1", " to ", "2")
+
+
+def test_a_note_is_english_and_can_be_said():
+    """A text of a record is its English wherever it goes, and is said in a report."""
+    text = note("{low} to {high}", low=1, high=note("scale factors"))
+    again = pickle.loads(pickle.dumps(text))  # noqa: S301 - our own
+
+    assert text == again == "1 to scale factors"
+    assert isinstance(again, Note)
+    with speaking("zh"):
+        assert say(again) == "1 至 标度因数"
+        assert say("{axis}: ", axis=text) == "1 至 标度因数\N{FULLWIDTH COLON}"
+
+
+def test_an_unknown_language_is_refused():
+    """It is said which there are."""
+    with pytest.raises(CallError, match="'de', allowed: en, zh"), speaking("de"):
+        pass
