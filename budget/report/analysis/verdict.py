@@ -26,7 +26,6 @@ from budget.report.tables import (
     print_coverage,
     print_decimals,
     print_probability,
-    print_share,
     print_utilisation,
     source_title,
     used_part,
@@ -248,9 +247,8 @@ def _margin(budget: Budget, assessment: Assessment | None) -> Words:
     beyond, unsure = outcomes.count("does not conform"), outcomes.count("open")
     worst = max(row.utilisation for row in judged)
     if beyond:
-        by = _print_excess(worst - 1.0)
-        found = f"{beyond} of {total} required outputs exceed their limits, by up to "
-        found += f"{by} of the limit"
+        found = f"{beyond} of {total} required outputs exceed their limits, the worst "
+        found += f"at {print_utilisation(worst)} of its limit"
     elif unsure:
         found = (
             f"{unsure} of {total} required outputs are so near their limits that their "
@@ -394,11 +392,6 @@ def _group_card(group: GroupTable) -> Card:
     if refused:
         lines.append((f"In doubt: the law is not confirmed on {', '.join(refused)}.",))
     return Card(title=capital(group.title), lines=tuple(lines))
-
-
-def _print_excess(part: float) -> str:
-    """Print by how much a limit is exceeded, in parts of it; never 0."""
-    return print_share(part) if part < SPARE else f"{print_decimals(100.0 * part, 0)} %"
 
 
 def _basis(settings: Settings) -> str:
