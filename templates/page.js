@@ -31,7 +31,7 @@ function setUpSorting(table) {
     [body, [...body.rows].filter((row) => !row.classList.contains("group"))]);
   const heads = [...table.tHead.rows[0].cells];
   heads.forEach((head, column) => {
-    if (head.textContent.trim() === "") return;  // units beside their numbers
+    if (head.matches("td, .unit")) return;  // units beside their numbers
     const button = make("button", { type: "button", title: "Sort" }, ...head.childNodes);
     head.replaceChildren(button);
     button.addEventListener("click", () => {
@@ -92,6 +92,15 @@ function setUpSearch(place, tables) {
   place.hidden = false;
 }
 
+/** Boxes that show all that is in them are no stops of the Tab key. */
+function setUpStops() {
+  const watch = new ResizeObserver((boxes) => boxes.forEach(({ target }) => {
+    const more = target.scrollWidth > target.clientWidth || target.scrollHeight > target.clientHeight;
+    target.tabIndex = more ? 0 : -1;
+  }));
+  document.querySelectorAll("[role=group][tabindex]").forEach((box) => watch.observe(box));
+}
+
 function setUpPage() {
   document.querySelectorAll("table[data-searchable]").forEach(setUpSorting);
   // Of all tables that lie open; those behind a figure repeat what is beside them.
@@ -102,6 +111,7 @@ function setUpPage() {
   for (const model of document.querySelectorAll("script.what-if-model")) {
     setUpWhatIf(model.previousElementSibling, JSON.parse(model.textContent));
   }
+  setUpStops();
 }
 
 setUpPage();

@@ -257,8 +257,8 @@ function sayVerdict(model, result, base, place) {
 function makeResults(model, base) {
   const limited = model.outputs.some((output) => output.limit !== null);
   const heads = ["output", "U as it is", "U changed", "mean changed",
-    ...(limited ? ["of limit as it is", "of limit changed", ""] : []), "shares of the variance", "largest"];
-  const texts = ["output", "", "shares of the variance", "largest"];
+    ...(limited ? ["of limit as it is", "of limit changed", "conformity"] : []), "shares of the variance", "largest"];
+  const texts = ["output", "conformity", "shares of the variance", "largest"];
   const table = make("table", { "aria-label": "Outputs with the sources changed" },
     make("thead", {}, make("tr", {}, ...heads.map((head) =>
       make("th", { scope: "col", class: texts.includes(head) ? "" : "number" }, head)))));
@@ -353,7 +353,7 @@ function setUpWhatIf(place, model) {
         "Each slider runs from 0 at the far left over a tenth to ten times the present size; " +
         "the field takes a standard uncertainty. ", reset),
       ...controls.map((control) => control.row)),
-    make("div", { class: "results" }, make("div", { class: "scroll" }, results.table)));
+    make("div", { class: "results scroll", tabindex: 0, role: "group", "aria-label": "Outputs with the sources changed" }, results.table));
   place.hidden = false;
   refresh();
 }

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import os
 import shutil
+import subprocess
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
+from places import ROOT
 
 from budget.report.page import render_page
 
@@ -57,6 +60,23 @@ def opened(browser, path, **options):
     page.goto(path.as_uri())
     yield page, record
     context.close()
+
+
+def axe_core():
+    """Return the script of axe-core, or skip and say why.
+
+    It is where AXE_CORE says, or where npm has put it: here, or for everybody.
+    """
+    folders = [ROOT / "node_modules"]
+    if npm := shutil.which("npm"):
+        root = subprocess.run([npm, "root", "-g"], capture_output=True, check=False)
+        folders.append(Path(root.stdout.decode().strip()))
+    paths = [folder / "axe-core" / "axe.min.js" for folder in folders]
+    named = os.environ.get("AXE_CORE")
+    for path in [Path(named)] if named else paths:
+        if path.is_file():
+            return path.read_text(encoding="utf-8")
+    pytest.skip("no axe-core: AXE_CORE names no file, and npm has not installed it")
 
 
 def written(folder, document):

@@ -83,7 +83,7 @@ def sign_off_section() -> Section:
     table = table_of(
         (say("prepared"), say("checked"), say("approved")),
         (
-            Field(head="", weight=0.6, cell=lambda role: role),
+            Field(head=say("role"), weight=0.6, cell=lambda role: role),
             Field(head=say("name"), weight=1.5, cell=lambda _: blank),
             Field(head=say("date"), weight=0.7, cell=lambda _: blank),
             Field(head=say("signature"), weight=1.8, cell=lambda _: blank),

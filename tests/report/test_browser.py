@@ -8,7 +8,7 @@ import subprocess
 from functools import cache
 
 import pytest
-from browsing import CONTRAST, chromium, opened, written
+from browsing import CONTRAST, axe_core, chromium, opened, written
 from command_line import call
 from numpy.testing import assert_allclose
 from report.test_page import HOSTILE, example, fill
@@ -83,7 +83,7 @@ def test_policy_keeps_everything_out(browser, path, tmp_path):
     )
     bad = tmp_path / "bad.html"
     bad.write_text(
-        path.read_text(encoding="utf-8").replace("<main>", f"<main>{intruder}"),
+        path.read_text(encoding="utf-8").replace("</header>", f"</header>{intruder}"),
         encoding="utf-8",
     )
     with opened(browser, bad) as (page, record):
@@ -263,7 +263,10 @@ LARGEST = 3e6  # bytes
 AGREES = 1e-9  # two programmes add up the same numbers in another order
 REPORTS = {
     "paper": ("paper",),
-    "without": ("report", "--no-validate", "--sobol", "--samples", "64"),
+    "without": (
+        *("report", "--no-validate", "--sobol", "--samples", "64"),
+        *("--station", "granite-plate-cube"),
+    ),
     "gaps": ("report", DEVICES / "stim300.yaml#10g", "--requirement", NAVIGATION),
     "compared": (
         *("compare", DEVICES / "stim300.yaml", DEVICES / "zhao-2019.yaml"),
@@ -311,6 +314,94 @@ def test_report_is_quiet_fits_and_can_be_read(browser, report, name):
         assert_can_be_read(page)
         assert record.requests == [path.as_uri()]
         assert record.complaints == []
+
+
+# What else a telephone must show, of a page without its details open.
+ON_A_TELEPHONE = """() => {
+  const shown = (e) => e.getClientRects().length > 0;
+  const small = [...document.querySelectorAll(".drawing svg")].filter(shown).flatMap(
+    (svg) => [...svg.querySelectorAll("text")].filter((text) =>
+      parseFloat(getComputedStyle(text).fontSize) * svg.getBoundingClientRect().width
+        / svg.viewBox.baseVal.width < 11).map((text) => text.textContent));
+  const heads = [...document.querySelectorAll(".rest thead th")].filter(
+    (head) => shown(head) && head.textContent.trim() === "verdict");
+  const hidden = heads.filter((head) =>
+    head.getBoundingClientRect().right > innerWidth)
+    .map((head) => head.closest("table").id);
+  const sizes = ["h1", "h2:not(.word)", "h3", "p"].map((tag) =>
+    parseFloat(getComputedStyle(document.querySelector(tag)).fontSize));
+  return { small, hidden, heads: heads.length, sizes };
+}"""
+
+
+@pytest.mark.parametrize("name", REPORTS)
+def test_report_is_open_to_everybody(browser, report, name):
+    """Axe-core finds no violation, on a telephone and on a desk, all details open."""
+    script = axe_core()
+    found = {}
+    with opened(browser, report(name), bypass_csp=True) as (page, _):
+        page.evaluate(
+            "document.querySelectorAll('details').forEach(d => d.open = true)"
+        )
+        page.evaluate(script)
+        for width in (400, 1280):
+            page.set_viewport_size({"width": width, "height": 900})
+            # Contrast is looked at above: in figures, and in both schemes.
+            run = page.evaluate(
+                "axe.run({resultTypes: ['violations'],"
+                " rules: {'color-contrast': {enabled: false}}})"
+            )
+            assert len(run["passes"]) > 20
+            found |= {(width, one["id"]): one["nodes"] for one in run["violations"]}
+    assert found == {}
+
+
+def test_the_check_by_axe_can_fail(browser, path):
+    """Control: a box that scrolls and cannot be reached, and a head without a name."""
+    script = axe_core()
+    with opened(browser, path, bypass_csp=True) as (page, _):
+        page.set_viewport_size({"width": 400, "height": 900})
+        page.evaluate(
+            "document.querySelectorAll('.scroll').forEach((e) =>"
+            " { e.removeAttribute('tabindex'); e.role = 'presentation'; });"
+            "document.querySelector('#sorted thead th').textContent = ''"
+        )
+        page.evaluate(script)
+        run = page.evaluate("axe.run({resultTypes: ['violations']})")
+    ids = {one["id"] for one in run["violations"]}
+    assert {"scrollable-region-focusable", "empty-table-header"} <= ids
+
+
+@pytest.mark.parametrize("name", ["compared", "failing"])
+def test_report_can_be_read_on_a_telephone(browser, report, name):
+    """Words in figures have 11 px, verdicts are in sight, headings show their level."""
+    with opened(browser, report(name), viewport={"width": 400, "height": 900}) as found:
+        seen = found[0].evaluate(ON_A_TELEPHONE)
+
+    assert seen["small"] == []
+    assert seen["heads"] > 0
+    assert seen["hidden"] == []
+    assert seen["sizes"] == sorted({*seen["sizes"]}, reverse=True)
+
+
+def test_tab_stops_at_boxes_that_scroll_alone(browser, path):
+    """A box is a stop of the Tab key where it hides something, and nowhere else."""
+    stops = (
+        "[...document.querySelectorAll('.scroll')].filter((e) => e.checkVisibility())"
+        ".map((e) => [e.scrollWidth > e.clientWidth || e.scrollHeight > e.clientHeight,"
+        " e.tabIndex])"
+    )
+    with opened(browser, path) as (page, _):
+        for width in (320, 1600):
+            page.set_viewport_size({"width": width, "height": 900})
+            page.evaluate("new Promise((done) => setTimeout(done, 100))")
+            for scrolls, index in page.evaluate(stops):
+                assert index == (0 if scrolls else -1), width
+        page.goto(f"{path.as_uri()}#")
+        page.keyboard.press("Tab")
+        assert page.evaluate("document.activeElement.className") == "skip"
+        page.keyboard.press("Enter")
+        assert page.evaluate("document.activeElement.id") == "main"
 
 
 def test_sliders_of_a_report_stand_at_its_budget(browser, report):

@@ -310,7 +310,7 @@ def test_answer_stands_before_the_contents():
     places = [
         page.index(mark)
         for mark in (
-            '<p class="word">FAILS tactical grade</p>',
+            '<h2 class="word">FAILS tactical grade</h2>',
             "Accelerometer: MEETS",
             "The five largest contributions",
             "<nav",
@@ -318,6 +318,23 @@ def test_answer_stands_before_the_contents():
         )
     ]
     assert places == sorted(places)
+
+
+def test_what_scrolls_can_be_reached_and_has_a_name():
+    """Boxes of tables and figures are stops of the Tab key; a link skips the head."""
+    text = render_page(example())
+    page = Page(text)
+    kinds = {"scroll", "drawing", "equations"}
+    boxes = [a for _, a in page.elements if kinds & {*a.get("class", "").split()}]
+    figures = sum(tag == "figure" for tag, _ in page.elements)
+
+    assert len(boxes) > figures > 0
+    for box in boxes:
+        assert (box["tabindex"], box["role"]) == ("0", "group")
+        assert box["aria-label"]
+    assert page.attributes("href")[0] == "#main"
+    assert "main" in page.attributes("id")
+    assert re.search(r"<th\b[^>]*>\s*</th>", text) is None
 
 
 def test_headings_leave_out_no_level():
@@ -410,7 +427,7 @@ def test_cards_stand_in_their_order():
     cards = tuple(Card(title=f"part {k}", lines=()) for k in range(3))
     page = page_of(cards=cards)
 
-    assert [t for t in page.inside["h2"] if t.startswith("part")] == [
+    assert [t for t in page.inside["h3"] if t.startswith("part")] == [
         "part 0",
         "part 1",
         "part 2",

@@ -205,6 +205,7 @@ def test_file_is_whole(pdf, tmp_path):
     )
 
 
+@pytest.mark.slow
 @needs_verapdf
 @pytest.mark.parametrize("flavour", ["2a", "ua1"])
 def test_file_keeps_its_standards(pdf, tmp_path, flavour):

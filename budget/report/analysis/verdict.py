@@ -203,7 +203,7 @@ def _caps_table(assessment: Assessment) -> Table:
             Field(head="device", cell=lambda cap: cap.device),
             Field(head="given", cell=lambda cap: cap.given or "not given"),
             Field(
-                head="",
+                head="against it",
                 cell=lambda cap: Cell(
                     text=words[cap.is_within], strong=cap.is_within is False
                 ),
