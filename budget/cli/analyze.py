@@ -50,7 +50,6 @@ def analyze(
             *loaded,
             requirement=wanted,
             procedure=load_procedure(procedure, station=station, age=age),
-            catalogue=options.comparable_devices(asked.missing),
             engine=engine,
         )
     deliver(budget, json=json, csv=csv, brief=brief)

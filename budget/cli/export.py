@@ -146,7 +146,6 @@ def export(
         inflate=1.0 if inflate is None else inflate,
         rate=rate,
         missing=missing,
-        catalogue=options.comparable_devices(missing),
     )
     documents = [
         (json, lambda: json_text(found.to_dict())),

@@ -433,13 +433,6 @@ def spell_out(command: Callable[..., None]) -> Callable[..., None]:
     return with_asked
 
 
-def comparable_devices(missing: str) -> tuple[Device, ...]:
-    """Load the devices that lines are taken from, where any is."""
-    from budget.spec import load_catalogue
-
-    return () if missing == "refuse" else load_catalogue()
-
-
 def select_catalogue(
     kinds: Sequence[str] | None, grades: Sequence[str] | None
 ) -> tuple[Device, ...]:

@@ -104,7 +104,6 @@ def report(
             *loaded,
             procedure=how,
             requirement=wanted,
-            catalogue=options.comparable_devices(asked.missing),
             engine=engine,
             command="report",
         )

@@ -43,10 +43,9 @@ from budget.studies.missing import REFUSE, Filling, fill_all
 from budget.studies.progress import Engine, describe_cost, seconds_per_trial
 from budget.studies.readings import effects
 from budget.studies.request import (
-    DEFAULT_COVERAGE,
-    DEFAULT_REFERENCE,
     Analysis,
     check_settings,
+    choose_basis,
     choose_outputs,
     choose_sources,
     not_calibrated,
@@ -95,15 +94,15 @@ def analyze(
     seed: int = 0,
     workers: int = 1,
     executor: Executor | None = None,
-    coverage: float = DEFAULT_COVERAGE,
+    coverage: float | None = None,
     interval: str = "symmetric",
-    reference: str = DEFAULT_REFERENCE,
+    reference: str | None = None,
     samples: int | None = None,
     only: Sequence[str] = (),
     outputs: Sequence[str] = (),
     matrices: bool = False,
     missing: str = REFUSE,
-    catalogue: Sequence[Device] = (),
+    catalogue: Sequence[Device] | None = None,
     command: str = "analyze",
     progress: Progress | None = None,
     talk: Callable[[str], None] | None = None,
@@ -118,8 +117,7 @@ def analyze(
         The paper's, if none is given.
     requirement : Requirement, optional
         The budget is judged against it, and the intervals of required outputs are
-        those that were judged; its coverage and reference must be those of the budget
-        (see choose_basis).
+        those that were judged; its coverage and error reference rule.
     method : str
         'gum' (law of propagation), 'monte-carlo' or 'simulation'. Contributions of
         the sources are the law's under every method.
@@ -138,12 +136,13 @@ def analyze(
         Number of processes; changes no number.
     executor : concurrent.futures.Executor, optional
         Does the work in place of local processes.
-    coverage : float
-        Probability of the intervals [1].
+    coverage : float, optional
+        Probability of the intervals [1]; the requirement's, else 0.95.
     interval : str
         'symmetric' or 'shortest'; by the law both are mean +- k u.
-    reference : str
-        Error reference: 'nominal', 'as_tested', 'next_turn_on'.
+    reference : str, optional
+        Error reference: 'nominal', 'as_tested', 'next_turn_on'; the requirement's, else
+        'nominal'.
     samples : int, optional
         Points in one of eight scrambles for Sobol' indices; without it there are none.
     only : sequence of str
@@ -156,8 +155,8 @@ def analyze(
     missing : str
         What stands for expected lines that are not given (budget.studies.missing):
         'refuse', 'worst', 'typical' or 'predict'.
-    catalogue : sequence of Device
-        Where those lines are taken from.
+    catalogue : sequence of Device, optional
+        Where those lines are taken from; without it the devices that ship.
     command : str
         Name of the job in the result.
     progress : callable, optional
@@ -174,6 +173,8 @@ def analyze(
     CallError
         Options or devices that do not fit together.
     """
+    wanted = None if requirement is None else load_requirement(requirement)
+    basis = choose_basis(wanted, coverage=coverage, reference=reference)
     settings = Settings(
         method=method,
         trials=trials,
@@ -181,9 +182,9 @@ def analyze(
         max_trials=max_trials,
         validate=validate,
         seed=seed,
-        coverage=coverage,
+        coverage=basis.coverage,
         interval=interval,
-        reference=reference,
+        reference=basis.reference,
         sobol_samples=samples,
         only=tuple(map(Name, [only] if isinstance(only, str) else only)),
         outputs=tuple(map(Name, [outputs] if isinstance(outputs, str) else outputs)),
@@ -194,7 +195,7 @@ def analyze(
         settings,
         *load_devices(devices),
         procedure=load_procedure(procedure),
-        requirement=None if requirement is None else load_requirement(requirement),
+        requirement=wanted,
         catalogue=catalogue,
         engine=Engine(workers=workers, executor=executor, progress=progress, talk=talk),
         command=command,
@@ -206,7 +207,7 @@ def analyze_as(
     *devices: Device,
     procedure: Procedure | None = None,
     requirement: Requirement | None = None,
-    catalogue: Sequence[Device] = (),
+    catalogue: Sequence[Device] | None = None,
     engine: Engine | None = None,
     command: str = "analyze",
 ) -> Budget:

@@ -8,6 +8,7 @@ quantity whose distribution is predicted (budget.studies.prediction).
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from budget.model.sources import ACCELEROMETER, GYRO
 from budget.model.sources.later import AGEING
 from budget.names import Name
 from budget.results import FilledLine
+from budget.spec import load_catalogue
 from budget.spec.records import ErrorLine
 from budget.spec.specification import CORRELATION_TIME
 from budget.studies.grades import UNKNOWN, family, grade
@@ -93,8 +95,14 @@ def check_mode(mode: str) -> None:
         raise CallError(f"missing is {mode!r}, allowed: {', '.join(MODES)}")
 
 
+@cache
+def shipped_devices() -> tuple[Device, ...]:
+    """Load the catalogue once: fits on it are kept by what they are of."""
+    return load_catalogue()
+
+
 def fill(
-    device: Device, mode: str, catalogue: Sequence[Device]
+    device: Device, mode: str, catalogue: Sequence[Device] | None = None
 ) -> tuple[Device, Filling]:
     """Put lines in the place of the expected ones that a device does not give.
 
@@ -106,8 +114,8 @@ def fill(
     mode : str
         One of MODES; by 'predict' the medians are put there, and the filling has the
         distribution.
-    catalogue : sequence of Device
-        Where comparable devices are looked for.
+    catalogue : sequence of Device, optional
+        Where comparable devices are looked for; without it those that ship.
 
     Returns
     -------
@@ -121,6 +129,8 @@ def fill(
     sensors = {sensor.kind: sensor for sensor in device.sensors if sensor.lines}
     missing = [name for one in sensors.values() for name in one.expected_missing]
     found: dict[Name, tuple[ErrorLine, FilledLine]] = {}
+    if catalogue is None:
+        catalogue = shipped_devices() if missing else ()
     prediction = predict(device, missing, catalogue) if mode == PREDICT else None
     if prediction is not None:
         found = _predicted(prediction)
@@ -160,7 +170,7 @@ def fill(
 
 
 def fill_all(
-    devices: Sequence[Device], mode: str, catalogue: Sequence[Device]
+    devices: Sequence[Device], mode: str, catalogue: Sequence[Device] | None = None
 ) -> tuple[tuple[Device, ...], Filling]:
     """Fill devices that make one unit; arguments as of `fill`."""
     completed, whole = [], Filling(mode=mode)

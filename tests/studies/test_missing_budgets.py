@@ -8,7 +8,7 @@ import pytest
 from document_text import on_terminal
 from numpy.testing import assert_allclose
 
-from budget import analyze, load_device, load_procedure, load_requirement
+from budget import CallError, analyze, load_device, load_procedure, load_requirement
 from budget.names import Name
 from budget.report.analysis.build import report_document
 from budget.report.analysis.groups import budget_answer
@@ -148,9 +148,10 @@ def test_two_devices_make_one_unit():
 
 
 def test_nothing_comparable_leaves_the_verdict_undecidable():
-    """Without a catalogue nothing is put in, and that is said."""
+    """Of an empty catalogue nothing is put in, and that is said."""
     found = analyze(
         DEVICE,
+        catalogue=(),
         requirement=EDGE,
         coverage=EDGE.coverage,
         reference=EDGE.reference,
@@ -163,3 +164,21 @@ def test_nothing_comparable_leaves_the_verdict_undecidable():
     assert found.filled == ()
     assert LACKS in found.left
     assert "gyro mounting repeatability: nothing is known" in text
+
+
+@pytest.mark.parametrize("mode", ["worst", "typical", "predict"])
+def test_the_library_takes_the_devices_that_ship(mode):
+    """As the command does: a catalogue of one's own is asked for, not needed."""
+    device = load_device("stim300#5g")
+    one = analyze(device, missing=mode, validate=False)
+    other = analyze(device, missing=mode, validate=False, catalogue=CATALOGUE)
+    assert one.filled
+    assert one.filled == other.filled
+
+
+def test_a_requirement_rules_coverage_and_reference():
+    """Another one that is asked for beside it is refused."""
+    found = analyze("zhao-2019", requirement="tactical-grade", validate=False).settings
+    assert (found.coverage, found.reference) == (0.95, "next_turn_on")
+    with pytest.raises(CallError, match="reference nominal differs"):
+        analyze("zhao-2019", requirement="tactical-grade", reference="nominal")

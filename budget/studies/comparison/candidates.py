@@ -103,7 +103,7 @@ def find_remedy(held: Limited, law: Propagation, judged: Judged) -> Remedy:
 
 
 def bound_missing(
-    one: Candidate, bare: Device, catalogue: Sequence[Device]
+    one: Candidate, bare: Device, catalogue: Sequence[Device] | None
 ) -> MissingLines | None:
     """Return what expected lines that are not given could do; None where none miss.
 

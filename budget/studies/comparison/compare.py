@@ -57,7 +57,7 @@ def compare(
     requirement: Requirement | File,
     procedures: Procedure | File | Sequence[Procedure | File] = (),
     *,
-    catalogue: Sequence[Device] = (),
+    catalogue: Sequence[Device] | None = None,
     missing: str = REFUSE,
     method: str = "monte-carlo",
     trials: int = TRIALS,
@@ -80,8 +80,8 @@ def compare(
         Limits, coverage and reference.
     procedures : sequence of Procedure
         The paper's, if none is given.
-    catalogue : sequence of Device
-        Where the values of lines that are not given are taken from.
+    catalogue : sequence of Device, optional
+        Where lines that are not given are taken from; without it the devices that ship.
     missing : str
         What stands for expected lines that are not given (budget.studies.missing):
         'refuse', 'worst', 'typical' or 'predict'.
@@ -271,7 +271,7 @@ def _verdict(
     one: Candidate,
     finding: JudgedCandidate,
     bare: Device,
-    catalogue: Sequence[Device],
+    catalogue: Sequence[Device] | None,
 ) -> DeviceVerdict:
     """Turn a finding into the verdict on one sensor of one device."""
     judged = finding.judged
@@ -301,7 +301,9 @@ def _verdict(
     )
 
 
-def _entrant(one: Candidate, bare: Device, catalogue: Sequence[Device]) -> Entrant:
+def _entrant(
+    one: Candidate, bare: Device, catalogue: Sequence[Device] | None
+) -> Entrant:
     """Return what is said of every candidate, whether it can be judged or not.
 
     `bare` is its device as the file gives it.

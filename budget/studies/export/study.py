@@ -160,7 +160,7 @@ def export(
     inflate: float = 1.0,
     rate: float | None = None,
     missing: str = REFUSE_MISSING,
-    catalogue: Sequence[Device] = (),
+    catalogue: Sequence[Device] | None = None,
 ) -> Export:
     """Put the figures of devices as a target counts them.
 
@@ -181,8 +181,8 @@ def export(
         Samples in a second [Hz].
     missing : str
         What stands for expected lines that are not given (budget.studies.missing).
-    catalogue : sequence of Device
-        Where comparable devices are looked for.
+    catalogue : sequence of Device, optional
+        Where comparable devices are looked for; without it those that ship.
 
     Raises
     ------
