@@ -189,12 +189,18 @@ def _tied(
     findings: dict[int, JudgedCandidate],
     max_trials: int,
 ) -> list[int]:
-    """Return the places that a neighbour ties with, where more trials can tell."""
+    """Return the places that a neighbour ties with, where more trials can tell.
+
+    Of devices that fail nobody chooses one: their ties stand as their verdicts left
+    them.
+    """
     found: set[int] = set()
     lists: dict[tuple[str, str, str], list[int]] = {}
     for place, one in enumerate(candidates):
         if one.missing or one.filling.lines:
             continue  # no trial says how a line that is not given would rank it
+        if findings[place].verdict == "fails":
+            continue
         key = (one.sensor.kind, one.procedure.name, findings[place].verdict)
         lists.setdefault(key, []).append(place)
     for places in lists.values():

@@ -251,7 +251,10 @@ def test_what_has_the_same_worst_output_draws_no_more(used):
         assert found.devices[0].ahead.probability == 0.5
     other = [pair[0], bounded_scale("b", used, 0.05, by="nonlinearity")]
     found = compared(other, trials=5_000, max_trials=80_000)
-    assert max(row.closer.trials for row in found.devices) > 5_000
+    first, last = (row.closer.trials for row in found.devices)
+    assert found.devices[0].ahead.is_tied or max(first, last) > 5_000
+    # Of two that fail nobody chooses one: that tie stays as it is.
+    assert (max(first, last) > 5_000) == (used < 1.0)
 
 
 def test_what_nothing_parts_is_drawn_for_together():
