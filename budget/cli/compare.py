@@ -76,6 +76,7 @@ def compare(
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
     output: Annotated[list[Path] | None, options.OUTPUT] = None,
+    paper: options.Paper = "a4",
 ) -> None:
     """Compare devices against a requirement, best first.
 
@@ -106,7 +107,7 @@ def compare(
         *(output or ()),
         inputs=[*(devices or ()), *(procedure or ()), station, requirement],
     )
-    check_suffixes(output or [])
+    check_suffixes(output or [], paper)
     if not devices and not catalogue:
         raise CallError("nothing to compare; name device files, or give --catalogue")
     if (kind or grade) and not catalogue:
@@ -156,7 +157,7 @@ def compare(
         document = comparison_document(
             found, date=document_date(), command_line=command
         )
-        pages = pages_of(document, output)
+        pages = pages_of(document, output, paper)
     hand_out(
         [(json, lambda: json_pieces(found)), (csv, lambda: [to_csv(found)])],
         lambda: comparison_answer(

@@ -180,6 +180,10 @@ OUTPUT: Any = typer.Option(
     help="Report to write, .html or .pdf; may be given again.",
     show_default=False,
 )
+Paper = Annotated[
+    Literal["a4", "letter"],
+    typer.Option(help="Sheets of a PDF: A4, or US Letter."),
+]
 Method = Annotated[
     Literal["gum", "monte-carlo", "simulation"],
     typer.Option(help="How uncertainty is propagated."),

@@ -141,19 +141,22 @@ def check_yaml(write: Path | None, kind: str) -> None:
         )
 
 
-def pages_of(document: Document, paths: Sequence[Path]) -> dict[Path, str | bytes]:
+def pages_of(
+    document: Document, paths: Sequence[Path], paper: str
+) -> dict[Path, str | bytes]:
     """Return the contents of the files; what no font has is named on stderr."""
     from budget.report.rendering import render_pages
 
     return render_pages(
         document,
         paths,
+        paper=paper,
         warn=lambda path, text: say(f"warning: {in_line(path)}: {text}"),
     )
 
 
-# Where results go and who computes them changes no number.
-WITHOUT_EFFECT = frozenset({"output", "json", "csv", "workers", "cluster"})
+# Where results go, on what sheets, and who computes them changes no number.
+WITHOUT_EFFECT = frozenset({"output", "paper", "json", "csv", "workers", "cluster"})
 # Of these a slash is that of a unit, not of a folder.
 LITERAL = frozenset({"changes", "only", "outputs", "number"})
 

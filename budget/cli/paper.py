@@ -11,6 +11,7 @@ from budget.cli import options
 def paper(
     *,
     output: Annotated[list[Path] | None, options.OUTPUT] = None,
+    paper: options.Paper = "a4",
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
 ) -> None:
@@ -31,12 +32,12 @@ def paper(
 
     check_destinations(json, csv, *(output or ()))
     pages = output or []
-    check_suffixes(pages)
+    check_suffixes(pages, paper)
     study = reproduce()
 
     rendered: dict[Path, str | bytes] = {}
     if pages:
-        rendered = pages_of(paper_document(study, date=document_date()), pages)
+        rendered = pages_of(paper_document(study, date=document_date()), pages, paper)
     hand_out(
         [(json, lambda: json_text(study.to_dict())), (csv, lambda: to_csv(study))],
         None if pages else lambda: paper_sections(study),

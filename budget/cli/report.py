@@ -24,6 +24,7 @@ def report(
     *,
     changes: options.Changes = None,
     output: Annotated[list[Path], options.OUTPUT],
+    paper: options.Paper = "a4",
     procedure: options.ProcedureFile = None,
     station: options.StationFile = None,
     age: options.Age = None,
@@ -76,7 +77,7 @@ def report(
     from budget.studies.evidence import gather_evidence
     from budget.studies.request import analysis_of
 
-    check_suffixes(output)
+    check_suffixes(output, paper)
     date = document_date()
     check_destinations(
         json,
@@ -134,7 +135,7 @@ def report(
             date=date,
             number=number,
         )
-        files = pages_of(document, output)
+        files = pages_of(document, output, paper)
         show(1, 1)
     documents = [(json, lambda: document.json), (csv, lambda: to_csv(budget))]
     hand_out(documents, pages=files)

@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     from budget.results import Budget
 
 
-def report(budget: Budget, *files: str | Path, number: str = "") -> tuple[Path, ...]:
+def report(
+    budget: Budget, *files: str | Path, number: str = "", paper: str = "a4"
+) -> tuple[Path, ...]:
     """Write the report on a budget: verdict first, then what it stands on.
 
     Parameters
@@ -26,6 +28,8 @@ def report(budget: Budget, *files: str | Path, number: str = "") -> tuple[Path, 
         Where to, .html or .pdf.
     number : str
         Of the report, for the one who files it.
+    paper : str
+        Sheets of a PDF: 'a4' or 'letter'.
 
     Returns
     -------
@@ -35,23 +39,24 @@ def report(budget: Budget, *files: str | Path, number: str = "") -> tuple[Path, 
     Raises
     ------
     CallError
-        It is no budget of `analyze`, or a file has another suffix.
+        It is no budget of `analyze`, a file has another suffix, or there is no such
+        paper.
     OutputError
         A file cannot be written.
     """
     from budget.report.notebook import write_report
 
-    return write_report(budget, files, number=number)
+    return write_report(budget, files, number=number, paper=paper)
 
 
 class _Callable(ModuleType):
     """The package as the function of its name, which its name in `budget` hides."""
 
     def __call__(
-        self, budget: Budget, *files: str | Path, number: str = ""
+        self, budget: Budget, *files: str | Path, number: str = "", paper: str = "a4"
     ) -> tuple[Path, ...]:
         """Write a report."""
-        return report(budget, *files, number=number)
+        return report(budget, *files, number=number, paper=paper)
 
 
 sys.modules[__name__].__class__ = _Callable

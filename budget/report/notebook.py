@@ -43,12 +43,16 @@ COMMAND = "budget.report (Python)"  # in the place of a command line
 
 
 def write_report(
-    budget: Budget, files: Sequence[str | Path], *, number: str = ""
+    budget: Budget,
+    files: Sequence[str | Path],
+    *,
+    number: str = "",
+    paper: str = "a4",
 ) -> tuple[Path, ...]:
     """Write the report on a budget, as `budget report` does; return the files."""
     analysis = analysis_of(budget)
     paths = tuple(map(Path, files))
-    check_suffixes(paths)
+    check_suffixes(paths, paper)
     check_targets(paths)
     document = report_document(
         budget,
@@ -60,7 +64,7 @@ def write_report(
         date=document_date(),
         number=number,
     )
-    write_all(render_pages(document, paths, warn=_warn))
+    write_all(render_pages(document, paths, paper=paper, warn=_warn))
     return paths
 
 

@@ -15,26 +15,39 @@ if TYPE_CHECKING:
     from budget.report.blocks import Document
 
 SUFFIXES = (".html", ".pdf")
+PAPERS = ("a4", "letter")  # the first is the default
 
 
-def check_suffixes(paths: Sequence[Path]) -> None:
+def check_suffixes(paths: Sequence[Path], paper: str) -> None:
     """Refuse a kind of page that there is not, before anything is computed.
 
     Raises
     ------
     CallError
-        A suffix is neither of SUFFIXES.
+        A suffix is neither of SUFFIXES, a paper none of those of a PDF, or one is
+        chosen where no PDF is written.
     """
+    if paper not in PAPERS:
+        raise CallError(f"found paper {paper!r}, allowed: {', '.join(PAPERS)}")
     wrong = [str(path) for path in paths if path.suffix.lower() not in SUFFIXES]
     if wrong:
         raise CallError(
             f"-o {', '.join(wrong)}: the suffix decides the kind of page, "
             f"allowed: {', '.join(SUFFIXES)}"
         )
+    if paper != PAPERS[0] and not any(path.suffix.lower() == ".pdf" for path in paths):
+        raise CallError(
+            f"--paper {paper}: only a PDF has sheets of its own (a browser prints an "
+            "HTML page on those that it is given); add -o FILE.pdf, or leave it out"
+        )
 
 
 def render_pages(
-    document: Document, paths: Sequence[Path], *, warn: Callable[[Path, str], None]
+    document: Document,
+    paths: Sequence[Path],
+    *,
+    paper: str,
+    warn: Callable[[Path, str], None],
 ) -> dict[Path, str | bytes]:
     """Return the contents of the files, each kind rendered once.
 
@@ -50,7 +63,7 @@ def render_pages(
         if suffix not in made and suffix == ".html":
             made[suffix] = render_page(document)
         elif suffix not in made:
-            found = typeset(document)
+            found = typeset(document, paper=paper)
             made[suffix] = found.pdf
             if found.replaced:
                 names = ", ".join(found.replaced)

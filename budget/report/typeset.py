@@ -91,8 +91,12 @@ class Typeset:
     replaced: tuple[str, ...]
 
 
-def typeset(document: Document, *, folders: Sequence[Path] | None = None) -> Typeset:
+def typeset(
+    document: Document, *, paper: str = "a4", folders: Sequence[Path] | None = None
+) -> Typeset:
     """Write a document as PDF: the same bytes for the same document and fonts.
+
+    Its sheets are of A4, or of US Letter where paper is 'letter'.
 
     Characters that the bundled fonts lack are looked for in `folders`, without them
     where the system keeps its fonts.
@@ -111,7 +115,7 @@ def typeset(document: Document, *, folders: Sequence[Path] | None = None) -> Typ
     printable = _map_strings(data, fonts.printable)
     pdf = render_pdf(
         TEMPLATE,
-        printable | {"families": fonts.families},
+        printable | {"families": fonts.families, "paper": paper},
         {
             f"{place}.svg": fonts.drawable(picture.svg).encode()
             for place, picture in enumerate(pictures)

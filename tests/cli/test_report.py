@@ -255,6 +255,20 @@ def test_report_of_an_unknown_kind(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("command", ["report", "compare", "paper"])
+def test_paper_is_that_of_a_pdf(tmp_path, command):
+    """Another paper, and one for a page that has none, is exit 2 before any work."""
+    given = ("zhao-2019", "--requirement", REQUIREMENT) if command == "compare" else ()
+    for paper, page, said in (
+        ("legal", "x.pdf", "'a4', 'letter'"),
+        ("letter", "x.html", "add -o FILE.pdf"),
+    ):
+        run = call(command, *given, "--paper", paper, "-o", tmp_path / page)
+        assert (run.code, run.out) == (2, "")
+        assert_says(run.err, said)
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_report_against_a_requirement(tmp_path):
     """A failed requirement is said in the page; the exit code stays 0."""
     page = tmp_path / "x.html"

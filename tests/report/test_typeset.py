@@ -18,6 +18,7 @@ from document_examples import (
     make_picture,
     make_table,
 )
+from numpy.testing import assert_allclose
 from pdf_reading import (
     ask,
     needs_poppler,
@@ -57,9 +58,9 @@ MINUS, TIMES = "\N{MINUS SIGN}", "\N{MULTIPLICATION SIGN}"
 NOWHERE = ()  # no font besides the bundled ones
 
 
-def make_pdf(**changes):
+def make_pdf(paper="a4", **changes):
     """Return the PDF of the document made by hand, set with the bundled fonts."""
-    return typeset(make_document(**changes), folders=NOWHERE).pdf
+    return typeset(make_document(**changes), paper=paper, folders=NOWHERE).pdf
 
 
 @pytest.fixture(scope="module")
@@ -160,6 +161,25 @@ def test_nothing_is_cut_at_the_edges(pdf, tmp_path):
     assert not words_beyond(pdf, tmp_path)
 
 
+@needs_poppler
+@pytest.mark.parametrize(
+    ("paper", "sheet"), [("a4", (595.28, 841.89)), ("letter", (612.0, 792.0))]
+)
+def test_pdf_is_set_for_its_paper(tmp_path, paper, sheet):
+    """Every page is a sheet of it, and words go to its margins and no further."""
+    pdf = make_pdf(paper=paper)
+    boxes = ask(pdf, tmp_path, "pdftotext", "-bbox", "FILE", "-")
+    pages = re.findall(r'<page width="([\d.]+)" height="([\d.]+)"', boxes)
+    edges = [float(x) for x in re.findall(r'xMax="([-\d.]+)"', boxes)]
+
+    assert len(pages) > 1
+    for page in pages:
+        assert_allclose([*map(float, page)], sheet, rtol=1e-4)
+    margin = 15.0 / 25.4 * 72.0
+    assert sheet[0] - 2 * margin < max(edges) < sheet[0] - margin + 1.0
+    assert not words_beyond(pdf, tmp_path)
+
+
 def test_file_claims_its_standards(pdf):
     """It says that it is PDF/A-2a and PDF/UA-1, tagged, English, of that day."""
     assert re.search(rb"pdfaid:part>2<.*pdfaid:conformance>A<", pdf, re.DOTALL)
@@ -208,8 +228,9 @@ def test_file_is_whole(pdf, tmp_path):
 @pytest.mark.slow
 @needs_verapdf
 @pytest.mark.parametrize("flavour", ["2a", "ua1"])
-def test_file_keeps_its_standards(pdf, tmp_path, flavour):
-    """VeraPDF finds that it is what it claims."""
+def test_file_keeps_its_standards(tmp_path, flavour):
+    """VeraPDF finds that it is what it claims, on either paper."""
+    pdf = make_pdf(paper={"2a": "a4", "ua1": "letter"}[flavour])
     said = ask(pdf, tmp_path, "verapdf", "-f", flavour, "--format", "text", "FILE")
     assert said.startswith("PASS")
 
