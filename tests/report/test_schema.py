@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import jsonschema
 import pytest
-from command_line import SCHEMA, call
+from command_line import SCHEMA, call, checked
 
 EDGE = ("--requirement", "catalogue-edge")
 PREDICT = ("--missing", "predict")
@@ -53,3 +53,22 @@ def test_a_key_that_is_not_in_it_is_refused():
     ):
         with pytest.raises(jsonschema.ValidationError):
             jsonschema.validate(wrong, SCHEMA)
+        with pytest.raises(AssertionError):
+            checked(wrong)
+
+
+def test_one_row_of_many_that_is_wrong_is_found():
+    """Control: rows that are alike are looked at once, one that is not is not alike."""
+    document = call("analyze", "--no-validate", "--json", "-").document
+    rows = document["outputs"]
+    for place in (0, 9, len(rows) - 1):
+        for wrong in ({"news": 0.0}, {"mean": "0"}, {"coverage_factor": [2.0]}):
+            row = rows[place] | wrong
+            changed = [*rows[:place], row, *rows[place + 1 :]]
+            with pytest.raises(AssertionError):
+                checked({**document, "outputs": changed})
+        less = {key: text for key, text in rows[place].items() if key != "mean"}
+        with pytest.raises(AssertionError):
+            checked({**document, "outputs": [*rows[:place], less, *rows[place + 1 :]]})
+    with pytest.raises(AssertionError):
+        checked({**document, "covariance": [*document["covariance"], ["0"]]})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
 import jsonschema
@@ -31,6 +32,12 @@ def document(text, tmp_path):
     return values(plain(read(path, "file").root))
 
 
+@cache
+def judge(kind):
+    """Return what validates files of a kind; that its schema is one is asked below."""
+    return jsonschema.Draft202012Validator(json_schema(kind))
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_schemas_are_sound(kind):
     """Each is a schema of draft 2020-12 with a title, and knows no null."""
@@ -43,11 +50,8 @@ def test_schemas_are_sound(kind):
 
 def test_shipped_files_pass_tool_and_schema():
     """Every shipped spec is valid by `validate` and by the schema of its kind."""
-    judges = {
-        kind: jsonschema.Draft202012Validator(json_schema(kind)) for kind in KINDS
-    }
     faults = {
-        path: list(judges[validate(path).kind].iter_errors(content))
+        path: list(judge(validate(path).kind).iter_errors(content))
         for path in FILES
         for content in [values(plain(read(path, path.name).root))]
     }
@@ -78,14 +82,14 @@ BAD = {
 @pytest.mark.parametrize("case", GOOD)
 def test_the_schema_passes_good_devices(case, tmp_path):
     """What the tool reads, an editor does not mark."""
-    jsonschema.validate(document(GOOD[case], tmp_path), json_schema("device"))
+    judge("device").validate(document(GOOD[case], tmp_path))
 
 
 @pytest.mark.parametrize("case", BAD)
 def test_the_schema_stops_bad_devices(case, tmp_path):
     """A mistake in one value is marked in the editor."""
     with pytest.raises(jsonschema.ValidationError):
-        jsonschema.validate(document(BAD[case], tmp_path), json_schema("device"))
+        judge("device").validate(document(BAD[case], tmp_path))
 
 
 def test_there_is_no_schema_of_an_unknown_kind():
