@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import ROUND_HALF_UP, Context, Decimal
 from itertools import groupby
-from math import ceil, floor, fsum, isfinite, log10
+from math import ceil, floor, fsum, isfinite, log10, sqrt
 from typing import TYPE_CHECKING
 
 from budget.language import key_title, say
 from budget.names import Name, by_group
-from budget.results import INTERACTION, Contribution
+from budget.results import BY_LAW, INTERACTION, Contribution
 from budget.spec.records import ANGLES
 from budget.ties import first_largest, from_largest, settle
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from budget.results import (
         Budget,
         Doubt,
+        InputQuantity,
         OutputAssessment,
         OutputBudget,
         Probability,
@@ -41,6 +42,7 @@ CERTAIN = 4  # decimals of a per cent that nearly certain probabilities get at m
 PER_CENT = 100.0
 NAMED = 2  # contributions of a sentence
 HALF_DIGIT = 5e-3  # half of the last digit of a probability of two decimals [1]
+ROUNDING = 1e-9  # [1] of divisors and degrees of freedom
 NEAR_LIMIT = 0.01  # [1]; a utilisation this close to 1 gets one more digit
 
 
@@ -73,6 +75,9 @@ class OutputRow:
     low: Number
     high: Number
     check: CheckCell | None
+    k: Number | None  # coverage factor; None where nothing varies or is known
+    degrees_of_freedom: str  # effective ones
+    by: str  # what the interval is of, where it is not the law's
     lacks: tuple[str, ...]  # lines not given that would widen it, in words
 
     @property
@@ -89,6 +94,10 @@ class SourceCell:
 
     u: Number  # [unit of the group]
     share: Number  # of the variance of the output
+    # u(x) of its line and c, where it has one: JCGM 100:2008, 5.1.3.
+    u_input: Number | None = None  # [unit of the line]
+    c: Number | None = None  # [unit of the group over that of the line]
+    linear: Number | None = None  # c u(x) [unit of the group]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,6 +108,7 @@ class SourceRow:
     title: str
     share: Number  # of the variance, over the group
     cells: tuple[SourceCell, ...]
+    quantity: InputQuantity | None = None  # its line, where it is of one
 
     @property
     def is_idle(self) -> bool:
@@ -129,6 +139,19 @@ class GroupTable:
         return self.rows[first_largest([row.expanded.exact for row in self.rows])]
 
     @property
+    def alike(self) -> tuple[tuple[tuple[int, ...], ...], ...]:
+        """Places of the outputs whose sources are the same in print.
+
+        Those of them together of which the totals are, too.
+        """
+        found: dict[object, dict[object, list[int]]] = {}
+        for place, row in enumerate(self.rows):
+            sources = tuple(_printed(own.cells[place]) for own in self.sources)
+            alike = found.setdefault(sources, {})
+            alike.setdefault(_printed(row), []).append(place)
+        return tuple(tuple(map(tuple, own.values())) for own in found.values())
+
+    @property
     def gaps(self) -> str:
         """Say which lines the numbers of the group lack; '' where none."""
         lacks = dict.fromkeys(name for row in self.rows for name in row.lacks)
@@ -152,6 +175,15 @@ class GroupTable:
         return print_contributions(
             [(row.title, row.share.exact) for row in self.sources]
         )
+
+
+def _printed(record: OutputRow | SourceCell) -> tuple[object, ...]:
+    """Return what is printed of an output or a source in a budget table."""
+    return tuple(
+        number.text if isinstance(number, Number) else number
+        for name, number in vars(record).items()
+        if name not in {"axis", "check"}
+    )
 
 
 def round_uncertainty(u: float, *, resolution: float = 0.0) -> str:
@@ -373,7 +405,7 @@ def settings_lines(settings: Settings) -> tuple[tuple[str, str], ...]:
 def group_tables(budget: Budget) -> tuple[GroupTable, ...]:
     """Gather the outputs of a budget by sensor and parameter, in their order."""
     return tuple(
-        _group_table(sensor, parameter, tuple(rows), budget.settings)
+        _group_table(sensor, parameter, tuple(rows), budget)
         for (sensor, parameter), rows in groupby(
             budget.outputs, key=lambda row: (row.sensor, row.parameter)
         )
@@ -395,9 +427,11 @@ def align_decimals(
 
 
 def _group_table(
-    sensor: str, parameter: str, outputs: tuple[OutputBudget, ...], settings: Settings
+    sensor: str, parameter: str, outputs: tuple[OutputBudget, ...], budget: Budget
 ) -> GroupTable:
     """Make the table of one group; sources ranked by variance over the group."""
+    settings = budget.settings
+    quantities = {one.source: one for one in budget.quantities}
     # Where the spread is only rounding, so are the shares of it.
     spread = [
         (part.source, part.standard_uncertainty)
@@ -415,7 +449,10 @@ def _group_table(
                 source=source,
                 title=source_title(source, of=sensor),
                 share=Number(text=print_share(share), exact=share),
-                cells=tuple(_source_cell(row, source) for row in outputs),
+                cells=tuple(
+                    _source_cell(row, source, quantities.get(source)) for row in outputs
+                ),
+                quantity=quantities.get(source),
             )
         )
     return GroupTable(
@@ -450,8 +487,34 @@ def _output_row(row: OutputBudget) -> OutputRow:
         low=bound(value(row.interval[0]), sign=AT_MOST),
         high=bound(value(row.interval[1])),
         check=_check_cell(row),
+        k=_coverage_factor(row),
+        degrees_of_freedom=print_degrees_of_freedom(row.degrees_of_freedom),
+        by="" if row.interval_by == BY_LAW else row.interval_by,
         lacks=tuple(source_title(name, of=row.sensor) for name in row.lacks),
     )
+
+
+def _coverage_factor(row: OutputBudget) -> Number | None:
+    """Return k of one output, JCGM 100:2008, 6.3."""
+    if row.coverage_factor is None or row.is_unknown:
+        return None
+    k = row.coverage_factor
+    return Number(text=print_given(k), exact=k)
+
+
+def print_degrees_of_freedom(v: float) -> str:
+    """Print degrees of freedom, cut to the integer below: JCGM 100:2008, G.4.1."""
+    return str(floor(v * (1.0 + ROUNDING))) if isfinite(v) else "\N{INFINITY}"
+
+
+def print_divisor(divisor: float) -> str:
+    """Print what turns a printed value into u(x): '3', 'sqrt(3)', '2 sqrt(3)'."""
+    for times in (1, 2):
+        square = round((divisor / times) ** 2)
+        is_root = abs(divisor - times * sqrt(square)) <= ROUNDING * divisor
+        if is_root and square in {2, 3, 6}:
+            return f"{'' if times == 1 else f'{times} '}sqrt({square})"
+    return print_given(divisor)
 
 
 def _check_cell(row: OutputBudget) -> CheckCell | None:
@@ -467,7 +530,9 @@ def _check_cell(row: OutputBudget) -> CheckCell | None:
     return CheckCell(low=low, high=high, tolerance=tolerance, word=check.word)
 
 
-def _source_cell(row: OutputBudget, source: Name) -> SourceCell:
+def _source_cell(
+    row: OutputBudget, source: Name, quantity: InputQuantity | None
+) -> SourceCell:
     """Round what one source does to one output; zeros where it is not in the list."""
     part = next(
         (p for p in row.contributions if p.source == source),
@@ -475,9 +540,20 @@ def _source_cell(row: OutputBudget, source: Name) -> SourceCell:
     )
     acts = row.is_resolved and part.standard_uncertainty > row.output.resolution
     share = part.share if acts else 0.0
-    return SourceCell(
+    cell = SourceCell(
         u=round_u(part.standard_uncertainty, row.output),
         share=Number(text=print_share(share), exact=share),
+    )
+    if not quantity or part.linear is None:
+        return cell
+    unit = quantity.si_per_unit
+    u_input = (part.u_input or 0.0) / unit
+    c = (part.sensitivity or 0.0) / row.output.si_per_unit * unit if acts else 0.0
+    return replace(
+        cell,
+        u_input=Number(text=print_given(u_input), exact=u_input),
+        c=Number(text=print_given(c, digits=3), exact=c),
+        linear=round_u(part.linear, row.output),
     )
 
 

@@ -45,11 +45,12 @@ NO_BREAK = "\N{NO-BREAK SPACE}"
 ASCII = {
     "\N{MICRO SIGN}": "u",
     "\N{GREEK SMALL LETTER MU}": "u",
+    "\N{GREEK SMALL LETTER NU}": "v",
     "°": "deg",
     "±": "+-",
     "\N{EN DASH}": "-",
 }
-SIGNS = str.maketrans({AT_LEAST: ">=", AT_MOST: "<="})
+SIGNS = str.maketrans({AT_LEAST: ">=", AT_MOST: "<=", "\N{INFINITY}": "inf"})
 
 
 class Page:

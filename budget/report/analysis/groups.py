@@ -7,6 +7,11 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from budget.names import AXES, key_title
+from budget.report.analysis.budget_table import (
+    READ,
+    budget_remarks,
+    budget_table,
+)
 from budget.report.analysis.verdict import (
     headline,
     limits_section,
@@ -21,18 +26,14 @@ from budget.report.blocks import (
     Pairs,
     Panel,
     Paragraph,
-    R,
     Section,
     table_of,
 )
-from budget.report.figures.rows import chart_picture
-from budget.report.figures.sources import share_chart, sobol_chart
+from budget.report.figures.sources import sobol_chart
 from budget.report.readings import effect_line, verdict_line
 from budget.report.tables import (
     UNKNOWN,
-    CheckCell,
     OutputRow,
-    SourceRow,
     bound_number,
     group_tables,
     print_coverage,
@@ -46,7 +47,6 @@ from budget.report.wording import (
     mode_sentence,
     not_given_lines,
     points,
-    share_cell,
 )
 from budget.results import CONVENTION
 
@@ -249,89 +249,12 @@ def _listed(title: str, lines: Sequence[str]) -> Section:
 
 
 def _group_section(group: GroupTable, *, checked: bool) -> Section:
-    """Return the outputs of one group, an axis a row, then its sources."""
-    centred = all(row.is_centred for row in group.rows)
-
-    mean, u, expanded, low, high = _errors(group)
-    # Where it is not mean +- U, the two ends must be seen.
-    interval = (expanded,) if centred else (low, high)
-    outputs = table_of(
-        group.rows,
-        (Field(head="axis", cell=lambda row: row.axis), mean, u, *interval),
-        name=f"outputs-{group.sensor}-{group.parameter}",
-        caption=f"Errors of the {group.title} by axis",
-    )
-    blocks: list[Block] = [outputs, *_gaps(group)]
-    known = " that is known" if group.gaps else ""
-    acting = [source for source in group.sources if not source.is_idle]
-    sources = (_sources_table(group, acting),) if acting else ()
-    title = f"Contributions, by share of the variance{known}"
-    blocks.append(Panel(title=title, blocks=(*sources, *_idle(group))))
-    if checked:
-        blocks += _checked(group)
+    """Return the budget of one group; how it was checked, where that differs."""
     return Section(
         name=f"group-{group.sensor}-{group.parameter}",
         title=f"{capital(group.title)} [{group.unit}]",
-        blocks=tuple(blocks),
+        blocks=(budget_table(group), *budget_remarks(group, checked=checked)),
     )
-
-
-def _gaps(group: GroupTable) -> Iterator[Paragraph]:
-    """Yield what the numbers of a group lack."""
-    if group.gaps:
-        yield Paragraph(words=(f"{capital(group.gaps)}.",), small=True)
-
-
-def _idle(group: GroupTable) -> Iterator[Paragraph]:
-    """Yield which sources change nothing in a group."""
-    if idle := ", ".join(row.title for row in group.sources if row.is_idle):
-        text = f"Without effect, to rounding: {idle}."
-        yield Paragraph(words=(text,), small=True)
-
-
-def _checked(group: GroupTable) -> Iterator[Paragraph]:
-    """Yield how the law fared against Monte Carlo."""
-    if group.validation:
-        text = f"The law checked {group.validation}."
-        yield Paragraph(words=(text,), small=True)
-
-
-def _sources_table(group: GroupTable, acting: Sequence[SourceRow]) -> Table:
-    """Return the sources that have an effect, the largest first."""
-    ranges = {source.source: _range(source) for source in acting}
-    differ = any(" to " in text for text in ranges.values())
-    return table_of(
-        acting,
-        (
-            Field[SourceRow](head="", cell=lambda source: source.title),
-            Field[SourceRow](
-                head="share [%]",
-                kind="number",
-                cell=lambda source: share_cell(source.share.exact),
-            ),
-            Field[SourceRow](
-                head="u, worst axis" if differ else "u alone",
-                kind="number",
-                cell=lambda source: cell(
-                    max((part.u for part in source.cells), key=lambda u: u.exact)
-                ),
-            ),
-            Field[SourceRow](
-                head="share by axis",
-                cell=lambda source: ranges[source.source] if differ else "",
-                optional=True,
-            ),
-        ),
-        name=f"sources-{group.sensor}-{group.parameter}",
-        caption=f"Sources of the {group.title}",
-    )
-
-
-def _range(source: SourceRow) -> str:
-    """Return 'least to most' of the shares by axis; one where the axes agree."""
-    shares = sorted((part.share for part in source.cells), key=lambda x: x.exact)
-    least, most = shares[0].text, shares[-1].text
-    return most if least == most else f"{least} to {most}"
 
 
 def _indices(budget: Budget, sensors: Iterable[str]) -> Iterator[Section]:
@@ -347,55 +270,27 @@ def _indices(budget: Budget, sensors: Iterable[str]) -> Iterator[Section]:
 
 def budget_section(groups: Sequence[GroupTable]) -> Section:
     """Return the budgets of all groups with the figures of their contributions."""
-    coverage = print_coverage(groups[0].coverage)
-    text = (
-        f"U{coverage} is half the width of the {coverage} % interval, u the standard "
-        "uncertainty. Sources are ranked by their variance over all axes of a group; "
-        "each line is what that source does alone. Mean and interval are of the error."
-    )
+    checks = {group.validation for group in groups}
+    differ = len(checks) > 1
+    check = "" if differ else checks.pop()
+    said = f"{READ} The law checked {check}." if check else READ
     return Section(
         name="budget",
         title="Budget",
         blocks=(
-            Paragraph(words=(text,)),
-            Abreast(blocks=tuple(_panel(group) for group in groups)),
+            Paragraph(words=(said,)),
+            *(
+                Panel(
+                    title=f"{capital(group.title)} [{group.unit}]",
+                    blocks=(
+                        budget_table(group),
+                        *budget_remarks(group, checked=differ),
+                    ),
+                )
+                for group in groups
+            ),
         ),
     )
-
-
-def _panel(group: GroupTable) -> Panel:
-    """Return figure, table and remarks of one group."""
-    has_spread = any(row.share.exact for row in group.sources)
-    blocks: list[Block] = [chart_picture(share_chart(group))] if has_spread else []
-    blocks += [_table(group), *_gaps(group), *_idle(group), *_checked(group)]
-    return Panel(title=capital(group.title), blocks=tuple(blocks))
-
-
-def _errors(group: GroupTable) -> tuple[Field[OutputRow], ...]:
-    """Return what is said of each output: mean, u, U, both ends of its interval."""
-    coverage = print_coverage(group.coverage)
-
-    def number(head: str, pick: Callable[[OutputRow], Number]) -> Field[OutputRow]:
-        return Field(head=head, kind="number", cell=lambda row: cell(pick(row)))
-
-    return (
-        number("mean", lambda row: row.mean),
-        number("u", lambda row: row.u),
-        number(f"U{coverage}", lambda row: row.expanded),
-        number(f"{coverage} % interval from", lambda row: row.low),
-        number("to", lambda row: row.high),
-    )
-
-
-CHECKS: tuple[Field[CheckCell], ...] = (  # the law against Monte Carlo
-    Field(head="lower ends differ by", cell=lambda check: cell(check.low)),
-    Field(head="upper ends differ by", cell=lambda check: cell(check.high)),
-    Field(head="tolerance", cell=lambda check: cell(check.tolerance)),
-    Field(
-        head="the law",
-        cell=lambda check: Cell(text=check.word, strong=check.word != "holds"),
-    ),
-)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -405,51 +300,6 @@ class Line:
     title: str  # of the lines that it stands among
     head: str
     cells: Sequence[Cell | str]
-
-
-def _table(group: GroupTable) -> Table:
-    """Return the numbers of one group, an axis a column."""
-    unit = group.unit
-    acting = [source for source in group.sources if not source.is_idle]
-    checks = [row.check for row in group.rows if row.check is not None]
-    lines = [
-        *_turned(f"error [{unit}]", _errors(group), group.rows),
-        *(
-            Line(
-                title=f"u of each source alone [{unit}]",
-                head=source.title,
-                cells=[cell(part.u) for part in source.cells],
-            )
-            for source in acting
-        ),
-        *(
-            Line(
-                title="share of the variance [%]",
-                head=source.title,
-                cells=[share_cell(part.share.exact) for part in source.cells],
-            )
-            for source in acting
-        ),
-        *(
-            _turned(f"law against Monte Carlo [{unit}]", CHECKS, checks)
-            if checks
-            else ()
-        ),
-    ]
-    return table_of(
-        lines,
-        (
-            Field(head="", cell=lambda line: line.head),
-            *(
-                Field(head=row.axis, kind="number", cell=partial(_of_axis, place))
-                for place, row in enumerate(group.rows)
-            ),
-        ),
-        name=f"budget-{group.sensor}-{group.parameter}".replace("_", "-"),
-        caption=f"Budget of the {group.title} by axis",
-        by=lambda line: line.title,
-        titled=True,
-    )
 
 
 def matrices_sections(budget: Budget) -> Iterator[Section]:
@@ -515,16 +365,6 @@ def _matrix_table(found: Compensation) -> Table:
         by=lambda line: line.title,
         titled=True,
     )
-
-
-def _turned(
-    title: str, fields: Iterable[Field[R]], rows: Sequence[R]
-) -> Iterator[Line]:
-    """Yield a line for each field, a cell for each row."""
-    for field in fields:
-        yield Line(
-            title=title, head=field.head, cells=[field.cell(row) for row in rows]
-        )
 
 
 def _of_axis(place: int, line: Line) -> Cell | str:

@@ -1,0 +1,171 @@
+"""The budget table: quantities, c, what they add up to, axes that agree once."""
+
+from __future__ import annotations
+
+from functools import cache
+from math import sqrt
+
+import pytest
+from numpy.testing import assert_allclose
+
+from budget.report.analysis.budget_table import budget_table
+from budget.report.analysis.groups import budget_section
+from budget.report.tables import AT_LEAST, group_tables, print_divisor
+from budget.resources import shipped
+from budget.spec import load_device, load_procedure
+from budget.studies.analysis import analyze
+
+COLUMNS = [
+    *("quantity", "specification", "distribution", "divisor", "u(x)", "", "c"),
+    *("c u(x) [deg/h]", "share [%]", "\N{GREEK SMALL LETTER NU}"),
+]
+U_X, C, PART = 4, 6, 7  # places of u(x), c and c u(x)
+
+
+@cache
+def device(name):
+    """Load a shipped device."""
+    return load_device(shipped("specs") / "devices" / f"{name}.yaml")
+
+
+@cache
+def budget(name="zhao-2019", **settings):
+    """Return its budget."""
+    return analyze(device(name), validate=False, **settings)
+
+
+def table(of, title):
+    """Return the budget table of one group."""
+    return next(budget_table(one) for one in group_tables(of) if one.title == title)
+
+
+def texts(group):
+    """Return the rows of a group by their heads."""
+    return {row[0].text: [cell.text for cell in row] for row in group.rows}
+
+
+def test_columns_are_those_of_a_budget():
+    """JCGM 100:2008, 8.1 and EA-4/02: from the quantity to degrees of freedom."""
+    found = table(budget(), "gyro bias")
+
+    assert [column.head for column in found.columns] == COLUMNS
+
+
+def test_axes_that_agree_stand_once():
+    """The three biases of the paper's gyro are one group of rows, named by its axes."""
+    (group,) = table(budget(), "gyro bias").groups
+
+    assert group.title == "x, y, z"
+    assert texts(group)["bias repeatability"][1:8] == [
+        *("0.05 deg/h", "normal", "1", "0.05", "deg/h", "1", "0.050")
+    ]
+
+
+def test_axes_that_differ_stand_apart():
+    """One axis with another value has rows of its own, with its u(x)."""
+    changed = device("zhao-2019").replace({"gyro.bias_repeatability.y": "0.2 deg/h"})
+    groups = table(analyze(changed, validate=False), "gyro bias").groups
+
+    assert [group.title for group in groups] == ["x, z", "y"]
+    assert [texts(group)["bias repeatability"][U_X] for group in groups] == [
+        *("0.05", "0.2")
+    ]
+
+
+@pytest.mark.parametrize("settings", [{}, {"method": "monte-carlo", "trials": 20000}])
+def test_printed_rows_multiply_and_add_up(settings):
+    """As printed: u(x) times c is c u(x), and their squares sum to the combined u."""
+    of = budget(**settings)
+    for group in group_tables(of):
+        for own in budget_table(group).groups:
+            squares, seen = 0.0, 0
+            for row in own.rows:
+                part = float(row[PART].text)
+                if row[0].text.startswith("combined"):
+                    assert_allclose(sqrt(squares), part, rtol=0.03)
+                    seen = 1
+                elif row[U_X].text:
+                    product = float(row[U_X].text) * float(row[C].text)
+                    assert_allclose(product, part, rtol=0.05)
+                    squares += part**2
+            assert seen == 1
+
+
+def test_k_is_as_computed():
+    """At 99.73 % k is 3 and infinite degrees of freedom are said."""
+    (group,) = table(budget(coverage=0.9973), "gyro bias").groups
+    rows = texts(group)
+
+    assert rows["U99.73 = k u"][1] == "k = 3"
+    assert rows["combined u"][-1] == "\N{INFINITY}"
+
+
+def test_what_is_of_trials_says_so():
+    """Under Monte Carlo rows are the law's, totals by axis where their u differ."""
+    (group,) = table(
+        budget(method="monte-carlo", trials=20000), "gyro scale factor"
+    ).groups
+
+    heads = [row[0].text for row in group.rows]
+    assert heads.count("scale factor repeatability") == 1
+    assert any("combined u, by monte-carlo" in head for head in heads)
+
+
+def test_lower_bounds_are_marked():
+    """Where an expected line is not given, u and U are this or more."""
+    of = budget(only=("gyro.bias_stability",))
+    (group,) = table(of, "gyro bias").groups
+    assert next(iter(texts(group))) == "bias stability"
+
+    lacking = analyze(
+        load_device(shipped("specs") / "devices" / "bmi088.yaml"), validate=False
+    )
+    marked = [
+        row
+        for one in group_tables(lacking)
+        for own in budget_table(one).groups
+        for row in own.rows
+        if row[0].text.startswith(("combined", "U95")) and AT_LEAST in row[-3].text
+    ]
+    assert marked
+
+
+def test_a_station_and_predicted_lines_have_their_rows():
+    """Station lines are quantities too; a line of other devices says where from."""
+    procedure = load_procedure(
+        shipped("specs") / "procedures" / "zhao-2019.yaml",
+        station=shipped("specs") / "stations" / "three-axis-table.yaml",
+    )
+    of = analyze(device("zhao-2019"), procedure=procedure, validate=False)
+    stationed = [
+        row
+        for one in group_tables(of)
+        for own in budget_table(one).groups
+        for row in own.rows
+        if row[0].text.startswith("station ")
+    ]
+
+    assert stationed
+    assert all(row[1].text and row[U_X].text for row in stationed)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        *((1.0, "1"), (3.0, "3"), (sqrt(3.0), "sqrt(3)"), (0.664, "0.664")),
+        *((2.0 * sqrt(3.0), "2 sqrt(3)"), (sqrt(6.0), "sqrt(6)")),
+        (2.0 * sqrt(2.0), "2 sqrt(2)"),
+    ],
+)
+def test_divisors_are_printed_as_roots(value, text):
+    """Those of a uniform, triangular or arcsine shape are roots, others numbers."""
+    assert print_divisor(value) == text
+
+
+def test_the_section_says_how_to_read_it():
+    """What c is, and what correlation it carries, is said once."""
+    section = budget_section(group_tables(budget()))
+    said = str(section.blocks[0].words)
+
+    assert "sensitivity coefficient" in said
+    assert "correlation" in said
