@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import inspect
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
+import budget
+from budget.report.schema import results_schema
 from budget.spec.makers import READINGS
 from budget.studies.export.targets import LEAVE_OUT, TARGETS, ZERO
 
@@ -35,7 +40,69 @@ def targets() -> list[str]:
     return rows
 
 
-TABLES = {"datasheets.md": ("words", words), "export.md": ("targets", targets)}
+def names() -> list[str]:
+    """Return one row for each public name: what it is, in its own words."""
+    rows = ["| name | what it is |", "|---|---|"]
+    for name in sorted(set(budget.__all__) - {"__version__"}, key=str.lower):
+        found = getattr(budget, name)
+        if isinstance(found, ModuleType):  # `report`, a package that can be called
+            found = vars(found)[name]
+        said = (inspect.getdoc(found) or "").partition("\n")[0]
+        rows.append(f"| `budget.{name}` | {said.replace('|', chr(92) + '|')} |")
+    return rows
+
+
+def keys() -> list[str]:
+    """Return a table for each kind of object in result documents, top ones first."""
+    schema = results_schema()
+    top = [ref for part in schema["oneOf"] for ref in part.get("oneOf", [part])]
+    first = [_name(ref) for ref in top]
+    rows: list[str] = []
+    for name in dict.fromkeys([*first, *schema["$defs"]]):
+        entry = schema["$defs"][name]
+        rows += ["", f"## {name.replace('_', ' ')}", "", entry["description"]]
+        if by := entry["properties"].get("command"):
+            rows[-1] += f" Written by {' and '.join(f'`{one}`' for one in by['enum'])}."
+        rows += ["", "| key | is |", "|---|---|"]
+        for key, part in entry["properties"].items():
+            marked = f"`{key}`" if key in entry["required"] else f"*`{key}`*"
+            rows.append(f"| {marked} | {_type(part)} |")
+    return [*rows, ""]
+
+
+def _name(ref: dict[str, Any]) -> str:
+    """Return what a reference leads to."""
+    return str(ref["$ref"]).rpartition("/")[2]
+
+
+def _type(part: dict[str, Any]) -> str:
+    """Say in a few words what a part of the schema may be."""
+    if "$ref" in part:
+        name = _name(part)
+        return f"[{name.replace('_', ' ')}](#{name.replace('_', '-')})"
+    if "enum" in part or "const" in part:
+        return ", ".join(f"`{one}`" for one in part.get("enum", [part.get("const")]))
+    if "anyOf" in part:
+        return " or ".join(_type(one) for one in part["anyOf"])
+    if "prefixItems" in part:
+        return f"{len(part['prefixItems'])} {_type(part['prefixItems'][0])}s"
+    kinds = part["type"] if isinstance(part["type"], list) else [part["type"]]
+    inner = {
+        "array": ("list of", "items"),
+        "object": ("by name:", "additionalProperties"),
+    }
+    return " or ".join(
+        f"{inner[kind][0]} {_type(part[inner[kind][1]])}" if kind in inner else kind
+        for kind in kinds
+    )
+
+
+TABLES = {
+    "datasheets.md": ("words", words),
+    "export.md": ("targets", targets),
+    "library.md": ("names", names),
+    "documents.md": ("keys", keys),
+}
 
 
 def page(name: str) -> str:

@@ -6,6 +6,7 @@ which of their fields stand in a document, and under what key: 'binding=is_bindi
 
 from __future__ import annotations
 
+import re
 from collections import abc
 from dataclasses import fields, is_dataclass
 from enum import Enum
@@ -167,7 +168,8 @@ class _Schema:
         if get_origin(hint) is not None or isinstance(hint, UnionType):
             return self._of_parts(get_origin(hint), get_args(hint))
         if isinstance(hint, type) and is_dataclass(hint):
-            return self.whole(hint.__name__, hint)
+            name = re.sub("(?<=[a-z])(?=[A-Z])", "_", hint.__name__).lower()
+            return self.whole(name, hint)
         if issubclass(hint, Enum):
             return {"enum": [one.value for one in hint]}
         return {"type": next(SIMPLE[one] for one in hint.__mro__ if one in SIMPLE)}

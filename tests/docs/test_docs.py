@@ -15,6 +15,9 @@ from numpy.testing import assert_allclose
 from places import DOCS, ROOT
 from ruamel.yaml import YAML
 
+from budget.model.sources import SOURCES
+from budget.studies.export.targets import NAMES
+
 PROBLEMS = re.findall(
     r"```python\n(.*?)```",
     (DOCS / "problems.md").read_text(encoding="utf-8"),
@@ -174,10 +177,86 @@ def test_the_page_names_what_ships():
     assert (DOCS / "make_references.py").is_file()
 
 
-def test_the_table_of_targets_is_the_one_of_the_data():
-    """docs/export.md lists the keys, units and sources that exports are made from."""
-    page = (DOCS / "export.md").read_text(encoding="utf-8")
-    names = runpy.run_path(str(DOCS / "make_tables.py"))
+# ---- pages that are made, and the site -----------------------------------------------
 
-    assert names["page"]("export.md") == page
-    assert "`gyroscope_noise_density` [rad/s/sqrt(Hz)]" in page
+TABLES = runpy.run_path(str(DOCS / "make_tables.py"))
+CAPABILITIES = (DOCS / "capabilities.md").read_text(encoding="utf-8")
+TUTORIAL = (DOCS / "tutorial.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("name", "row"),
+    [
+        ("datasheets.md", "| [`bias_stability`](#bias-stability) |"),
+        ("export.md", "`gyroscope_noise_density` [rad/s/sqrt(Hz)]"),
+        ("library.md", "| `budget.analyze` | Compute the error budget"),
+        ("documents.md", "| `contributions` | list of [contribution](#contribution) |"),
+    ],
+)
+def test_a_table_is_made_of_what_the_package_has(name, row):
+    """Words, targets, public names and keys of documents are those of today."""
+    page = (DOCS / name).read_text(encoding="utf-8")
+    assert TABLES["page"](name) == page
+    assert row in page
+    assert set(TABLES["TABLES"]) == {"datasheets.md", *MADE}
+
+
+MADE = ("export.md", "library.md", "documents.md")
+
+
+def test_every_capability_names_its_oracle_and_the_test():
+    """Each row has both, each test is there; no line, figure or target is left out."""
+    rows = [
+        [cell.strip() for cell in line.strip("|").split(" | ")]
+        for line in CAPABILITIES.splitlines()
+        if line.startswith("| ") and not line.startswith(("| capability", "| line"))
+    ]
+    named = set()
+    for what, oracle, *tests in (row for row in rows if "validated by" not in row):
+        found = re.findall(r"`(tests/[\w/]+\.py)`", *tests)
+        assert oracle, what
+        assert found, what
+        assert [path for path in found if not (ROOT / path).is_file()] == []
+        named |= set(re.findall("`([^`]+)`", what))
+    assert {source.name for source in SOURCES} <= named
+    assert set(NAMES) <= named
+
+
+def test_the_index_leads_to_every_page():
+    """No page is outside the site's tree, and none is in it that is not there."""
+    index = (DOCS / "index.md").read_text(encoding="utf-8")
+    linked = re.findall(r"^- \[.+\]\((.+\.md)\)$", index, re.MULTILINE)
+    pages = {path.name for path in DOCS.glob("*.md")}
+    assert sorted(linked) == sorted(pages - {"index.md"})
+
+
+def test_links_between_pages_lead_somewhere():
+    """Of every page: files, folders up too, are there."""
+    for page in DOCS.glob("*.md"):
+        links = re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", page.read_text("utf-8"))
+        assert [link for link in links if not (DOCS / link).exists()] == [], page.name
+
+
+def test_the_tutorial_runs_to_the_letter(tmp_path, monkeypatch):
+    """Each command does what is shown of it; the report's own tests write the pages."""
+    monkeypatch.chdir(tmp_path)
+    (limits,) = re.findall(r"(?ms)^```yaml\n(.*?)^```$", TUTORIAL)
+    Path("requirement.yaml").write_text(limits, encoding="utf-8")
+    shown = re.findall(r"(?ms)^```(console|text)\n(.*?)^```$", TUTORIAL)
+    said = ""
+    for kind, text in shown:
+        if kind == "text":
+            assert [one for one in text.splitlines() if squeeze(one) not in said] == []
+            continue
+        for line in text.replace("\\\n", "").splitlines():
+            if line.startswith("$ budget report"):
+                continue
+            outcome = say(line)
+            assert outcome.code == 0, (line, outcome.err)
+            said = squeeze(outcome.out + outcome.err)
+    assert [kind for kind, _ in shown].count("text") >= 6
+
+
+def squeeze(text):
+    """Return a text with one space in the place of each run of them."""
+    return " ".join(text.split())

@@ -19,7 +19,7 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 NEEDED = PROJECT["project"]["dependencies"]
 EXTRAS = PROJECT["project"]["optional-dependencies"]
 BUILD = PROJECT["build-system"]["requires"]
-DECLARED = [*NEEDED, *EXTRAS["dask"], *EXTRAS["test"], *BUILD]
+DECLARED = [*NEEDED, *(text for extra in EXTRAS.values() for text in extra), *BUILD]
 LOCK = (ROOT / "requirements-dev.txt").read_text(encoding="utf-8")
 # One entry: 'name==version ; marker --hash=sha256:... --hash=sha256:...'.
 ENTRIES = [

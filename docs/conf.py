@@ -1,0 +1,66 @@
+"""The site of these pages: `python -m sphinx -W docs site`, with the extra [docs].
+
+The pages are Markdown that any viewer shows; what only the site has is made here: the
+tree of pages from the lists of index.md, and the docstrings behind library.md.
+"""  # noqa: INP001 - a script, no package
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+import budget
+
+if TYPE_CHECKING:
+    from sphinx.application import Sphinx
+
+project = "sins-budget"
+version = release = budget.__version__
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+html_theme = "furo"
+html_title = f"sins-budget {release}"
+html_show_copyright = False
+html_show_sphinx = False
+# Links to headings as in the repository.
+myst_heading_anchors = 3
+# Types are in the docstrings, with shapes and units.
+autodoc_typehints = "none"
+autodoc_member_order = "bysource"
+
+LINKED = re.compile(r"^- \[.+\]\((.+)\.md\)$", re.MULTILINE)
+
+
+def add_tree(text: str) -> str:
+    """Add the tree of pages: a part for each heading of the index, with its list."""
+    parts = []
+    for part in text.split("\n## ")[1:]:
+        head = part.partition("\n")[0]
+        pages = "\n".join(LINKED.findall(part))
+        parts.append(f"```{{toctree}}\n:hidden:\n:caption: {head}\n\n{pages}\n```\n")
+    return "\n".join([text, *parts])
+
+
+def add_docstrings(text: str) -> str:
+    """Add the docstring of every public name, behind the table of them."""
+    parts = []
+    for name in sorted(set(budget.__all__) - {"__version__"}, key=str.lower):
+        is_class = isinstance(getattr(budget, name), type)
+        kind, members = ("class", "   :members:\n") if is_class else ("function", "")
+        parts.append(f".. auto{kind}:: budget.{name}\n{members}")
+    return "\n".join([text, "```{eval-rst}", *parts, "```", ""])
+
+
+BEYOND = re.compile(r"\[([^]]+)\]\(\.\./([^)]+\.md)\)")
+ADDED = {"index": add_tree, "library": add_docstrings}
+
+
+def add(_app: Sphinx, name: str, source: list[str]) -> None:
+    """Add to a page what the site has beyond it; what it has not is no link."""
+    source[0] = BEYOND.sub(r"\1 (`\2`)", source[0])
+    if name in ADDED:
+        source[0] = ADDED[name](source[0])
+
+
+def setup(app: Sphinx) -> None:
+    """Tell Sphinx."""
+    app.connect("source-read", add)
