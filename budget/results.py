@@ -15,6 +15,7 @@ from budget.units import parse_quantity
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
+    from pathlib import Path
 
     import pandas as pd
 
@@ -555,6 +556,19 @@ class Budget:
         """Return the same as a LaTeX tabular."""
         table: str = import_module(SHOWN_BY).budget_latex(self)
         return table
+
+    def to_xlsx(self, file: str | Path) -> Path:
+        """Write a workbook: that table, contributions, notes (extra `xlsx`).
+
+        Raises
+        ------
+        CallError
+            The extra is not installed, or the file has another suffix than .xlsx.
+        OutputError
+            It cannot be written.
+        """
+        path: Path = import_module(SHOWN_BY).write_xlsx(self, file)
+        return path
 
     def _repr_html_(self) -> str:
         """Return a small table, as notebooks show it."""

@@ -5,7 +5,10 @@ from __future__ import annotations
 import re
 import warnings
 from dataclasses import dataclass
+from datetime import datetime
 from html import escape
+from importlib.util import find_spec
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
@@ -23,8 +26,8 @@ from budget.report.figures.rows import draw
 from budget.report.figures.sources import coupling_chart, share_chart, sobol_chart
 from budget.report.files import check_targets, write_all
 from budget.report.rendering import check_suffixes, document_date, render_pages
-from budget.report.tables import AT_LEAST, group_tables, print_coverage
-from budget.results import worst_of
+from budget.report.tables import AT_LEAST, Number, group_tables, print_coverage
+from budget.results import COLUMNS, worst_of
 from budget.studies.coupling import coupling_by_law
 from budget.studies.densities import critical_densities
 from budget.studies.evidence import gather_evidence
@@ -78,7 +81,7 @@ def budget_html(budget: Budget) -> str:
 
     Its texts may come from anywhere: all are escaped. It loads nothing.
     """
-    heads, *rows = _lines(budget, widest=True)
+    heads, *rows = _texts(budget, widest=True)
     said = [] if budget.assessment is None else [headline(budget, budget.assessment)]
     said += [f"Warning: {text}" for text in budget.warnings]
     return (
@@ -95,29 +98,30 @@ def budget_html(budget: Budget) -> str:
     )
 
 
-def _lines(budget: Budget, *, widest: bool = False) -> Iterator[tuple[str, ...]]:
+def _lines(
+    budget: Budget, *, widest: bool = False
+) -> Iterator[tuple[str | Number, ...]]:
     """Yield the heads of a budget table, then its rows, rounded as on every page."""
     coverage = print_coverage(budget.settings.coverage)
-    yield (
-        "parameter",
-        "axis",
-        "mean",
-        "u",
-        f"U ({coverage} %)",
-        "unit",
-        "contributions",
-    )
+    heads = ("parameter", "axis", "mean", "u", f"U ({coverage} %)", "unit")
+    yield (*heads, "contributions")
     for group in group_tables(budget):
         for row in [group.widest] if widest else group.rows:
-            numbers = (row.mean.text, row.u.text, row.expanded.text)
+            numbers = (row.mean, row.u, row.expanded)
             yield (group.title, row.axis, *numbers, group.unit, group.contributions)
+
+
+def _texts(budget: Budget, *, widest: bool = False) -> Iterator[tuple[str, ...]]:
+    """Yield the same as texts."""
+    for line in _lines(budget, widest=widest):
+        yield tuple(cell.text if isinstance(cell, Number) else cell for cell in line)
 
 
 def budget_markdown(budget: Budget) -> str:
     """Write a row for each output as a pipe table."""
     heads, *rows = (
         [re.sub(r"([\\|<>*_`])", r"\\\1", text) for text in line]
-        for line in _lines(budget)
+        for line in _texts(budget)
     )
     rule = ["---"] * len(heads)
     return "".join(f"| {' | '.join(line)} |\n" for line in (heads, rule, *rows))
@@ -140,13 +144,90 @@ def budget_latex(budget: Budget) -> str:
     """Write a row for each output as a tabular, which needs no package."""
     heads, *rows = (
         " & ".join("".join(LATEX.get(sign, sign) for sign in text) for text in line)
-        for line in _lines(budget)
+        for line in _texts(budget)
     )
     body = "".join(f"{line} \\\\\n" for line in rows)
     return (
         f"\\begin{{tabular}}{{llrrrll}}\n\\hline\n{heads} \\\\\n\\hline\n{body}"
         "\\hline\n\\end{tabular}\n"
     )
+
+
+XLSX = ".xlsx"
+WIDEST = 60  # characters of a column
+
+
+def write_xlsx(budget: Budget, file: str | Path) -> Path:
+    """Write a workbook: a row for each output, contributions, what it stands on.
+
+    Numbers are numbers at full precision, shown with the digits of the report; texts
+    are texts, also those that look like formulas. The same budget gives the same bytes
+    under one SOURCE_DATE_EPOCH.
+    """
+    if find_spec("xlsxwriter") is None:
+        raise CallError(
+            "a workbook needs the extra 'xlsx': pip install 'sins-budget[xlsx]'"
+        )
+    from xlsxwriter import Workbook
+
+    path = Path(file)
+    if path.suffix.lower() != XLSX:
+        raise CallError(f"{file}: expected a name that ends in {XLSX}")
+    check_targets([path])
+    content = BytesIO()
+    book = Workbook(content, {"in_memory": True})
+    day = datetime.fromisoformat(document_date())
+    book.set_properties({"title": budget.title, "created": day})
+    for name, rows in _sheets(budget):
+        sheet, bold = book.add_worksheet(name), book.add_format({"bold": True})
+        widths: dict[int, int] = {}
+        for i, row in enumerate(rows):
+            for j, cell in enumerate(row):
+                shown = cell.text if isinstance(cell, Number) else str(cell)
+                widths[j] = max(widths.get(j, 0), min(len(shown), WIDEST))
+                if isinstance(cell, Number):
+                    look = book.add_format({"num_format": _shown_as(cell.text)})
+                    sheet.write_number(i, j, cell.exact, look)
+                elif isinstance(cell, float):
+                    sheet.write_number(i, j, cell)
+                elif cell is not None:
+                    sheet.write_string(i, j, shown, None if i else bold)
+        for j, width in widths.items():
+            sheet.set_column(j, j, width + 1)
+        sheet.freeze_panes(1, 0)
+    book.close()
+    write_all({path: content.getvalue()})
+    return path
+
+
+def _shown_as(text: str) -> str:
+    """Return the format of a spreadsheet that shows a number with these digits."""
+    digits = re.sub(r"[^0-9.]", "", text.partition("e")[0])
+    places = len(digits.partition(".")[2])
+    shape = f"0.{'0' * places}" if places else "0"
+    return f"{shape}E+00" if "e" in text else shape
+
+
+def _sheets(budget: Budget) -> Iterator[tuple[str, list[Sequence[object]]]]:
+    """Yield the sheets of a workbook by their names, each with its heads first."""
+    heads, *rows = _lines(budget)
+    yield "Budget", [heads, *rows]
+    flat = [[row[name] for name in COLUMNS] for row in budget.rows()]
+    yield "Contributions", [COLUMNS, *flat]
+    settings = budget.settings.to_dict()
+    notes = [
+        *(
+            ("input", f"{one.role}: {one.name}, SHA-256 {one.sha256}")
+            for one in budget.inputs
+        ),
+        *((key, str(value)) for key, value in settings.items() if value is not None),
+        *(("assumed", text) for text in budget.assumptions),
+        *(("not given", str(name)) for name in budget.not_given),
+        *(("warning", text) for text in budget.warnings),
+    ]
+    if budget.assessment is not None:
+        notes.insert(0, ("verdict", headline(budget, budget.assessment)))
+    yield "Notes", [("", budget.title), *notes]
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,10 @@ import json
 import re
 import subprocess
 import sys
+import zipfile
 from contextlib import redirect_stdout
 from dataclasses import FrozenInstanceError, replace
+from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
@@ -379,3 +381,53 @@ def test_import_is_cheap(tmp_path):
     )
 
     assert run.stdout == "False\n"
+
+
+def cells(path, sheet):
+    """Return the cells of a sheet of a workbook by rows: numbers, and texts."""
+    with zipfile.ZipFile(path) as book:
+        parts = {
+            name: ET.fromstring(book.read(name))  # noqa: S314 - written above
+            for name in book.namelist()
+        }
+    main = "{http://schemas.openxmlformats.org/spreadsheetml/2006/main}"
+    shared = ["".join(one.itertext()) for one in parts["xl/sharedStrings.xml"]]
+    found = parts[f"xl/worksheets/sheet{sheet}.xml"]
+    assert not list(found.iter(f"{main}f"))  # no formula
+    return [
+        [
+            shared[int(cell[0].text)] if cell.get("t") == "s" else float(cell[0].text)
+            for cell in row
+        ]
+        for row in found.iter(f"{main}row")
+    ]
+
+
+def test_a_workbook_has_numbers_and_what_they_stand_on(judged, tmp_path, monkeypatch):
+    """Full precision in cells, hostile texts as texts, the same bytes again."""
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1767225600")
+    odd = replace(judged, title="=1+1", assumptions=("@SUM(A1)",))
+    path = odd.to_xlsx(tmp_path / "b.xlsx")
+
+    heads, *rows = cells(path, 1)
+    assert heads[3:6] == ["u", "U (95 %)", "unit"]
+    assert len(rows) == len(judged.outputs)
+    u = [row.in_unit().standard_uncertainty for row in judged.outputs]
+    assert_allclose([row[3] for row in rows], u, rtol=1e-15)
+    assert len(cells(path, 2)) == 1 + len(list(judged.rows()))
+    notes = cells(path, 3)
+    assert notes[0][-1] == "=1+1"
+    assert ["assumed", "@SUM(A1)"] in notes
+    assert any("SHA-256" in row[-1] for row in notes)
+    again = odd.to_xlsx(tmp_path / "c.xlsx")
+    assert path.read_bytes() == again.read_bytes()
+
+
+def test_a_workbook_says_what_it_needs(judged, tmp_path, monkeypatch):
+    """Another suffix, and a Python without the extra, are errors in words."""
+    with pytest.raises(budget.CallError, match=r"ends in \.xlsx"):
+        judged.to_xlsx(tmp_path / "b.xls")
+    monkeypatch.setattr("budget.report.notebook.find_spec", lambda _: None)
+    with pytest.raises(budget.CallError, match=r"pip install 'sins-budget\[xlsx\]'"):
+        judged.to_xlsx(tmp_path / "b.xlsx")
+    assert list(tmp_path.iterdir()) == []
