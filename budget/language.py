@@ -27,7 +27,7 @@ from __future__ import annotations
 import ast
 from contextlib import contextmanager
 from contextvars import ContextVar
-from functools import cache
+from functools import cache, reduce
 from importlib.resources import files
 from typing import TYPE_CHECKING, Self
 
@@ -35,7 +35,7 @@ from budget import names
 from budget.errors import CallError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
 
 ENGLISH = "en"
@@ -93,6 +93,11 @@ class Note(str):
 def note(text: str, /, **parts: object) -> Note:
     """Write a template in English, to be said later."""
     return Note(text, parts)
+
+
+def in_a_row(texts: Iterable[str], by: str = "{before}, {text}") -> str:
+    """Put notes one after another, so that each can be said: 'a, b, c'."""
+    return reduce(lambda before, text: note(by, before=before, text=text), texts)
 
 
 def term(text: str) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from budget.language import note
 from budget.names import Name
 from budget.ties import first_largest, from_largest, settle
 from budget.units import parse_quantity
@@ -720,24 +721,46 @@ class FilledLine:
     def basis(self) -> str:
         """'of NAME', 'median of 3 designs', 'predicted from 9 devices of 4 designs'."""
         if self.mode == "worst":
-            return f"of {self.owners[0]}"
-        some = f"{self.devices} device{'' if self.devices == 1 else 's'}"
+            return note("of {owners}", owners=self.owners[0])
+        some = note(
+            "{devices} device" if self.devices == 1 else "{devices} devices",
+            devices=self.devices,
+        )
         if self.interval_90 is None:
-            return f"median of {self.designs} design{'' if self.designs == 1 else 's'}"
+            return note(
+                "median of {designs} design"
+                if self.designs == 1
+                else "median of {designs} designs",
+                designs=self.designs,
+            )
         low, high = (self._print(end) for end in self.interval_90)
-        return f"90 %: {low} to {high}; predicted from {some} of {self.designs} designs"
+        return note(
+            "90 %: {low} to {high}; predicted from {some} of {designs} designs",
+            low=low,
+            high=high,
+            some=some,
+            designs=self.designs,
+        )
 
     @property
     def origin(self) -> str:
         """The basis, with how many devices the worst is of."""
         if self.mode != "worst":
             return self.basis
-        return f"{self.basis}, the worst of {self.devices}"
+        return note(
+            "{basis}, the worst of {devices}",
+            basis=self.basis,
+            devices=self.devices,
+        )
 
     @property
     def words(self) -> str:
         """Say what was taken for it."""
-        return f"not given, {self.printed} taken ({self.origin})"
+        return note(
+            "not given, {printed} taken ({origin})",
+            printed=self.printed,
+            origin=self.origin,
+        )
 
     def _print(self, u: float) -> str:
         """Print a size to three digits."""

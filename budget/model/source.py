@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from budget.arrays import Array
+from budget.language import note
 from budget.model.response import STATISTICS
 from budget.names import AXES
 
@@ -167,7 +168,7 @@ class Effect:
         Whether it is a random process, though no Noise.
     """
 
-    needs: ClassVar[str] = "windows that it reaches"
+    needs: ClassVar[str] = note("windows that it reaches")
     is_process: ClassVar[bool] = False
     removed: ClassVar[str] = ""
     removed_by_norm: ClassVar[str] = ""

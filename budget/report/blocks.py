@@ -301,7 +301,9 @@ def assumptions_section(texts: Sequence[str]) -> Section:
     return Section(
         name="assumptions",
         title=say("Assumptions"),
-        blocks=(Listing(items=tuple((text,) for text in texts), empty=say("None.")),),
+        blocks=(
+            Listing(items=tuple((say(text),) for text in texts), empty=say("None.")),
+        ),
         in_brief=None if texts else "",
     )
 

@@ -18,7 +18,7 @@ from budget.report.figures.timeline import (
     schedule_chart,
 )
 from budget.report.tables import print_given
-from budget.report.wording import capital
+from budget.report.wording import capital, parted
 from budget.spec.records import ANGLES, AXES
 from budget.spec.station import IDEAL
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
@@ -94,7 +94,7 @@ def lines_table(
 ) -> Table:
     """Return the lines of one owner, each with what was assumed of it."""
     sheet = say("Data sheet") if owner in SENSORS else say("Lines")
-    assumed = [text.partition(": ") for text in assumptions]
+    assumed = [parted(text) for text in assumptions]
     fields: tuple[Field[ErrorLine], ...] = (
         Field(head=say("line"), weight=1.4, cell=lambda line: words(line.name)),
         Field(head=say("as printed, meaning"), weight=1.2, cell=_printed),
@@ -133,9 +133,9 @@ def _printed(line: ErrorLine) -> Cell:
 
 def _standard(line: ErrorLine, owner: str) -> Cell:
     """Return the standard uncertainty and its distribution, as the model takes them."""
-    shape = say(", ").join(dict.fromkeys(d.name for d in line.distributions))
+    shape = say(", ").join(dict.fromkeys(say(d.name) for d in line.distributions))
     if not source_of(owner, line.name).varies:
-        shape = "fixed"
+        shape = say("fixed")
     if line.correlation_time is not None:
         shape += say(
             ", correlation time {correlation_time} s",
@@ -156,7 +156,7 @@ def _conditions(line: ErrorLine) -> str:
 
 
 def _assumed(
-    line: ErrorLine, owner: str, assumptions: Sequence[tuple[str, str, str]]
+    line: ErrorLine, owner: str, assumptions: Sequence[tuple[str, str]]
 ) -> str:
     """Return what was assumed of a line, or of an axis of it."""
     key = Name(line.name, owner=owner)
@@ -167,7 +167,7 @@ def _assumed(
     }
     return say("; ").join(
         of_axis.get(start, "") + note
-        for start, _, note in assumptions
+        for start, note in assumptions
         if start == key or start in of_axis
     )
 
@@ -178,7 +178,7 @@ def _about(device: Device) -> Iterator[Panel]:
     if device.figures:
         blocks.append(unused_table(device))
     said = [(label, getattr(device, label).rstrip(" .")) for label in ABOUT]
-    lines = say("; ").join(f"{label} {text}" for label, text in said if text)
+    lines = say("; ").join(f"{say(label)} {text}" for label, text in said if text)
     if lines:
         blocks.append(
             Paragraph(words=(say("{lines}.", lines=capital(lines)),), small=True)
@@ -363,7 +363,7 @@ def blunders_sections(
     if not costs:
         return ()
     rows = [
-        (one.text if offset is moved[0] else "", offset)
+        (say(one.text) if offset is moved[0] else "", offset)
         for one, moved in costs
         for offset in moved
     ]

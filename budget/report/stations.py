@@ -88,7 +88,7 @@ def station_section(found: Qualification) -> Section:
         Panel(title=say("Acceptance limits"), blocks=tuple(_acceptance_blocks(found)))
     )
     if found.warnings:
-        items = tuple((capital(text),) for text in found.warnings)
+        items = tuple((capital(say(text)),) for text in found.warnings)
         blocks.append(
             Panel(title=say("Remarks"), blocks=(Listing(items=items, empty=""),))
         )
@@ -279,7 +279,7 @@ def _figures_table(owner: str, rows: Sequence[StationFigure]) -> Table:
         Field(
             head=say("figure"),
             cell=lambda row: Cell(
-                text=capital(source_title(row.source)), note=capital(row.why)
+                text=capital(source_title(row.source)), note=capital(say(row.why))
             ),
         ),
         Field(head=say("alone"), kind="number", cell=lambda row: size(row.alone, row)),
@@ -329,7 +329,7 @@ def _idle(rows: Sequence[StationFigure]) -> Iterator[tuple[str]]:
             say(
                 "{names}: any value will do; {reason}",
                 names=capital(names),
-                reason=reason,
+                reason=say(reason),
             ),
         )
 

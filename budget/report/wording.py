@@ -5,7 +5,8 @@ from __future__ import annotations
 import string
 from typing import TYPE_CHECKING
 
-from budget.language import say, template, term, words
+from budget.language import Note, say, template, term, words
+from budget.names import Name
 from budget.report.blocks import Cell, Run
 from budget.report.tables import (
     HALF_DIGIT,
@@ -18,7 +19,6 @@ from budget.ties import settle
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from budget.names import Name
     from budget.report.blocks import Words
     from budget.report.formulas import Math
     from budget.report.tables import Number
@@ -137,6 +137,19 @@ def say_words(text: str, /, **parts: str | Run | Math) -> Words:
         line += [before] if before else []
         line += [] if part is None else [parts[part]]
     return tuple(line)
+
+
+def parted(text: str) -> tuple[str, str]:
+    """Part an assumption into its key and what is assumed: 'height', 'not given, ...'.
+
+    The key stays as files have it.
+    """
+    key, _, assumed = text.partition(": ")
+    if not isinstance(text, Note):
+        return key, assumed
+    _, _, said = say(text).partition(say(": "))
+    whole = text.parts.get("key")
+    return whole if isinstance(whole, Name) and whole == key else key, said or assumed
 
 
 def capital(text: str) -> str:

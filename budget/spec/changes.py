@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from budget.errors import CallError, Issue
+from budget.language import note
 from budget.model.sources import SENSORS, lines_of
 from budget.names import ANGLES, AXES, Name, keys_of, words
 from budget.spec.checking import nearest
@@ -320,8 +321,14 @@ class Changed:
     @property
     def said(self) -> str:
         """The change in words, as one of the assumptions."""
-        old = "" if self.old == _ABSENT else f", in place of {self.old}"
-        return f"{self.address}: {self.new} by --set{old or ', not given in the file'}"
+        return note(
+            "{address}: {new} by --set, not given in the file"
+            if self.old == _ABSENT
+            else "{address}: {new} by --set, in place of {old}",
+            address=self.address,
+            new=self.new,
+            old=self.old,
+        )
 
 
 def tell_changes(

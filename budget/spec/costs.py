@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, create_model
 
+from budget.language import note
 from budget.model.sources import SENSORS, lines_of
 from budget.names import Name
 from budget.spec.checking import check
@@ -86,13 +87,18 @@ def read_costs(document: Document) -> Costs:
             for key, part in given.items()
         ),
         assumptions=tuple(
-            f"{key}.{name}: not given, {default} assumed"
+            note(
+                "{key}.{name}: not given, {default} assumed",
+                key=key,
+                name=name,
+                default=default,
+            )
             for key, part in given.items()
             for name, default in defaults.items()
             if name not in part.model_fields_set
         )
         + tuple(
-            f"{key}.u_ref: {DENSITY_NOTE}"
+            note("{key}.u_ref: {density_note}", key=key, density_note=DENSITY_NOTE)
             for key, part in given.items()
             if part.u_ref and per_root_hertz(part.u_ref.unit)
         ),

@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import Field, create_model, model_validator
 
 from budget.errors import UnitError
+from budget.language import note
 from budget.model.sources import (
     ACCELEROMETER,
     GYRO,
@@ -405,7 +406,14 @@ def _read_sensor(
         absent = [axis for axis in axes if axis not in named]
         which = f"{', '.join(absent)} " if named else ""
         if absent:
-            assumptions.append(f"{kind}.nominal.{key}: {which}not given, 0 assumed")
+            assumptions.append(
+                note(
+                    "{kind}.nominal.{key}: {which}not given, 0 assumed",
+                    kind=kind,
+                    key=key,
+                    which=which,
+                )
+            )
     return _ReadSensor(
         sensor=Sensor(
             kind=kind,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from budget.earth import normal_gravity
+from budget.language import note
 from budget.model.sources import ENVIRONMENT, SENSORS, STATION
 from budget.names import (
     HIGHER,
@@ -69,7 +70,7 @@ NO_PAPER = (
     "flip_axis",
     "moves",
 )  # keys it has none of
-HEIGHT_0 = "height: not given, 0 m assumed"  # where gravity is the normal one
+HEIGHT_0 = note("height: not given, 0 m assumed")  # where gravity is the normal one
 MOST_AZIMUTHS = 360  # one for every degree; all windows are correlated with all
 MOST_HEIGHT = 100_000.0  # of a laboratory; the series of normal gravity ends there [m]
 _ROUNDING = 1e-12  # relative; a latitude of 90 deg is no more than that in radians
@@ -519,16 +520,19 @@ def _windows_assumptions(model: ProcedureFile) -> tuple[str, ...]:
         return ()
     found = []
     if model.estimator is None:
-        found.append("estimator: not given, least_squares assumed")
+        found.append(note("estimator: not given, least_squares assumed"))
     if model.pause is None:
-        found.append("pause: not given, 0 s assumed")
+        found.append(note("pause: not given, 0 s assumed"))
     return tuple(found)
 
 
 def _held_assumptions(model: ProcedureFile) -> tuple[str, ...]:
     """Say what is not estimated."""
     return tuple(
-        f"{parameters}: not estimated, held at the nominal value of the device"
+        note(
+            "{parameters}: not estimated, held at the nominal value of the device",
+            parameters=parameters,
+        )
         for parameters in by_group(model.held)
     )
 
@@ -543,7 +547,12 @@ def _assumptions(
         if key not in model.model_fields_set and key not in others
     ]
     return tuple(
-        f"{prefix}{key}: not given, {_shown(value)} assumed, as in Zhao 2019"
+        note(
+            "{prefix}{key}: not given, {shown} assumed, as in Zhao 2019",
+            prefix=prefix,
+            key=key,
+            shown=_shown(value),
+        )
         for key, value in unset
     )
 

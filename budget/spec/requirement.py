@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import Field, create_model, model_validator
 
 from budget.distributions import COVERAGES, is_coverage
+from budget.language import note
 from budget.model.sources import SENSORS, SOURCES
 from budget.names import (
     IMU,
@@ -111,9 +112,13 @@ def read_requirement(document: Document) -> Requirement:
     model = check(document, RequirementFile)
     assumptions = []
     if model.coverage is None:
-        assumptions.append(f"coverage: not given, {COVERAGE} assumed")
+        assumptions.append(
+            note("coverage: not given, {coverage} assumed", coverage=COVERAGE)
+        )
     if model.reference is None:
-        assumptions.append(f"reference: not given, {REFERENCE} assumed")
+        assumptions.append(
+            note("reference: not given, {reference} assumed", reference=REFERENCE)
+        )
     caps = dict(model.caps)
     return Requirement(
         name=model.name,

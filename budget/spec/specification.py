@@ -22,6 +22,7 @@ from pydantic import Field, create_model, model_validator
 
 from budget.distributions import BY_NAME, NORMAL, Distribution
 from budget.errors import UnitError
+from budget.language import note
 from budget.model.sources import (
     ACCELEROMETER,
     GYRO,
@@ -82,9 +83,10 @@ SHAPES = {**GAUSSIAN, "rectangular": "uniform"}
 # The lowest Allan deviation of flicker noise over its coefficient B: sqrt(2 ln 2 / pi)
 # to three digits, as data sheets use it [1].
 ALLAN_MINIMUM = 0.664
-DENSITY_NOTE = (
-    "density taken as one-sided, the random walk is the value over sqrt(2), "
-    f"a factor of {WALK_PER_DENSITY[ONE_SIDED]:.4f}"
+DENSITY_NOTE = note(
+    "density taken as one-sided, the random walk is the value "
+    "over sqrt(2), a factor of {walk_per_density:.4f}",
+    walk_per_density=WALK_PER_DENSITY[ONE_SIDED],
 )
 CORRELATION_TIME = 300.0  # of a stability that names none [s]
 
@@ -207,8 +209,8 @@ class NonlinearityValue(ConstantValue):
             ("quadratic", "least_squares"): 2.0 / 3.0,
         }[shape, line]
         power = 3 if shape == "cubic" else 2
-        notes = [] if self.line else ["line not given, the best one assumed"]
-        notes += [] if self.shape else ["shape not given, cubic assumed"]
+        notes = [] if self.line else [note("line not given, the best one assumed")]
+        notes += [] if self.shape else [note("shape not given, cubic assumed")]
         range_ = self.full_scale
         return _Form(
             form=shape,
@@ -327,7 +329,7 @@ class AgeingValue(ConstantValue):
         ]
         law = "" if self.law is None else f", {words(self.law)}"
         before = "".join(f", {value} {time}" for value, time in says)
-        notes = ["law not given, the larger of drift and random walk assumed"]
+        notes = [note("law not given, the larger of drift and random walk assumed")]
         return _Form(
             form=self.law or "",
             horizons=(
@@ -425,7 +427,7 @@ class FlickerValue(ProcessValue):
         """Return its coefficient and its low cut."""
         low = f"{LOW_CUT!r} Hz" if self.low_cut is None else self.low_cut.printed
         is_minimum = self.definition == "allan_minimum"
-        notes = ["low cut not given, once a day (1.157e-05 Hz) assumed"]
+        notes = [note("low cut not given, once a day (1.157e-05 Hz) assumed")]
         return _Form(
             factor=1.0 / ALLAN_MINIMUM if is_minimum else 1.0,
             low_cut=LOW_CUT if self.low_cut is None else self.low_cut.value,
@@ -584,14 +586,16 @@ def read_value(
     read = [_under(line, sensor, given, word) for word in readings]
     place = first_largest([float(one.line.u.max()) for one in read])
     key = Name(line.name, owner=sensor)
-    note = (
-        f"{key}: what the value means is open ({', '.join(readings)}); the largest "
-        f"taken, {readings[place]}"
+    said = note(
+        "{key}: what the value means is open ({readings}); the largest taken, {taken}",
+        key=key,
+        readings=", ".join(readings),
+        taken=readings[place],
     )
     lines = tuple((word, one.line) for word, one in zip(readings, read, strict=True))
     return ReadValue(
         line=replace(read[place].line, readings=lines),
-        assumptions=(note, *read[place].assumptions),
+        assumptions=(said, *read[place].assumptions),
     )
 
 
@@ -642,15 +646,17 @@ def _read(line: Source, sensor: str, given: Quantity | SpecificationValue) -> Re
     family = _family(line, sensor)
     part = family(value=given) if isinstance(given, Quantity) else given
     axes = [_axis(part, axis) for axis in line.axes]
-    notes = list(dict.fromkeys(note for a in axes for note in a.notes))
+    notes = list(dict.fromkeys(text for a in axes for text in a.notes))
     key = Name(line.name, owner=sensor)
     assumptions = [
-        f"{key}: {note}"
-        if all(note in a.notes for a in axes)
-        else f"{Name(line.name, owner=sensor, axis=name)}: {note}"
-        for note in notes
+        note("{key}: {text}", key=key, text=text)
+        if all(text in a.notes for a in axes)
+        else note(
+            "{key}: {text}", key=Name(line.name, owner=sensor, axis=name), text=text
+        )
+        for text in notes
         for name, a in zip(line.axes, axes, strict=True)
-        if note in a.notes
+        if text in a.notes
     ]
 
     def say(words: list[str]) -> str:
@@ -662,7 +668,7 @@ def _read(line: Source, sensor: str, given: Quantity | SpecificationValue) -> Re
 
     times = [a.correlation_time for a in axes if a.correlation_time is not None]
     form = part.curve() if isinstance(part, FORMED) else _Form()
-    assumptions += [f"{key}: {note}" for note in form.notes]
+    assumptions += [note("{key}: {text}", key=key, text=text) for text in form.notes]
     taken = ErrorLine(
         name=line.name,
         u=np.array([a.u for a in axes]) * form.factor,
@@ -827,8 +833,10 @@ def _axis(given: SpecificationValue, axis: str) -> _Axis:
         lost = sorted((given.model_fields_set - own.model_fields_set) & stated)
         if lost:
             notes.append(
-                f"{', '.join(lost).replace('_', ' ')} of the line not taken, the axis "
-                "is a mapping of its own"
+                note(
+                    "{lost} of the line not taken, the axis is a mapping of its own",
+                    lost=", ".join(lost).replace("_", " "),
+                )
             )
     level = _level(part, quantity)
     u = level.u
@@ -839,14 +847,23 @@ def _axis(given: SpecificationValue, axis: str) -> _Axis:
         if definition == "allan_minimum":
             u /= ALLAN_MINIMUM
             notes.append(
-                f"the lowest Allan deviation over {ALLAN_MINIMUM} taken as the sigma "
-                "of the Gauss-Markov process, right for flicker noise only"
+                note(
+                    "the lowest Allan deviation over {allan_minimum} taken as "
+                    "the sigma of the Gauss-Markov process, right for flicker "
+                    "noise only",
+                    allan_minimum=ALLAN_MINIMUM,
+                )
             )
         correlation_time = CORRELATION_TIME
         if part.correlation_time is not None:
             correlation_time = part.correlation_time.value
         else:
-            notes.append(f"correlation time not given, {CORRELATION_TIME:g} s assumed")
+            notes.append(
+                note(
+                    "correlation time not given, {correlation_time:g} s assumed",
+                    correlation_time=CORRELATION_TIME,
+                )
+            )
     return _Axis(
         part=part,
         quantity=quantity,
@@ -891,19 +908,29 @@ def _level(part: SpecificationValue, quantity: Quantity) -> _Level:
             notes.append(DENSITY_NOTE)
     if part.meaning in HALF_WIDTHS and isinstance(part, ProcessValue):
         shape = NORMAL
-        half = "" if part.meaning == "max" else "half of "
         notes.append(
-            f"{part.meaning!r} taken as a bound on the sigma of every unit, which is "
-            f"set to {half}the value itself"
+            note(
+                "{meaning!r} taken as a bound on the sigma of every unit, which is set "
+                "to the value itself"
+                if part.meaning == "max"
+                else "{meaning!r} taken as a bound on the sigma of every unit, which "
+                "is set to half of the value itself",
+                meaning=part.meaning,
+            )
         )
     elif part.meaning in HALF_WIDTHS:
         shape = BY_NAME[part.distribution or "uniform"]
         if part.distribution is None:
-            notes.append(f"{part.meaning!r} taken as uniform, half-width over sqrt(3)")
+            notes.append(
+                note(
+                    "{meaning!r} taken as uniform, half-width over sqrt(3)",
+                    meaning=part.meaning,
+                )
+            )
     else:
         shape = BY_NAME[part.distribution or "normal"]
         if part.meaning == "typical":
-            notes.append("'typical' taken as 1 sigma")
+            notes.append(note("'typical' taken as 1 sigma"))
     u = quantity.value / divisor(part.meaning, shape)
     return _Level(
         u=u * WALK_PER_DENSITY[density], shape=shape, density=density, notes=notes

@@ -13,6 +13,7 @@ from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import core_schema
 
 from budget.errors import CallError, UnitError
+from budget.language import note
 from budget.model.sources import ENVIRONMENT, STATION, lines_of, source_of
 from budget.model.sources.later import AGE
 from budget.model.windows import ANGLE, EDGES, RATE, Timing
@@ -45,7 +46,7 @@ if TYPE_CHECKING:
     from budget.spec.specification import ReadValue
     from budget.spec.tree import Document
 
-IDEAL = "station: not given, an ideal one assumed"
+IDEAL = note("station: not given, an ideal one assumed")
 LONGEST_NAME = 200  # of a file
 MOST_POINTS = 100  # of soaks in one test
 
@@ -247,7 +248,12 @@ def _unsaid(station: Strict | None) -> tuple[str, ...]:
     """Say which words a station leaves out that its figures need."""
     needed = {"scale_from": ("rate_error", ANGLE), "window": ("edge_jitter", EDGES[0])}
     return tuple(
-        f"{STATION}.{word}: not given, {usual} assumed"
+        note(
+            "{station}.{word}: not given, {usual} assumed",
+            station=STATION,
+            word=word,
+            usual=usual,
+        )
         for word, (figure, usual) in needed.items()
         if getattr(station, figure, None) and not getattr(station, word)
     )

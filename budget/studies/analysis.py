@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.calibration.simulation import simulate
+from budget.language import note
 from budget.methods.intervals import interval_of_values
 from budget.methods.monte_carlo import (
     MAX_TRIALS,
@@ -254,7 +255,7 @@ def analyze_as(
     warnings += cautions.few_trials(estimate.trials, settings.coverage)
     indices = None
     if settings.sobol_samples is not None and problem.normals_per_trial == 0:
-        warnings += ("no source varies: there are no Sobol' indices",)
+        warnings += (note("no source varies: there are no Sobol' indices"),)
     elif settings.sobol_samples is not None:
         indices = sobol(
             problem,
@@ -322,9 +323,11 @@ def _by_law(analysis: Analysis, settings: Settings, engine: Engine) -> Estimate:
     if not settings.validate:
         return estimate
     if _most_to_validate(settings.digits) < least_trials(coverage):
-        text = (
-            f"not validated: at coverage {coverage:g} that takes "
-            f"{least_trials(coverage)} trials; use the method monte-carlo"
+        text = note(
+            "not validated: at coverage {coverage:g} that takes "
+            "{least_trials} trials; use the method monte-carlo",
+            coverage=coverage,
+            least_trials=least_trials(coverage),
         )
         return replace(estimate, warnings=(text,))
     validations = validate_law(

@@ -22,6 +22,7 @@ from budget.calibration.schemes import calibrates, estimated
 from budget.distributions import NORMAL
 from budget.earth import ECCENTRICITY_SQUARED, ROTATION_RATE, normal_gravity
 from budget.errors import BudgetError
+from budget.language import in_a_row, note
 from budget.model.sources import SENSORS, STATION
 from budget.names import Name
 from budget.spec.procedure import HEIGHT_0
@@ -82,7 +83,13 @@ class Blunder:
 
     def warn(self, effect: str) -> str:
         """Say in a warning what it does."""
-        return f"{self.evidence}: {self.text} adds {effect}; {self.remedy}"
+        return note(
+            "{evidence}: {text} adds {effect}; {remedy}",
+            evidence=self.evidence,
+            text=self.text,
+            effect=effect,
+            remedy=self.remedy,
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -273,7 +280,7 @@ def _geocentric(procedure: Procedure) -> Blunder:
     if procedure.is_gravity_normal:
         gravity = normal_gravity(less, procedure.height)
     return Blunder(
-        text=f"geocentric latitude, {degrees(less):.4f} deg",
+        text=note("geocentric latitude, {less:.4f} deg", less=degrees(less)),
         source="latitude",
         used=replace(procedure, latitude=less, gravity=gravity),
         difference=less - L,
@@ -283,7 +290,7 @@ def _geocentric(procedure: Procedure) -> Blunder:
 def _solar_day(procedure: Procedure) -> Blunder:
     """Return a turn of the earth in 24 h for one in a sidereal day."""
     return Blunder(
-        text="earth rate 15 deg/h",
+        text=note("earth rate 15 deg/h"),
         source="earth_rate",
         used=procedure,
         difference=FALSE_RATE - ROTATION_RATE,
@@ -293,26 +300,30 @@ def _solar_day(procedure: Procedure) -> Blunder:
 def _height(procedure: Procedure) -> Blunder:
     """Return normal gravity at height 0 used above it."""
     return Blunder(
-        text=f"each {CLIMB:g} m of height not said",
+        text=note("each {climb:g} m of height not said", climb=CLIMB),
         source="height",
         used=procedure,
         difference=-CLIMB,
-        evidence="height is not given, and gravity is the normal one at 0 m",
-        remedy="give height",
+        evidence=note("height is not given, and gravity is the normal one at 0 m"),
+        remedy=note("give height"),
     )
 
 
 def _anomaly(procedure: Procedure) -> Blunder:
     """Return normal gravity used where there is more of it."""
     return Blunder(
-        text=f"anomaly of +{ANOMALY:g} mGal left out",
+        text=note("anomaly of +{anomaly:g} mGal left out", anomaly=ANOMALY),
         source="gravity",
         used=procedure,
         difference=-ANOMALY * MILLIGAL,
-        evidence="gravity is the normal one, and the station does not say how well it "
-        "is known",
-        remedy="10 to 100 mGal are usual; give the gravity that was measured, or "
-        "station.gravity",
+        evidence=note(
+            "gravity is the normal one, and the station does not say how well it "
+            "is known"
+        ),
+        remedy=note(
+            "10 to 100 mGal are usual; give the gravity that was measured, or "
+            "station.gravity"
+        ),
         worth=SHARE * ANOMALY / LEAST_ANOMALY,
     )
 
@@ -320,13 +331,16 @@ def _anomaly(procedure: Procedure) -> Blunder:
 def _unit_g(used: Procedure, true: float) -> Blunder:
     """Return the unit g, or what it is rounded to, used for gravity."""
     return Blunder(
-        text=f"unit g for gravity ({used.gravity:g} m/s^2)",
+        text=note("unit g for gravity ({gravity:g} m/s^2)", gravity=used.gravity),
         source="gravity",
         used=used,
         difference=used.gravity - true,
-        evidence="gravity is a round number, and the normal one of this latitude, at "
-        f"height 0, is {true:.5f} m/s^2",
-        remedy="give 'normal' and height, or the gravity that was measured",
+        evidence=note(
+            "gravity is a round number, and the normal one of this "
+            "latitude, at height 0, is {true:.5f} m/s^2",
+            true=true,
+        ),
+        remedy=note("give 'normal' and height, or the gravity that was measured"),
     )
 
 
@@ -357,15 +371,23 @@ def _values_for_uncertainties(procedure: Procedure) -> tuple[str, ...]:
         if not value or not isclose(line.u[0], value, rel_tol=SAME):
             continue
         what = line.name.replace("_", " ")
-        text = (
-            f"{STATION}.{line.name} is {line.printed}, the {what} itself, where its "
-            "standard uncertainty belongs"
+        text = note(
+            "{station}.{name} is {printed}, the {what} itself, where its standard "
+            "uncertainty belongs",
+            station=STATION,
+            name=line.name,
+            printed=line.printed,
+            what=note(what),
         )
         day = _solar_day(procedure)
         if line.name == day.source and (moved := _ideal(day)):
-            text += (
-                f"; what is used is {value / DEG_PER_HOUR:.4f} deg/h, and {day.text} "
-                f"would add {_listed(moved)}"
+            text = note(
+                "{text}; what is used is {used:.4f} deg/h, and {day} would add "
+                "{effect}",
+                text=text,
+                used=value / DEG_PER_HOUR,
+                day=day.text,
+                effect=_listed(moved),
             )
         found.append(text)
     return tuple(found)
@@ -382,7 +404,7 @@ def _of_ideal(blunder: Blunder) -> tuple[Offset, ...]:
     """Return what it adds to triads without errors; () where none are calibrated."""
     sensors = [
         Sensor(
-            kind=kind,
+            kind=note(kind),
             device="",
             nominal_bias=np.zeros(3),
             nominal_mounting_angle=np.zeros(6),
@@ -419,13 +441,16 @@ def _listed(
     moved: Iterable[Offset], u: Mapping[Name, float] | None = None, what: str = "u"
 ) -> str:
     """Name offsets, '-1016 ppm to accelerometer.scale_factor', beside u where known."""
-    return ", ".join(
-        f"{one.printed} to {one.name}"
-        + (
-            f" ({what} {_rough(u[one.output.name] / one.output.si_per_unit)} "
-            f"{one.output.unit})"
-            if u
-            else ""
+    return in_a_row(
+        note("{printed} to {name}", printed=one.printed, name=one.name)
+        if u is None
+        else note(
+            "{printed} to {name} ({what} {size} {unit})",
+            printed=one.printed,
+            name=one.name,
+            what=note(what),
+            size=_rough(u[one.output.name] / one.output.si_per_unit),
+            unit=one.output.unit,
         )
         for one in moved
     )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.calibration.schemes import removal
+from budget.language import in_a_row, note, term
 from budget.model.source import Change, Coefficient, Disturbance
 from budget.model.sources import DEVICE, ENVIRONMENT, source_of
 from budget.model.sources.later import AGE, AGEING
@@ -37,9 +38,11 @@ def options_without_effect(
         return ()
     found = []
     if trials is not None:
-        found.append("a number of trials changes nothing: the law makes none")
+        found.append(note("a number of trials changes nothing: the law makes none"))
     if interval != "symmetric":
-        found.append("by the law the shortest interval is the symmetric one, mean +- U")
+        found.append(
+            note("by the law the shortest interval is the symmetric one, mean +- U")
+        )
     return tuple(found)
 
 
@@ -48,9 +51,14 @@ def few_trials(trials: int | None, coverage: float) -> tuple[str, ...]:
     if trials is None or trials * (1.0 - coverage) >= LEAST_OUTSIDE:
         return ()
     wanted = int(np.ceil(LEAST_OUTSIDE / (1.0 - coverage)))
-    text = (
-        f"{trials} trials leave {trials * (1.0 - coverage):.3g} outside an interval of "
-        f"coverage {coverage:g}: its ends are rough, {wanted} trials would do"
+    text = note(
+        "{trials} trials leave {outside:.3g} outside an interval "
+        "of coverage {coverage:g}: its ends are rough, {wanted} "
+        "trials would do",
+        trials=trials,
+        outside=trials * (1.0 - coverage),
+        coverage=coverage,
+        wanted=wanted,
     )
     return (text,)
 
@@ -64,9 +72,11 @@ def doubts(problem: Problem, validations: Sequence[Validation]) -> tuple[str, ..
     ]
     if not doubtful:
         return ()
-    text = (
-        "the law of propagation is not confirmed by Monte Carlo (JCGM 101, clause 8) "
-        f"for {', '.join(doubtful)}: use the method monte-carlo for these"
+    text = note(
+        "the law of propagation is not confirmed by Monte Carlo "
+        "(JCGM 101, clause 8) for {doubtful}: use the method "
+        "monte-carlo for these",
+        doubtful=", ".join(doubtful),
     )
     return (text,)
 
@@ -75,9 +85,11 @@ def judged_otherwise(assessment: Assessment, interval: str) -> tuple[str, ...]:
     """Say which intervals are not of the kind that was asked for."""
     if interval == "symmetric" or not any(r.by_monte_carlo for r in assessment.outputs):
         return ()
-    text = (
-        "limits are judged by intervals symmetric in probability, as everywhere: those "
-        f"of required outputs are, not the {interval}"
+    text = note(
+        "limits are judged by intervals symmetric in probability, "
+        "as everywhere: those of required outputs are, not the "
+        "{interval}",
+        interval=interval,
     )
     return (text,)
 
@@ -92,9 +104,12 @@ def unsettled(problem: Problem, drawn: Sample) -> tuple[str, ...]:
     if not names:
         return ()
     count = f"{drawn.trials:,}".replace(",", " ")
-    text = (
-        f"{count} trials were the most allowed and too few to settle "
-        f"{', '.join(names)} to the digits asked for: raise max_trials (--max-trials)"
+    text = note(
+        "{count} trials were the most allowed and too few to "
+        "settle {names} to the digits asked for: raise max_trials "
+        "(--max-trials)",
+        count=count,
+        names=", ".join(names),
     )
     return (text,)
 
@@ -104,15 +119,20 @@ def unknown_zeros(problem: Problem, law: Propagation) -> tuple[str, ...]:
     resolution = np.array([output.resolution for output in problem.outputs])
     still = law.standard_uncertainty <= resolution
     groups = dict.fromkeys(
-        key_title(output.name.group)
+        note(
+            "{owner} {quantity}",
+            owner=note(key_title(output.name.owner)),
+            quantity=note(key_title(output.name.quantity)),
+        )
         for output, is_still in zip(problem.outputs, still, strict=True)
         if is_still
     )
     if not groups:
         return ()
-    text = (
-        f"no line that is given reaches the {', the '.join(groups)}: 0 there says what "
-        "is not known, not how good it is"
+    text = note(
+        "no line that is given reaches the {groups}: 0 there says "
+        "what is not known, not how good it is",
+        groups=in_a_row(groups, by=term("{before}, the {text}")),
     )
     return (text,)
 
@@ -203,13 +223,21 @@ def say_unfelt(found: Sequence[Unfelt]) -> tuple[str, ...]:
             by_what.setdefault(one.removed, []).append(one.source)
     return (
         *(
-            f"{', '.join(names)}: no output of this test moves to first order, removed "
-            f"by {what}"
+            note(
+                "{names}: no output of this test moves to first order, "
+                "removed by {what}",
+                names=", ".join(names),
+                what=what,
+            )
             for what, names in by_what.items()
         ),
         *(
-            f"{one.source} is given and reaches no output of this test: it takes "
-            f"{one.needs}"
+            note(
+                "{source} is given and reaches no output of this test: it "
+                "takes {needs}",
+                source=one.source,
+                needs=one.needs,
+            )
             for one in found
             if one.needs
         ),
@@ -221,9 +249,12 @@ def age_that_counts_not(procedure: Procedure, reference: str) -> tuple[str, ...]
     age = next((line for line in procedure.environment if line.name == AGE), None)
     if age is None or reference == "next_turn_on":
         return ()
-    text = (
-        f"the age of {age.printed} counts at a later turn-on alone: with the error "
-        f"reference {reference} it changes nothing; ask for next_turn_on"
+    text = note(
+        "the age of {age} counts at a later turn-on alone: with "
+        "the error reference {reference} it changes nothing; ask "
+        "for next_turn_on",
+        age=age.printed,
+        reference=reference,
     )
     return (text,)
 
@@ -233,8 +264,12 @@ def shared_constants(sensors: Sequence[Sensor], reference: str) -> tuple[str, ..
     if reference == "nominal":
         return ()
     return tuple(
-        f"{Name(line.name, owner=sensor.kind)}: a constant of the device, so it is "
-        f"also in the reference {reference} and counts nothing"
+        note(
+            "{name}: a constant of the device, so it is also in the "
+            "reference {reference} and counts nothing",
+            name=Name(line.name, owner=sensor.kind),
+            reference=reference,
+        )
         for sensor in sensors
         for line in sensor.lines
         for source in [source_of(sensor.kind, line.name).meant(line)]

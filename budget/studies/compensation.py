@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.calibration.schemes import estimated
+from budget.language import note
 from budget.methods.gum import propagate
 from budget.model.response import inverse, tilt_matrix
 from budget.names import AXES, Name, by_group, parameters_of
@@ -99,8 +100,13 @@ def compensations(
         needed = [n for n in parameters_of(kind) if n.quantity != "scale_factor"]
         if held := [name for name in needed if name not in known]:
             absent.append(
-                f"no compensation matrices of the {kind}: {analysis.procedure.name} "
-                f"does not estimate {', '.join(by_group(held))}"
+                note(
+                    "no compensation matrices of the {kind}: {name} does not "
+                    "estimate {by_group}",
+                    kind=note(kind),
+                    name=analysis.procedure.name,
+                    by_group=", ".join(by_group(held)),
+                )
             )
             continue
         parameters = replace(analysis.alone(kind), requirement=None).problem

@@ -9,6 +9,8 @@ from math import inf
 from operator import itemgetter
 from typing import TYPE_CHECKING
 
+from budget.language import note
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -52,7 +54,11 @@ def over_cap(merit: str, text: str, cap: str) -> str:
     have, most = read_amount(merit, text), read_amount(merit, cap)
     if have is None or most is None or have.unit != most.unit:
         return ""  # is_known tells the two apart
-    return f"{merit} {text}, at most {cap}" if have.value > most.value else ""
+    return (
+        note("{merit} {text}, at most {cap}", merit=note(merit), text=text, cap=cap)
+        if have.value > most.value
+        else ""
+    )
 
 
 def is_known(merit: str, text: str, cap: str) -> bool:

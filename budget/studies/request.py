@@ -24,6 +24,7 @@ from budget.calibration.schemes import (
 )
 from budget.distributions import COVERAGES, is_coverage
 from budget.errors import CallError
+from budget.language import note
 from budget.methods.gum import propagate
 from budget.methods.intervals import KINDS as INTERVALS
 from budget.model.sources import ACCELEROMETER, ENVIRONMENT, SENSORS, STATION, lines_of
@@ -279,7 +280,11 @@ def sensors_of(
 def not_calibrated(devices: Sequence[Device], procedure: Procedure) -> tuple[str, ...]:
     """Say of which triads that are there a procedure finds nothing."""
     return tuple(
-        f"{procedure.name} does not calibrate the {kind}: nothing is said of it"
+        note(
+            "{name} does not calibrate the {kind}: nothing is said of it",
+            name=procedure.name,
+            kind=note(kind),
+        )
         for kind in _kinds(devices)
         if not calibrates(kind, procedure)
     )
@@ -311,9 +316,13 @@ def not_estimated(
     """Say which limits a procedure says nothing of, as it holds what they are on."""
     limits = () if requirement is None else requirement.outputs
     return tuple(
-        f"{procedure.name} does not estimate {parameters}, which the requirement "
-        "limits: whether that limit is kept is not known, and nothing meets it by "
-        "this test"
+        note(
+            "{name} does not estimate {parameters}, which the "
+            "requirement limits: whether that limit is kept is not "
+            "known, and nothing meets it by this test",
+            name=procedure.name,
+            parameters=parameters,
+        )
         for parameters in by_group(limited_but_held(_kinds(devices), procedure, limits))
     )
 
@@ -322,9 +331,13 @@ def not_of_one_sensor(requirement: Requirement) -> tuple[str, ...]:
     """Say which limits are judged by nobody who takes the sensors one by one."""
     of_both = [name for name in requirement.outputs if name.owner == IMU]
     return tuple(
-        f"the limit on {parameters} is on gyro and accelerometer together: they are "
-        "taken one by one here, so whether that limit is kept is not known, and "
-        "nothing meets it by this; budget report --requirement judges it"
+        note(
+            "the limit on {parameters} is on gyro and accelerometer "
+            "together: they are taken one by one here, so whether that "
+            "limit is kept is not known, and nothing meets it by this; "
+            "budget report --requirement judges it",
+            parameters=parameters,
+        )
         for parameters in by_group(of_both)
     )
 
@@ -334,7 +347,10 @@ def not_weighted(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[str, 
     if procedure.formulas != WEIGHTED:
         return ()
     return tuple(
-        f"{sensor.kind}: no noise line is given to weigh by, every window counts alike"
+        note(
+            "{kind}: no noise line is given to weigh by, every window counts alike",
+            kind=note(sensor.kind),
+        )
         for sensor in sensors
         if not noise_of(sensor.kind, sensor.lines)
     )
@@ -508,7 +524,10 @@ def choose_sources(
     chosen = frozenset(find_sources(only, known, option="--only"))
     absent = sorted(chosen - given_lines(sensors, procedure).keys())
     return chosen, tuple(
-        f"{name} was asked for alone, but the device does not give it: taken as 0"
+        note(
+            "{name} was asked for alone, but the device does not give it: taken as 0",
+            name=name,
+        )
         for name in absent
     )
 

@@ -31,6 +31,7 @@ from budget.calibration.schemes import (
 )
 from budget.distributions import NORMAL, normal_coverage_factor
 from budget.errors import CallError
+from budget.language import note
 from budget.methods.allocation import Task, equal, headroom, proportional
 from budget.methods.decisions import acceptance_interval
 from budget.methods.gum import propagate
@@ -560,9 +561,12 @@ def _probe(case: _Case) -> _Probe:
             own = None if has is None else has.correlation_time
             times[name] = USUAL_TIME if own is None else float(own[0])
             if own is None:
-                assumed[name] = (
-                    f"{name}: {source.time} not given, {USUAL_TIME:g} s assumed for "
-                    "what it may be"
+                assumed[name] = note(
+                    "{name}: {time} not given, {usual_time:g} s assumed for "
+                    "what it may be",
+                    name=name,
+                    time=source.time,
+                    usual_time=USUAL_TIME,
                 )
         lines[name] = _unit_line(source, owner, has, times.get(name))
     kept = tuple(
@@ -733,16 +737,16 @@ def _why(name: Name, g: int, probe: _Probe, procedure: Procedure) -> str:
         return ""
     if not probe.elsewhere[g] and not what:
         needs = source_of(name.owner, name.quantity).effect.needs
-        return f"reaches no output of this test: it takes {needs}"
+        return note("reaches no output of this test: it takes {needs}", needs=needs)
     if probe.any[g]:
         return (
-            f"to first order removed by {what}"
+            note("to first order removed by {what}", what=what)
             if what
-            else "to first order it reaches no limited output"
+            else note("to first order it reaches no limited output")
         )
     if what:
-        return f"removed by {what}"
-    return "reaches no output that has a limit"
+        return note("removed by {what}", what=what)
+    return note("reaches no output that has a limit")
 
 
 def _verdicts(case: _Case, candidates: Sequence[Station]) -> tuple[StationVerdict, ...]:
@@ -818,13 +822,19 @@ def _warnings(case: _Case, names: Sequence[Name]) -> tuple[str, ...]:
     """Say what a reader should know before believing the tables."""
     absent = [one.output for one in case.requirement.limits if one.output not in names]
     found = [
-        f"the requirement limits {parameters}, which this test does not estimate of "
-        "what is given: nothing is said of it"
+        note(
+            "the requirement limits {parameters}, which this test does "
+            "not estimate of what is given: nothing is said of it",
+            parameters=parameters,
+        )
         for parameters in by_group(absent)
     ]
     if not case.has_station:
         found.append(
-            f"{case.procedure.name} names no station: what figures take now is not "
-            "known, candidates alone are judged"
+            note(
+                "{name} names no station: what figures take now is not "
+                "known, candidates alone are judged",
+                name=case.procedure.name,
+            )
         )
     return tuple(found)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.language import note
 from budget.model.source import Disturbance, Given, Moment, Triad
 
 if TYPE_CHECKING:
@@ -73,7 +74,7 @@ class InputAsymmetry(Disturbance):
     static windows, and dk = Ka (b + earth rate)/(2 Omega). Noise is no part of x.
     """
 
-    needs = "a bias or a scale factor that is estimated"
+    needs = note("a bias or a scale factor that is estimated")
 
     def bind(self, given: Given, triad: Triad) -> Act:  # noqa: ARG002
         """Return Ka/2 times the weighed means of |x| over the windows."""

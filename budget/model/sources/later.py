@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.errors import CallError
+from budget.language import note
 from budget.model.source import Change, Coefficient, Given
 
 if TYPE_CHECKING:
@@ -37,7 +38,9 @@ class OverTemperature(Change):
         'bias' or 'scale_factor'.
     """
 
-    needs = "a later turn-on at another temperature (error reference next_turn_on)"
+    needs = note(
+        "a later turn-on at another temperature (error reference next_turn_on)"
+    )
 
     target: str
 
@@ -50,7 +53,9 @@ class OverTemperature(Change):
 class VibrationRectification(Change):
     """db = VRE a^2, a the rms of the vibration: during the test, and later."""
 
-    needs = "a vibration (of the environment; one at test and mission alike cancels)"
+    needs = note(
+        "a vibration (of the environment; one at test and mission alike cancels)"
+    )
 
     def gains(self, known: Mapping[str, Given]) -> Mapping[str, Gains]:
         """Return the squares of both vibrations."""
@@ -65,7 +70,7 @@ class VibrationRectification(Change):
 class Vibration(Coefficient):
     """Rms of a vibration, which is known."""
 
-    needs = "a sensor with vibration_rectification"
+    needs = note("a sensor with vibration_rectification")
     partners = ("vibration_rectification",)
 
 
@@ -98,7 +103,7 @@ class Ageing(Change):
 class Age(Coefficient):
     """Time from the calibration to the later turn-on, which is known."""
 
-    needs = "a sensor with ageing"
+    needs = note("a sensor with ageing")
     partners = tuple(AGEING.values())
 
 

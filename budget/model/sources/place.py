@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.earth import normal_gravity
+from budget.language import note
 from budget.model.source import GYRO, Disturbance, Given, Table, Triad
 from budget.model.sources.rotation import BASE, Rotation
 
@@ -54,7 +55,7 @@ class Height(Gravity):
     To first order; the second is 7e-10 at 100 m. A measured gravity knows no height.
     """
 
-    needs = "accelerometers, and gravity: normal"
+    needs = note("accelerometers, and gravity: normal")
 
     def slope(self, place: Place) -> float:
         """Return the vertical gradient of normal gravity [1/s^2]."""
@@ -76,7 +77,7 @@ class Latitude(Gravity):
     gravity changes with it, to first order: dk = -1.4 ppm there.
     """
 
-    needs = (
+    needs = note(
         "gyros whose bias takes the earth rate, or accelerometers and gravity: normal"
     )
 
@@ -105,7 +106,7 @@ class EarthRate(Disturbance):
     15 deg/h for it, 0.0410686 deg/h too small, makes db_z = +0.0231064 deg/h.
     """
 
-    needs = "gyros whose bias takes the earth rate"
+    needs = note("gyros whose bias takes the earth rate")
 
     def bind(self, given: Given, triad: Triad) -> Act | None:  # noqa: ARG002
         """Return M du, weighed."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.language import note
 from budget.model.source import Disturbance, Given, Moment, Triad
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ class Power(Disturbance):
         p, 2 or more.
     """
 
-    needs = "a bias or a scale factor that is estimated without that order"
+    needs = note("a bias or a scale factor that is estimated without that order")
 
     order: int
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
+from budget.language import note
 from budget.model.source import Disturbance, Given, Table, Triad
 from budget.model.windows import CHAIN
 
@@ -59,8 +60,12 @@ class Rotation(Disturbance):
         0, 1, 2 for x, y, z of the frame there; of the base east, north and up.
     """
 
-    removed = "the 180 deg repeat of each face or by azimuths that balance"
-    removed_by_norm = "the norm of gravity, which knows no attitude"
+    removed: ClassVar[str] = note(
+        "the 180 deg repeat of each face or by azimuths that balance"
+    )
+    removed_by_norm: ClassVar[str] = note(
+        "the norm of gravity, which knows no attitude"
+    )
 
     joint: int
     axis: int
@@ -158,7 +163,7 @@ class Wobble(Rotation):
     it is in positioning, orthogonality and mount.
     """
 
-    needs = "turns of the table"
+    needs = note("turns of the table")
     removed = removed_by_norm = ""
 
     joint: int = BASE

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.language import note
 from budget.model.noise import stationary
 from budget.model.response import BIAS
 from budget.model.source import Change, Coefficient, Disturbance, Given, Moment, Triad
@@ -46,14 +47,17 @@ WAVES = 300  # of a random temperature in the simulation
 class TemperatureCoefficient(Coefficient):
     """bT, bR or kT: change of a parameter with the temperature."""
 
-    needs = "a temperature that changes (temperature of the environment)"
+    needs = note("a temperature that changes (temperature of the environment)")
 
 
 @dataclass(frozen=True)
 class History(Disturbance):
     """e_i = bT_i T + bR_i dT/dt + kT_i T x_i, x_i the input of the axis."""
 
-    needs = f"a sensor with a coefficient ({', '.join(COEFFICIENTS)})"
+    needs = note(
+        "a sensor with a coefficient ({coefficients})",
+        coefficients=", ".join(COEFFICIENTS),
+    )
 
     @abstractmethod
     def course(self, value: Array, given: Given, times: Array) -> Array:

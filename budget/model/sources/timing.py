@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.language import note
 from budget.model.source import Disturbance, Given, Table, Triad
 from budget.model.sources.turn_angle import TurnAngle
 from budget.model.windows import ANGLE, EDGES_BY_TIME
@@ -28,7 +29,9 @@ class RateError(Disturbance):
     whole angles, whose time is measured, there is nothing.
     """
 
-    needs = "turns, and scale factors that are taken from the rate (scale_from: rate)"
+    needs = note(
+        "turns, and scale factors that are taken from the rate (scale_from: rate)"
+    )
 
     def bind(self, given: Given, triad: Triad) -> Act | None:
         """Return what turns do that are too large in proportion."""
@@ -119,7 +122,7 @@ class EdgeJitter(TurnAngle):
     before and after it moves, make nothing.
     """
 
-    needs = "windows of turns that are cut by time (window: time)"
+    needs = note("windows of turns that are cut by time (window: time)")
 
     def size(self, given: Given, scheme: Scheme | None) -> int:
         """Return the number of edges: a start and an end for each turn."""

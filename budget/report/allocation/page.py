@@ -124,7 +124,7 @@ def allocation_section(allocation: Allocation) -> Section:
     )
     blocks += _points(say("When to calibrate again"), texts)
     blocks += _shelves(allocation)
-    blocks += _points(say("Remarks on the allocation"), allocation.warnings)
+    blocks += _points(say("Remarks on the allocation"), map(say, allocation.warnings))
     return Section(
         name="allocation", title=say("What each line may be"), blocks=tuple(blocks)
     )

@@ -243,7 +243,7 @@ def _overview(found: Sequence[Ranking]) -> Section:
 def _remarks(comparison: Comparison, *, on_first_page: bool) -> Section:
     """Return what to beware of: warnings, advice, caps, and verdicts left open."""
     lines = (
-        *comparison.warnings,
+        *map(say, comparison.warnings),
         *filter(None, map(nothing_known_line, rankings(comparison))),
         *undecidable_lines(comparison),
         *rests_on_others_lines(comparison),
@@ -428,7 +428,7 @@ def _assumptions(comparison: Comparison, *, in_report: bool) -> Section:
         if number
         else say("Assumptions: none")
     )
-    told = (one.said for file in comparison.inputs for one in file.changes)
+    told = (say(one.said) for file in comparison.inputs for one in file.changes)
     brief = say("; ").join((brief, *dict.fromkeys(told)))
     return Section(name=name, title=title, blocks=blocks, in_brief=brief)
 

@@ -9,7 +9,7 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 from budget.errors import CallError
-from budget.language import key_title, say, term, words
+from budget.language import Note, key_title, say, term, words
 from budget.report.blocks import Cell, Field, table_of
 from budget.report.tables import (
     AT_LEAST,
@@ -27,7 +27,7 @@ from budget.report.tables import (
     source_title,
     used_part,
 )
-from budget.report.wording import capital
+from budget.report.wording import capital, parted
 from budget.studies.comparison.records import VERDICTS, rank_number, ranks
 from budget.studies.figures_of_merit import read_amount
 from budget.ties import settle
@@ -653,10 +653,13 @@ def assumptions_table(comparison: Comparison, name: str) -> Table:
     """
     names = sorted({one.name for one in comparison.devices}, key=len, reverse=True)
     gathered: dict[tuple[str, str], list[str]] = {}
-    for text in comparison.assumptions:
+    for given in comparison.assumptions:
+        text = given
         device = next((name for name in names if text.startswith(f"{name}: ")), "")
-        rest = text.removeprefix(f"{device}: ") if device else text
-        line, _, assumed = rest.partition(": ")
+        if device:
+            own = text.parts.get("text") if isinstance(text, Note) else None
+            text = own if isinstance(own, str) else text.removeprefix(f"{device}: ")
+        line, assumed = parted(text)
         gathered.setdefault((line, assumed), []).append(device)
     alike: dict[tuple[str, tuple[str, ...]], list[str]] = {}
     for (line, assumed), devices in gathered.items():

@@ -287,7 +287,7 @@ def missing_effects(comparison: Comparison) -> tuple[MissingEffect, ...]:
                     "{source} {line} ({basis})",
                     source=source_title(line.source, of=sensor),
                     line=line.printed,
-                    basis=line.basis if refused else line.origin,
+                    basis=say(line.basis if refused else line.origin),
                 )
                 for line in assumed
             )
@@ -362,7 +362,7 @@ def advice_lines(comparison: Comparison) -> tuple[str, ...]:
         say(
             "{devices}: {advice}",
             devices=say(", ").join(dict.fromkeys(of)),
-            advice=advice,
+            advice=say(advice),
         )
         for advice, of in names.items()
     )
@@ -372,7 +372,7 @@ def cap_lines(comparison: Comparison) -> tuple[str, ...]:
     """Say which devices exceed a cap; a cap sets no verdict."""
     return tuple(
         dict.fromkeys(
-            say("{name}: {text}", name=one.name, text=text)
+            say("{name}: {text}", name=one.name, text=say(text))
             for one in comparison.entrants
             for text in one.over_caps
         )

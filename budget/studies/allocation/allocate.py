@@ -10,6 +10,7 @@ import numpy as np
 
 from budget.calibration.schemes import calibrates
 from budget.errors import CallError
+from budget.language import note
 from budget.methods.allocation import TOUCHES
 from budget.methods.gum import propagate
 from budget.methods.trials import coverage_of
@@ -212,9 +213,14 @@ def allocate(
             *not_estimated(imus, how, wanted),
             *not_of_one_sensor(wanted),
             *(
-                f"the requirement limits the {kind}, which is not "
-                f"{'given' if calibrates(kind, how) else 'calibrated'}: nothing "
-                "is allocated for it"
+                note(
+                    "the requirement limits the {kind}, which is not given: nothing "
+                    "is allocated for it"
+                    if calibrates(kind, how)
+                    else "the requirement limits the {kind}, which is not calibrated: "
+                    "nothing is allocated for it",
+                    kind=note(kind),
+                )
                 for kind in missing
                 if kind != IMU
             ),
@@ -356,41 +362,67 @@ def _warnings(
     )
     for what, names in named:
         texts.extend(
-            f"{name} was {what}, but the device does not give it: it plays no part"
+            note(
+                "{name} was {what}, but the device does not give it: it plays no part",
+                name=name,
+                what=what,
+            )
             for name in names
             if name not in given
         )
     required = {case.sensor.kind for case in cases}
     texts.extend(
-        f"the requirement has no limit for the {sensor.kind}: left as it is"
+        note(
+            "the requirement has no limit for the {kind}: left as it is",
+            kind=note(sensor.kind),
+        )
         for sensor in sensors
         if sensor.kind not in required
     )
     for case in cases:
         kind = case.sensor.kind
         if not case.task.free.any():
-            texts.append(f"no source of the {kind} is free: there is nothing to share")
+            texts.append(
+                note(
+                    "no source of the {kind} is free: there is nothing to share",
+                    kind=note(kind),
+                )
+            )
         elif case.s is not None and not case.task.binding(case.s).any():
             at_top = case.s >= case.task.high * (1.0 - TOUCHES)
             if at_top[case.task.free].all():
                 texts.append(
-                    f"every source of the {kind} is at its ceiling before a limit is"
-                    " reached: raise --max to use what is left"
+                    note(
+                        "every source of the {kind} is at its ceiling before a "
+                        "limit is reached: raise --max to use what is left",
+                        kind=note(kind),
+                    )
                 )
         if case.solution is not None and not case.solution.is_optimal:
             texts.append(
-                f"the least cost of the {kind} is sure to a part of "
-                f"{case.solution.gap:.1g} only (residual {case.solution.residual:.1g})"
+                note(
+                    "the least cost of the {kind} is sure to a part of "
+                    "{gap:.1g} only (residual {residual:.1g})",
+                    kind=note(kind),
+                    gap=case.solution.gap,
+                    residual=case.solution.residual,
+                )
             )
         if case.by_law is not None:
             texts.append(
-                f"the {case.sensor.kind} was allocated by what Monte Carlo found: "
-                "analyze the result with --method monte-carlo"
+                note(
+                    "the {kind} was allocated by what Monte Carlo found: "
+                    "analyze the result with --method monte-carlo",
+                    kind=note(case.sensor.kind),
+                )
             )
         if case.sensor.expected_missing:
             lines = ", ".join(case.sensor.expected_missing)
             texts.append(
-                f"{lines}: not given, so nothing was allotted to it; a verdict on the "
-                "allocated device stays undecidable"
+                note(
+                    "{lines}: not given, so nothing was allotted to it; a "
+                    "verdict on the allocated device stays undecidable",
+                    lines=lines,
+                )
             )
     return tuple(texts)

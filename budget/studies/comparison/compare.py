@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from budget.errors import CallError
+from budget.language import note
 from budget.methods.execution import local_executor
 from budget.model.sources import ENVIRONMENT
 from budget.model.sources.later import AGE
@@ -48,8 +49,8 @@ if TYPE_CHECKING:
 LEAST_TRIALS = 2
 METHODS = ("gum", "monte-carlo")
 NEAR = (0.95, 1.05)  # utilisations at which the fast screen is not the last word
-ADVICE = "near the limit: use --method monte-carlo"
-UNSURE = "the law is not sure enough here: use --method monte-carlo"
+ADVICE = note("near the limit: use --method monte-carlo")
+UNSURE = note("the law is not sure enough here: use --method monte-carlo")
 
 
 def compare(
@@ -201,14 +202,20 @@ def compare(
         imus=rank_imus(ranked),
         pairs=pair_up(ranked) if pairs else (),
         assumptions=tuple(
-            f"{procedure.name}: {ENVIRONMENT}.{AGE}: {line.printed}"
+            note(
+                "{name}: {environment}.{age}: {line}",
+                name=procedure.name,
+                environment=ENVIRONMENT,
+                age=AGE,
+                line=line.printed,
+            )
             for procedure in tests
             for line in procedure.environment
             if line.name == AGE
         )
         + tuple(
             dict.fromkeys(
-                f"{device.name}: {text}"
+                note("{name}: {text}", name=device.name, text=text)
                 for device in (
                     *imus,
                     *(one.device for one in candidates if one.filling.lines),
@@ -346,23 +353,34 @@ def _warnings(
     found = []
     twice = [name for name, n in Counter(d.name for d in devices).items() if n > 1]
     if twice:
-        found.append(f"devices of the same name: {', '.join(sorted(twice))}")
+        found.append(
+            note("devices of the same name: {twice}", twice=", ".join(sorted(twice)))
+        )
     present = {sensor.kind for device in devices for sensor in device.sensors}
     found += [
-        f"the requirement has no limit for the {kind}, which some devices have: it is "
-        "not compared"
+        note(
+            "the requirement has no limit for the {kind}, which some "
+            "devices have: it is not compared",
+            kind=note(kind),
+        )
         for kind in sorted(present - set(requirement.kinds))
     ]
     found += [
-        f"the requirement limits the {kind}, which no device here has: its limits are "
-        "not judged"
+        note(
+            "the requirement limits the {kind}, which no device here "
+            "has: its limits are not judged",
+            kind=note(kind),
+        )
         for kind in _not_compared(devices, requirement)
         if kind != IMU
     ]
     impossible = {name for finding in findings for name in finding.impossible}
     found += [
-        f"the limit on {name} is below what the procedure leaves without any error "
-        "source: no device can meet it"
+        note(
+            "the limit on {name} is below what the procedure leaves "
+            "without any error source: no device can meet it",
+            name=name,
+        )
         for name in sorted(impossible)
     ]
     doubts: dict[str, list[str]] = {}
@@ -370,8 +388,13 @@ def _warnings(
         for name in finding.doubtful:
             doubts.setdefault(one.device.name, []).append(name)
     found += [
-        "the law of propagation is not confirmed by Monte Carlo (JCGM 101, clause 8) "
-        f"for {device}, {', '.join(dict.fromkeys(names))}: use --method monte-carlo"
+        note(
+            "the law of propagation is not confirmed by Monte Carlo "
+            "(JCGM 101, clause 8) for {device}, {fromkeys}: use "
+            "--method monte-carlo",
+            device=device,
+            fromkeys=", ".join(dict.fromkeys(names)),
+        )
         for device, names in doubts.items()
     ]
     return tuple(found)
