@@ -175,6 +175,11 @@ function make(tag, attributes = {}, ...content) {
   return element;
 }
 
+/** A factor in words. */
+function sizeWords(factor) {
+  return factor === 1 ? "as it is" : `× ${fourDigits(factor)}`;
+}
+
 /** A row of a source: its name, a slider, a field with its standard uncertainty. */
 function makeControl(source, change) {
   const slider = make("input", {
@@ -189,18 +194,17 @@ function makeControl(source, change) {
   const printed = make("small", {}, source.printed ? `given as ${source.printed}` : "");
   const sizeOf = (factor) => (factor * source.u).toPrecision(4).replace(/\.?0+(e|$)/, "$1");
   let present = 1;
-  const show = (factor) => {
+  const show = (factor, kept = 1) => {
     present = factor;
     slider.value = placeOf(factor);
     field.value = sizeOf(factor);
     field.removeAttribute("aria-invalid");
-    times.textContent = factor === 1 ? "as it is" : `× ${fourDigits(factor)}`;
+    times.textContent = sizeWords(factor) + (kept === 1 ? "" : `; kept: ${sizeWords(kept)}`);
     slider.setAttribute("aria-valuetext", `${times.textContent}, ${field.value} ${source.unit}`);
     row.classList.toggle("changed", factor !== 1);
   };
   slider.addEventListener("input", () => {
     const factor = factorAt(Number(slider.value));
-    show(factor);
     change(factor);
   });
   field.addEventListener("change", () => {
@@ -215,14 +219,12 @@ function makeControl(source, change) {
         : "expected a number from 0 on";
       return;
     }
-    show(factor);
     change(factor);
   });
   const row = make("div", { class: "control" },
     make("div", { class: "name" }, source.title, printed), slider,
     make("div", { class: "size" }, field, make("span", { class: "unit" }, source.unit)),
     times);
-  show(1);
   return { row, show };
 }
 
@@ -239,13 +241,13 @@ function drawShares(model, shares, bar) {
   });
 }
 
-/** Say the verdict on each sensor, and which output decides it. */
-function sayVerdict(model, result, base, place) {
+/** Say the verdict on each sensor, which output decides it, and what it was before. */
+function sayVerdict(model, result, base, label, place) {
   place.replaceChildren(...result.sensors.map((now, i) => {
     const was = base.sensors[i];
     const missing = now.verdict === "UNDECIDABLE" ? `, as ${now.missing.join(", ")} is not given` : "";
     const before = was.verdict === now.verdict && was.utilisation === now.utilisation
-      ? "" : `; as it is: ${was.verdict}, ${perCent(was.utilisation)}`;
+      ? "" : `; ${label}: ${was.verdict}, ${perCent(was.utilisation)}`;
     return make("p", {},
       make("strong", {}, `${now.sensor[0].toUpperCase()}${now.sensor.slice(1)}: ${now.verdict}`),
       `${missing}. ${joinOutputs(model, now.all)} at ${now.missing.length ? "\u2265\u00a0" : ""}${perCent(now.utilisation)} of its limit${before}.`);
@@ -253,8 +255,8 @@ function sayVerdict(model, result, base, place) {
   if (!result.sensors.length) place.append(make("p", {}, "No requirement: U of every output, as it is and changed."));
 }
 
-/** A table of all outputs, and the function that fills in what is changed. */
-function makeResults(model, base) {
+/** A table of all outputs before and after, and the function that fills it in. */
+function makeResults(model) {
   const limited = model.outputs.some((output) => output.limit !== null);
   const heads = ["output", "U as it is", "U changed", "mean changed",
     ...(limited ? ["of limit as it is", "of limit changed", "conformity"] : []), "shares of the variance", "largest"];
@@ -281,12 +283,18 @@ function makeResults(model, base) {
     const row = make("tr", { "data-output": output.name }, make("th", { scope: "row" }, output.axis),
       cells.before, cells.expanded, cells.mean, ...limits, make("td", {}, cells.bar), cells.largest);
     body.append(row);
-    setExpanded(cells.before, base.outputs[k], output);
-    setUsed(cells.usedBefore, base.outputs[k], output);
     return { row, cells };
   });
-  const update = (result) => result.outputs.forEach((now, k) => {
+  const before = [...table.tHead.rows[0].cells].filter((head) => head.textContent.endsWith("as it is"));
+  const starts = before.map((head) => head.textContent.slice(0, -"as it is".length));
+  const update = (result, base, label) => {
+    before.forEach((head, i) => { head.textContent = starts[i] + label; });
+    result.outputs.forEach((now, k) => fill(now, base, k));
+  };
+  const fill = (now, base, k) => {
     const { row, cells } = rows[k];
+    setExpanded(cells.before, base.outputs[k], model.outputs[k]);
+    setUsed(cells.usedBefore, base.outputs[k], model.outputs[k]);
     const { resolution } = model.outputs[k];
     setExpanded(cells.expanded, now, model.outputs[k]);
     set(cells.mean, likeUncertainty(now.mean, now.u, resolution), now.mean);
@@ -300,7 +308,7 @@ function makeResults(model, base) {
     const largest = now.shares.findIndex((share) => share >= most);
     cells.largest.textContent = now.shares[largest] > 0
       ? `${shortTitle(model.sources[largest], model.outputs[k])} ${shareOf(now.shares[largest])}` : "no spread";
-  });
+  };
   return { table, update };
 }
 
@@ -325,35 +333,204 @@ function setUsed(cell, row, output) {
   else set(cell, bounded(perCent(row.utilisation), row, output), row.utilisation);
 }
 
+// ---- what is changed: in words, as a file with its command, in the address, on paper ----
+
+/** Each source that is changed, with its factor. */
+function changesOf(model, factors) {
+  return model.sources.map((source, g) => ({ source, factor: factors[g] }))
+    .filter(({ factor }) => factor !== 1);
+}
+
+/** Changes in words: 'gyro bias repeatability × 0.4'. */
+function changeWords(model, factors) {
+  return changesOf(model, factors)
+    .map(({ source, factor }) => `${source.title} ${sizeWords(factor)}`).join(", ");
+}
+
+/** A number as files have it, without the digits that rounding decides. */
+function written(value) {
+  return String(settled(value));
+}
+
+// What a file gives as one number: the maker's words beside it stay as they are.
+const ONE_NUMBER = /^(\d+\.?\d*(?:e[-+]?\d+)?)( [^\d,;:]+)$/i;
+const SIZE = /\ue000([^\ue000]*)\ue000/g;
+
+/** The device file with the lines of changed sources multiplied, and what is not in it. */
+function changedDevice(model, factors) {
+  const left = new Map(changesOf(model, factors).map(({ source, factor }) => [source.name, factor]));
+  const present = new Map(left);
+  let owner = "";
+  const lines = model.device.split("\n").map((line) => {
+    owner = /^(\w+):$/.exec(line)?.[1] ?? owner;
+    if (!line.includes("\ue000")) return line;
+    const name = `${owner}.${/^ *(\w+):/.exec(line)[1]}`;
+    left.delete(name);
+    return line.replace(SIZE, (_, size) => written(size * (present.get(name) ?? 1)));
+  });
+  return { text: lines.join("\n"), elsewhere: changesOf(model, factors).filter(({ source }) => left.has(source.name)) };
+}
+
+/** A word that a shell takes as it stands. */
+function shellWord(text) {
+  return `'${text.replaceAll("'", "'\\''")}'`;
+}
+
+/** The command that analyses the changed device: by --set where every line is one number. */
+function changedCommand(model, factors) {
+  const sets = changesOf(model, factors).map(({ source, factor }) => {
+    const [, size, unit] = ONE_NUMBER.exec(source.printed) || [];
+    return unit && shellWord(`${source.name}=${written(size * factor)}${unit}`);
+  });
+  if (sets.includes(undefined)) return model.command_of_file;
+  return [model.command, ...sets.map((set) => `--set ${set}`)].join(" ");
+}
+
+/** Fields with the changed device and its command, and what fills them in. */
+function makeHandOut(model) {
+  const field = (label, rows) => {
+    const area = make("textarea", { readonly: "", rows, spellcheck: "false" });
+    area.addEventListener("focus", () => area.select());
+    return { area, block: make("p", {}, make("label", {}, label, area)) };
+  };
+  const command = field("Command", 3);
+  const device = field("Device file, changed.yaml", 12);
+  const words = make("p", {});
+  const place = make("details", { class: "hand-out" },
+    make("summary", {}, "The changed device as a file, with its command"),
+    words, ...(model.command ? [command.block] : []), device.block);
+  const update = (factors) => {
+    const { text, elsewhere } = changedDevice(model, factors);
+    const said = changeWords(model, factors);
+    const rest = changeWords({ sources: elsewhere.map(({ source }) => source) }, elsewhere.map(({ factor }) => factor));
+    words.textContent = said ? `Changed: ${said}.` : "Nothing is changed.";
+    if (rest) words.append(` Not a line of the device, change it where it stands: ${rest}.`);
+    device.area.value = (said ? `# Changed by what-if: ${said}\n` : "") + text;
+    command.area.value = elsewhere.length ? model.command_of_file : changedCommand(model, factors);
+  };
+  return { place, update };
+}
+
+const ADDRESS = "#what-if?";
+const LONGEST = 4000;  // characters of an address that are looked at
+
+/** Both scenarios as the end of an address; '' where nothing is changed. */
+function toAddress(model, factors, kept) {
+  const search = new URLSearchParams();
+  for (const [before, scenario] of [["", factors], ["kept.", kept || []]]) {
+    model.sources.forEach(({ name }, g) => {
+      if ((scenario[g] ?? 1) !== 1) search.set(before + name, String(scenario[g]));
+    });
+  }
+  const text = search.toString();
+  return text && ADDRESS + text;
+}
+
+/** A text of anybody, short and in plain letters. */
+function quote(text) {
+  const plain = JSON.stringify(text.slice(0, 40)).replace(/[^\x20-\x7e]/g, (sign) =>
+    `\\u${sign.charCodeAt(0).toString(16).padStart(4, "0")}`);
+  return text.length > 40 ? `${plain} and ${text.length - 40} characters more` : plain;
+}
+
+/** Read the end of an address: both scenarios, or in words what is wrong with it. */
+function fromAddress(model, text) {
+  const place = new Map(model.sources.map(({ name }, g) => [name, g]));
+  const [factors, kept] = [0, 1].map(() => model.sources.map(() => 1));
+  const refuse = (what) => ({ wrong: `The changes in the address are not taken: ${what}.` });
+  if (text.length > LONGEST) return refuse(`they have ${text.length} characters, ${LONGEST} are allowed`);
+  const seen = new Set();
+  for (const [key, value] of new URLSearchParams(text)) {
+    const isKept = key.startsWith("kept.");
+    const g = place.get(isKept ? key.slice("kept.".length) : key);
+    if (g === undefined) return refuse(`${quote(key)} is no source of this report`);
+    if (seen.has(key)) return refuse(`${quote(key)} stands there twice`);
+    if (!DECIMAL.test(value) || !(Number(value) <= MOST)) {
+      return refuse(`${quote(key)} is ${quote(value)}, expected a number from 0 to a million, times its size`);
+    }
+    seen.add(key);
+    (isKept ? kept : factors)[g] = Number(value);
+  }
+  return { factors, kept: kept.every((factor) => factor === 1) ? null : kept };
+}
+
+/** Say on every printed page that this is not the report, while anything is changed. */
+function stampPage(said) {
+  const root = document.documentElement;
+  const isChanged = said !== "";
+  let stamp = document.querySelector(".stamp");
+  if (!stamp) {
+    stamp = make("div", { class: "stamp" }, make("strong", { "aria-hidden": "true" }, "CHANGED"), make("p"));
+    document.body.prepend(stamp);
+  }
+  stamp.querySelector("p").textContent = isChanged ? `CHANGED by what-if, not the report that was issued: ${said}.` : "";
+  root.classList.toggle("altered", isChanged);
+  document.title = document.title.replace(/^(CHANGED )?/, isChanged ? "CHANGED " : "");
+  if (isChanged) root.style.setProperty("--running-head", '"CHANGED by what-if, not the report that was issued"');
+  else root.style.removeProperty("--running-head");
+}
+
 /** Set up the sliders of one model in an empty place of the page. */
 function setUpWhatIf(place, model) {
-  const factors = model.sources.map(() => 1);
-  const base = evaluate(model, factors);
+  const present = model.sources.map(() => 1);
+  let factors = [...present];
+  let kept = null;
   const verdict = make("div", { class: "outlook", role: "status", "aria-live": "polite" });
-  const results = makeResults(model, base);
+  const wrong = make("p", { class: "wrong", role: "alert" });
+  const results = makeResults(model);
+  const handOut = model.device ? makeHandOut(model) : null;
+  const button = (text, act) => {
+    const made = make("button", { type: "button" }, text);
+    made.addEventListener("click", () => { act(); refresh(); note(); });
+    return made;
+  };
+  const keep = button("Keep to compare", () => { kept = factors.every((factor) => factor === 1) ? null : [...factors]; });
+  const forget = button("Forget what is kept", () => { kept = null; keep.focus(); });
+  const reset = button("Reset all", () => { factors = [...present]; kept = null; });
   const refresh = () => {
+    const label = kept ? "kept" : "as it is";
+    const base = evaluate(model, kept || present);
     const result = evaluate(model, factors);
-    sayVerdict(model, result, base, verdict);
-    results.update(result);
+    controls.forEach((control, g) => control.show(factors[g], kept ? kept[g] : 1));
+    sayVerdict(model, result, base, label, verdict);
+    results.update(result, base, label);
+    handOut?.update(factors);
+    forget.hidden = !kept;
+    const told = [changeWords(model, factors), kept && `kept to compare: ${changeWords(model, kept) || "as it is"}`];
+    stampPage(told.filter(Boolean).join("; "));
+  };
+  const note = () => {
+    wrong.textContent = "";
+    try {
+      history.replaceState(null, "", toAddress(model, factors, kept) || "#what-if");
+    } catch { /* a preview that has no address */ }
+  };
+  const restore = () => {
+    if (!location.hash.startsWith(ADDRESS)) return;
+    const found = fromAddress(model, location.hash.slice(ADDRESS.length));
+    wrong.textContent = found.wrong || "";
+    ({ factors, kept } = found.wrong ? { factors: [...present], kept: null } : found);
+    refresh();
+    place.parentElement.scrollIntoView();
   };
   const controls = model.sources.map((source, g) => makeControl(source, (factor) => {
     factors[g] = factor;
     refresh();
+    note();
   }));
-  const reset = make("button", { type: "button" }, "Reset all");
-  reset.addEventListener("click", () => {
-    factors.fill(1);
-    controls.forEach((control) => control.show(1));
-    refresh();
-  });
   place.append(
+    wrong,
     verdict,
     make("div", { class: "controls" },
       make("p", { class: "small" },
         "Each slider runs from 0 at the far left over a tenth to ten times the present size; " +
-        "the field takes a standard uncertainty. ", reset),
-      ...controls.map((control) => control.row)),
+        "the field takes a standard uncertainty. The address of the page keeps the changes. "),
+      make("p", { class: "buttons" }, keep, " ", forget, " ", reset),
+      ...controls.map((control) => control.row),
+      ...(handOut ? [handOut.place] : [])),
     make("div", { class: "results scroll", tabindex: 0, role: "group", "aria-label": "Outputs with the sources changed" }, results.table));
   place.hidden = false;
   refresh();
+  restore();
+  window.addEventListener("hashchange", restore);
 }

@@ -17,7 +17,14 @@ from budget.errors import CallError
 from budget.journal import note_read
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import (
+        Callable,
+        Collection,
+        Iterable,
+        Iterator,
+        Mapping,
+        Sequence,
+    )
 
     import typer
 
@@ -161,18 +168,28 @@ WITHOUT_EFFECT = frozenset({"output", "paper", "json", "csv", "workers", "cluste
 LITERAL = frozenset({"changes", "only", "outputs", "number"})
 
 
-def command_line(context: typer.Context) -> str:
+def command_line(
+    context: typer.Context,
+    *,
+    command: str = "",
+    devices: Sequence[str] | None = None,
+    without: Collection[str] = (),
+) -> str:
     """Return the present call, files by base name, without what changes no number.
 
-    'budget report hg4930.yaml --requirement navigation-grade.yaml'.
+    'budget report hg4930.yaml --requirement navigation-grade.yaml', or that of another
+    command, of other devices, without some of its parameters.
     """
-    words = ["budget", context.info_name or ""]
+    words = ["budget", command or context.info_name or ""]
     arguments: list[str] = []
     for parameter in context.command.params:
         name = parameter.name or ""
         source = context.get_parameter_source(name)
         given = source is not None and source.name == "COMMANDLINE"
-        if not given or name in WITHOUT_EFFECT:
+        replaced = devices is not None and name == "devices"
+        if replaced:
+            arguments += devices or ()
+        if not given or replaced or name in WITHOUT_EFFECT or name in without:
             continue
         value = context.params[name]
         values = value if isinstance(value, (list, tuple)) else [value]

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from budget.studies.progress import Engine
 
 
+ONLY_HERE = frozenset({"compare", "allocate", "number"})  # not parameters of analyze
+
+
 @options.spell_out
 def report(
     context: typer.Context,
@@ -70,6 +73,7 @@ def report(
     )
     from budget.errors import CallError
     from budget.report.analysis.build import report_document
+    from budget.report.analysis.what_if import CHANGED_FILE, AnalyzeAgain
     from budget.report.document import to_csv
     from budget.report.rendering import check_suffixes, document_date
     from budget.spec import load_all, load_procedure, load_requirement
@@ -132,6 +136,15 @@ def report(
             assessment=budget.assessment,
             extras=extras,
             command_line=command_line(context),
+            again=AnalyzeAgain(
+                same=command_line(context, command="analyze", without=ONLY_HERE),
+                of_file=command_line(
+                    context,
+                    command="analyze",
+                    devices=[CHANGED_FILE],
+                    without={*ONLY_HERE, "changes"},
+                ),
+            ),
             date=date,
             number=number,
         )

@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
+import json
+import shlex
+import shutil
 from functools import cache
 from math import floor, log10
 
 import pytest
 from browsing import chromium, opened, written
+from command_line import call
 from document_examples import make_table
 from numpy.testing import assert_allclose
+from pdf_reading import pages_of
 from report.test_page import example
 from saying import assert_says
 from studies.test_what_if import scaled
 
 from budget import analyze, load_device, load_requirement
+from budget.report.analysis.what_if import AnalyzeAgain, what_if_section
 from budget.report.blocks import Section, Sliders
 from budget.report.tables import print_utilisation
 from budget.studies.request import Analysis
-from budget.studies.what_if import what_if
+from budget.studies.what_if import one_at_a_time, what_if
 
 pytestmark = pytest.mark.slow
 
@@ -288,3 +294,159 @@ def test_sliders_without_a_requirement_show_uncertainties(browser, tmp_path):
         assert "No requirement" in page.locator(".outlook").inner_text()
         assert not [head for head in heads if "limit" in head]
         assert record.complaints == []
+
+
+# ---- what is changed: as a file, in the address, against another, on paper -----------
+
+MAKERS = """
+format: budget-device/1
+name: "O'Neill's \\u200b\\"unit\\" 赵"
+gyro:
+  nominal: {bias: 2 deg/h, mounting_angle: 3 arcsec}
+  errors:
+    bias_repeatability: {axes: {x: 0.1 deg/h, y: 0.2 deg/h, z: 0.3 deg/h}}
+    bias_stability: {value: 0.3 deg/h, meaning: max, correlation_time: 100 s}
+    angle_random_walk: {value: 0.02 deg/h/sqrt(Hz), density: one-sided}
+    scale_factor_repeatability: 60 ppm
+"""
+AGAIN = AnalyzeAgain(
+    same="budget analyze imu.yaml --no-validate",
+    of_file="budget analyze changed.yaml --no-validate",
+)
+
+
+@pytest.fixture(scope="module")
+def changeable(tmp_path_factory):
+    """Provide the page of a device in a maker's words, beside its file."""
+    folder = tmp_path_factory.mktemp("changeable")
+    (folder / "imu.yaml").write_text(MAKERS, encoding="utf-8")
+    budget = analyze(load_device(folder / "imu.yaml"), validate=False)
+    analysis = Analysis.of(load_device(folder / "imu.yaml"))
+    model = what_if(analysis, budget=budget)
+    section = what_if_section(
+        budget, model, one_at_a_time(model), devices=analysis.devices, again=AGAIN
+    )
+    return written(folder, example(sections=(section,)))
+
+
+def handed_out(page):
+    """Return the command and the device file that the page gives."""
+    fields = page.locator(".hand-out textarea")
+    return [fields.nth(k).input_value() for k in (0, 1)]
+
+
+@pytest.mark.parametrize(
+    ("changes", "by_set"),
+    [
+        ({"bias_stability": "End", "scale_factor_repeatability": "Home"}, True),
+        ({"bias_repeatability": "PageUp", "angle_random_walk": "ArrowLeft"}, False),
+        ({"angle_random_walk": "End"}, True),
+    ],
+)
+def test_tool_reads_the_changed_device_back(
+    browser, changeable, monkeypatch, changes, by_set
+):
+    """File and command give the numbers of the page; --set where lines are one number.
+
+    A bound stays a bound, axes stay apart, a source that is switched off is there as 0.
+    """
+    monkeypatch.chdir(changeable.parent)
+    with opened(browser, changeable) as (page, record):
+        for line, key in changes.items():
+            move(page, f"gyro.{line}", [key])
+        command, text = handed_out(page)
+        expanded = read(page, "expanded")
+    (changeable.parent / "changed.yaml").write_text(text, encoding="utf-8")
+    words = shlex.split(command)
+    run = call(*words[1:], "--json", "again.json")
+
+    assert record.complaints == []
+    assert words[:2] == ["budget", "analyze"]
+    assert words.count("--set") == (len(changes) if by_set else 0)
+    assert (run.code, words[2]) == (0, "imu.yaml" if by_set else "changed.yaml")
+    budget = analyze(load_device("changed.yaml"), validate=False)
+    again = json.loads((changeable.parent / "again.json").read_text(encoding="utf-8"))
+    assert len(again["outputs"]) == len(budget.outputs) == 12
+    for row, told in zip(budget.outputs, again["outputs"], strict=True):
+        name, scale = row.output.name, row.output.si_per_unit
+        half = (row.interval[1] - row.interval[0]) / 2.0 / scale
+        assert_allclose(expanded[name][1], half, rtol=AGREES)
+        low, high = told["interval"]
+        assert_allclose((high - low) / 2.0, half, rtol=AGREES)
+
+
+def test_address_keeps_both_scenarios(browser, changeable):
+    """A reload, and the address opened anew, bring back what is changed and kept."""
+    with opened(browser, changeable) as (page, record):
+        move(page, "gyro.bias_stability", ["End"])
+        page.get_by_role("button", name="Keep to compare").click()
+        move(page, "gyro.scale_factor_repeatability", ["ArrowRight"] * 7)
+        shown = [read(page, cell) for cell in ("before", "expanded")]
+        heads = page.locator(".what-if thead th").all_inner_texts()
+        link = page.url
+        page.reload()
+        assert [read(page, cell) for cell in ("before", "expanded")] == shown
+        page.goto("about:blank")
+        page.goto(link)
+        assert [read(page, cell) for cell in ("before", "expanded")] == shown
+        page.get_by_role("button", name="Forget what is kept").click()
+        now = page.locator(".what-if thead th").all_inner_texts()
+        page.get_by_role("button", name="Reset all").click()
+        assert page.locator(".control.changed").count() == 0
+        assert page.url.endswith("#what-if")
+    assert shown[0] != shown[1]
+    assert heads[1].split() == ["U", "kept"]
+    assert now[1].split() == ["U", "as", "it", "is"]
+    assert record.complaints == []
+
+
+@pytest.mark.parametrize(
+    ("fragment", "said"),
+    [
+        ("gyro.bias_drift=2", '"gyro.bias_drift" is no source of this report'),
+        ("<img src=x onerror=alert(1)>=1", "is no source"),
+        ("gyro.bias_stability=<script>", "expected a number from 0 to a million"),
+        ("gyro.bias_stability=1e7", "expected a number from 0 to a million"),
+        ("gyro.bias_stability=-1", "expected a number from 0 to a million"),
+        ("gyro.bias_stability=NaN&kept.gyro.bias_stability=1", "expected a number"),
+        ("gyro.bias_stability=2&gyro.bias_stability=3", "stands there twice"),
+        ("kept.__proto__=3", "is no source"),
+        ("%ff%00\u202e=1", "is no source"),
+        ("x" * 5000, "5000 characters, 4000 are allowed"),
+    ],
+)
+def test_address_that_is_no_change_is_refused(browser, changeable, fragment, said):
+    """It is said what is wrong with it; the report stands as it is."""
+    with opened(browser, changeable) as (page, record):
+        before = read(page, "expanded")
+        elements = page.locator("*").count()
+        page.goto(f"{changeable.as_uri()}#what-if?{fragment}")
+        assert_says(page.get_by_role("alert").inner_text(), said, "not taken")
+        assert read(page, "expanded") == before
+        assert page.locator("*").count() == elements
+        assert page.locator(".altered").count() == 0
+        assert "\u202e" not in page.locator(".wrong").inner_text()
+    assert record.complaints == []
+
+
+def test_page_with_a_slider_moved_is_not_printed_as_the_report(
+    browser, changeable, tmp_path
+):
+    """Every sheet says CHANGED, nothing is there to sign; taken back, it is gone."""
+    if shutil.which("pdftotext") is None:
+        pytest.skip("reads the sheets by pdftotext")
+    with opened(browser, changeable) as (page, _):
+        sheets = []
+        for act in ("as it is", "End", "Reset all"):
+            if act == "End":
+                move(page, "gyro.bias_stability", [act])
+            elif act == "Reset all":
+                page.get_by_role("button", name=act).click()
+            pdf = page.pdf(format="A4", prefer_css_page_size=True)
+            sheets.append(pages_of(pdf, tmp_path))
+            assert page.title().startswith("CHANGED") == (act == "End")
+    plain, changed, back = sheets
+    assert all("CHANGEDbywhat-if,notthereport" in sheet for sheet in changed)
+    assert "gyrobiasstability×10.00" in changed[0]  # noqa: RUF001 - as it is printed
+    assert "CHANGED" not in "".join(plain)
+    assert back == plain

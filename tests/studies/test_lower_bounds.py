@@ -211,7 +211,11 @@ def test_what_the_page_computes_with_is_marked():
     assert all(
         row.used_lower_bound == (row.source.name.owner == "gyro") for row in steps
     )
-    table = what_if_section(budget, model, steps).blocks[1].table
+    table = (
+        what_if_section(budget, model, steps, devices=analysis_of(budget).devices)
+        .blocks[1]
+        .table
+    )
     texts = [cell.text for group in table.groups for row in group.rows for cell in row]
     assert any(text.startswith(AT_LEAST) for text in texts)
     densities = critical_densities(

@@ -59,6 +59,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from budget.report.analysis.verdict import LargestContribution
+    from budget.report.analysis.what_if import AnalyzeAgain
     from budget.report.blocks import Picture, Words
     from budget.report.figures.rows import Chart
     from budget.report.tables import GroupTable
@@ -103,13 +104,15 @@ def report_document(
     assessment: Assessment | None = None,
     extras: Sequence[Extra] = (),
     command_line: str,
+    again: AnalyzeAgain | None = None,
     date: str,
     number: str = "",
 ) -> Document:
     """Put a budget and what stands behind it into one document.
 
     The evidence is that of `gather_evidence` for the same budget; the command line is
-    without output names; `number` is that of the report for the one who files it.
+    without output names, `again` are those of a changed device; `number` is that of the
+    report for the one who files it.
     """
     groups = group_tables(budget)
     owners = tuple(dict.fromkeys(group.sensor for group in groups))
@@ -126,12 +129,12 @@ def report_document(
         *filled_sections(budget),
         None if assessment is None else limits_section(budget, assessment),
         *readings_section(budget, assessment),
+        what_if_section(budget, evidence.what_if, rows, devices=devices, again=again),
         inputs_section(devices, procedure),
         procedure_section(procedure, sensors),
         budget_section(groups),
         *matrices_sections(budget),
         station_section(budget, groups, procedure, assessment, evidence.unfelt),
-        what_if_section(budget, evidence.what_if, rows),
         _coupling(evidence, owners),
         _indices(budget, owners),
         _validity(budget, owners),

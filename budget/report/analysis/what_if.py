@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import partial
 from math import floor, inf, log10
 from typing import TYPE_CHECKING
@@ -15,6 +16,7 @@ from budget.report.blocks import (
     Sliders,
     table_of,
 )
+from budget.report.device_file import device_yaml
 from budget.report.tables import (
     Number,
     bound_number,
@@ -26,6 +28,7 @@ from budget.report.tables import (
 )
 from budget.report.wording import VERDICTS, cell, share_cell
 from budget.results import BY_LAW
+from budget.studies.request import sensors_of
 from budget.ties import settle
 
 if TYPE_CHECKING:
@@ -33,15 +36,37 @@ if TYPE_CHECKING:
 
     from budget.report.blocks import Table
     from budget.results import Budget
+    from budget.spec.records import Device
     from budget.studies.what_if import SourceSteps, WhatIf
 
+SIZE_MARK = "\ue000"  # about each size in the device file that the sliders change
 HEADS = {0.0: "without it", 0.5: "at half", 1.0: "now", 2.0: "at twice"}
 
 
+CHANGED_FILE = "changed.yaml"  # what a page calls the changed device
+
+
+@dataclass(frozen=True, kw_only=True)
+class AnalyzeAgain:
+    """Command lines that analyse the devices of a report again."""
+
+    same: str  # as they are; --set can be added
+    of_file: str  # CHANGED_FILE in their place
+
+
 def what_if_section(
-    budget: Budget, model: WhatIf, rows: Sequence[SourceSteps]
+    budget: Budget,
+    model: WhatIf,
+    rows: Sequence[SourceSteps],
+    *,
+    devices: Sequence[Device],
+    again: AnalyzeAgain | None = None,
 ) -> Section:
-    """Return the section on what one source more or less would do."""
+    """Return the section on what one source more or less would do.
+
+    With `again`, the commands of the same analysis, the page has those of a changed
+    device.
+    """
     coverage = print_coverage(model.coverage)
     required = any(limit is not None for limit in model.limit)
     text = (
@@ -63,7 +88,22 @@ def what_if_section(
         blocks=(
             Paragraph(words=(text,)),
             Sliders(
-                model=model.to_dict(), table=_table(rows, coverage, required=required)
+                model={
+                    **model.to_dict(),
+                    "device": device_yaml(
+                        sensors_of(devices),
+                        name=f"{budget.title}, changed",
+                        source="sliders of a report",
+                        notes="; ".join(
+                            f"from {file.role} {file.name} sha256 {file.sha256}"
+                            for file in budget.inputs
+                        ),
+                        mark=SIZE_MARK,
+                    ),
+                    "command": "" if again is None else again.same,
+                    "command_of_file": "" if again is None else again.of_file,
+                },
+                table=_table(rows, coverage, required=required),
             ),
         ),
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from functools import cache
 
@@ -24,12 +25,15 @@ from saying import assert_says
 from budget.distributions import TRIANGULAR
 from budget.names import key_title
 from budget.report.analysis.build import Extra, report_document
+from budget.report.analysis.what_if import SIZE_MARK
 from budget.report.blocks import Cell, Equation, Paragraph, Picture, Section, Sliders
 from budget.report.inputs import print_by_axis
 from budget.report.tables import group_tables
 from budget.resources import shipped
 from budget.results import CapAssessment
 from budget.spec import load_requirement
+from budget.spec.device import read_device
+from budget.spec.reader import parse
 from budget.spec.records import ANGLES
 from budget.studies.evidence import gather_evidence
 from budget.studies.request import Analysis
@@ -99,11 +103,12 @@ def test_every_section_of_a_full_report_is_there():
             "contributions",
             "gaps",
             "limits",
+            "what-if",
             "inputs",
             "procedure",
             "budget",
         ),
-        *("what-if", "coupling", "validity", "distributions", "method", "provenance"),
+        *("coupling", "validity", "distributions", "method", "provenance"),
         "sign-off",
     ]
 
@@ -347,7 +352,10 @@ def test_sensor_that_is_absent_has_no_part():
         evidence=example_evidence(gyro_only=True),
     )
     words = " ".join(
-        [*lines(report), *(say(text) for _, text in report.sections[4].blocks[0].rows)]
+        [
+            *lines(report),
+            *(say(text) for _, text in section(report, "procedure").blocks[0].rows),
+        ]
     )
 
     assert "twelve positions" not in words
@@ -483,6 +491,21 @@ def test_what_if_with_limits_says_what_each_step_uses():
     assert heads[-1] == "verdict then"
     assert heads.count("of the limit now [%]") == 1
     assert all(output["limit"] is not None for output in sliders.model["outputs"])
+
+
+def test_what_if_has_the_device_as_a_file_to_change():
+    """It reads back as the device, and the size of every line of a source is marked."""
+    model = find(section(example(), "what-if"), Sliders)[0].model
+    text, device = model["device"], make_device()
+    read = read_device(parse(text.replace(SIZE_MARK, "").encode(), "x", base_name="x"))
+    marked = re.findall(rf"^ {{4}}(\w+): .*{SIZE_MARK}", text, flags=re.MULTILINE)
+
+    for kind in ("gyro", "accelerometer"):
+        before, after = getattr(device, kind).lines, getattr(read, kind).lines
+        assert [line.name for line in after] == [line.name for line in before]
+        for one, other in zip(before, after, strict=True):
+            assert_allclose(other.u, one.u, rtol=1e-12)
+    assert len(marked) == len({source["name"] for source in model["sources"]})
 
 
 @pytest.mark.parametrize(("factor", "place"), [(0.5, 5), (1.0, 6), (2.0, 7)])
