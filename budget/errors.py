@@ -43,6 +43,14 @@ class CallError(BudgetError):
     """The call itself is wrong: options or names that do not fit together."""
 
 
+class NotThereError(CallError, KeyError):
+    """A result has nothing of that name."""
+
+    def __str__(self) -> str:
+        """Return the message, which KeyError would quote."""
+        return str(self.args[0])
+
+
 class ProblemError(BudgetError):
     """A Problem contradicts itself: shapes, names or distributions do not fit."""
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from budget.errors import NotThereError
 from budget.language import note
 from budget.names import Name
 from budget.ties import first_largest, from_largest, settle
@@ -39,6 +40,24 @@ COLUMNS = (  # of the flat records
 )
 BY_LAW = "law"  # an interval mean +- k u
 BY_TRIALS = "monte-carlo"  # an interval of trials
+
+
+class Tabled:
+    """A result of a study that a notebook shows as a table."""
+
+    def __repr__(self) -> str:
+        """Name it, for whom the whole of it would be pages long."""
+        return f"<{type(self).__name__}; to_frame() and to_dict() have its numbers>"
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the rows of its CSV document as a pandas frame, in printed units."""
+        table: pd.DataFrame = import_module(SHOWN_BY).study_frame(self)
+        return table
+
+    def _repr_html_(self) -> str:
+        """Return that table, as notebooks show it."""
+        html: str = self.to_frame().to_html(na_rep="")
+        return html
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -515,11 +534,22 @@ class Budget:
         return np.asarray(self.covariance / np.outer(safe, safe))
 
     def output(self, name: str) -> OutputBudget:
-        """Return the budget of one output by its dotted name; KeyError if unknown."""
+        """Return the budget of one output by its dotted name.
+
+        Raises
+        ------
+        CallError
+            There is none; it is a KeyError as well.
+        """
         for row in self.outputs:
             if row.output.name == name:
                 return row
-        raise KeyError(name)
+        there = ", ".join(row.output.name for row in self.outputs)
+        raise NotThereError(f"found {name!r}, this budget has: {there}")
+
+    def __repr__(self) -> str:
+        """Name it; `to_frame`, `to_markdown` and a notebook show its numbers."""
+        return f"<budget of {self.title}, {len(self.outputs)} outputs>"
 
     def rows(self) -> Iterator[dict[str, Any]]:
         """Yield one flat record for each output and source, and one `total` each.

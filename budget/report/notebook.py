@@ -8,14 +8,18 @@ from dataclasses import dataclass
 from datetime import datetime
 from html import escape
 from importlib.util import find_spec
-from io import BytesIO
+from io import BytesIO, StringIO
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from budget.errors import CallError
+from budget.model.sources import SENSORS
 from budget.names import Name
+from budget.report.allocation.document import allocation_csv
 from budget.report.analysis.build import report_document
 from budget.report.analysis.verdict import headline
+from budget.report.comparison.document import to_csv as comparison_csv
+from budget.report.export import export_csv
 from budget.report.figures.density import density_step
 from budget.report.figures.outputs import (
     overview_chart,
@@ -24,22 +28,29 @@ from budget.report.figures.outputs import (
 )
 from budget.report.figures.rows import draw
 from budget.report.figures.sources import coupling_chart, share_chart, sobol_chart
+from budget.report.figures.timeline import schedule_chart
 from budget.report.files import check_targets, write_all
 from budget.report.rendering import check_suffixes, document_date, render_pages
+from budget.report.stations import station_csv
 from budget.report.tables import AT_LEAST, Number, group_tables, print_coverage
 from budget.results import COLUMNS, worst_of
+from budget.studies.allocation.records import Allocation
+from budget.studies.comparison.records import Comparison
 from budget.studies.coupling import coupling_by_law
 from budget.studies.densities import critical_densities
 from budget.studies.evidence import gather_evidence
+from budget.studies.export.study import Export
 from budget.studies.request import analysis_of
+from budget.studies.stations import Qualification
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
+    import pandas as pd
     from matplotlib.figure import Figure
 
     from budget.report.figures.rows import Chart
-    from budget.results import Budget
+    from budget.results import Budget, Tabled
 
 T = TypeVar("T")
 COMMAND = "budget.report (Python)"  # in the place of a command line
@@ -54,6 +65,8 @@ def write_report(
 ) -> tuple[Path, ...]:
     """Write the report on a budget, as `budget report` does; return the files."""
     analysis = analysis_of(budget)
+    if not files:
+        raise CallError("no file to write to; give one or more, as 'report.html'")
     paths = tuple(map(Path, files))
     check_suffixes(paths, paper)
     check_targets(paths)
@@ -153,6 +166,20 @@ def budget_latex(budget: Budget) -> str:
     )
 
 
+def study_frame(found: Tabled) -> pd.DataFrame:
+    """Return the CSV document of a study as a pandas frame; empty cells are missing."""
+    import pandas as pd
+
+    write: dict[type, Callable[[Any], str]] = {
+        Comparison: comparison_csv,
+        Allocation: allocation_csv,
+        Qualification: station_csv,
+        Export: export_csv,
+    }
+    text = StringIO(write[type(found)](found))
+    return pd.read_csv(text, keep_default_na=False, na_values=[""])
+
+
 XLSX = ".xlsx"
 WIDEST = 60  # characters of a column
 
@@ -202,9 +229,8 @@ def write_xlsx(budget: Budget, file: str | Path) -> Path:
 
 def _shown_as(text: str) -> str:
     """Return the format of a spreadsheet that shows a number with these digits."""
-    digits = re.sub(r"[^0-9.]", "", text.partition("e")[0])
-    places = len(digits.partition(".")[2])
-    shape = f"0.{'0' * places}" if places else "0"
+    decimals = re.search(r"\.\d+", text)
+    shape = f"0{re.sub('[0-9]', '0', decimals[0])}" if decimals else "0"
     return f"{shape}E+00" if "e" in text else shape
 
 
@@ -271,6 +297,13 @@ class Plots:
             analysis.problem, analysis.law, analysis.procedure.formulas
         )
         return _drawn(coupling_chart(table, sensor), f"no source reaches the {sensor}")
+
+    def schedule(self) -> Figure:
+        """Show turns and dwells of the test, to scale."""
+        there = list(dict.fromkeys(row.sensor for row in self.budget.outputs))
+        sensors = [kind for kind in SENSORS if kind in there]
+        chart = schedule_chart(analysis_of(self.budget).procedure, sensors)
+        return _drawn(chart, "the test has no windows")
 
     def validation(self, sensor: str = "") -> Figure:
         """Show the law against Monte Carlo, of a sensor, the first without."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.calibration.simulation import simulate
+from budget.errors import CallError
 from budget.language import note
 from budget.methods.intervals import interval_of_values
 from budget.methods.monte_carlo import (
@@ -187,8 +188,8 @@ def analyze(
         interval=interval,
         reference=basis.reference,
         sobol_samples=samples,
-        only=tuple(map(Name, [only] if isinstance(only, str) else only)),
-        outputs=tuple(map(Name, [outputs] if isinstance(outputs, str) else outputs)),
+        only=_names("only", only),
+        outputs=_names("outputs", outputs),
         matrices=matrices,
         missing=missing,
     )
@@ -201,6 +202,20 @@ def analyze(
         engine=Engine(workers=workers, executor=executor, progress=progress, talk=talk),
         command=command,
     )
+
+
+def _names(option: str, given: Sequence[str]) -> tuple[Name, ...]:
+    """Return what an option names, one alone too.
+
+    Raises
+    ------
+    CallError
+        It has something else than texts.
+    """
+    names = [given] if isinstance(given, str) else list(given)
+    if wrong := [one for one in names if not isinstance(one, str)]:
+        raise CallError(f"{option} has {wrong[0]!r}, expected names: 'gyro.bias'")
+    return tuple(map(Name, names))
 
 
 def analyze_as(

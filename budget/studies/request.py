@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from functools import cached_property
+from numbers import Integral, Real
 from typing import TYPE_CHECKING, Self
 
 from budget.calibration.derived import (
@@ -573,14 +574,18 @@ def check_words(*, method: str, interval: str, reference: str) -> None:
         raise CallError("; ".join(faults))
 
 
+ALWAYS = {"seed", "workers", "digits"}  # what is asked for of every study
+
+
 def check_numbers(coverage: float, counts: dict[str, tuple[int | None, int]]) -> None:
     """Refuse numbers that mean nothing, all at once; counts are {name: (n, least)}."""
     faults = [
-        f"{name} is {number}, allowed: {least} or more"
+        f"{name} is {number!r}, allowed: whole numbers, {least} or more"
         for name, (number, least) in counts.items()
-        if number is not None and number < least
+        if (number is not None or name in ALWAYS)
+        and not (isinstance(number, Integral) and number >= least)
     ]
-    if not is_coverage(coverage):
+    if not isinstance(coverage, Real) or not is_coverage(coverage):
         faults.append(f"coverage is {coverage!r}, allowed: {COVERAGES}")
     if faults:
         raise CallError("; ".join(faults))

@@ -46,7 +46,7 @@ from budget.model.sources import (
     source_of,
 )
 from budget.names import Name, by_group
-from budget.results import SCHEMA, InputFile, input_files, inputs_document
+from budget.results import SCHEMA, InputFile, Tabled, input_files, inputs_document
 from budget.spec import (
     load_devices,
     load_procedure,
@@ -233,8 +233,8 @@ class StationVerdict:
         }
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Qualification:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Qualification(Tabled):
     """Everything that `budget station` says."""
 
     title: str

@@ -431,3 +431,56 @@ def test_a_workbook_says_what_it_needs(judged, tmp_path, monkeypatch):
     with pytest.raises(budget.CallError, match=r"pip install 'sins-budget\[xlsx\]'"):
         judged.to_xlsx(tmp_path / "b.xlsx")
     assert list(tmp_path.iterdir()) == []
+
+
+STUDIES = {
+    "compare": lambda: budget.compare("zhao-2019", "catalogue-edge", method="gum"),
+    "allocate": lambda: budget.allocate("zhao-2019", requirement="navigation-grade"),
+    "qualify": lambda: budget.qualify("zhao-2019", requirement="navigation-grade"),
+    "export": lambda: budget.export("stim300#5g", to="kalibr", rate=200.0),
+}
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_every_study_is_a_table_in_a_notebook(name):
+    """As many rows as its CSV document has, and one short line elsewhere."""
+    found = STUDIES[name]()
+    table = found.to_frame()
+    assert len(table) > 0
+    assert found._repr_html_().count("<tr") == len(table) + 1
+    assert len(repr(found)) < 80
+
+
+def test_an_export_is_the_file_of_the_target():
+    """What `budget export` writes."""
+    text = STUDIES["export"]().to_text()
+    assert "gyroscope_noise_density: " in text
+    assert "$" not in text
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: budget.analyze("zhao-2019", coverage="95 %"), "coverage is '95 %'"),
+        (lambda: budget.analyze("zhao-2019", trials=1.5), "trials is 1.5, allowed"),
+        (lambda: budget.analyze("zhao-2019", trials="9"), "trials is '9', allowed"),
+        (lambda: budget.analyze("zhao-2019", seed=None), "seed is None, allowed"),
+        (lambda: budget.analyze("zhao-2019", only=[3]), "only has 3, expected names"),
+        (lambda: budget.export("stim300#5g", to="kalibr", rate="1"), "rate is '1'"),
+        (
+            lambda: budget.analyze("zhao-2019", validate=False).output("x"),
+            "gyro.bias.x",
+        ),
+    ],
+)
+def test_a_wrong_argument_is_an_error_in_words(call, words):
+    """Never one of Python's own, and never a seed that is another each time."""
+    with pytest.raises(budget.CallError, match=re.escape(words)):
+        call()
+
+
+def test_a_report_goes_somewhere(judged):
+    """A report without a file is a bad call, and the schedule is one of its figures."""
+    with pytest.raises(budget.CallError, match="no file to write to"):
+        budget.report(judged)
+    assert judged.plot.schedule().get_label()

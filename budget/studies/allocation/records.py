@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from budget.names import Name
-from budget.results import SCHEMA, inputs_document
+from budget.results import SCHEMA, Tabled, inputs_document
 from budget.ties import settle
 
 if TYPE_CHECKING:
@@ -292,8 +292,8 @@ class Recalibration:
         return {**asdict(self), "is_soon": self.is_soon}
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Allocation:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Allocation(Tabled):
     """Everything that `budget allocate` says."""
 
     title: str

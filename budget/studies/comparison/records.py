@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from budget.results import SCHEMA
+from budget.results import SCHEMA, Tabled
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -260,8 +260,8 @@ class Pair:
         }
 
 
-@dataclass(frozen=True, kw_only=True)
-class Comparison:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Comparison(Tabled):
     """All devices, best first within each sensor and procedure."""
 
     requirement: str

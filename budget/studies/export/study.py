@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from importlib import import_module
 from math import isfinite, ulp
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +13,7 @@ import numpy as np
 from budget.errors import CallError
 from budget.model.sources import ACCELEROMETER, GYRO, SENSORS
 from budget.names import Name
-from budget.results import SCHEMA, InputFile, input_files, inputs_document
+from budget.results import SCHEMA, InputFile, Tabled, input_files, inputs_document
 from budget.spec import load_devices, load_procedure
 from budget.studies.analysis import analyze
 from budget.studies.export.figures import Figure, Known, Missing, print_number
@@ -79,8 +81,8 @@ class Exported:
             }
 
 
-@dataclass(frozen=True, kw_only=True)
-class Export:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Export(Tabled):
     """Everything that goes into the file of a target.
 
     Attributes
@@ -107,6 +109,11 @@ class Export:
     inflate: float  # [1]
     procedure: str  # whose residual it is; '' of the raw figures
     gravity: float
+
+    def to_text(self) -> str:
+        """Return the file that the target reads."""
+        text: str = import_module("budget.report.export").write_export(self)
+        return text
 
     def rows(self) -> Iterator[dict[str, Any]]:
         """Yield a record for each key and axis."""
@@ -266,6 +273,9 @@ def _all(assumptions: Sequence[str], left: Budget) -> tuple[str, ...]:
 
 def _check(target: Target, *, inflate: float, rate: float | None) -> None:
     """Refuse a factor or a rate that means nothing."""
+    for name, number in (("inflate", inflate), ("rate", rate)):
+        if number is not None and not isinstance(number, Real):
+            raise CallError(f"{name} is {number!r}, expected a number")
     if not LEAST_INFLATION <= inflate <= MOST_INFLATION:
         raise CallError(
             f"inflate is {inflate!r}, allowed: {LEAST_INFLATION:g} to "
