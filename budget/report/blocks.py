@@ -210,6 +210,8 @@ class Picture:
     # The numbers behind it; None where a table beside it has them.
     data: Table | None = None
     is_wide: bool = False  # whether it needs the width of the page
+    # Whether paper has that table too: not where the figure or a table prints them.
+    data_on_paper: bool = True
 
 
 @dataclass(frozen=True)

@@ -160,7 +160,7 @@ def plain_document(document: Document, pictures: Sequence[Picture]) -> dict[str,
                 "table": plain_table(picture.data),
             }
             for place, picture in enumerate(pictures)
-            if picture.data is not None
+            if picture.data is not None and picture.data_on_paper
         ],
     }
 
@@ -215,7 +215,7 @@ def _plain_picture(picture: Picture, place: int) -> dict[str, Any]:
         "alt": picture.alt,
         "caption": cut_words((picture.caption,)),
         "width": float(size[1]) if size else None,  # [pt]
-        "numbers": picture.data is not None,
+        "numbers": picture.data is not None and picture.data_on_paper,
     }
 
 

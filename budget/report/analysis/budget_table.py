@@ -41,7 +41,6 @@ class Line:
     axes: str  # that it is of
     head: str
     given: str = ""
-    note: str = ""  # on what is given
     distribution: str = ""
     divisor: str = ""
     u_input: Number | None = None
@@ -70,7 +69,7 @@ def budget_table(group: GroupTable) -> Table:
         ),
         Field(
             head="specification",
-            cell=lambda line: Cell(text=line.given, note=line.note),
+            cell=lambda line: line.given,
             optional=True,
             weight=1.4,
         ),
@@ -116,9 +115,15 @@ def budget_table(group: GroupTable) -> Table:
         name=f"budget-{group.sensor}-{group.parameter}".replace("_", "-"),
         caption=f"Budget of the {group.title}",
         by=lambda line: line.axes,
-        titled=True,
+        titled=len(group.alike) > 1,
         is_wide=True,
     )
+
+
+def budget_title(group: GroupTable) -> str:
+    """Name a group with its unit, and with its axes where all agree."""
+    axes = f" {_axes(group, range(len(group.rows)))}" if len(group.alike) == 1 else ""
+    return f"{capital(group.title)}{axes} [{group.unit}]"
 
 
 def budget_remarks(group: GroupTable, *, checked: bool = True) -> Iterator[Paragraph]:
@@ -160,8 +165,7 @@ def _source_line(source: SourceRow, place: int, axes: str) -> Line:
     return Line(
         axes=axes,
         head=source.title,
-        given=own.printed,
-        note=_meaning(own),
+        given=_given(own),
         distribution=own.distribution,
         divisor="" if own.divisor is None else print_divisor(own.divisor),
         u_input=part.u_input,
@@ -174,12 +178,12 @@ def _source_line(source: SourceRow, place: int, axes: str) -> Line:
     )
 
 
-def _meaning(own: InputQuantity) -> str:
-    """Say what the printed value means, and whose it is where it is another's."""
-    said = [own.meaning, own.origin]
+def _given(own: InputQuantity) -> str:
+    """Say what is printed, what it means, and whose it is where it is another's."""
+    said = [own.printed, own.meaning, own.origin]
     if own.readings:
         said.append(f"largest of {own.readings} readings")
-    return "; ".join(filter(None, said))
+    return ", ".join(filter(None, said))
 
 
 def _total_lines(

@@ -35,6 +35,7 @@ from budget.report.blocks import (
     Section,
 )
 from budget.report.document import to_json
+from budget.report.figures.contributions import correlation_chart
 from budget.report.figures.density import density_picture
 from budget.report.figures.outputs import (
     overview_chart,
@@ -49,7 +50,7 @@ from budget.report.inputs import (
     procedure_section,
 )
 from budget.report.provenance import provenance_section, sign_off_section
-from budget.report.tables import group_tables
+from budget.report.tables import group_tables, print_count
 from budget.report.wording import capital, not_given_lines, points
 from budget.studies.request import sensors_of
 from budget.studies.what_if import one_at_a_time
@@ -132,7 +133,8 @@ def report_document(
         what_if_section(budget, evidence.what_if, rows, devices=devices, again=again),
         inputs_section(devices, procedure),
         procedure_section(procedure, sensors),
-        budget_section(groups),
+        budget_section(groups, assessment),
+        _correlation(budget),
         *matrices_sections(budget),
         station_section(budget, groups, procedure, assessment, evidence.unfelt),
         _coupling(evidence, owners),
@@ -297,6 +299,23 @@ def _in_words(assumption: str) -> str:
     return f"{key_title(key)}{colon}{note}" if is_key else assumption
 
 
+def _correlation(budget: Budget) -> Section:
+    """Return which outputs go together."""
+    chart = correlation_chart(budget)
+    text = (
+        "Sources that reach several outputs make them go together; the covariance of "
+        "all is in the JSON document. "
+    )
+    if chart is None:
+        text += "No two outputs have a correlation of 1 % or more."
+    pictures = () if chart is None else (chart_picture(chart),)
+    return Section(
+        name="correlation",
+        title="Correlation of outputs",
+        blocks=(Paragraph(words=(text.rstrip(),)), *pictures),
+    )
+
+
 def _coupling(evidence: Evidence, sensors: Sequence[str]) -> Section | None:
     """Return which source reaches which parameters."""
     text = (
@@ -349,8 +368,14 @@ def _distributions(budget: Budget, evidence: Evidence) -> Section | None:
     """Return how the errors of the critical outputs are distributed."""
     text = (
         "Of each group of parameters the output that uses most of its limit or, where "
-        "nothing is required, has the largest spread."
+        "nothing is required, has the largest spread. "
     )
+    if evidence.densities:
+        trials = print_count(max(one.trials for one in evidence.densities))
+        text += (
+            f"Area: {trials} trials, those beyond a limit in full colour; line: the "
+            "normal law."
+        )
     coverage = budget.settings.coverage
     return _by_sensor(
         "distributions",

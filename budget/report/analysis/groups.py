@@ -11,6 +11,7 @@ from budget.report.analysis.budget_table import (
     READ,
     budget_remarks,
     budget_table,
+    budget_title,
 )
 from budget.report.analysis.verdict import (
     headline,
@@ -29,6 +30,12 @@ from budget.report.blocks import (
     Section,
     table_of,
 )
+from budget.report.figures.contributions import (
+    Critical,
+    tornado_chart,
+    waterfall_chart,
+)
+from budget.report.figures.rows import chart_picture
 from budget.report.figures.sources import sobol_chart
 from budget.report.readings import effect_line, verdict_line
 from budget.report.tables import (
@@ -252,7 +259,7 @@ def _group_section(group: GroupTable, *, checked: bool) -> Section:
     """Return the budget of one group; how it was checked, where that differs."""
     return Section(
         name=f"group-{group.sensor}-{group.parameter}",
-        title=f"{capital(group.title)} [{group.unit}]",
+        title=budget_title(group),
         blocks=(budget_table(group), *budget_remarks(group, checked=checked)),
     )
 
@@ -268,7 +275,9 @@ def _indices(budget: Budget, sensors: Iterable[str]) -> Iterator[Section]:
         yield Section(name="indices", title="Sobol' indices", blocks=tuple(blocks))
 
 
-def budget_section(groups: Sequence[GroupTable]) -> Section:
+def budget_section(
+    groups: Sequence[GroupTable], assessment: Assessment | None = None
+) -> Section:
     """Return the budgets of all groups with the figures of their contributions."""
     checks = {group.validation for group in groups}
     differ = len(checks) > 1
@@ -281,10 +290,11 @@ def budget_section(groups: Sequence[GroupTable]) -> Section:
             Paragraph(words=(said,)),
             *(
                 Panel(
-                    title=f"{capital(group.title)} [{group.unit}]",
+                    title=budget_title(group),
                     blocks=(
-                        budget_table(group),
                         *budget_remarks(group, checked=differ),
+                        budget_table(group),
+                        *_pictures(group, assessment),
                     ),
                 )
                 for group in groups
@@ -300,6 +310,14 @@ class Line:
     title: str  # of the lines that it stands among
     head: str
     cells: Sequence[Cell | str]
+
+
+def _pictures(group: GroupTable, assessment: Assessment | None) -> Iterator[Abreast]:
+    """Yield tornado and waterfall of the critical output of a group."""
+    critical = Critical.of(group, assessment)
+    charts = [tornado_chart(critical), waterfall_chart(critical)]
+    if drawn := tuple(chart_picture(chart) for chart in charts if chart is not None):
+        yield Abreast(blocks=drawn)
 
 
 def matrices_sections(budget: Budget) -> Iterator[Section]:

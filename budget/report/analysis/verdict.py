@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from budget.names import IMU, by_group, key_title
+from budget.names import IMU, by_group, key_title, words
 from budget.report.blocks import (
+    Abreast,
     Card,
     Cell,
     Field,
+    Panel,
     Paragraph,
     Run,
     Section,
@@ -135,7 +137,17 @@ def limits_section(budget: Budget, assessment: Assessment) -> Section:
         f"largest absolute end of the {coverage} % interval of each output is held "
         f"against it. {_jointly(assessment)}".rstrip()
     )
-    blocks: tuple[Block, ...] = (Paragraph(words=(text,)), _limits_table(assessment))
+    sensors = dict.fromkeys(row.output.name.owner for row in assessment.outputs)
+    tables = {sensor: _limits_table(assessment, sensor) for sensor in sensors}
+    blocks: tuple[Block, ...] = (Paragraph(words=(text,)),)
+    if len(tables) > 1:
+        panels = (
+            Panel(title=capital(key_title(sensor)), blocks=(table,))
+            for sensor, table in tables.items()
+        )
+        blocks += (Abreast(blocks=tuple(panels)),)
+    else:
+        blocks += tuple(tables.values())
     if assessment.caps:
         blocks += (_caps_table(assessment),)
     return Section(name="limits", title="Limits", blocks=blocks)
@@ -155,8 +167,8 @@ def _outcome(assessment: Assessment, row: OutputAssessment) -> str:
     return f"{word}, by Monte Carlo" if row.by_monte_carlo else word
 
 
-def _limits_table(assessment: Assessment) -> Table:
-    """Return every required output against its limit; in bold what exceeds it."""
+def _limits_table(assessment: Assessment, sensor: str) -> Table:
+    """Return the required outputs of a sensor against limits; bold what exceeds."""
 
     def text(pick: Callable[[OutputAssessment], str]) -> Callable[..., Cell]:
         return lambda row: Cell(text=pick(row), strong=not row.is_within)
@@ -171,7 +183,7 @@ def _limits_table(assessment: Assessment) -> Table:
         )
 
     return table_of(
-        assessment.outputs,
+        [row for row in assessment.outputs if row.output.name.owner == sensor],
         (
             Field(head="axis", cell=text(lambda row: row.output.name.axis)),
             Field(
@@ -179,14 +191,15 @@ def _limits_table(assessment: Assessment) -> Table:
                 kind="number",
                 cell=lambda row: cell(largest_error(row), strong=not row.is_within),
             ),
-            Field(head="", kind="unit", cell=text(lambda row: row.output.unit)),
-            Field(head="limit", cell=text(lambda row: row.printed_limit)),
             Field(head="of the limit [%]", kind="number", cell=used),
             Field(head="verdict", cell=text(lambda row: _outcome(assessment, row))),
         ),
-        name="limits-table",
-        caption=f"Largest errors against the limits of {assessment.requirement}",
-        by=lambda row: key_title(row.output.name.group),
+        name=f"limits-{sensor}",
+        caption=f"Largest {sensor} errors against limits of {assessment.requirement}",
+        by=lambda row: (
+            f"{capital(words(row.output.name.quantity))} [{row.output.unit}], limit "
+            f"{row.printed_limit}"
+        ),
         titled=True,
         searchable=True,
     )

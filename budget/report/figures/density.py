@@ -61,6 +61,7 @@ def density_picture(density: Density, *, coverage: float) -> Picture:
         alt=density_alt(density, coverage=coverage),
         caption=_caption(density),
         data=_data(density, coverage=coverage),
+        data_on_paper=False,
     )
 
 
@@ -219,20 +220,15 @@ def _view(density: Density) -> tuple[float, float]:
 
 
 def _caption(density: Density) -> str:
-    """Say what is what, and where the limits are if they are not drawn."""
-    trials = f"Area: {print_count(density.trials)} trials"
-    law = "Line: the normal law."
-    if density.limit is None or part_beyond(density) == 0.0:
-        text = f"{trials}. {law}"
-    else:
-        text = f"{trials}, those beyond the limits in full colour. {law}"
+    """Say where the limits are if they are not drawn, and what is not given."""
+    text = ""
     if density.limit is not None and not _limits(density):
         both = f"\N{PLUS-MINUS SIGN}{_limit(density)} {density.output.unit}"
         text += f" The limits, {both}, are beyond the figure."
     if density.lacks:
         titles = ", ".join(map(source_title, density.lacks))
         text += f" Not given, so that it is this wide or wider: {titles}."
-    return text
+    return text.lstrip()
 
 
 def _marked(density: Density, value: float, sign: str) -> Number:

@@ -64,6 +64,7 @@ def overview_chart(groups: Sequence[GroupTable]) -> Chart | None:
         lead=f"U{coverage}. ",
         caption="Each group of parameters has an axis of its own, from zero.",
         foot=f"U{coverage}, half the width of the {coverage} % interval",
+        data_on_paper=False,
         data=table_of(
             [(group, row) for group in groups for row in group.rows],
             (
@@ -172,6 +173,7 @@ def utilisation_chart(assessment: Assessment) -> Chart:
         ),
         lead="Largest errors in per cent of the limit. ",
         foot="largest error [% of the limit]; filled: beyond it",
+        data_on_paper=False,
         data=table_of(
             [
                 row
@@ -339,6 +341,7 @@ def validity_chart(budget: Budget, sensor: str) -> Chart | None:
             f"Monte Carlo: {trials} trials. Triangles point to the end that they are "
             "of; in the band the law holds."
         ),
+        data_on_paper=False,
         data=table_of(
             checks,
             CHECKED,

@@ -183,6 +183,7 @@ class Chart:
     legend: tuple[tuple[str, str, str], ...] = ()
     # The numbers behind the figure; None where a table beside it has them.
     data: Table | None = None
+    data_on_paper: bool = True  # as in `Picture`
     width: float = WIDTH  # that of a column or of the page [pt]
 
     @property
@@ -227,6 +228,7 @@ def chart_picture(chart: Chart) -> Picture:
         caption=chart.caption,
         data=chart.data,
         is_wide=chart.width > WIDTH,
+        data_on_paper=chart.data_on_paper,
     )
 
 

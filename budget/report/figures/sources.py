@@ -257,6 +257,7 @@ def coupling_chart(table: CouplingTable, sensor: str) -> Chart | None:
             for x, group in enumerate(groups)
         ),
         pitch=18.0,
+        data_on_paper=False,
         data=table_of(
             sources,
             (

@@ -267,6 +267,7 @@ def as_picture(
     caption: str = "",
     data: Table | None = None,
     is_wide: bool = False,
+    data_on_paper: bool = True,
 ) -> Picture:
     """Write a figure into a block; `name` may be a dotted name with underscores."""
     name = kebab(name)
@@ -279,6 +280,7 @@ def as_picture(
         caption=caption,
         data=data,
         is_wide=is_wide,
+        data_on_paper=data_on_paper,
     )
 
 

@@ -110,6 +110,7 @@ def schedule_chart(procedure: Procedure, sensors: Sequence[str]) -> Chart | None
         ),
         pitch=20.0,
         data=_data(tracks),
+        data_on_paper=bool(procedure.windows),
         width=WIDE,
     )
 

@@ -8,7 +8,7 @@ from math import sqrt
 import pytest
 from numpy.testing import assert_allclose
 
-from budget.report.analysis.budget_table import budget_table
+from budget.report.analysis.budget_table import budget_table, budget_title
 from budget.report.analysis.groups import budget_section
 from budget.report.tables import AT_LEAST, group_tables, print_divisor
 from budget.resources import shipped
@@ -52,12 +52,14 @@ def test_columns_are_those_of_a_budget():
 
 
 def test_axes_that_agree_stand_once():
-    """The three biases of the paper's gyro are one group of rows, named by its axes."""
+    """The three biases of the paper's gyro are one group of rows, titled by axes."""
     (group,) = table(budget(), "gyro bias").groups
 
-    assert group.title == "x, y, z"
+    assert not group.title
+    title = next(g for g in group_tables(budget()) if g.title == "gyro bias")
+    assert budget_title(title) == "Gyro bias x, y, z [deg/h]"
     assert texts(group)["bias repeatability"][1:8] == [
-        *("0.05 deg/h", "normal", "1", "0.05", "deg/h", "1", "0.050")
+        *("0.05 deg/h, 1 sigma", "normal", "1", "0.05", "deg/h", "1", "0.050")
     ]
 
 

@@ -26,7 +26,15 @@ from budget.distributions import TRIANGULAR
 from budget.names import key_title
 from budget.report.analysis.build import Extra, report_document
 from budget.report.analysis.what_if import SIZE_MARK
-from budget.report.blocks import Cell, Equation, Paragraph, Picture, Section, Sliders
+from budget.report.blocks import (
+    Cell,
+    Equation,
+    Paragraph,
+    Picture,
+    Section,
+    Sliders,
+    Table,
+)
 from budget.report.inputs import print_by_axis
 from budget.report.tables import group_tables
 from budget.resources import shipped
@@ -107,6 +115,7 @@ def test_every_section_of_a_full_report_is_there():
             "inputs",
             "procedure",
             "budget",
+            "correlation",
         ),
         *("coupling", "validity", "distributions", "method", "provenance"),
         "sign-off",
@@ -256,9 +265,10 @@ def test_every_source_of_every_output_stands_in_the_tables():
     for group, panel in zip(group_tables(budget), part.blocks[1:], strict=True):
         by_axis = {
             axis: {row[0].text: [cell.text for cell in row] for row in own.rows}
-            for own in panel.blocks[0].groups
-            for axis in own.title.split(", ")
+            for own in find(panel, Table)[0].groups
+            for axis in (own.title or panel.title.split(" [")[0]).split(", ")
         }
+        by_axis = {axis.split()[-1]: own for axis, own in by_axis.items()}
         assert [*by_axis] == [row.axis for row in group.rows]
         for source in group.sources:
             for row, cell in zip(group.rows, source.cells, strict=True):
@@ -448,7 +458,8 @@ def test_every_figure_has_a_finding_words_and_data():
     for picture in pictures:
         assert picture.title
         assert any(c.isdigit() for c in picture.alt)
-        assert picture.data is not None or picture.name.startswith("shares")
+        in_table = picture.name.startswith(("tornado", "steps"))
+        assert picture.data is not None or in_table
 
 
 def test_embedded_document_is_the_budget_and_its_extras():
@@ -587,14 +598,16 @@ def test_caps_stand_with_the_limits():
 
 
 def test_limits_stand_by_group():
-    """Rows that are sorted have one unit: a group of rows for each parameter."""
-    (table,) = section(failing(), "limits").blocks[1:]
+    """Rows of one unit and limit stand together, the sensors side by side."""
+    (abreast,) = section(failing(), "limits").blocks[1:]
 
-    assert [group.title for group in table.groups] == [
-        *("gyro scale factor", "gyro mounting angle", "gyro bias"),
-        *("accelerometer scale factor", "accelerometer mounting angle"),
-        "accelerometer bias",
-    ]
+    assert [panel.title for panel in abreast.blocks] == ["Gyro", "Accelerometer"]
+    for panel, bias in zip(abreast.blocks, ("deg/h", "ug"), strict=True):
+        titles = [group.title for group in panel.blocks[0].groups]
+        assert [title.partition(", limit ")[0] for title in titles] == [
+            *("Scale factor [ppm]", "Mounting angle [arcsec]", f"Bias [{bias}]")
+        ]
+        assert all(title.partition(", limit ")[2] for title in titles)
 
 
 def test_assumptions_are_written_in_words():

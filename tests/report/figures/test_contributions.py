@@ -1,0 +1,167 @@
+"""Tornado, waterfall and correlation: numbers, empty states, labels that stand free."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from math import sqrt
+
+import numpy as np
+import pytest
+from figure_text import crossed_texts, cut_texts
+from matplotlib.figure import Figure
+from numpy.testing import assert_allclose
+from report_examples import make_assessment, make_budget, make_output
+
+from budget.report.figures.contributions import (
+    Critical,
+    correlated,
+    correlation_chart,
+    tornado_chart,
+    waterfall_chart,
+)
+from budget.report.figures.outputs import overview_chart, utilisation_chart
+from budget.report.figures.rows import draw
+from budget.report.figures.sources import coupling_chart, share_chart
+from budget.report.tables import group_tables
+from budget.resources import shipped
+from budget.spec import load_device
+from budget.studies.analysis import analyze
+from budget.studies.coupling import coupling_by_law
+from budget.studies.request import analysis_of
+
+
+@cache
+def budget(name):
+    """Return the budget of a shipped device."""
+    path = shipped("specs") / "devices" / f"{name}.yaml"
+    return analyze(load_device(path), validate=False)
+
+
+def bars(chart):
+    """Return the bars of all rows by the name of their row."""
+    return {row.label: row.marks[0] for group in chart.groups for row in group.rows}
+
+
+def test_tornado_is_c_u_on_both_sides():
+    """Each bar runs from -c u(x) to +c u(x), the longest first."""
+    for group in group_tables(budget("zhao-2019")):
+        critical = Critical.of(group, None)
+        found = bars(tornado_chart(critical))
+        sizes = [bar.end for bar in found.values()]
+        for source in group.sources:
+            if source.title in found:
+                u = source.cells[critical.place].u.exact
+                assert_allclose(found[source.title].end, u, rtol=1e-12)
+                assert_allclose(found[source.title].start, -u, rtol=1e-12)
+        assert sizes == sorted(sizes, reverse=True)
+
+
+def test_waterfall_ends_at_u():
+    """Steps are roots of sums of squares times k; the last one ends where U does."""
+    for group in group_tables(budget("zhao-2019")):
+        critical = Critical.of(group, None)
+        steps = [*bars(waterfall_chart(critical)).values()]
+        squares = 0.0
+        for source, bar in zip(critical.sources, steps, strict=False):
+            assert_allclose(
+                bar.start, critical.row.k.exact * sqrt(squares), rtol=1e-12, atol=1e-15
+            )
+            squares += source.cells[critical.place].u.exact ** 2
+            assert_allclose(bar.end, critical.row.k.exact * sqrt(squares), rtol=1e-12)
+        assert_allclose(steps[-1].end, critical.row.expanded.exact, rtol=1e-12)
+        assert_allclose(steps[-2].end, steps[-1].end, rtol=1e-9)
+
+
+def test_the_critical_output_is_the_one_nearest_its_limit():
+    """With a requirement it is the largest utilisation, without the largest U."""
+    assessment = make_assessment(make_budget())
+    for group in group_tables(make_budget()):
+        used = {
+            one.output.name.axis: one.utilisation
+            for one in assessment.outputs
+            if one.output.name.group == f"{group.sensor}.{group.parameter}"
+        }
+        critical = Critical.of(group, assessment)
+        if used:
+            assert_allclose(critical.limit.used, max(used.values()), rtol=1e-12)
+        assert Critical.of(group, None).row == group.widest
+
+
+def test_what_does_not_vary_has_no_figure():
+    """Without spread there is neither, and outputs without correlation have no map."""
+    still = make_output(
+        "gyro", "bias", "x", unit="deg/h", scale=1.0, sources={"bias_stability": 0.0}
+    )
+    critical = Critical.of(group_tables(make_budget(outputs=(still,)))[0], None)
+
+    assert tornado_chart(critical) is None
+    assert waterfall_chart(critical) is None
+    assert correlation_chart(make_budget()) is None
+
+
+def test_the_map_has_every_correlation_from_one_per_cent():
+    """As many cells as entries of the matrix off its diagonal, with their sign."""
+    made = make_budget()
+    u = np.sqrt(np.diag(made.covariance))
+    r = np.eye(len(u))
+    r[0, 5] = r[5, 0] = -0.42
+    r[2, 7] = r[7, 2] = 0.008
+    made = replace(made, covariance=r * np.outer(u, u))
+    chart = correlation_chart(made)
+    texts = [mark.text for g in chart.groups for row in g.rows for mark in row.marks]
+
+    assert correlated(made) == [0, 5]
+    assert texts == ["-42", "-42"]
+    assert "-42 %" in chart.title
+    assert "-42 %" in chart.alt
+
+
+def charts(name):
+    """Yield the figures of one budget."""
+    of = budget(name)
+    groups = group_tables(of)
+    for group in groups:
+        critical = Critical.of(group, None)
+        yield tornado_chart(critical)
+        yield waterfall_chart(critical)
+    yield share_chart(groups[-1])
+    yield correlation_chart(of)
+    yield overview_chart(groups)
+    analysis = analysis_of(of)
+    table = coupling_by_law(analysis.problem, analysis.law, "corrected")
+    yield from (coupling_chart(table, sensor) for sensor in ("gyro", "accelerometer"))
+
+
+@pytest.mark.parametrize("name", ["zhao-2019", "bmi088"])
+def test_labels_are_whole_and_on_no_line(name):
+    """No text leaves the canvas, lies on a line or on another text."""
+    for chart in charts(name):
+        if chart is not None:
+            figure = draw(chart)
+            assert cut_texts(figure) == [], chart.name
+            assert crossed_texts(figure) == [], chart.name
+
+
+def test_limits_stand_beside_no_label():
+    """The same where limits are drawn."""
+    assessment = make_assessment(make_budget())
+    assert crossed_texts(draw(utilisation_chart(assessment))) == []
+    for group in group_tables(make_budget())[:3]:
+        critical = Critical.of(group, assessment)
+        figure = draw(waterfall_chart(critical))
+        assert cut_texts(figure) == []
+        assert crossed_texts(figure) == []
+
+
+def test_a_label_on_a_line_is_found():
+    """Control: a text on a line and one beyond the canvas are seen."""
+    figure = Figure(figsize=(2.0, 2.0))
+    axes = figure.add_axes((0.1, 0.1, 0.8, 0.8))
+    axes.set_axis_off()
+    axes.axvline(0.5)
+    axes.text(0.4, 0.5, "on the line")
+    axes.text(0.9, 0.9, "far beyond the canvas")
+
+    assert ("on the line", "line") in crossed_texts(figure)
+    assert [text for text, _ in cut_texts(figure)] == ["far beyond the canvas"]
