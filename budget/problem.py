@@ -427,7 +427,7 @@ class Problem:
         except ValueError as error:  # rows of different length
             raise ProblemError(
                 f"the function returned no array ({error}); return one row for each "
-                "output, as np.stack makes it"
+                "output, as np.stack returns it"
             ) from error
         expected = (len(self.outputs), argument.shape[1])
         if y.shape != expected:

@@ -158,9 +158,9 @@ class Validation:
 
     @property
     def word(self) -> str:
-        """'holds', 'fails', or 'unsettled' where the trials were too few to tell."""
+        """'agrees', 'fails', or 'unsettled' where the trials were too few to tell."""
         if self.holds:
-            return "holds"
+            return "agrees"
         difference = max(self.difference_low, self.difference_high)
         return "fails" if difference > self.tolerance else "unsettled"
 
@@ -923,7 +923,7 @@ def worst_of(rows: Sequence[OutputAssessment]) -> OutputAssessment:
 
 @dataclass(frozen=True, kw_only=True)
 class ReadingEffect:
-    """What another reading of one line alone makes of the standard uncertainties."""
+    """How another reading of one line alone changes the standard uncertainties."""
 
     line: Name  # whose meaning the data sheet leaves open
     reading: str

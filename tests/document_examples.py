@@ -145,7 +145,7 @@ def first_page(overview):
                     items=tuple(
                         (
                             Run(text=contribution, strong=True),
-                            " makes ",
+                            " contributes ",
                             Run(text="79 %", exact=0.7912345),
                             " of the gyro bias variance (alone u 0.050 deg/h).",
                         )

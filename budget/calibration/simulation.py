@@ -148,8 +148,8 @@ def _check_samples(kind: str, scheme: Scheme, sample_rate: float) -> None:
     samples = scheme.schedule.lengths.max() * sample_rate
     if samples > MOST_SAMPLES:
         raise CallError(
-            f"a window of the {kind} procedure holds {samples:.3g} samples "
-            f"at {sample_rate:g} Hz; the simulation makes them one by "
+            f"a window of the {kind} procedure has {samples:.3g} samples "
+            f"at {sample_rate:g} Hz; the simulation computes them one by "
             f"one, {MOST_SAMPLES:.0e} at the most. Lower the sample rate or "
             "shorten the window, or use another method, for which length is free"
         )

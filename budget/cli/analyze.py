@@ -31,8 +31,8 @@ def analyze(
     """Compute the error budget of a calibration.
 
     For every scale factor, mounting angle and bias: its expected error, standard
-    uncertainty and coverage interval, and which line of the data sheet makes it. With
-    a requirement the verdict comes first, and the exit code is 0 whatever it is.
+    uncertainty and coverage interval, and what each specification line contributes.
+    With a requirement the verdict comes first, and the exit code is 0 whatever it is.
     """
     from budget.cli.computing import computing
     from budget.cli.output import check_destinations, deliver

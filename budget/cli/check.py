@@ -116,7 +116,7 @@ def check(
         list[str] | None,
         typer.Option(
             metavar="SOURCE",
-            help="Line that an allocation holds; may be given again.",
+            help="Line that an allocation leaves as it is; may be given again.",
             show_default=False,
         ),
     ] = None,

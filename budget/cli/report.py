@@ -171,7 +171,7 @@ def _check_extras(
         text
         for asked, text in (
             (allocate, "--allocate shares out limits"),
-            (compare, "--compare holds devices against limits"),
+            (compare, "--compare sets devices against limits"),
         )
         if asked
     ]

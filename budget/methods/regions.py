@@ -136,7 +136,7 @@ class Cells:
 
 
 def ellipsoid_region(trials: ArrayLike, coverage: float = 0.95) -> Ellipsoid:
-    """Return the ellipsoid that holds a part of all trials: JCGM 102:2011, 7.7.2.
+    """Return the ellipsoid that contains a part of all trials: JCGM 102:2011, 7.7.2.
 
     Parameters
     ----------
@@ -203,7 +203,7 @@ def normal_region(
 
 
 def box_region(trials: ArrayLike, coverage: float = 0.95) -> Box:
-    """Return the box m_j +- k_q u_j that holds a part of all trials: 7.7.3.
+    """Return the box m_j +- k_q u_j that contains a part of all trials: 7.7.3.
 
     Parameters, errors as of `ellipsoid_region`; outputs may depend on each other.
 
@@ -222,7 +222,7 @@ def box_region(trials: ArrayLike, coverage: float = 0.95) -> Box:
 
 
 def smallest_region(trials: ArrayLike, coverage: float = 0.95) -> Cells:
-    """Return about the smallest region that holds a part of all trials: 7.7.4.
+    """Return about the smallest region that contains a part of all trials: 7.7.4.
 
     A mesh of equal cells is laid over all trials, and cells are taken from the fullest
     on until they hold enough. For a density of any form, with several tops too.

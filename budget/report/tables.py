@@ -586,7 +586,7 @@ def _validation(outputs: tuple[OutputBudget, ...], digits: int) -> str:
         )
     sure = say("one digit") if digits == 1 else say("{digits} digits", digits=digits)
     return say(
-        "against Monte Carlo with {trials} trials: holds for every "
+        "against Monte Carlo with {trials} trials: agrees for every "
         "axis, to {sure} of u",
         trials=trials,
         sure=sure,

@@ -34,7 +34,7 @@ METHODS = {
 }
 INTERVALS = {
     "symmetric": term("as much probability left out below as above"),
-    "shortest": term("the shortest that holds the coverage"),
+    "shortest": term("the shortest of that coverage"),
 }
 BY_LAW = term("mean \N{PLUS-MINUS SIGN} U, by the normal law")
 ERROR_REFERENCES = {

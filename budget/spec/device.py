@@ -107,7 +107,7 @@ class SensorPart(Strict):
             raise faults({("errors", "flicker"): message})
         found = {
             ("errors", ageing): (
-                f"stands beside {repeated}, which holds over {over.printed} and so "
+                f"stands beside {repeated}, which is given over {over.printed} and so "
                 "contains what that time does: it would count twice; expected one of "
                 f"them. Remove one, or, where {repeated} is that of turn-ons alone, "
                 f"write {{value: ..., adds_to: {repeated}}}"

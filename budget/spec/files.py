@@ -104,7 +104,7 @@ def _written(mapping: Mapping[str, object]) -> bytes:
         return text.encode()
     except (TypeError, ValueError, RecursionError) as error:
         raise CallError(
-            f"{MAPPING}: {error}; a file holds texts, numbers, true or false, lists "
+            f"{MAPPING}: {error}; a file has texts, numbers, true or false, lists "
             "and dicts of them"
         ) from None
 
@@ -141,7 +141,7 @@ def open_file(file: NamedFile, kind: str | None = None) -> Document:
     if sign is None and kind is not None:  # its model says what is missing
         return replace(document, kind=kind)
     if sign is not None:
-        message = f"this key makes it a {sign.kind} file, expected a {kind} file"
+        message = f"this key is of a {sign.kind} file, expected a {kind} file"
         issue = document.issue(sign.node, message, on_key=True)
     else:
         message = (

@@ -42,7 +42,7 @@ READINGS = (
             )
         },
         says="what is new at a turn-on; of several values the one of the shortest "
-        "horizon that holds a turn-on; say in `includes` what else it holds",
+        "horizon with a turn-on in it; say in `includes` what else is in it",
     ),
     Reading(
         anchor="bias-stability",

@@ -322,7 +322,7 @@ class ProcedureFile(Strict):
         for path, (what, length) in windows.items():
             if length * self.sample_rate.value < 1.0 - _ROUNDING:
                 messages[path] = (
-                    f"{what} of {length:.6g} s holds no sample at "
+                    f"{what} of {length:.6g} s has no sample at "
                     f"{self.sample_rate.printed}, expected one at least"
                 )
         if messages:

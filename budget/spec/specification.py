@@ -136,7 +136,7 @@ class SpecificationValue(Strict):
         default=None, description="what the value contains"
     )
     horizon: ShortText | None = Field(
-        default=None, description="over what time it holds"
+        default=None, description="over what time it is given"
     )
     condition: ShortText | None = Field(
         default=None, description="under what condition"
@@ -229,7 +229,7 @@ class RateNonlinearity(NonlinearityValue):
     """Of a gyro."""
 
     full_scale: Annotated[Quantity, Measured("deg/s", Sign.POSITIVE)] | None = Field(
-        default=None, description="half the range, over which the value holds"
+        default=None, description="half the range, over which the value is given"
     )
 
 
@@ -237,7 +237,7 @@ class ForceNonlinearity(NonlinearityValue):
     """Of an accelerometer."""
 
     full_scale: Annotated[Quantity, Measured("g", Sign.POSITIVE)] | None = Field(
-        default=None, description="half the range, over which the value holds"
+        default=None, description="half the range, over which the value is given"
     )
 
     def _lasting(self) -> str:
@@ -250,7 +250,7 @@ class RateAsymmetry(ConstantValue):
 
     of_axis: ClassVar[type[SpecificationValue] | None] = ConstantValue
     sign_of: Literal["turn", "input"] = Field(
-        default="turn", description="whose sign decides which scale factor holds"
+        default="turn", description="whose sign decides which scale factor applies"
     )
 
     def curve(self) -> _Form:
@@ -268,7 +268,7 @@ class ForceAsymmetry(RateAsymmetry):
     """Of an accelerometer, which knows of no turns."""
 
     sign_of: Literal["input"] = Field(
-        default="input", description="whose sign decides which scale factor holds"
+        default="input", description="whose sign decides which scale factor applies"
     )
 
 

@@ -122,7 +122,7 @@ class WindowLine(Strict):
                 "has a turn without rate, expected such as 'rate: 10 deg/s'"
             )
         if not self.turns:
-            found["turns",] = "makes no whole turn, expected such as turns: 1 or -1"
+            found["turns",] = "is no whole turn, expected such as turns: 1 or -1"
         return found
 
     @property
@@ -265,7 +265,7 @@ def lay_out(
         for line in item.each():
             if line.length * sample_rate < 1.0 - _ROUNDING:
                 messages["windows", place] = (
-                    f"a window of {line.length:.6g} s holds no sample at "
+                    f"a window of {line.length:.6g} s has no sample at "
                     f"{sample_rate:g} Hz, expected one at least"
                 )
             windows.extend(_moves(windows[-1:], line.setting(flip_axis), moves))

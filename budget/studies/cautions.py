@@ -38,7 +38,7 @@ def options_without_effect(
         return ()
     found = []
     if trials is not None:
-        found.append(note("a number of trials changes nothing: the law makes none"))
+        found.append(note("a number of trials changes nothing: the law needs none"))
     if interval != "symmetric":
         found.append(
             note("by the law the shortest interval is the symmetric one, mean +- U")

@@ -42,8 +42,8 @@ def assess(
     """Judge a budget against limits, as every command does (budget.studies.judgement).
 
     A sensor `meets` if the largest of its utilisations is below 1, `fails` if it is
-    above, is `undecided` where its interval holds 1, and is `undecidable` if it would
-    meet but lacks a line that has to be known.
+    above, is `undecided` where its interval contains 1, and is `undecidable` if it
+    would meet but lacks a line that has to be known.
 
     Parameters
     ----------

@@ -57,7 +57,7 @@ def sweep(
     DataFrame
         A row for each value and output, in printed units: `value` as it was given, then
         sensor, parameter, axis, unit, mean, standard_uncertainty, interval_low,
-        interval_high; `share` of the variance that the line makes [1], with products
+        interval_high; `share` of the variance that the line contributes [1], products
         left out; with a requirement limit, utilisation [1] and the verdict on the
         sensor, empty where the output has no limit, which adds no rows.
 

@@ -457,8 +457,8 @@ def test_figures_beyond_what_can_be_are_refused(tmp_path, figure, size):
     ("text", "said"),
     [
         ("latitude: 90.0001 deg\n", "expected -90 deg to 90 deg"),
-        ("gyro: {dwell: 0.001 s}\n", "holds no sample at 100 Hz"),
-        ("gyro: {rate: 36001 deg/s}\n", "a turn of 0.00999972 s holds no sample"),
+        ("gyro: {dwell: 0.001 s}\n", "has no sample at 100 Hz"),
+        ("gyro: {rate: 36001 deg/s}\n", "a turn of 0.00999972 s has no sample"),
         ("gyro: {turns: 0}\n", "gyro.turns: found 0"),
         ("gyro: {turns: 1000001}\n", "gyro.turns: found 1000001"),
         ("gravity: 1e-200 m/s^2\n", "of a size that can be"),

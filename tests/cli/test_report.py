@@ -149,7 +149,7 @@ def test_allocation_and_comparison_go_with_it(tmp_path):
 
 @pytest.mark.parametrize(
     ("option", "words"),
-    [(("--allocate",), "shares out"), (("--compare", "zhao-2019"), "holds devices")],
+    [(("--allocate",), "shares out"), (("--compare", "zhao-2019"), "sets devices")],
 )
 def test_what_needs_limits_says_so(tmp_path, option, words):
     """Allocation and comparison without a requirement are exit 2, nothing written."""

@@ -160,7 +160,7 @@ def test_wheel_checks_its_references(python, tmp_path):
     run = start("check", cwd=tmp_path, python=python)
 
     assert run.code == 0, run.out
-    assert "11 references: 11 hold, 0 moved" in run.out
+    assert "11 references: 11 unchanged, 0 moved" in run.out
 
 
 def test_checkout_reads_its_own_specs(tmp_path):

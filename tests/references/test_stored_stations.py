@@ -67,7 +67,9 @@ def test_the_station_is_stored_and_its_change_is_named(folder, way):
     (folder / file).write_text(HUT.replace("20 mGal", "30 mGal"))
     run = call("check", "ref.json")
     assert run.code == 1
-    assert_says(run.out, "station hut.yaml", GRAVITY, "1 reference: 0 hold, 1 moved")
+    assert_says(
+        run.out, "station hut.yaml", GRAVITY, "1 reference: 0 unchanged, 1 moved"
+    )
 
 
 def test_a_reference_without_station_does_not_have_its_numbers(folder):

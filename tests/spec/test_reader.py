@@ -222,12 +222,12 @@ BAD = {
     "dwell without sample": (
         "sample_rate: 1 Hz\ngyro: {dwell: 0.5 s}\n",
         "2:15",
-        "holds no sample",
+        "has no sample",
     ),
     "turn without sample": (
         "sample_rate: 1 Hz\ngyro: {rate: 720 deg/s}\n",
         "2:14",
-        "a turn of 0.5 s holds no sample",
+        "a turn of 0.5 s has no sample",
     ),
     "formulas": ("formulas: Paper\n", "1:11", "did you mean 'paper'"),
     "no limits": (LIMITS + "  gyro: {}\n", "3:3", "names no limit"),

@@ -236,7 +236,7 @@ def _contribution_words(contribution: LargestContribution) -> Words:
     """Say what one source makes of the variance of each group."""
     words: list[str | Run] = [Run(text=capital(contribution.title), strong=True)]
     printed = f" ({contribution.printed})" if contribution.printed else ""
-    words.append(f"{printed} makes ")
+    words.append(f"{printed} contributes ")
     last = len(contribution.effects) - 1
     for place, effect in enumerate(contribution.effects):
         words += [
@@ -335,9 +335,10 @@ def _indices(budget: Budget, sensors: Sequence[str]) -> Section | None:
     """Return Sobol' indices with their intervals."""
     settings = budget.settings
     text = (
-        "Part of the variance that a source makes alone (first order) and with all its "
-        f"products (total), with 95 % intervals over {settings.sobol_scrambles} "
-        f"independent scrambles of {settings.sobol_samples} points; of the output "
+        "Part of the variance that a source contributes alone (first order) and with "
+        "all its products (total), with 95 % intervals over "
+        f"{settings.sobol_scrambles} independent scrambles of {settings.sobol_samples} "
+        "points; of the output "
         "of each group with the largest spread. Those of all outputs are in the JSON "
         "document."
     )

@@ -210,7 +210,7 @@ def _trials_words(settings: Settings, trials: Trials) -> str:
     if trials.check:
         sure = "one digit" if settings.digits == 1 else f"{settings.digits} digits"
         count = print_count(trials.check)
-        parts.append(f"{count} to check the law, which makes {sure} of u sure")
+        parts.append(f"{count} to check the law, to {sure} of u")
     if trials.densities:
         parts.append(f"{print_count(trials.densities)} for the distributions")
     return "; ".join(parts) or "none"
@@ -496,7 +496,9 @@ def _coverage_panel(settings: Settings) -> Panel:
             f"{percent} %, JCGM 100:2008, G.1.3. {HELD}",
             ["U = k u"],
         )
-    text = f"The interval holds {percent} % of the trials, JCGM 101:2008, 7.7. {HELD}"
+    text = (
+        f"The interval contains {percent} % of the trials, JCGM 101:2008, 7.7. {HELD}"
+    )
     return Panel(title="Coverage", blocks=(Paragraph(words=(text,), small=True),))
 
 
@@ -521,7 +523,7 @@ def _indices_panel() -> Panel:
     """Return first-order and total index."""
     return _formulas(
         "Sobol' indices",
-        "Part of the variance that the source $i$ makes alone, and with all its "
+        "Part of the variance that the source $i$ contributes alone, and with all its "
         "products.",
         ["S_i = V(E(y | x_i))/V(y)", "S_(upright(T) i) = E(V(y | x_(tilde i)))/V(y)"],
     )

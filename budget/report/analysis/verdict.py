@@ -400,7 +400,7 @@ def _group_card(group: GroupTable) -> Card:
     refused = [
         row.axis
         for row in group.rows
-        if row.check is not None and row.check.word != "holds"
+        if row.check is not None and row.check.word != "agrees"
     ]
     if refused:
         lines.append((f"In doubt: the law is not confirmed on {', '.join(refused)}.",))

@@ -71,7 +71,7 @@ def what_if_section(
     required = any(limit is not None for limit in model.limit)
     text = (
         "One source at a time, the others as they are, by the law with its "
-        f"second-order terms. U{coverage} is of the output where the source makes the "
+        f"second-order terms. U{coverage} is of the output where the source has the "
         "largest share of the variance."
     )
     if required:

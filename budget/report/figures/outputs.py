@@ -326,7 +326,7 @@ def validity_chart(budget: Budget, sensor: str) -> Chart | None:
         kind="symlog" if is_long else "linear",
         lines=((0.0, ""),),
         band=(-1.0, 1.0),
-        label="law less Monte Carlo [tolerances]; band: the law holds",
+        label="law less Monte Carlo [tolerances]; band: the law is confirmed",
     )
     groups = tuple(
         Group(title=words(name), rows=tuple(map(_check_row, own)))
@@ -339,7 +339,7 @@ def validity_chart(budget: Budget, sensor: str) -> Chart | None:
         lead=("Lower and upper interval end, law less Monte Carlo, in tolerances. "),
         caption=(
             f"Monte Carlo: {trials} trials. Triangles point to the end that they are "
-            "of; in the band the law holds."
+            "of; in the band the law is confirmed."
         ),
         data_on_paper=False,
         data=table_of(
@@ -361,10 +361,10 @@ def _check_title(checks: list[Check], sensor: str) -> str:
     part = f"farthest off is {name} with a difference of {size} tolerances"
     if missed:
         return (
-            f"The law does not hold for {missed} of {len(checks)} {words(sensor)} "
+            f"The law is not confirmed for {missed} of {len(checks)} {words(sensor)} "
             f"outputs, {part}"
         )
-    return f"The law holds for all {len(checks)} {words(sensor)} outputs, {part}"
+    return f"The law is confirmed for all {len(checks)} {words(sensor)} outputs, {part}"
 
 
 def _checks(budget: Budget, sensor: str) -> list[Check]:
@@ -400,7 +400,7 @@ def _check_row(check: Check) -> Row:
             Dot(at=check.low, shape="<", fill=fill, edge=edge),
             Dot(at=check.high, shape=">", fill=fill, edge=edge),
         ),
-        beside=({"holds": size, "fails": f"fails {size}"}.get(word, word),),
+        beside=({"agrees": size, "fails": f"fails {size}"}.get(word, word),),
         strong=not holds,
         said=f"{axis} {low} and {high}" + ("" if holds else f" ({word})"),
     )

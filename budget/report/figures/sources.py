@@ -110,10 +110,10 @@ def _shares_title(group: GroupTable) -> str:
         return f"The {group.title} has no spread"
     whole = f"of the {group.title} variance"
     if first.share.exact >= MAJORITY or not others:
-        return f"{capital(first.title)} makes {first.share.text} {whole}"
+        return f"{capital(first.title)} contributes {first.share.text} {whole}"
     second = others[0]
     both = print_share(first.share.exact + second.share.exact)
-    return f"{capital(first.title)} and {second.title} make {both} {whole}"
+    return f"{capital(first.title)} and {second.title} contribute {both} {whole}"
 
 
 def _segment_name(source: Name, group: GroupTable, other: str) -> str:
@@ -325,7 +325,8 @@ def _coupling_row(
                 is_framed=cell.is_own,
                 text=part if cell.reaches else "",
                 text_colour=ON_DARK if opacity == 1.0 else INK,
-                tip=f"{title} makes {part} of the u of the {key_title(cell.group)}"
+                tip=f"{title} contributes {part} of the u of the "
+                f"{key_title(cell.group)}"
                 if cell.reaches
                 else "",
             )

@@ -65,7 +65,7 @@ MOST_PERCENT = 100.0  # a part above this [1] is printed to two digits
 NAMED = 2  # causes of one row on a terminal
 LITTLE = 0.005  # of a difference: not worth a word [1]
 FEW = 0.03  # of a difference: what parts need not add up to, without a word [1]
-VERDICTS = {True: "holds", False: "MOVED"}
+VERDICTS = {True: "unchanged", False: "MOVED"}
 TOGETHER = "together"
 TOLERANCES, STANDARD_ERRORS = "tol", "s.e."
 BOUNDS = (AT_LEAST, AT_MOST)
@@ -120,7 +120,7 @@ def check_sections(checks: Sequence[Difference], bad: int) -> tuple[Section, ...
                     Field(head="", cell=_extent),
                 ),
                 name="references",
-                caption="References and whether they hold",
+                caption="References and whether anything moved",
             )
         )
     held = [
@@ -145,7 +145,7 @@ def check_sections(checks: Sequence[Difference], bad: int) -> tuple[Section, ...
     if tool:
         said = f"stored with other versions: {', '.join(dict.fromkeys(tool))}"
         blocks.append(Paragraph(words=(said,), small=True))
-    counts = [f"{len(checks) - len(moved)} hold", f"{len(moved)} moved"]
+    counts = [f"{len(checks) - len(moved)} unchanged", f"{len(moved)} moved"]
     if bad:
         counts.append(f"{bad} cannot be checked")
     number = len(checks) + bad

@@ -219,7 +219,7 @@ def export(
     if residual:
         if not CALIBRATED & {entry.quantity for entry in target.entries}:
             raise CallError(
-                f"--residual changes no key of {target.title}, which holds noise alone "
+                f"--residual changes no key of {target.title}, which takes noise alone "
                 "and nothing that a calibration finds; leave the option out"
             )
         how = load_procedure(procedure)

@@ -658,7 +658,7 @@ TARGETS = (
             (
                 "BiasInstability drives the filter of "
                 "BiasInstabilityCoefficients, which "
-                "here makes the Gauss-Markov process itself, at the rate above"
+                "here is the Gauss-Markov process itself, at the rate above"
             ),
             (
                 "constants are drawn anew at each run of the script (randn): "

@@ -171,7 +171,7 @@ def test_an_ageing_that_says_too_little_is_refused(tmp_path, ageing, message):
 def test_what_holds_over_a_year_contains_the_ageing(tmp_path):
     """Both count twice and are refused, unless the file says that they are two."""
     long = "{value: 20 ug, horizon: 1 year}"
-    with pytest.raises(SpecError, match="holds over 1 year and so contains"):
+    with pytest.raises(SpecError, match="is given over 1 year and so contains"):
         load_device(write(tmp_path, long))
     runs = "{value: 20 ug, horizon: 6 runs}"
     assert load_device(write(tmp_path, runs)).accelerometer.line("ageing")

@@ -289,7 +289,7 @@ def test_the_check_of_the_law_stands_with_every_output():
     found = [row for table in data for group in table.groups for row in group.rows]
 
     assert len(found) == 24
-    assert all(row[-1].text == "holds" for row in found)
+    assert all(row[-1].text == "agrees" for row in found)
     said = " ".join(lines(section(report, "budget")))
     assert said.count("The law checked against Monte Carlo") == 1
 

@@ -507,7 +507,7 @@ def test_differences_keep_their_signs():
     budget = with_checks(make_budget(), {"gyro.bias.x": -7.0})
 
     title = validity_chart(budget, "gyro").title
-    assert_says(title, "not hold for 1 of 12 gyro outputs", "gyro bias x")
+    assert_says(title, "not confirmed for 1 of 12 gyro outputs", "gyro bias x")
     assert_says(title, "7.00 tolerances")
     alt = validity_chart(budget, "gyro").alt
     assert "bias: x -7.00 and +0.10 (fails), y -0.10 and +0.10," in alt
