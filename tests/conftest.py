@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 import sys
+from collections import defaultdict
 from importlib import import_module
 from types import FunctionType
 
 import pytest
 from keeping import once
 
+from budget.studies import analysis, request
 from budget.studies.allocation import allocate
 from budget.studies.allocation.longer_tests import find_longer_tests
 
@@ -83,6 +85,16 @@ def searched_once():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(allocate, "find_longer_tests", once(find_longer_tests, {}))
         yield
+
+
+@pytest.fixture
+def nothing_is_missing(monkeypatch):
+    """Leave out which lines that are not given could widen an output: it is no number.
+
+    That takes four times as long as the numbers; test_lower_bounds asks it.
+    """
+    monkeypatch.setattr(analysis, "could_widen", lambda *_, **__: {})
+    monkeypatch.setattr(request, "lacking", lambda *_, **__: defaultdict(tuple))
 
 
 @pytest.fixture

@@ -244,6 +244,7 @@ environment: {temperature: {ramp: 1 degC/h, mission: 10 degC}}
 """
 
 
+@pytest.mark.usefixtures("nothing_is_missing")
 @pytest.mark.parametrize("device", list(devices()))
 def test_every_figure_of_the_catalogue_moves_a_number(device, tmp_path):
     """By law and reference nominal, each figure of each device that ships is caught.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-from collections import defaultdict
 from dataclasses import fields, is_dataclass, replace
 from functools import reduce
 from operator import getitem
@@ -27,7 +26,6 @@ from budget.spec import load_costs, load_device, validate
 from budget.spec.device import read_device
 from budget.spec.files import find, open_file
 from budget.spec.records import ANGLES, AXES
-from budget.studies import analysis, request
 from budget.studies.allocation.allocate import allocate
 
 CHANGED = 1e-9  # relative; far above rounding, far below what any perturbation does
@@ -41,19 +39,8 @@ WARM = replace(
         line("age", [3e7]),
     ),
 )
+pytestmark = pytest.mark.usefixtures("nothing_is_missing")
 MARK = "Quagga"  # a word that stands in no file and no message
-
-
-@pytest.fixture(scope="module", autouse=True)
-def nothing_is_missing():
-    """Leave out which lines that are not given could widen an output: it is no number.
-
-    That takes four times as long as the numbers; test_lower_bounds asks it.
-    """
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(analysis, "could_widen", lambda *_, **__: {})
-        patch.setattr(request, "lacking", lambda *_, **__: defaultdict(tuple))
-        yield
 
 
 def base_of(path):
