@@ -40,6 +40,7 @@ ALL = 1.0 - 1e-9  # [1]; a share above is the whole, short of it by rounding onl
 NO_SHARE = 1e-20  # [1]; a share below is what the rounding of doubles leaves of zero
 CERTAIN = 4  # decimals of a per cent that nearly certain probabilities get at most
 PER_CENT = 100.0
+MINOR, FEW = {"<0.1 %", "0 %"}, 3  # such shares, so many of them have a row each
 NAMED = 2  # contributions of a sentence
 HALF_DIGIT = 5e-3  # half of the last digit of a probability of two decimals [1]
 ROUNDING = 1e-9  # [1] of divisors and degrees of freedom
@@ -139,6 +140,34 @@ class GroupTable:
         return self.rows[first_largest([row.expanded.exact for row in self.rows])]
 
     @property
+    def minor(self) -> tuple[SourceRow, ...]:
+        """Sources below 0.1 % of the variance of every output, where they are many."""
+        small = tuple(
+            row
+            for row in self.sources
+            if not row.is_idle and all(cell.share.text in MINOR for cell in row.cells)
+        )
+        return small if len(small) > FEW else ()
+
+    @property
+    def major(self) -> tuple[SourceRow, ...]:
+        """The other ones that have an effect, each with rows of its own."""
+        minor = {row.source for row in self.minor}
+        return tuple(
+            row for row in self.sources if not row.is_idle and row.source not in minor
+        )
+
+    def gathered(self, place: int) -> SourceCell:
+        """Return the contribution of the minor sources together to one output."""
+        cells = [row.cells[place] for row in self.minor]
+        u = sqrt(fsum(cell.u.exact**2 for cell in cells))
+        share = fsum(cell.share.exact for cell in cells)
+        return SourceCell(
+            u=Number(text=round_uncertainty(u), exact=u),
+            share=Number(text=print_share(share), exact=share),
+        )
+
+    @property
     def alike(self) -> tuple[tuple[tuple[int, ...], ...], ...]:
         """Places of the outputs whose sources are the same in print.
 
@@ -146,7 +175,8 @@ class GroupTable:
         """
         found: dict[object, dict[object, list[int]]] = {}
         for place, row in enumerate(self.rows):
-            sources = tuple(_printed(own.cells[place]) for own in self.sources)
+            cells = [own.cells[place] for own in self.major]
+            sources = tuple(map(_printed, (*cells, self.gathered(place))))
             alike = found.setdefault(sources, {})
             alike.setdefault(_printed(row), []).append(place)
         return tuple(tuple(map(tuple, own.values())) for own in found.values())

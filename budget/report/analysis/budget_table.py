@@ -132,6 +132,9 @@ def budget_remarks(group: GroupTable, *, checked: bool = True) -> Iterator[Parag
         yield Paragraph(words=(f"{capital(group.gaps)}.",), small=True)
     if idle := ", ".join(row.title for row in group.sources if row.is_idle):
         yield Paragraph(words=(f"Without effect, to rounding: {idle}.",), small=True)
+    if minor := ", ".join(row.title for row in group.minor):
+        text = f"Below 0.1 % of the variance each: {minor}."
+        yield Paragraph(words=(text,), small=True)
     if checked and group.validation:
         yield Paragraph(words=(f"The law checked {group.validation}.",), small=True)
 
@@ -142,9 +145,18 @@ def _lines(group: GroupTable) -> Iterator[Line]:
         places = sorted(place for part in parts for place in part)
         axes = _axes(group, places)
         # Equal in print, so that any of them stands for all; the first it is.
-        for source in group.sources:
-            if not source.is_idle:
-                yield _source_line(source, places[0], axes)
+        first = places[0]
+        for source in group.major:
+            if source.cells[first].u.text != "0":
+                yield _source_line(source, first, axes)
+        if minor := group.minor:
+            together = group.gathered(first)
+            yield Line(
+                axes=axes,
+                head=f"{len(minor)} others together",
+                linear=together.u,
+                share=together.share.exact,
+            )
         for part in parts:
             of = f" ({_axes(group, part)})" if len(parts) > 1 else ""
             yield from _total_lines(group, group.rows[part[0]], axes, of)

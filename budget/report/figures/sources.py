@@ -442,6 +442,7 @@ def sobol_chart(budget: Budget, sensor: str) -> Chart | None:
         ),
         beside=("first, total",),
         pitch=20.0,
+        data_on_paper=False,
         data=table_of(
             [(one.row, *pair) for one in found for pair in one.ranked],
             (

@@ -132,8 +132,11 @@ def test_lower_bounds_are_marked():
     assert marked
 
 
-def test_a_station_and_predicted_lines_have_their_rows():
-    """Station lines are quantities too; a line of other devices says where from."""
+def test_a_station_has_its_rows():
+    """Station lines are quantities too; those that are many and small stand together.
+
+    What is gathered has the root of the sum of squares of its parts.
+    """
     procedure = load_procedure(
         shipped("specs") / "procedures" / "zhao-2019.yaml",
         station=shipped("specs") / "stations" / "three-axis-table.yaml",
@@ -149,6 +152,12 @@ def test_a_station_and_predicted_lines_have_their_rows():
 
     assert stationed
     assert all(row[1].text and row[U_X].text for row in stationed)
+    group = next(one for one in group_tables(of) if one.title == "gyro bias")
+    rows = budget_table(group).groups[0]
+    row = next(row for row in rows.rows if row[0].text.endswith("others together"))
+    parts = [source.cells[0].u.exact for source in group.minor]
+    assert len(parts) > 8
+    assert_allclose(row[PART].exact, sqrt(sum(u**2 for u in parts)), rtol=1e-12)
 
 
 @pytest.mark.parametrize(
