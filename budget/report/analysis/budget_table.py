@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from budget.language import say, term
 from budget.report.blocks import Cell, Field, Paragraph, table_of
 from budget.report.tables import (
     UNKNOWN,
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from budget.report.tables import GroupTable, Number, OutputRow, SourceRow
     from budget.results import InputQuantity
 
-READ = (
+READ = term(
     "x is a line of the data sheet with its standard uncertainty u(x), what is printed "
     "over the divisor; c, the sensitivity coefficient, is how the output changes by "
     "one unit of x (of several inputs of a line the root of the sum of squares, with "
@@ -63,18 +64,20 @@ def budget_table(group: GroupTable) -> Table:
 
     fields: tuple[Field[Line], ...] = (
         Field(
-            head="quantity",
+            head=say("quantity"),
             cell=lambda line: Cell(text=line.head, strong=line.strong),
             weight=1.4,
         ),
         Field(
-            head="specification",
+            head=say("specification"),
             cell=lambda line: line.given,
             optional=True,
             weight=1.4,
         ),
-        Field(head="distribution", cell=lambda line: line.distribution, optional=True),
-        Field(head="divisor", cell=lambda line: line.divisor, optional=True),
+        Field(
+            head=say("distribution"), cell=lambda line: line.distribution, optional=True
+        ),
+        Field(head=say("divisor"), cell=lambda line: line.divisor, optional=True),
         Field(
             head="u(x)",
             kind="number",
@@ -89,7 +92,9 @@ def budget_table(group: GroupTable) -> Table:
             optional=True,
         ),
         Field(
-            head=f"{'c u(x)' if has_quantities else 'u alone'} [{unit}]",
+            head=say("c u(x) [{unit}]", unit=unit)
+            if has_quantities
+            else say("u alone [{unit}]", unit=unit),
             kind="number",
             cell=lambda line: Cell(
                 text=line.linear.text if line.linear else "",
@@ -99,7 +104,7 @@ def budget_table(group: GroupTable) -> Table:
             ),
         ),
         Field(
-            head="share [%]",
+            head=say("share [%]"),
             kind="number",
             cell=lambda line: "" if line.share is None else share_cell(line.share),
         ),
@@ -113,7 +118,7 @@ def budget_table(group: GroupTable) -> Table:
         _lines(group),
         fields,
         name=f"budget-{group.sensor}-{group.parameter}".replace("_", "-"),
-        caption=f"Budget of the {group.title}",
+        caption=say("Budget of the {group}", group=group.title),
         by=lambda line: line.axes,
         titled=len(group.alike) > 1,
         is_wide=True,
@@ -129,14 +134,19 @@ def budget_title(group: GroupTable) -> str:
 def budget_remarks(group: GroupTable, *, checked: bool = True) -> Iterator[Paragraph]:
     """Yield what the numbers of a group lack, do not do, and how they were checked."""
     if group.gaps:
-        yield Paragraph(words=(f"{capital(group.gaps)}.",), small=True)
-    if idle := ", ".join(row.title for row in group.sources if row.is_idle):
-        yield Paragraph(words=(f"Without effect, to rounding: {idle}.",), small=True)
-    if minor := ", ".join(row.title for row in group.minor):
-        text = f"Below 0.1 % of the variance each: {minor}."
+        yield Paragraph(words=(say("{gaps}.", gaps=capital(group.gaps)),), small=True)
+    if idle := say(", ").join(row.title for row in group.sources if row.is_idle):
+        yield Paragraph(
+            words=(say("Without effect, to rounding: {idle}.", idle=idle),), small=True
+        )
+    if minor := say(", ").join(row.title for row in group.minor):
+        text = say("Below 0.1 % of the variance each: {minor}.", minor=minor)
         yield Paragraph(words=(text,), small=True)
     if checked and group.validation:
-        yield Paragraph(words=(f"The law checked {group.validation}.",), small=True)
+        yield Paragraph(
+            words=(say("The law checked {validation}.", validation=group.validation),),
+            small=True,
+        )
 
 
 def _lines(group: GroupTable) -> Iterator[Line]:
@@ -153,18 +163,18 @@ def _lines(group: GroupTable) -> Iterator[Line]:
             together = group.gathered(first)
             yield Line(
                 axes=axes,
-                head=f"{len(minor)} others together",
+                head=say("{minor} others together", minor=len(minor)),
                 linear=together.u,
                 share=together.share.exact,
             )
         for part in parts:
-            of = f" ({_axes(group, part)})" if len(parts) > 1 else ""
+            of = say(" ({axes})", axes=_axes(group, part)) if len(parts) > 1 else ""
             yield from _total_lines(group, group.rows[part[0]], axes, of)
 
 
 def _axes(group: GroupTable, places: Sequence[int]) -> str:
     """Name the axes of some outputs."""
-    return ", ".join(group.rows[place].axis for place in places)
+    return say(", ").join(group.rows[place].axis for place in places)
 
 
 def _source_line(source: SourceRow, place: int, axes: str) -> Line:
@@ -178,13 +188,13 @@ def _source_line(source: SourceRow, place: int, axes: str) -> Line:
         axes=axes,
         head=source.title,
         given=_given(own),
-        distribution=own.distribution,
+        distribution=say(own.distribution),
         divisor="" if own.divisor is None else print_divisor(own.divisor),
         u_input=part.u_input,
         unit=own.unit,
         c=part.c,
         linear=part.linear,
-        whole=f"{part.u.text} with second order" if curved else "",
+        whole=say("{u} with second order", u=part.u.text) if curved else "",
         share=part.share.exact,
         degrees_of_freedom=print_degrees_of_freedom(own.degrees_of_freedom),
     )
@@ -192,10 +202,10 @@ def _source_line(source: SourceRow, place: int, axes: str) -> Line:
 
 def _given(own: InputQuantity) -> str:
     """Say what is printed, what it means, and whose it is where it is another's."""
-    said = [own.printed, own.meaning, own.origin]
+    said = [own.printed, say(own.meaning), say(own.origin)]
     if own.readings:
-        said.append(f"largest of {own.readings} readings")
-    return ", ".join(filter(None, said))
+        said.append(say("largest of {readings} readings", readings=own.readings))
+    return say(", ").join(filter(None, said))
 
 
 def _total_lines(
@@ -203,12 +213,12 @@ def _total_lines(
 ) -> Iterator[Line]:
     """Yield the combined uncertainty, the interval and what both are of."""
     coverage = print_coverage(group.coverage)
-    by = f", by {row.by}{of}" if row.by else of
+    by = say(", by {by}{of}", by=say(row.by), of=of) if row.by else of
     if row.mean.text != UNKNOWN and float(row.mean.text):
-        yield Line(axes=axes, head=f"mean error{of}", linear=row.mean)
+        yield Line(axes=axes, head=say("mean error{of}", of=of), linear=row.mean)
     yield Line(
         axes=axes,
-        head=f"combined u{by}",
+        head=say("combined u{by}", by=by),
         linear=row.u,
         degrees_of_freedom=row.degrees_of_freedom,
         strong=True,
@@ -226,7 +236,13 @@ def _total_lines(
     for head, end in (("from", row.low), ("to", row.high)):
         yield Line(
             axes=axes,
-            head=f"{coverage} % interval {head}{by}",
+            head=say(
+                "{coverage} % interval from{by}"
+                if head == "from"
+                else "{coverage} % interval to{by}",
+                coverage=coverage,
+                by=by,
+            ),
             given=k if head == "from" else "",
             linear=end,
             strong=True,

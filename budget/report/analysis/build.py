@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
-from budget.names import key_title
+from budget.language import key_title, say
 from budget.report.analysis.groups import (
     budget_section,
     filled_sections,
@@ -51,7 +51,7 @@ from budget.report.inputs import (
 )
 from budget.report.provenance import provenance_section, sign_off_section
 from budget.report.tables import group_tables, print_count
-from budget.report.wording import capital, not_given_lines, points
+from budget.report.wording import capital, not_given_lines, parted, points, say_words
 from budget.studies.request import sensors_of
 from budget.studies.what_if import one_at_a_time
 from budget.version import __version__
@@ -63,6 +63,7 @@ if TYPE_CHECKING:
     from budget.report.analysis.what_if import AnalyzeAgain
     from budget.report.blocks import Picture, Words
     from budget.report.figures.rows import Chart
+    from budget.report.formulas import Math
     from budget.report.tables import GroupTable
     from budget.results import Assessment, Budget, InputFile
     from budget.spec.records import Device, Procedure
@@ -157,8 +158,12 @@ def report_document(
         kind="report",
         title=budget.title,
         facts=(
-            *((f"report {number}",) if number else ()),
-            f"procedure {procedure.name}, latitude {latitude} deg",
+            *((say("report {number}", number=number),) if number else ()),
+            say(
+                "procedure {name}, latitude {latitude} deg",
+                name=procedure.name,
+                latitude=latitude,
+            ),
         ),
         headline=headline(budget, assessment),
         summary=summary(budget, assessment),
@@ -189,7 +194,9 @@ def _further_inputs(budget: Budget, extras: Sequence[Extra]) -> tuple[InputFile,
     """Return the files that only the further studies depend on, named by them."""
     known = {(file.name, file.sha256) for file in budget.inputs}
     further = [
-        replace(file, role=f"{extra.key}, {file.role}")
+        replace(
+            file, role=say("{key}, {role}", key=say(extra.key), role=say(file.role))
+        )
         for extra in extras
         for file in extra.inputs
         if (file.name, file.sha256) not in known
@@ -209,7 +216,7 @@ def _overview(
     if chart is None:
         return None
     picture = chart_picture(chart)
-    title = "What is left" if assessment is None else "Against the limits"
+    title = say("What is left") if assessment is None else say("Against the limits")
     return Section(name="overview", title=title, blocks=(picture,), on_first_page=True)
 
 
@@ -218,13 +225,13 @@ def _contributions(contributions: Sequence[LargestContribution]) -> Section:
     several = len(contributions)
     return Section(
         name="contributions",
-        title=f"The {several} largest contributions"
+        title=say("The {several} largest contributions", several=several)
         if several > 1
-        else "Contributions",
+        else say("Contributions"),
         blocks=(
             Listing(
                 items=tuple(map(_contribution_words, contributions)),
-                empty="Nothing varies: no output has any spread.",
+                empty=say("Nothing varies: no output has any spread."),
                 numbered=True,
             ),
         ),
@@ -234,17 +241,26 @@ def _contributions(contributions: Sequence[LargestContribution]) -> Section:
 
 def _contribution_words(contribution: LargestContribution) -> Words:
     """Say what one source makes of the variance of each group."""
-    words: list[str | Run] = [Run(text=capital(contribution.title), strong=True)]
-    printed = f" ({contribution.printed})" if contribution.printed else ""
-    words.append(f"{printed} contributes ")
+    words: list[str | Run | Math] = [
+        Run(text=capital(contribution.title), strong=True),
+        say(" ({printed}) contributes ", printed=contribution.printed)
+        if contribution.printed
+        else say(" contributes "),
+    ]
     last = len(contribution.effects) - 1
     for place, effect in enumerate(contribution.effects):
         words += [
-            Run(text=effect.share.text, exact=effect.share.exact),
-            f" of the {effect.group} variance (alone u\N{NO-BREAK SPACE}",
-            Run(text=f"{effect.u.text} {effect.unit}", exact=effect.u.exact),
-            ")",
-            "." if place == last else " and " if place == last - 1 else ", ",
+            *say_words(
+                "{share} of the {group} variance (alone u\N{NO-BREAK SPACE}{u})",
+                share=Run(text=effect.share.text, exact=effect.share.exact),
+                group=effect.group,
+                u=Run(text=f"{effect.u.text} {effect.unit}", exact=effect.u.exact),
+            ),
+            say(".")
+            if place == last
+            else say(" and ")
+            if place == last - 1
+            else say(", "),
         ]
     return tuple(words)
 
@@ -252,9 +268,9 @@ def _contribution_words(contribution: LargestContribution) -> Words:
 def _gaps(budget: Budget, extras: Sequence[Extra]) -> Section:
     """Return what is not given, what is assumed, and what to beware of."""
     warnings = chain(
-        budget.warnings,
+        map(say, budget.warnings),
         (
-            f"{extra.key}: {text}"
+            say("{key}: {text}", key=say(extra.key), text=say(text))
             for extra in extras
             for text in extra.warnings
             if text not in budget.warnings
@@ -263,20 +279,20 @@ def _gaps(budget: Budget, extras: Sequence[Extra]) -> Section:
     missing = not_given_lines(budget.could_widen)
     lists = (
         (
-            "Not given",
-            [f"{capital(line)}." for line in missing],
-            "Every line that the model knows is given.",
+            say("Not given"),
+            [say("{line}.", line=capital(line)) for line in missing],
+            say("Every line that the model knows is given."),
         ),
         (
-            "Assumptions",
+            say("Assumptions"),
             [capital(_in_words(text)) for text in budget.assumptions],
-            "None beyond what the files say.",
+            say("None beyond what the files say."),
         ),
-        ("Warnings", warnings, "None."),
+        (say("Warnings"), warnings, say("None.")),
     )
     return Section(
         name="gaps",
-        title="What is missing and what is assumed",
+        title=say("What is missing and what is assumed"),
         blocks=(
             Abreast(
                 blocks=tuple(
@@ -294,38 +310,39 @@ def _gaps(budget: Budget, extras: Sequence[Extra]) -> Section:
 
 def _in_words(assumption: str) -> str:
     """Write the key that an assumption begins with as words."""
-    key, colon, note = assumption.partition(": ")
-    is_key = re.fullmatch(r"[a-z_.]+", key) is not None
-    return f"{key_title(key)}{colon}{note}" if is_key else assumption
+    key, assumed = parted(assumption)
+    if re.fullmatch(r"[a-z_.]+", key) is None or not assumed:
+        return say(assumption)
+    return say("{key}: {text}", key=key_title(key), text=assumed)
 
 
 def _correlation(budget: Budget) -> Section:
     """Return which outputs go together."""
     chart = correlation_chart(budget)
-    text = (
+    text = say(
         "Sources that reach several outputs make them go together; the covariance of "
         "all is in the JSON document. "
     )
     if chart is None:
-        text += "No two outputs have a correlation of 1 % or more."
+        text += say("No two outputs have a correlation of 1 % or more.")
     pictures = () if chart is None else (chart_picture(chart),)
     return Section(
         name="correlation",
-        title="Correlation of outputs",
+        title=say("Correlation of outputs"),
         blocks=(Paragraph(words=(text.rstrip(),)), *pictures),
     )
 
 
 def _coupling(evidence: Evidence, sensors: Sequence[str]) -> Section | None:
     """Return which source reaches which parameters."""
-    text = (
+    text = say(
         "Each source alone, by the law: its standard uncertainty over that of all "
         "sources together, the largest over the axes of a group. Empty: it does not "
         "reach the group, to the rounding of the computation."
     )
     return _by_sensor(
         "coupling",
-        "Coupling",
+        say("Coupling"),
         text,
         _drawn(coupling_chart(evidence.coupling, sensor) for sensor in sensors),
     )
@@ -334,17 +351,19 @@ def _coupling(evidence: Evidence, sensors: Sequence[str]) -> Section | None:
 def _indices(budget: Budget, sensors: Sequence[str]) -> Section | None:
     """Return Sobol' indices with their intervals."""
     settings = budget.settings
-    text = (
-        "Part of the variance that a source contributes alone (first order) and with "
-        "all its products (total), with 95 % intervals over "
-        f"{settings.sobol_scrambles} independent scrambles of {settings.sobol_samples} "
-        "points; of the output "
-        "of each group with the largest spread. Those of all outputs are in the JSON "
-        "document."
+    text = say(
+        "Part of the variance that a source contributes alone (first "
+        "order) and with all its products (total), with 95 % "
+        "intervals over {sobol_scrambles} independent scrambles of "
+        "{sobol_samples} points; of the output of each group with "
+        "the largest spread. Those of all outputs are in the JSON "
+        "document.",
+        sobol_scrambles=settings.sobol_scrambles,
+        sobol_samples=settings.sobol_samples,
     )
     return _by_sensor(
         "indices",
-        "Sobol' indices",
+        say("Sobol' indices"),
         text,
         _drawn(sobol_chart(budget, sensor) for sensor in sensors),
     )
@@ -352,14 +371,14 @@ def _indices(budget: Budget, sensors: Sequence[str]) -> Section | None:
 
 def _validity(budget: Budget, sensors: Sequence[str]) -> Section | None:
     """Return the law against Monte Carlo."""
-    text = (
+    text = say(
         "Both ends of the coverage interval by the law, less those by Monte Carlo, in "
         "numerical tolerances of the standard uncertainty (JCGM 101:2008, 8.1): within "
         "the band the law may be trusted."
     )
     return _by_sensor(
         "validity",
-        "The law against Monte Carlo",
+        say("The law against Monte Carlo"),
         text,
         _drawn(validity_chart(budget, sensor) for sensor in sensors),
     )
@@ -367,20 +386,21 @@ def _validity(budget: Budget, sensors: Sequence[str]) -> Section | None:
 
 def _distributions(budget: Budget, evidence: Evidence) -> Section | None:
     """Return how the errors of the critical outputs are distributed."""
-    text = (
+    text = say(
         "Of each group of parameters the output that uses most of its limit or, where "
         "nothing is required, has the largest spread. "
     )
     if evidence.densities:
         trials = print_count(max(one.trials for one in evidence.densities))
-        text += (
-            f"Area: {trials} trials, those beyond a limit in full colour; line: the "
-            "normal law."
+        text += say(
+            "Area: {trials} trials, those beyond a limit in full "
+            "colour; line: the normal law.",
+            trials=trials,
         )
     coverage = budget.settings.coverage
     return _by_sensor(
         "distributions",
-        "Distributions",
+        say("Distributions"),
         text,
         (density_picture(density, coverage=coverage) for density in evidence.densities),
     )

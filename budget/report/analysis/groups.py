@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
-from budget.names import AXES, key_title
+from budget.language import key_title, say
+from budget.names import AXES
 from budget.report.analysis.budget_table import (
     READ,
     budget_remarks,
@@ -71,7 +72,7 @@ def budget_answer(budget: Budget, *, brief: bool = False) -> tuple[Section, ...]
     In brief it is the answer, and what a reader must know beside it.
     """
     groups = group_tables(budget)
-    warnings = _listed("Warnings", budget.warnings)
+    warnings = _listed(say("Warnings"), budget.warnings)
     if brief:
         return (
             *_verdict_sections(budget),
@@ -79,10 +80,12 @@ def budget_answer(budget: Budget, *, brief: bool = False) -> tuple[Section, ...]
             *filled_sections(budget),
             Section(
                 name="not-given",
-                title="Not given",
+                title=say("Not given"),
                 blocks=(),
-                in_brief=f"Not given: {len(budget.not_given)} lines, all named "
-                "without --brief"
+                in_brief=say(
+                    "Not given: {not_given} lines, all named without --brief",
+                    not_given=len(budget.not_given),
+                )
                 if budget.not_given
                 else "",
             ),
@@ -91,11 +94,11 @@ def budget_answer(budget: Budget, *, brief: bool = False) -> tuple[Section, ...]
     checks = list({group.validation for group in groups})
     tested = ("procedure", "station")
     settings = [
-        *((file.role, file.name) for file in budget.inputs if file.role in tested),
+        *((say(file.role), file.name) for file in budget.inputs if file.role in tested),
         *settings_lines(budget.settings),
     ]
     if len(checks) == 1 and checks[0]:
-        settings.append(("checked", checks[0]))
+        settings.append((say("checked"), checks[0]))
     return (
         *_verdict_sections(budget),
         _worst_axes(budget, groups),
@@ -105,12 +108,12 @@ def budget_answer(budget: Budget, *, brief: bool = False) -> tuple[Section, ...]
         *_indices(budget, dict.fromkeys(group.sensor for group in groups)),
         *filled_sections(budget),
         *readings_section(budget, budget.assessment),
-        _listed("Not given", not_given_lines(budget.could_widen)),
-        _listed("Assumptions", budget.assumptions),
+        _listed(say("Not given"), not_given_lines(budget.could_widen)),
+        _listed(say("Assumptions"), budget.assumptions),
         warnings,
         Section(
             name="settings",
-            title="Settings",
+            title=say("Settings"),
             blocks=(Pairs(rows=tuple((name, (text,)) for name, text in settings)),),
         ),
     )
@@ -157,28 +160,38 @@ def _worst_axes(budget: Budget, groups: Sequence[GroupTable]) -> Section:
     )
     if not all(group.widest.is_centred for group in groups):
         interval = (
-            number(f"{coverage} % interval from", lambda row: row.low),
-            number("to", lambda row: row.high),
+            number(
+                say("{coverage} % interval from", coverage=coverage),
+                lambda row: row.low,
+            ),
+            number(say("to"), lambda row: row.high),
         )
     fields = (
         Field["GroupTable"](head="", cell=lambda group: group.title),
-        *((number("mean", lambda row: row.mean),) if has_mean else ()),
+        *((number(say("mean"), lambda row: row.mean),) if has_mean else ()),
         number("u", lambda row: row.u),
         *interval,
         Field(head="", kind="unit", cell=lambda group: group.unit),
         Field(
-            head="contributions",
+            head=say("contributions"),
             weight=3.0,
             cell=lambda group: group.contributions,
         ),
     )
-    gaps = dict.fromkeys(f"{group.gaps}." for group in groups if group.gaps)
+    gaps = dict.fromkeys(
+        say("{gaps}.", gaps=group.gaps) for group in groups if group.gaps
+    )
     return Section(
         name="worst-axes",
-        title=f"Worst axis of each{': ' if not budget.assessment else ''}"
-        + ("" if budget.assessment else _lower(headline(budget, None))),
+        title=say("Worst axis of each")
+        if budget.assessment
+        else say(
+            "Worst axis of each: {headline}", headline=_lower(headline(budget, None))
+        ),
         blocks=(
-            table_of(groups, fields, name="worst-axes-table", caption="Worst axes"),
+            table_of(
+                groups, fields, name="worst-axes-table", caption=say("Worst axes")
+            ),
             *(Paragraph(words=(text,)) for text in gaps),
         ),
     )
@@ -195,18 +208,26 @@ def filled_sections(budget: Budget) -> tuple[Section, ...]:
     if not sentence:
         return ()
     lines = [
-        f"{key_title(line.source)}: {line.printed} ({line.origin})"
+        say(
+            "{source}: {line} ({origin})",
+            source=key_title(line.source),
+            line=line.printed,
+            origin=say(line.origin),
+        )
         for line in budget.filled
     ]
-    lines += [f"{key_title(name)}: nothing is known" for name in budget.left]
+    lines += [
+        say("{name}: nothing is known", name=key_title(name)) for name in budget.left
+    ]
     return (
         Section(
             name="filled",
-            title="In the place of lines that are not given",
+            title=say("In the place of lines that are not given"),
             blocks=(
                 Paragraph(words=(sentence,), small=True),
                 Listing(
-                    items=points(lines), empty="None: every expected line is given."
+                    items=points(lines),
+                    empty=say("None: every expected line is given."),
                 ),
             ),
         ),
@@ -220,14 +241,18 @@ def readings_section(
     if not budget.readings:
         return ()
     judged = [] if assessment is None else assessment.sensors
-    text = (
+    text = say(
         "The data sheet leaves open what these values mean; the numbers stand on the "
         "reading with the largest standard uncertainty. A sensor meets if it does "
         "under every reading."
     )
     lines = (
         *(
-            f"The {one.sensor} {verdict_line(one.readings)}"
+            say(
+                "The {sensor} {verdict_line}",
+                sensor=say(one.sensor),
+                verdict_line=verdict_line(one.readings),
+            )
             for one in judged
             if one.readings
         ),
@@ -236,7 +261,7 @@ def readings_section(
     return (
         Section(
             name="readings",
-            title="Open readings",
+            title=say("Open readings"),
             blocks=(
                 Paragraph(words=(text,), small=True),
                 Listing(items=points(lines), empty=""),
@@ -250,8 +275,8 @@ def _listed(title: str, lines: Sequence[str]) -> Section:
     return Section(
         name=title.lower().replace(" ", "-"),
         title=title,
-        blocks=(Listing(items=points(lines), empty=""),),
-        in_brief=None if lines else f"{title}: none",
+        blocks=(Listing(items=points(map(say, lines)), empty=""),),
+        in_brief=None if lines else say("{title}: none", title=title),
     )
 
 
@@ -272,7 +297,7 @@ def _indices(budget: Budget, sensors: Iterable[str]) -> Iterator[Section]:
         blocks += [chart.data] if chart.data else []
         blocks += [Paragraph(words=(chart.after.strip(),))] if chart.after else []
     if blocks:
-        yield Section(name="indices", title="Sobol' indices", blocks=tuple(blocks))
+        yield Section(name="indices", title=say("Sobol' indices"), blocks=tuple(blocks))
 
 
 def budget_section(
@@ -282,10 +307,14 @@ def budget_section(
     checks = {group.validation for group in groups}
     differ = len(checks) > 1
     check = "" if differ else checks.pop()
-    said = f"{READ} The law checked {check}." if check else READ
+    said = (
+        say("{read} The law checked {check}.", read=say(READ), check=check)
+        if check
+        else say(READ)
+    )
     return Section(
         name="budget",
-        title="Budget",
+        title=say("Budget"),
         blocks=(
             Paragraph(words=(said,)),
             *(
@@ -325,14 +354,17 @@ def matrices_sections(budget: Budget) -> Iterator[Section]:
     if budget.matrices:
         yield Section(
             name="matrices",
-            title="Compensation of readings",
+            title=say("Compensation of readings"),
             blocks=(
                 Paragraph(words=(CONVENTION,)),
                 Paragraph(
                     words=(
                         (
-                            "Values are of the nominal mounting angles and biases of "
-                            "the device, u is of what one calibration finds of them."
+                            say(
+                                "Values are of the nominal mounting angles and "
+                                "biases of the device, u is of what one "
+                                "calibration finds of them."
+                            )
                         ),
                     ),
                     small=True,
@@ -362,10 +394,16 @@ def _matrix_table(found: Compensation) -> Table:
     lines = [
         Line(title=title, head=head, cells=cells[start : start + 3])
         for title, parts in (
-            ("T [1], a row a body axis", [(*row, values) for row in rows]),
-            ("u of T [1]", [(*row, us) for row in rows]),
-            (f"bias b in sensor axes [{unit}]", [("b", 9, values), ("u", 9, us)]),
-            (f"bias T b in body axes [{unit}]", [("T b", 12, values), ("u", 12, us)]),
+            (say("T [1], a row a body axis"), [(*row, values) for row in rows]),
+            (say("u of T [1]"), [(*row, us) for row in rows]),
+            (
+                say("bias b in sensor axes [{unit}]", unit=unit),
+                [("b", 9, values), ("u", 9, us)],
+            ),
+            (
+                say("bias T b in body axes [{unit}]", unit=unit),
+                [("T b", 12, values), ("u", 12, us)],
+            ),
         )
         for head, start, cells in parts
     ]
@@ -379,7 +417,7 @@ def _matrix_table(found: Compensation) -> Table:
             ),
         ),
         name=f"matrices-{found.sensor}",
-        caption=f"Compensation of the {found.sensor}",
+        caption=say("Compensation of the {sensor}", sensor=say(found.sensor)),
         by=lambda line: line.title,
         titled=True,
     )

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.calibration.schemes import scheme_of
+from budget.language import say, term, words
 from budget.model.norm import NormScheme
 from budget.model.response import STATISTICS
 from budget.model.rotation import RotationScheme
-from budget.names import AXES, by_group, parameters_of, words
+from budget.names import AXES, by_group, parameters_of
 from budget.report.blocks import (
     Cell,
     Equation,
@@ -48,22 +49,26 @@ if TYPE_CHECKING:
     # A row of the weights: its axis, window, mean input, weights.
     Record = tuple[str, str, Array, Array]
 
-PAPER = (
+PAPER = term(
     "X. Zhao, L. Zhang, S. Li, Metrology & Measurement Technology 39 (3), 2019, 34-40, "
     "doi 10.11823/j.issn.1674-5795.2019.03.06"
 )
 REFERENCE_LIST: tuple[str, ...] = (
-    f"Zhao 2019: {PAPER}",
-    "JCGM 100:2008, Guide to the expression of uncertainty in measurement (GUM)",
+    "Zhao 2019: {paper}",
+    term("JCGM 100:2008, Guide to the expression of uncertainty in measurement (GUM)"),
     (
-        "JCGM 101:2008, Supplement 1 to the GUM: propagation of distributions by a "
-        "Monte Carlo method"
+        term(
+            "JCGM 101:2008, Supplement 1 to the GUM: propagation of distributions by a "
+            "Monte Carlo method"
+        )
     ),
-    "JCGM 102:2011, Supplement 2 to the GUM: any number of output quantities",
-    "IEEE Std 528-2019, Standard for Inertial Sensor Terminology",
-    "NIMA TR8350.2, Department of Defense World Geodetic System 1984, third edition",
+    term("JCGM 102:2011, Supplement 2 to the GUM: any number of output quantities"),
+    term("IEEE Std 528-2019, Standard for Inertial Sensor Terminology"),
+    term(
+        "NIMA TR8350.2, Department of Defense World Geodetic System 1984, third edition"
+    ),
 )
-SOBOL_REFERENCE = "SALib: estimators of Sobol' indices after Saltelli et al. 2010"
+SOBOL_REFERENCE = term("SALib: estimators of Sobol' indices after Saltelli et al. 2010")
 
 # Axis and the turn that scales it; angle, sign, and pulse differences: eq. (3).
 TURN_SCALES = (("x", "2"), ("y", "3"), ("z", "1"))
@@ -85,40 +90,40 @@ FACE_ANGLES = (
     ("z x", "-", 5),
     ("z y", "", 3),
 )
-NOTATION = (
-    f"After {PAPER}, its misprints mended. $K$ is a scale factor, $delta$ a mounting "
+NOTATION = term(
+    "After {paper}, its misprints mended. $K$ is a scale factor, $delta$ a mounting "
     "angle, $Delta T$ the matrix of them in its eq. (1), $epsilon$ and $nabla$ the "
     "bias of gyro and accelerometer, $I$ the unit matrix, $g$ gravity."
 )
 CORRECTED = "macron(N)/K - (I + Delta T) macron(omega)"
 PRINTED = "(I + Delta T^upright(T)) macron(N)/K - macron(omega)"
-BIAS_LETTERS = (
+BIAS_LETTERS = term(
     "$macron(N)$ is the mean number of pulses a second over the azimuths, "
     "$macron(omega)$ the mean earth rate there in body axes, (0, 0, "
     "$omega sin phi$) at latitude $phi$ where they balance. "
 )
-HELD = (
+HELD = term(
     "A limit is on the absolute error: what is held against it is the larger of the "
     "two ends, without its sign."
 )
 PLUS_MINUS, SIGMA, TAU = "\N{PLUS-MINUS SIGN}", "\u03c3", "\u03c4"
 # Lines of a data sheet; variance of the average over a window, and what it is of.
 NOISE = (
-    ({"angle_random_walk", "velocity_random_walk"}, "N^2/L", "white, density N"),
+    ({"angle_random_walk", "velocity_random_walk"}, "N^2/L", term("white, density N")),
     (
         {"sample_noise"},
         "sigma^2/(f L)",
-        f"white per sample, {SIGMA} at rate f",
+        term("white per sample, {sigma} at rate f"),
     ),
     (
         {"bias_stability"},
         "2 sigma^2 (tau/L)^2 (L/tau - 1 + e^(-L\\/tau))",
-        f"first-order Gauss-Markov, {SIGMA} and correlation time {TAU}",
+        term("first-order Gauss-Markov, {sigma} and correlation time {tau}"),
     ),
     (
         {"rate_random_walk", "acceleration_random_walk"},
         "K^2 (s + L/3)",
-        "random walk K from t = 0",
+        term("random walk K from t = 0"),
     ),
 )
 
@@ -141,7 +146,7 @@ def method_section(
     """Return settings, formulas and references; of the sensors that are there."""
     panels: list[Block] = [
         Pairs(rows=_settings_rows(settings, trials)),
-        Paragraph(words=with_math(NOTATION)),
+        Paragraph(words=with_math(say(NOTATION, paper=PAPER))),
     ]
     if procedure.formulas in {"least_squares", "weighted", "norm"}:
         panels += _estimator_panels(procedure, devices)
@@ -163,41 +168,69 @@ def method_section(
         references += (SOBOL_REFERENCE,)
     panels.append(
         Panel(
-            title="References",
-            blocks=(Listing(items=points(references), empty="None."),),
+            title=say("References"),
+            blocks=(
+                Listing(
+                    items=points(say(one, paper=PAPER) for one in references),
+                    empty=say("None."),
+                ),
+            ),
         )
     )
-    return Section(name="method", title="Method", blocks=tuple(panels))
+    return Section(name="method", title=say("Method"), blocks=tuple(panels))
 
 
 def _settings_rows(settings: Settings, trials: Trials) -> tuple[tuple[str, Words], ...]:
     """Return what the result depends on besides the files."""
-    kind = BY_LAW if settings.method == "gum" else INTERVALS[settings.interval]
+    kind = say(BY_LAW if settings.method == "gum" else INTERVALS[settings.interval])
     rows: list[tuple[str, str]] = [
-        ("method", f"{settings.method}: {METHODS[settings.method]}"),
-        ("trials", _trials_words(settings, trials)),
-        ("seed", str(settings.seed)),
-        ("coverage", f"{print_coverage(settings.coverage)} %"),
-        ("interval", f"{settings.interval}: {kind}"),
         (
-            "error reference",
-            f"{words(settings.reference)}: {ERROR_REFERENCES[settings.reference]}",
+            say("method"),
+            say(
+                "{method}: {methods}",
+                method=settings.method,
+                methods=say(METHODS[settings.method]),
+            ),
+        ),
+        (say("trials"), _trials_words(settings, trials)),
+        (say("seed"), str(settings.seed)),
+        (say("coverage"), f"{print_coverage(settings.coverage)} %"),
+        (
+            say("interval"),
+            say("{interval}: {kind}", interval=say(settings.interval), kind=kind),
+        ),
+        (
+            say("error reference"),
+            say(
+                "{reference}: {error_references}",
+                reference=words(settings.reference),
+                error_references=say(ERROR_REFERENCES[settings.reference]),
+            ),
         ),
     ]
     if settings.sobol_samples is not None:
         points_text = print_count(settings.sobol_samples)
         rows.append(
             (
-                "Sobol' indices",
-                f"{settings.sobol_scrambles} scrambles of {points_text} points",
+                say("Sobol' indices"),
+                say(
+                    "{sobol_scrambles} scrambles of {points_text} points",
+                    sobol_scrambles=settings.sobol_scrambles,
+                    points_text=points_text,
+                ),
             )
         )
     if settings.only:
-        only = ", ".join(settings.only)
-        rows.append(("only", f"{only}; all other lines are set to zero in this run"))
+        only = say(", ").join(settings.only)
+        rows.append(
+            (
+                say("only"),
+                say("{only}; all other lines are set to zero in this run", only=only),
+            )
+        )
     if settings.outputs:
-        rows.append(("outputs", ", ".join(by_group(settings.outputs))))
-    return tuple((term, (text,)) for term, text in rows)
+        rows.append((say("outputs"), say(", ").join(by_group(settings.outputs))))
+    return tuple((head, (text,)) for head, text in rows)
 
 
 def _trials_words(settings: Settings, trials: Trials) -> str:
@@ -205,15 +238,36 @@ def _trials_words(settings: Settings, trials: Trials) -> str:
     parts = []
     if settings.trials is not None:
         each = settings.normals_per_trial
-        numbers = "" if each is None else f", {each} random numbers each"
-        parts.append(f"{print_count(settings.trials)} for the budget{numbers}")
+        numbers = "" if each is None else say(", {each} random numbers each", each=each)
+        parts.append(
+            say(
+                "{trials} for the budget{numbers}",
+                trials=print_count(settings.trials),
+                numbers=numbers,
+            )
+        )
     if trials.check:
-        sure = "one digit" if settings.digits == 1 else f"{settings.digits} digits"
+        sure = (
+            say("one digit")
+            if settings.digits == 1
+            else say("{digits} digits", digits=settings.digits)
+        )
         count = print_count(trials.check)
-        parts.append(f"{count} to check the law, to {sure} of u")
+        parts.append(
+            say(
+                "{count} to check the law, to {sure} of u",
+                count=count,
+                sure=sure,
+            )
+        )
     if trials.densities:
-        parts.append(f"{print_count(trials.densities)} for the distributions")
-    return "; ".join(parts) or "none"
+        parts.append(
+            say(
+                "{densities} for the distributions",
+                densities=print_count(trials.densities),
+            )
+        )
+    return say("; ").join(parts) or "none"
 
 
 def _formulas(
@@ -249,7 +303,7 @@ def _estimator_panels(
         yield _least_squares_panel(procedure)
     for kind, scheme in schemes.items():
         yield Panel(
-            title=f"Weights of the {kind}",
+            title=say("Weights of the {kind}", kind=kind),
             blocks=(_weights_table(scheme),),
         )
 
@@ -257,12 +311,15 @@ def _estimator_panels(
 def _norm_panel() -> Panel:
     """Return the estimator of dwells at unknown attitudes."""
     return _formulas(
-        "Estimator: norm of gravity",
-        "$macron(n)_w$ are the mean counts a second of the three axes in dwell w, "
-        "$hat(K)$, $Delta hat(T)$, $hat(b)$ what is looked for. The attitudes of the "
-        "dwells are not used; the weights $W$ are those of least squares at the "
-        "nominal ones, where $J$ is the sensitivity of F to the parameters. How the "
-        "triad as a whole is turned no norm shows: three angles are held.",
+        say("Estimator: norm of gravity"),
+        say(
+            "$macron(n)_w$ are the mean counts a second of the three axes in "
+            "dwell w, $hat(K)$, $Delta hat(T)$, $hat(b)$ what is looked for. The "
+            "attitudes of the dwells are not used; the weights $W$ are those of "
+            "least squares at the nominal ones, where $J$ is the sensitivity of F "
+            "to the parameters. How the triad as a whole is turned no norm shows: "
+            "three angles are held."
+        ),
         [
             "g_w = norm((I + Delta hat(T))^(-1) (hat(K)^(-1) macron(n)_w - hat(b)))",
             "F_w = g_w^2 - g^2",
@@ -275,13 +332,15 @@ def _norm_panel() -> Panel:
 def _rotation_panel() -> Panel:
     """Return the estimator of a gyro that is turned between such dwells."""
     return _formulas(
-        "Estimator: rotation between the dwells",
-        "$hat(omega)_w$ is the mean rate that the calibrated gyro shows in a dwell or "
-        "in a step w of a turn, of length L, less the earth rate at the nominal "
-        "attitude; $hat(s)_k$ is what the calibrated accelerometers show in dwell k. "
-        "Steps are of 15 deg at the most. The weights $W$ are those of least squares "
-        "at the nominal attitudes. The tables below give them for the parts of F "
-        "along body x, y and z.",
+        say("Estimator: rotation between the dwells"),
+        say(
+            "$hat(omega)_w$ is the mean rate that the calibrated gyro shows in a "
+            "dwell or in a step w of a turn, of length L, less the earth rate at "
+            "the nominal attitude; $hat(s)_k$ is what the calibrated "
+            "accelerometers show in dwell k. Steps are of 15 deg at the most. The "
+            "weights $W$ are those of least squares at the nominal attitudes. The "
+            "tables below give them for the parts of F along body x, y and z."
+        ),
         [
             (
                 "hat(omega)_w = (I + Delta hat(T))^(-1) "
@@ -302,24 +361,34 @@ def _least_squares_panel(procedure: Procedure) -> Panel:
     weighted = procedure.formulas == "weighted"
     inverse = "(A^upright(T) C^(-1) A)^(-1) A^upright(T) C^(-1)"
     return _formulas(
-        "Estimator: least squares" + (", weighted" if weighted else ""),
-        "$A$ has a row for each window: its mean input $u$ in body axes, and 1. "
-        "$macron(n)_i$ are the mean counts a second of axis i in the windows; the "
-        "weights are unbiased, $W A = I$."
+        say("Estimator: least squares") + (say(", weighted") if weighted else ""),
+        say(
+            "$A$ has a row for each window: its mean input $u$ in body axes, and 1. "
+            "$macron(n)_i$ are the mean counts a second of axis i in the windows; the "
+            "weights are unbiased, $W A = I$."
+        )
         + (
-            " $C$ is the covariance of the window averages by the device's own noise."
+            say(
+                " $C$ is the covariance of the window averages by the device's "
+                "own noise."
+            )
             if weighted
             else ""
         )
         + (
-            " A parameter that is held has no column of its own: at its nominal value "
-            "it is part of that of the own axis, and its row of $W$ is 0."
+            say(
+                " A parameter that is held has no column of its own: at its "
+                "nominal value it is part of that of the own axis, and its row of "
+                "$W$ is 0."
+            )
             if procedure.held
             else ""
         )
         + (
-            " The orders that are estimated besides have columns of the own input to "
-            "that power."
+            say(
+                " The orders that are estimated besides have columns of the own "
+                "input to that power."
+            )
             if procedure.orders
             else ""
         ),
@@ -338,7 +407,7 @@ def _weights_table(scheme: Scheme) -> Table:
     parts = list(zip(names, inputs, strict=True))
     first = f"u {{}} [{unit}]"
     if isinstance(scheme, RotationScheme):
-        parts, first = scheme.parts, "turned {} [rad]"
+        parts, first = scheme.parts, say("turned {} [rad]")
     heads, groups = _weights(scheme, unit)
     digits = 5 if len(heads) == STATISTICS else 3
     records = [
@@ -354,7 +423,9 @@ def _weights_table(scheme: Scheme) -> Table:
 
         return Field(head=head, kind="number", cell=cell)
 
-    fields: list[Field[Record]] = [Field(head="window", cell=lambda record: record[1])]
+    fields: list[Field[Record]] = [
+        Field(head=say("window"), cell=lambda record: record[1])
+    ]
     for k, axis in enumerate(AXES):
         fields.append(number(first.format(axis), 0, k))
     fields += [number(head, 1, k) for k, head in enumerate(heads)]
@@ -362,7 +433,10 @@ def _weights_table(scheme: Scheme) -> Table:
         records,
         fields,
         name=f"weights-{scheme.owner}",
-        caption=f"Mean inputs and weights of the windows of the {scheme.owner}",
+        caption=say(
+            "Mean inputs and weights of the windows of the {owner}",
+            owner=say(scheme.owner),
+        ),
         by=lambda record: record[0],
         titled=True,
         is_wide=True,
@@ -380,33 +454,46 @@ def _weights(scheme: Scheme, unit: str) -> tuple[list[str], list[tuple[str, Arra
             for name in names
         ]
         W = scheme.inverse[scheme.held.estimated]
-        return heads, [(f"part {axis}", W[:, k::3]) for k, axis in enumerate(AXES)]
+        return heads, [
+            (say("part {axis}", axis=axis), W[:, k::3]) for k, axis in enumerate(AXES)
+        ]
     if isinstance(scheme, NormScheme):
         names = [parameters_of(scheme.owner)[k] for k in scheme.held.estimated]
         heads = [
-            f"W {words(name.quantity)} {name.axis} [1/({unit}){power}]"
+            say(
+                "W {quantity} {axis} [1/({unit}){power}]",
+                quantity=words(name.quantity),
+                axis=name.axis,
+                unit=unit,
+                power=power,
+            )
             for name in names
             for power in ["" if name.quantity == "bias" else "^2"]
         ]
         return heads, [("", scheme.norm_weights)]
     W = scheme.weights
     heads = [
-        *(f"W {axis} [1/({unit})]" for axis in AXES),
-        "W bias",
-        *(f"W K{order} [1/({unit})^{order}]" for order in scheme.orders),
+        *(say("W {axis} [1/({unit})]", axis=axis, unit=unit) for axis in AXES),
+        say("W bias"),
+        *(
+            say("W K{order} [1/({unit})^{order}]", order=order, unit=unit)
+            for order in scheme.orders
+        ),
     ]
     if np.array_equal(W[0], W[1]) and np.array_equal(W[0], W[2]):
         return heads, [("", W[0])]
-    return heads, [(f"axis {axis}", W[k]) for k, axis in enumerate(AXES)]
+    return heads, [(say("axis {axis}", axis=axis), W[k]) for k, axis in enumerate(AXES)]
 
 
 def _turns_panel() -> Panel:
     """Return the gyro's scale factors and mounting angles: Zhao 2019, eq. (3)."""
     return _formulas(
-        "Gyro scale factors and mounting angles, eq. (3)",
-        "$n_(i j)$: pulses of axis i over m turns forward minus those back, about "
-        "z (j = 1), x (2), y (3). The paper prints $delta_(y x)$ with a minus, "
-        "against its eq. (1).",
+        say("Gyro scale factors and mounting angles, eq. (3)"),
+        say(
+            "$n_(i j)$: pulses of axis i over m turns forward minus those back, about "
+            "z (j = 1), x (2), y (3). The paper prints $delta_(y x)$ with a minus, "
+            "against its eq. (1)."
+        ),
         [
             *(f"K_{axis} = n_({axis} {turn})/(4 pi m)" for axis, turn in TURN_SCALES),
             *(
@@ -421,22 +508,32 @@ def _gyro_bias_panel(procedure: Procedure) -> Panel:
     """Return the gyro's bias: Zhao 2019, eq. (4) as printed, or corrected; or else."""
     if not procedure.gyro.azimuths:
         return _formulas(
-            "Gyro bias, of twelve positions",
-            "$N_i (j)$: mean number of pulses a second of axis i over the two dwells "
-            "with that axis up and down. The earth rate drops out.",
+            say("Gyro bias, of twelve positions"),
+            say(
+                "$N_i (j)$: mean number of pulses a second of axis i over the two "
+                "dwells with that axis up and down. The earth rate drops out."
+            ),
             ['epsilon_i = (N_i ("up") + N_i ("down"))/(2 K_i)'],
         )
     if procedure.formulas == "paper":
         return _formulas(
-            "Gyro bias, eq. (4) as printed",
-            f"{BIAS_LETTERS}This is exact only without mounting angles; the corrected "
-            f"formula is $epsilon = {CORRECTED}$.",
+            say("Gyro bias, eq. (4) as printed"),
+            say(
+                "{bias_letters}This is exact only without mounting angles; "
+                "the corrected formula is $epsilon = {corrected}$.",
+                bias_letters=say(BIAS_LETTERS),
+                corrected=CORRECTED,
+            ),
             [f"epsilon = {PRINTED}"],
         )
     return _formulas(
-        "Gyro bias, corrected from eq. (4)",
-        f"{BIAS_LETTERS}The paper prints ${PRINTED}$, which does not invert its eq. "
-        "(1) where there are mounting angles.",
+        say("Gyro bias, corrected from eq. (4)"),
+        say(
+            "{bias_letters}The paper prints ${printed}$, which does "
+            "not invert its eq. (1) where there are mounting angles.",
+            bias_letters=say(BIAS_LETTERS),
+            printed=PRINTED,
+        ),
         [f"epsilon = {CORRECTED}"],
     )
 
@@ -448,11 +545,13 @@ def _accelerometer_panel() -> Panel:
         return f"(N_{axis} ({face}) {sign} N_{axis} ({face + 1}))"
 
     return _formulas(
-        "Accelerometer, eq. (5)",
-        "$N_i (j)$: mean number of pulses a second of axis i over the two dwells with "
-        "z up (j = 1), z down (2), x up (3), x down (4), y up (5), y down (6). The "
-        "paper prints $delta_(y z)$ with the counts of x, and $delta_(x y)$ twice; "
-        "the second is $delta_(x z)$.",
+        say("Accelerometer, eq. (5)"),
+        say(
+            "$N_i (j)$: mean number of pulses a second of axis i over the two "
+            "dwells with z up (j = 1), z down (2), x up (3), x down (4), y up "
+            "(5), y down (6). The paper prints $delta_(y z)$ with the counts of "
+            "x, and $delta_(x y)$ twice; the second is $delta_(x z)$."
+        ),
         [
             *(
                 f"K_{axis} = {faces(axis, face, '-')}/(2 g)"
@@ -474,11 +573,13 @@ def _accelerometer_panel() -> Panel:
 def _law_panel() -> Panel:
     """Return the law of propagation to second order, JCGM 100, 5.1.2."""
     return _formulas(
-        "Law of propagation",
-        "$c$: sensitivities, $H$: second derivatives of an output at the nominal "
-        "point, $U_x$: covariance of the inputs; an input that is not normal adds its "
-        "fourth moment. JCGM 100:2008, eq. (13) and the note to 5.1.2, without the "
-        "third derivatives of that note.",
+        say("Law of propagation"),
+        say(
+            "$c$: sensitivities, $H$: second derivatives of an output at the "
+            "nominal point, $U_x$: covariance of the inputs; an input that is not "
+            "normal adds its fourth moment. JCGM 100:2008, eq. (13) and the note "
+            "to 5.1.2, without the third derivatives of that note."
+        ),
         [
             "E(y) - y(x) = 1/2 tr(H U_x)",
             '"cov"(y_k, y_l) = c_k^upright(T) U_x c_l + 1/2 tr(H_k U_x H_l U_x)',
@@ -491,39 +592,48 @@ def _coverage_panel(settings: Settings) -> Panel:
     percent = print_coverage(settings.coverage)
     if settings.method == "gum":
         return _formulas(
-            "Coverage",
-            f"The interval is mean {PLUS_MINUS} U, with k of the normal law for "
-            f"{percent} %, JCGM 100:2008, G.1.3. {HELD}",
+            say("Coverage"),
+            say(
+                "The interval is mean {plus_minus} U, with k of the normal "
+                "law for {percent} %, JCGM 100:2008, G.1.3. {held}",
+                plus_minus=PLUS_MINUS,
+                percent=percent,
+                held=say(HELD),
+            ),
             ["U = k u"],
         )
-    text = (
-        f"The interval contains {percent} % of the trials, JCGM 101:2008, 7.7. {HELD}"
+    text = say(
+        "The interval contains {percent} % of the trials, JCGM 101:2008, 7.7. {held}",
+        percent=percent,
+        held=say(HELD),
     )
-    return Panel(title="Coverage", blocks=(Paragraph(words=(text,), small=True),))
+    return Panel(title=say("Coverage"), blocks=(Paragraph(words=(text,), small=True),))
 
 
 def _noise_panels(lines: AbstractSet[str]) -> list[Panel]:
     """Return the variance of a window average of every process that is given."""
     found = [
-        (f"u_L^2 = {variance}", note)
+        (f"u_L^2 = {variance}", say(note, sigma=SIGMA, tau=TAU))
         for names, variance, note in NOISE
         if names & lines
     ]
     if not found:
         return []
-    text = (
+    text = say(
         "The noise of a window enters as its average, a Gaussian quantity with a "
         "variance in closed form; averages of one process over several windows are "
         "correlated accordingly. $L$ is the length of a window, $s$ its start."
     )
-    return [_formulas("Noise averaged over a window", text, found)]
+    return [_formulas(say("Noise averaged over a window"), text, found)]
 
 
 def _indices_panel() -> Panel:
     """Return first-order and total index."""
     return _formulas(
-        "Sobol' indices",
-        "Part of the variance that the source $i$ contributes alone, and with all its "
-        "products.",
+        say("Sobol' indices"),
+        say(
+            "Part of the variance that the source $i$ contributes alone, and with "
+            "all its products."
+        ),
         ["S_i = V(E(y | x_i))/V(y)", "S_(upright(T) i) = E(V(y | x_(tilde i)))/V(y)"],
     )

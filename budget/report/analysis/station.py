@@ -7,8 +7,8 @@ from functools import partial
 from math import fsum, sqrt
 from typing import TYPE_CHECKING
 
+from budget.language import counted, key_title, say, term, words
 from budget.model.sources import ENVIRONMENT, SENSORS, STATION, source_of
-from budget.names import Name, key_title, words
 from budget.report.blocks import (
     Cell,
     Field,
@@ -38,6 +38,7 @@ from budget.ties import first_largest
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
+    from budget.names import Name
     from budget.report.blocks import Block, Table, Words
     from budget.report.tables import GroupTable
     from budget.results import Assessment, Budget, OutputAssessment, OutputBudget
@@ -45,9 +46,9 @@ if TYPE_CHECKING:
     from budget.studies.cautions import Unfelt
 
 LEAST_SAID = 0.001  # share of a variance that is printed as a number [1]
-OWN = "the sensors' own lines"
-TITLES = {STATION: "test station", ENVIRONMENT: "environment"}
-PRODUCTS = "products of two sources"
+OWN = term("the sensors' own lines")
+TITLES = {STATION: term("test station"), ENVIRONMENT: term("environment")}
+PRODUCTS = term("products of two sources")
 
 
 def station_section(
@@ -65,20 +66,20 @@ def station_section(
     if not lines:
         return None
     owners = [one for one in SHARED if any(name.owner == one for name in lines)]
-    finding = " ".join(_findings(budget, owners, lines, assessment))
+    finding = say(" ").join(_findings(budget, owners, lines, assessment))
     shares = _shares_table(budget, groups, owners, lines, unfelt)
     # Not in a panel: as long as it is, it may break over pages.
     blocks: list[Block] = [
         Paragraph(words=(finding,)),
-        Paragraph(words=("Shares of the variance of each group:",), small=True),
+        Paragraph(words=(say("Shares of the variance of each group:"),), small=True),
         shares,
     ]
     if assessment is not None:
         blocks += _limits(budget, owners, assessment)
     if reasons := _reasons(unfelt):
         listing = Listing(items=reasons, empty="")
-        blocks.append(Panel(title="What does nothing", blocks=(listing,)))
-    title = capital(" and ".join(TITLES[owner] for owner in owners))
+        blocks.append(Panel(title=say("What does nothing"), blocks=(listing,)))
+    title = capital(say(" and ").join(say(TITLES[owner]) for owner in owners))
     return Section(name="station", title=title, blocks=tuple(blocks))
 
 
@@ -89,39 +90,78 @@ def _findings(
     assessment: Assessment | None,
 ) -> list[str]:
     """Say where they take most, by what, and what is left to the sensors."""
-    who = capital(f"the {' and the '.join(owners)}")
-    take, use = ("take", "use") if len(owners) > 1 else ("takes", "uses")
+    who = capital(say("the {owners}", owners=say(" and the ").join(map(say, owners))))
+    several = len(owners)
     shares = [_share(row, *owners) for row in budget.outputs]
     row = budget.outputs[first_largest(shares)]
     most = max(shares)
     if not any(source_of(name.owner, name.quantity).varies for name in lines):
-        by = ", ".join(dict.fromkeys(_partner(name) for name in lines))
-        return [f"What is given of {who.lower()} is known: it acts by {by} alone."]
+        by = say(", ").join(dict.fromkeys(_partner(name) for name in lines))
+        return [
+            say(
+                "What is given of {who} is known: it acts by {by} alone.",
+                who=who.lower(),
+                by=by,
+            )
+        ]
     if most <= NO_SHARE:
-        return [f"{who} {take} nothing of U of any output."]
+        return [
+            counted(
+                several,
+                "{who} takes nothing of U of any output.",
+                "{who} take nothing of U of any output.",
+                who=who,
+            )
+        ]
     if most < LEAST_SAID:
-        return [f"{who} {take} less than 0.1 % of the square of U of every output."]
+        return [
+            counted(
+                several,
+                "{who} takes less than 0.1 % of the square of U of every output.",
+                "{who} take less than 0.1 % of the square of U of every output.",
+                who=who,
+            )
+        ]
     parts = [
         (source_title(part.source), part.share)
         for part in row.ranked
         if part.source.owner in owners
     ]
     by = print_contributions(parts) if parts[0][1] >= SMALL_SHARE else parts[0][0]
-    known = ", of what is known" if row.lower_bound else ""
+    known = say(", of what is known") if row.lower_bound else ""
     own = print_share(_share(row, *SENSORS))
     found = [
         (
-            f"{who} {take} up to {print_share(most)} of the square of U{known}: of the "
-            f"{key_title(row.output.name)}, by {by}; {OWN} take {own}."
+            counted(
+                several,
+                "{who} takes up to {most} of the square of U{known}: of the {name}, by "
+                "{by}; {sensors} take {own}.",
+                "{who} take up to {most} of the square of U{known}: of the {name}, by "
+                "{by}; {sensors} take {own}.",
+                who=who,
+                most=print_share(most),
+                known=known,
+                name=key_title(row.output.name),
+                by=by,
+                sensors=say(OWN),
+                own=own,
+            )
         )
     ]
     if assessment is not None and (rows := _judged(budget, assessment)):
         worst = rows[first_largest([one.used_by(owners).exact for one in rows])]
         found.append(
-            f"Alone {'they' if len(owners) > 1 else 'it'} {use} at most "
-            f"{worst.used_by(owners).text} of a limit, that of the "
-            f"{key_title(worst.row.output.name)}, where {OWN} alone use "
-            f"{worst.used_by(SENSORS).text}."
+            counted(
+                several,
+                "Alone it uses at most {used} of a limit, that of the {name}, where "
+                "{sensors} alone use {own}.",
+                "Alone they use at most {used} of a limit, that of the {name}, where "
+                "{sensors} alone use {own}.",
+                used=worst.used_by(owners).text,
+                name=key_title(worst.row.output.name),
+                sensors=say(OWN),
+                own=worst.used_by(SENSORS).text,
+            )
         )
     return found
 
@@ -153,7 +193,9 @@ def _shares_table(
 ) -> Table:
     """Return every line of station and environment, with its share of each group."""
     idle = {
-        one.source: Cell(text="nothing", note="to first order" if one.removed else "")
+        one.source: Cell(
+            text=say("nothing"), note=say("to first order") if one.removed else ""
+        )
         for one in unfelt
     }
     records = [
@@ -182,9 +224,12 @@ def _shares_table(
             ),
         )
         for head, belongs in (
-            *((f"the {owner}", partial(_is_of, (owner,))) for owner in owners),
-            (OWN, partial(_is_of, SENSORS)),
-            (PRODUCTS, partial(_is_of, (INTERACTION.owner,))),
+            *(
+                (say("the {owner}", owner=say(owner)), partial(_is_of, (owner,)))
+                for owner in owners
+            ),
+            (say(OWN), partial(_is_of, SENSORS)),
+            (say(PRODUCTS), partial(_is_of, (INTERACTION.owner,))),
         )
     ]
 
@@ -196,8 +241,10 @@ def _shares_table(
         records,
         (
             Field[_Line](head="", weight=1.6, cell=lambda one: one.head),
-            Field[_Line](head="figure", weight=1.2, cell=lambda one: one.figure),
-            Field[_Line](head="acts most on", weight=1.8, cell=lambda one: one.where),
+            Field[_Line](head=say("figure"), weight=1.2, cell=lambda one: one.figure),
+            Field[_Line](
+                head=say("acts most on"), weight=1.8, cell=lambda one: one.where
+            ),
             *(
                 Field[_Line](
                     head=f"{group.title} [%]", kind="number", cell=partial(share, k)
@@ -206,7 +253,7 @@ def _shares_table(
             ),
         ),
         name="station-shares",
-        caption="Shares of the variance of each group, by line of the station",
+        caption=say("Shares of the variance of each group, by line of the station"),
         by=lambda one: one.of,
         titled=True,
         is_wide=True,
@@ -221,9 +268,9 @@ def _is_of(owners: Sequence[str], source: Name) -> bool:
 def _where(budget: Budget, name: Name) -> Cell:
     """Return the output of whose variance a source makes most, and how much."""
     if budget.settings.only and name not in budget.settings.only:
-        return Cell(text="left out")
+        return Cell(text=say("left out"))
     if not source_of(name.owner, name.quantity).varies:
-        return Cell(text=f"known; acts by {_partner(name)}")
+        return Cell(text=say("known; acts by {partner}", partner=_partner(name)))
     shares = [
         fsum(part.share for part in row.contributions if part.source == name)
         if row.is_resolved
@@ -231,7 +278,7 @@ def _where(budget: Budget, name: Name) -> Cell:
         for row in budget.outputs
     ]
     if max(shares, default=0.0) <= NO_SHARE:
-        return Cell(text="nothing")
+        return Cell(text=say("nothing"))
     row = budget.outputs[first_largest(shares)]
     return Cell(text=key_title(row.output.name), note=print_share(max(shares)))
 
@@ -239,7 +286,7 @@ def _where(budget: Budget, name: Name) -> Cell:
 def _partner(name: Name) -> str:
     """Return the line of a sensor that a known size acts by."""
     effect = source_of(name.owner, name.quantity).effect
-    return words(" and ".join(getattr(effect, "partners", ())))
+    return say(" and ").join(map(words, getattr(effect, "partners", ())))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -302,30 +349,37 @@ def _limits(
         records,
         (
             Field[_Judged](
-                head="output",
+                head=say("output"),
                 cell=lambda one: key_title(one.row.output.name),
             ),
-            Field[_Judged](head="limit", cell=lambda one: one.limit.printed_limit),
+            Field[_Judged](head=say("limit"), cell=lambda one: one.limit.printed_limit),
             *(
-                used(f"the {owner}", partial(_Judged.used_by, owners=(owner,)))
+                used(
+                    say("the {owner}", owner=say(owner)),
+                    partial(_Judged.used_by, owners=(owner,)),
+                )
                 for owner in owners
             ),
-            used(OWN, partial(_Judged.used_by, owners=SENSORS)),
-            used("all", lambda one: used_part(one.limit)),
+            used(say(OWN), partial(_Judged.used_by, owners=SENSORS)),
+            used(say("all"), lambda one: used_part(one.limit)),
         ),
         name="station-limits",
-        caption="What station and sensors alone use of the limits",
+        caption=say("What station and sensors alone use of the limits"),
     )
     yield Panel(
-        title=f"U{coverage} of each part alone, of the limit",
+        title=say("U{coverage} of each part alone, of the limit", coverage=coverage),
         blocks=(
             table,
             Paragraph(
                 words=(
                     (
-                        "Of each group of limits the output where "
-                        f"{f'the {owners[0]}' if len(owners) == 1 else 'both'} alone "
-                        "would take most. The squares of the parts add up."
+                        say(
+                            "Of each group of limits the output where {who} alone "
+                            "would take most. The squares of the parts add up.",
+                            who=say("the {owners}", owners=say(owners[0]))
+                            if len(owners) == 1
+                            else say("both"),
+                        )
                     ),
                 ),
                 small=True,
@@ -340,12 +394,18 @@ def _reasons(unfelt: Sequence[Unfelt]) -> tuple[Words, ...]:
     for one in unfelt:
         if one.source.owner in SHARED:
             reason = (
-                f"removed by {one.removed}, to first order"
+                say("removed by {removed}, to first order", removed=say(one.removed))
                 if one.removed
-                else f"takes {one.needs}"
+                else say("takes {needs}", needs=say(one.needs))
             )
             by_reason.setdefault(reason, []).append(source_title(one.source))
     return tuple(
-        (f"{capital(', '.join(names))}: {reason}.",)
+        (
+            say(
+                "{names}: {reason}.",
+                names=capital(say(", ").join(names)),
+                reason=reason,
+            ),
+        )
         for reason, names in by_reason.items()
     )

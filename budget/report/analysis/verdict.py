@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from budget.names import IMU, by_group, key_title, words
+from budget.language import beside, key_title, say, term, words
+from budget.names import IMU, by_group
 from budget.report.blocks import (
     Abreast,
     Card,
@@ -42,6 +43,7 @@ from budget.report.wording import (
     doubt_sentence,
     mode_remark,
     mode_sentence,
+    say_words,
     value,
 )
 from budget.studies.request import given_lines, sensors_of
@@ -63,7 +65,7 @@ if TYPE_CHECKING:
     from budget.spec.records import Device, ErrorLine, Procedure
 
 
-NOT_KNOWN = "not known"
+NOT_KNOWN = term("not known")
 SPARE = 0.01  # of the limit [1]; a margin below it is no margin to speak of
 
 
@@ -72,23 +74,36 @@ def headline(budget: Budget, assessment: Assessment | None) -> str:
 
     It stands on every printed page, so it says where sources were left out.
     """
-    part = ", chosen sources alone" if budget.settings.only else ""
+    part = say(", chosen sources alone") if budget.settings.only else ""
     if assessment is None:
         coverage = print_coverage(budget.settings.coverage)
         part += mode_remark(budget.settings)
-        return f"Error budget, U at {coverage} % coverage{part}"
+        return say(
+            "Error budget, U at {coverage} % coverage{part}",
+            coverage=coverage,
+            part=part,
+        )
     given = {sensor.verdict for sensor in assessment.sensors}
     overall = next(word for word in SEVERITY if word in given)
     if assessment.not_there:
-        present = " and ".join(
+        present = say(" and ").join(
             key_title(sensor.sensor) for sensor in assessment.sensors
         )
-        part = f", {present} alone{part}"
-    said = VERDICTS[overall]
+        part = say(", {present} alone{part}", present=present, part=part)
+    said = say(VERDICTS[overall])
     if overall == "predicted" and assessment.chance is not None:
-        said = f"{VERDICTS['meets']} with {print_chance(assessment.chance)}:"
+        said = say(
+            "{meets} with {chance}:",
+            meets=say(VERDICTS["meets"]),
+            chance=print_chance(assessment.chance),
+        )
     part += mode_remark(budget.settings)
-    return f"{said} {assessment.requirement}{part}"
+    return say(
+        "{verdict} {requirement}{part}",
+        verdict=said,
+        requirement=assessment.requirement,
+        part=part,
+    )
 
 
 def summary(budget: Budget, assessment: Assessment | None) -> Words:
@@ -98,13 +113,19 @@ def summary(budget: Budget, assessment: Assessment | None) -> Words:
     absent: list[str] = []
     if triads:
         absent.append(
-            f"Nothing is said of the {' and '.join(triads)}, which the "
-            "requirement limits too: no device with one was calibrated. "
+            say(
+                "Nothing is said of the {triads}, which the requirement "
+                "limits too: no device with one was calibrated. ",
+                triads=say(" and ").join(map(say, triads)),
+            )
         )
     if IMU in not_there:
         absent.append(
-            "Nothing is said of the misalignment, which the requirement limits too: it "
-            "takes the mounting angles of a gyro and an accelerometer. "
+            say(
+                "Nothing is said of the misalignment, which the requirement "
+                "limits too: it takes the mounting angles of a gyro and an "
+                "accelerometer. "
+            )
         )
     mode = mode_sentence(budget.settings)
     return (
@@ -132,11 +153,13 @@ def group_cards(groups: Sequence[GroupTable]) -> tuple[Card, ...]:
 def limits_section(budget: Budget, assessment: Assessment) -> Section:
     """Return every required output against its limit, as a table."""
     coverage = print_coverage(budget.settings.coverage)
-    text = (
-        f"{capital(assessment.requirement)}. A limit is on the absolute error: the "
-        f"largest absolute end of the {coverage} % interval of each output is held "
-        f"against it. {_jointly(assessment)}".rstrip()
-    )
+    text = say(
+        "{requirement}. A limit is on the absolute error: the largest absolute end of "
+        "the {coverage} % interval of each output is held against it. {jointly}",
+        requirement=capital(assessment.requirement),
+        coverage=coverage,
+        jointly=_jointly(assessment),
+    ).rstrip()
     sensors = dict.fromkeys(row.output.name.owner for row in assessment.outputs)
     tables = {sensor: _limits_table(assessment, sensor) for sensor in sensors}
     blocks: tuple[Block, ...] = (Paragraph(words=(text,)),)
@@ -150,21 +173,21 @@ def limits_section(budget: Budget, assessment: Assessment) -> Section:
         blocks += tuple(tables.values())
     if assessment.caps:
         blocks += (_caps_table(assessment),)
-    return Section(name="limits", title="Limits", blocks=blocks)
+    return Section(name="limits", title=say("Limits"), blocks=blocks)
 
 
 def _outcome(assessment: Assessment, row: OutputAssessment) -> str:
     """Say on which side of its limit an output is, if anybody knows."""
     if row not in assessment.judged:
-        return NOT_KNOWN
+        return say(NOT_KNOWN)
     word = assessment.outcome(row)
     if row.lower_bound and row.is_within:
-        return "open: lines missing"
+        return say("open: lines missing")
     if any(
         one.doubt and one.sensor == row.output.name.owner for one in assessment.sensors
     ):
-        return f"{word} at the medians"
-    return f"{word}, by Monte Carlo" if row.by_monte_carlo else word
+        return say("{word} at the medians", word=say(word))
+    return say("{word}, by Monte Carlo", word=say(word)) if row.by_monte_carlo else word
 
 
 def _limits_table(assessment: Assessment, sensor: str) -> Table:
@@ -174,7 +197,7 @@ def _limits_table(assessment: Assessment, sensor: str) -> Table:
         return lambda row: Cell(text=pick(row), strong=not row.is_within)
 
     def used(row: OutputAssessment) -> Cell:
-        number, known = used_part(row), _outcome(assessment, row) != NOT_KNOWN
+        number, known = used_part(row), _outcome(assessment, row) != say(NOT_KNOWN)
         return Cell(
             text=number.text.removesuffix(" %"),
             exact=number.exact,
@@ -185,20 +208,28 @@ def _limits_table(assessment: Assessment, sensor: str) -> Table:
     return table_of(
         [row for row in assessment.outputs if row.output.name.owner == sensor],
         (
-            Field(head="axis", cell=text(lambda row: row.output.name.axis)),
+            Field(head=say("axis"), cell=text(lambda row: row.output.name.axis)),
             Field(
-                head="largest error",
+                head=say("largest error"),
                 kind="number",
                 cell=lambda row: cell(largest_error(row), strong=not row.is_within),
             ),
-            Field(head="of the limit [%]", kind="number", cell=used),
-            Field(head="verdict", cell=text(lambda row: _outcome(assessment, row))),
+            Field(head=say("of the limit [%]"), kind="number", cell=used),
+            Field(
+                head=say("verdict"), cell=text(lambda row: _outcome(assessment, row))
+            ),
         ),
         name=f"limits-{sensor}",
-        caption=f"Largest {sensor} errors against limits of {assessment.requirement}",
-        by=lambda row: (
-            f"{capital(words(row.output.name.quantity))} [{row.output.unit}], limit "
-            f"{row.printed_limit}"
+        caption=say(
+            "Largest {sensor} errors against limits of {requirement}",
+            sensor=say(sensor),
+            requirement=assessment.requirement,
+        ),
+        by=lambda row: say(
+            "{quantity} [{unit}], limit {printed_limit}",
+            quantity=capital(words(row.output.name.quantity)),
+            unit=row.output.unit,
+            printed_limit=row.printed_limit,
         ),
         titled=True,
         searchable=True,
@@ -207,23 +238,25 @@ def _limits_table(assessment: Assessment, sensor: str) -> Table:
 
 def _caps_table(assessment: Assessment) -> Table:
     """Return what the devices cost, weigh and draw against the caps."""
-    words = {True: "within", False: "beyond", None: NOT_KNOWN}
+    words = {True: say("within"), False: say("beyond"), None: say(NOT_KNOWN)}
     return table_of(
         assessment.caps,
         (
-            Field(head="cap, which decides no verdict", cell=lambda cap: cap.merit),
-            Field(head="at most", cell=lambda cap: cap.cap),
-            Field(head="device", cell=lambda cap: cap.device),
-            Field(head="given", cell=lambda cap: cap.given or "not given"),
             Field(
-                head="against it",
+                head=say("cap, which decides no verdict"), cell=lambda cap: cap.merit
+            ),
+            Field(head=say("at most"), cell=lambda cap: cap.cap),
+            Field(head=say("device"), cell=lambda cap: cap.device),
+            Field(head=say("given"), cell=lambda cap: cap.given or say("not given")),
+            Field(
+                head=say("against it"),
                 cell=lambda cap: Cell(
                     text=words[cap.is_within], strong=cap.is_within is False
                 ),
             ),
         ),
         name="caps",
-        caption="Price, mass and power against their caps; they decide no verdict",
+        caption=say("Price, mass and power against their caps; they decide no verdict"),
     )
 
 
@@ -231,10 +264,12 @@ def _left_out(settings: Settings) -> Words:
     """Say that sources were left out, where they were."""
     if not settings.only:
         return ()
-    only = ", ".join(map(key_title, settings.only))
-    text = (
-        f"Only these sources are counted: {only}. All other lines are set to zero in "
-        "this run, so this is not the budget of the whole device. "
+    only = say(", ").join(map(key_title, settings.only))
+    text = say(
+        "Only these sources are counted: {only}. All other lines "
+        "are set to zero in this run, so this is not the budget of "
+        "the whole device. ",
+        only=only,
     )
     return (Run(text=text, strong=True),)
 
@@ -243,14 +278,15 @@ def _margin(budget: Budget, assessment: Assessment | None) -> Words:
     """Return by how much limits are held or exceeded, and what errors are."""
     basis = _basis(budget.settings)
     if assessment is None:
-        counted = capital(ERROR_REFERENCES[budget.settings.reference])
-        left = "No requirement was given: this is what the calibration leaves."
-        return (f"{left} {counted}.",)
+        counted = capital(say(ERROR_REFERENCES[budget.settings.reference]))
+        left = say("No requirement was given: this is what the calibration leaves.")
+        return (say("{left} {counted}.", left=left, counted=counted),)
     unknown = [sensor.sensor for sensor in assessment.sensors if sensor.nothing_known]
     judged = assessment.judged
-    said = (
-        f"Nothing is known of the {' and '.join(unknown)}: the data sheet gives no "
-        "error line, and a 0 says just that. "
+    said = say(
+        "Nothing is known of the {unknown}: the data sheet gives "
+        "no error line, and a 0 says just that. ",
+        unknown=say(" and ").join(map(say, unknown)),
     )
     nothing: Words = (Run(text=said, strong=True),) if unknown else ()
     if not judged:
@@ -260,32 +296,48 @@ def _margin(budget: Budget, assessment: Assessment | None) -> Words:
     beyond, unsure = outcomes.count("does not conform"), outcomes.count("open")
     worst = max(row.utilisation for row in judged)
     if beyond:
-        found = f"{beyond} of {total} required outputs exceed their limits, the worst "
-        found += f"at {print_utilisation(worst)} of its limit"
+        found = say(
+            "{beyond} of {total} required outputs exceed their limits, the worst ",
+            beyond=beyond,
+            total=total,
+        )
+        found += say("at {worst} of its limit", worst=print_utilisation(worst))
     elif unsure:
-        found = (
-            f"{unsure} of {total} required outputs are so near their limits that their "
-            "intervals do not tell on which side"
+        found = say(
+            "{unsure} of {total} required outputs are so near their "
+            "limits that their intervals do not tell on which side",
+            unsure=unsure,
+            total=total,
         )
     elif open_ones := sum(row.lower_bound for row in assessment.outputs):
-        found = (
-            f"{len(assessment.outputs) - open_ones} of {len(assessment.outputs)} "
-            "required outputs are within their limits; "
-            f"{open_ones} cannot be decided, as lines are missing"
+        found = say(
+            "{within} of {total} required outputs are within their limits; {open_ones} "
+            "cannot be decided, as lines are missing",
+            within=len(assessment.outputs) - open_ones,
+            total=len(assessment.outputs),
+            open_ones=open_ones,
         )
     else:
-        found = f"Each of the {total} required outputs, taken alone, stays"
+        found = say(
+            "Each of the {total} required outputs, taken alone, stays", total=total
+        )
         if total == 1:
-            found = "The required output stays"
-        found += " within its limit"
+            found = say("The required output stays")
+        found += say(" within its limit")
         if 1.0 - worst >= SPARE:
             spare = print_decimals(100.0 * (1.0 - worst), 1)
-            found += f", with {spare} % of the nearest one to spare"
+            found += say(", with {spare} % of the nearest one to spare", spare=spare)
     if assessment.chance is not None:
-        found = f"At the medians of predicted lines: {found[:1].lower()}{found[1:]}"
+        found = say(
+            "At the medians of predicted lines: {found}",
+            found=f"{found[:1].lower()}{found[1:]}",
+        )
     if any(sensor.is_open_by_reading for sensor in assessment.sensors):
-        found = f"As the values are read here: {found[:1].lower()}{found[1:]}"
-    return (*nothing, f"{found}. ", _jointly(assessment), basis)
+        found = say(
+            "As the values are read here: {found}",
+            found=f"{found[:1].lower()}{found[1:]}",
+        )
+    return (*nothing, say("{found}. ", found=found), _jointly(assessment), basis)
 
 
 def _jointly(assessment: Assessment) -> str:
@@ -293,13 +345,20 @@ def _jointly(assessment: Assessment) -> str:
     if assessment.conformance is None:
         return ""
     total = len(assessment.judged)
-    what = "It conforms" if total == 1 else f"All {total} conform together"
+    what = (
+        say("It conforms")
+        if total == 1
+        else say("All {total} conform together", total=total)
+    )
     most = any(
         sensor.expected_missing or sensor.not_estimated for sensor in assessment.sensors
     )
-    return (
-        f"{what} with a probability of {'at the most ' if most else ''}"
-        f"{print_probability(assessment.conformance)} %. "
+    return say(
+        "{what} with a probability of at the most {probability} %. "
+        if most
+        else "{what} with a probability of {probability} %. ",
+        what=what,
+        probability=print_probability(assessment.conformance),
     )
 
 
@@ -307,62 +366,89 @@ def _verdict_card(
     budget: Budget, sensor: SensorAssessment, worst: OutputAssessment
 ) -> Card:
     """Say of a sensor whether it meets, by which output, and because of what."""
-    missing = ", ".join(
-        MISSING.get(line, line) for line in map(source_title, sensor.expected_missing)
+    missing = say(", ").join(
+        say(MISSING.get(line.quantity, source_title(line)))
+        for line in sensor.expected_missing
     )
     lines: list[Words] = []
     if sensor.nothing_known:
-        lines.append((f"Nothing is known of it: {missing} are not given.",))
+        lines.append(
+            (say("Nothing is known of it: {missing} are not given.", missing=missing),)
+        )
         return Card(
-            title=f"{capital(key_title(sensor.sensor))}: {VERDICTS[sensor.verdict]}",
+            title=say(
+                "{sensor}: {verdicts}",
+                sensor=capital(key_title(sensor.sensor)),
+                verdicts=say(VERDICTS[sensor.verdict]),
+            ),
             lines=tuple(lines),
         )
     if sensor.verdict == "undecidable":
         reasons = [
-            *([f"the data sheet does not give {missing}"] if missing else []),
             *(
-                f"the test does not estimate {parameters}, which is limited"
+                [say("the data sheet does not give {missing}", missing=missing)]
+                if missing
+                else []
+            ),
+            *(
+                say(
+                    "the test does not estimate {parameters}, which is limited",
+                    parameters=parameters,
+                )
                 for parameters in by_group(sensor.not_estimated)
             ),
         ]
-        lines.append((f"It would meet, but {' and '.join(reasons)}.",))
+        lines.append(
+            (say("It would meet, but {reasons}.", reasons=say(" and ").join(reasons)),)
+        )
     elif sensor.is_open_by_reading and sensor.readings is not None:
         said = verdict_line(sensor.readings)
-        lines.append((f"What its data sheet means is open: it {said}.",))
+        lines.append((say("What its data sheet means is open: it {said}.", said=said),))
     elif sensor.verdict == "undecided":
         low, high = (print_utilisation(end) for end in sensor.utilisation_interval)
-        text = f"It uses {low} to {high} of the limit: on which side is not decided."
+        text = say(
+            "It uses {low} to {high} of the limit: on which side is not decided.",
+            low=low,
+            high=high,
+        )
         lines.append((text,))
     if sensor.doubt is not None:
         said = doubt_sentence(sensor.doubt, of=sensor.sensor)
         low, high = (print_utilisation(end) for end in sensor.doubt.utilisation_90)
-        lines.append((Run(text=f"{capital(said)}.", strong=True),))
+        lines.append((Run(text=say("{said}.", said=capital(said)), strong=True),))
         lines.append(
-            (f"It uses {low} to {high} of the limit, 90 % over predicted lines.",)
+            (
+                say(
+                    "It uses {low} to {high} of the limit, 90 % over predicted lines.",
+                    low=low,
+                    high=high,
+                ),
+            )
         )
     lines.append(
-        (
-            f"Worst output: {join_outputs(sensor.worst_outputs)}, largest error ",
-            value(
+        say_words(
+            "Worst output: {outputs}, largest error {error}, limit {limit}: {used} of "
+            "the limit.",
+            outputs=join_outputs(sensor.worst_outputs),
+            error=value(
                 largest_error(worst),
                 worst.output.unit,
             ),
-            f", limit {worst.printed_limit}: ",
-            value(used_part(worst)),
-            " of the limit.",
+            limit=worst.printed_limit,
+            used=value(used_part(worst)),
         )
     )
     if worst.by_monte_carlo:
-        lines.append(("By Monte Carlo: the law is not sure enough there.",))
+        lines.append((say("By Monte Carlo: the law is not sure enough there."),))
     if sensor.conformance is not None:
         is_open = sensor.expected_missing or sensor.not_estimated
-        most = "at the most " if is_open else ""
         used = print_probability(sensor.conformance)
         lines.append(
-            (
-                f"Conformance probability, all its limits together: {most}",
-                Run(text=f"{used} %", exact=sensor.conformance.value),
-                ".",
+            say_words(
+                "Conformance probability, all its limits together: at the most {used}."
+                if is_open
+                else "Conformance probability, all its limits together: {used}.",
+                used=Run(text=f"{used} %", exact=sensor.conformance.value),
             )
         )
     because = print_contributions(
@@ -371,13 +457,19 @@ def _verdict_card(
             for part in budget.output(sensor.worst_output).contributions
         ]
     )
-    at = "" if sensor.doubt is None else ", at the medians"
-    text = f"Because: {because} of the variance of that output{at}."
+    at = "" if sensor.doubt is None else say(", at the medians")
+    text = say(
+        "Because: {because} of the variance of that output{at}.", because=because, at=at
+    )
     if missing and sensor.verdict != "undecidable":
-        text += f" Not given: {missing}."
+        text += say(" Not given: {missing}.", missing=missing)
     lines.append((text,))
     return Card(
-        title=f"{capital(key_title(sensor.sensor))}: {VERDICTS[sensor.verdict]}",
+        title=say(
+            "{sensor}: {verdicts}",
+            sensor=capital(key_title(sensor.sensor)),
+            verdicts=say(VERDICTS[sensor.verdict]),
+        ),
         lines=tuple(lines),
     )
 
@@ -387,30 +479,41 @@ def _group_card(group: GroupTable) -> Card:
     coverage = print_coverage(group.coverage)
     widest = group.widest
     same = len({row.expanded.text for row in group.rows}) == 1
-    where = "every axis" if same else f"axis {widest.axis}"
+    where = say("every axis") if same else say("axis {axis}", axis=widest.axis)
     first: Words = (f"U{coverage} ", value(widest.expanded, group.unit))
     if widest.mean.text not in {"0", UNKNOWN} and float(widest.mean.text) != 0.0:
-        first += (", mean ", value(widest.mean, group.unit))
+        first += (say(", mean "), value(widest.mean, group.unit))
     contributions = group.contributions
-    if contributions != "no spread":
-        contributions += " of the variance"
-    lines: list[Words] = [(*first, f" ({where})"), (contributions,)]
+    if contributions != say("no spread"):
+        contributions += say(" of the variance")
+    lines: list[Words] = [(*first, say(" ({where})", where=where)), (contributions,)]
     if group.gaps:
-        lines.append((f"{group.gaps}.",))
+        lines.append((say("{gaps}.", gaps=group.gaps),))
     refused = [
         row.axis
         for row in group.rows
         if row.check is not None and row.check.word != "agrees"
     ]
     if refused:
-        lines.append((f"In doubt: the law is not confirmed on {', '.join(refused)}.",))
+        lines.append(
+            (
+                say(
+                    "In doubt: the law is not confirmed on {refused}.",
+                    refused=say(", ").join(refused),
+                ),
+            )
+        )
     return Card(title=capital(group.title), lines=tuple(lines))
 
 
 def _basis(settings: Settings) -> str:
     """Say at which coverage errors are given, and from what they are counted."""
     coverage = print_coverage(settings.coverage)
-    return f"Errors at {coverage} % coverage; {ERROR_REFERENCES[settings.reference]}."
+    return say(
+        "Errors at {coverage} % coverage; {error_references}.",
+        coverage=coverage,
+        error_references=say(ERROR_REFERENCES[settings.reference]),
+    )
 
 
 SIGMAS = ("1 sigma", "2 sigma", "3 sigma", "rms", "typical")
@@ -470,7 +573,7 @@ def rank_contributions(
     )
     return tuple(
         LargestContribution(
-            title=f"{owner} {source_title(source)}",
+            title=beside(say(owner), source_title(source)),
             printed=_as_meant(given[source]) if source in given else "",
             effects=tuple(
                 found[k][1] for k in _from_largest([order for order, _ in found])
@@ -508,13 +611,13 @@ def _as_meant(line: ErrorLine) -> str:
     """
     words = [line.printed]
     if line.meaning != "1 sigma":
-        words.append(line.meaning)
+        words.append(say(line.meaning))
     if line.definition not in {"", "sigma"}:
-        words.append(line.definition.replace("_", " "))
+        words.append(say(line.definition.replace("_", " ")))
     usual = "normal" if line.meaning in SIGMAS else "uniform"
     words += [
-        name
+        say(name)
         for name in dict.fromkeys(d.name for d in line.distributions)
         if name != usual
     ]
-    return ", ".join(words)
+    return say(", ").join(words)

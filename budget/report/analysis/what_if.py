@@ -7,7 +7,7 @@ from functools import partial
 from math import floor, inf, log10
 from typing import TYPE_CHECKING
 
-from budget.names import key_title
+from budget.language import key_title, say, term
 from budget.report.blocks import (
     Cell,
     Field,
@@ -40,7 +40,12 @@ if TYPE_CHECKING:
     from budget.studies.what_if import SourceSteps, WhatIf
 
 SIZE_MARK = "\ue000"  # about each size in the device file that the sliders change
-HEADS = {0.0: "without it", 0.5: "at half", 1.0: "now", 2.0: "at twice"}
+HEADS = {
+    0.0: term("without it"),
+    0.5: term("at half"),
+    1.0: term("now"),
+    2.0: term("at twice"),
+}
 
 
 CHANGED_FILE = "changed.yaml"  # what a page calls the changed device
@@ -69,22 +74,23 @@ def what_if_section(
     """
     coverage = print_coverage(model.coverage)
     required = any(limit is not None for limit in model.limit)
-    text = (
-        "One source at a time, the others as they are, by the law with its "
-        f"second-order terms. U{coverage} is of the output where the source has the "
-        "largest share of the variance."
+    text = say(
+        "One source at a time, the others as they are, by the law "
+        "with its second-order terms. U{coverage} is of the output "
+        "where the source has the largest share of the variance.",
+        coverage=coverage,
     )
     if required:
-        text += " The part of the limit is the largest of the sensor's outputs."
+        text += say(" The part of the limit is the largest of the sensor's outputs.")
     text += (
-        " Meets up to: that many times the present size of the line."
+        say(" Meets up to: that many times the present size of the line.")
         if required
         else ""
     )
     text += _not_by_law(budget, required=required)
     return Section(
         name="what-if",
-        title="What a better line would change",
+        title=say("What a better line would change"),
         blocks=(
             Paragraph(words=(text,)),
             Sliders(
@@ -112,7 +118,9 @@ def what_if_section(
 def _not_by_law(budget: Budget, *, required: bool) -> str:
     """Say where the rest of the report does not stand on the law."""
     if budget.settings.method != "gum":
-        return f" The budget itself is by {budget.settings.method}."
+        return say(
+            " The budget itself is by {method}.", method=say(budget.settings.method)
+        )
     overruled = [
         key_title(row.output.name)
         for row in budget.outputs
@@ -128,15 +136,18 @@ def _not_by_law(budget: Budget, *, required: bool) -> str:
     ]
     text = ""
     if overruled:
-        text += (
-            f" The interval of {', '.join(overruled)} is not the law's: its own "
-            "coverage factor U/u is used here (JCGM 100, annex G), as if the shape "
-            "stayed the same; with the sources as they are it is exact."
+        text += say(
+            " The interval of {overruled} is not the law's: its own "
+            "coverage factor U/u is used here (JCGM 100, annex G), as "
+            "if the shape stayed the same; with the sources as they "
+            "are it is exact.",
+            overruled=say(", ").join(overruled),
         )
     if refused:
-        text += (
-            f" The law failed its check for {', '.join(refused)}: there the numbers "
-            "of this section are in doubt."
+        text += say(
+            " The law failed its check for {refused}: there the "
+            "numbers of this section are in doubt.",
+            refused=say(", ").join(refused),
         )
     return text
 
@@ -144,7 +155,7 @@ def _not_by_law(budget: Budget, *, required: bool) -> str:
 def _table(rows: Sequence[SourceSteps], coverage: str, *, required: bool) -> Table:
     """Return one source after the other in several sizes."""
     steps = list(
-        enumerate(HEADS[step.factor] for step in rows[0].steps) if rows else ()
+        enumerate(say(HEADS[step.factor]) for step in rows[0].steps) if rows else ()
     )
     expanded = [
         Field(head=f"U{coverage} {head}", kind="number", cell=partial(_expanded, place))
@@ -152,28 +163,30 @@ def _table(rows: Sequence[SourceSteps], coverage: str, *, required: bool) -> Tab
     ]
     used = [
         Field(
-            head=f"of the limit {head} [%]", kind="number", cell=partial(_used, place)
+            head=say("of the limit {head} [%]", head=head),
+            kind="number",
+            cell=partial(_used, place),
         )
         for place, head in steps
     ]
-    most = Field(head="meets up to", kind="number", cell=_most)
-    against = (*used, most, Field(head="verdict then", cell=_verdicts))
+    most = Field(head=say("meets up to"), kind="number", cell=_most)
+    against = (*used, most, Field(head=say("verdict then"), cell=_verdicts))
     return table_of(
         rows,
         (
             Field(
-                head="source",
+                head=say("source"),
                 weight=2.0,
                 cell=lambda row: source_title(row.source.name),
             ),
-            Field(head="printed", cell=lambda row: row.source.printed),
+            Field(head=say("printed"), cell=lambda row: row.source.printed),
             Field(
-                head="output",
+                head=say("output"),
                 weight=1.6,
                 cell=lambda row: key_title(row.output.name.without_owner),
             ),
             Field(
-                head="its share [%]",
+                head=say("its share [%]"),
                 kind="number",
                 cell=lambda row: share_cell(row.share),
             ),
@@ -182,8 +195,8 @@ def _table(rows: Sequence[SourceSteps], coverage: str, *, required: bool) -> Tab
             *(against if required else ()),
         ),
         name="one-at-a-time",
-        caption="What one source more or less would do",
-        by=lambda row: row.source.name.owner,
+        caption=say("What one source more or less would do"),
+        by=lambda row: say(row.source.name.owner),
         titled=True,
         is_wide=True,
         searchable=True,
@@ -216,9 +229,9 @@ def _most(row: SourceSteps) -> Cell:
     if row.used_lower_bound:
         return Cell(text="?")
     if row.most is None:
-        return Cell(text="none")
+        return Cell(text=say("none"))
     if row.most == inf:
-        return Cell(text="any")
+        return Cell(text=say("any"))
     # Down: what is printed has to meet.
     step = 10.0 ** (floor(log10(row.most)) - 1) if row.most > 0.0 else 1.0
     text = print_given(floor(settle(row.most / step)) * step)
@@ -233,8 +246,8 @@ def _verdicts(row: SourceSteps) -> str:
     """Say what the verdict would become, where it is another one than now."""
     now = next(step.verdict for step in row.steps if step.factor == 1.0)
     changed = [
-        f"{VERDICTS[step.verdict]} {HEADS[step.factor]}"
+        f"{say(VERDICTS[step.verdict])} {say(HEADS[step.factor])}"
         for step in row.steps
         if step.verdict != now
     ]
-    return "; ".join(changed) or "unchanged" if now else ""
+    return say("; ").join(changed) or say("unchanged") if now else ""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.language import key_title
+from budget.language import key_title, say
 from budget.report.blocks import Cell, Field, table_of
 from budget.report.figures.rows import Bar, Chart, Group, Head, Panel, Row, Scale, Side
 from budget.report.figures.style import (
@@ -122,7 +122,12 @@ def tornado_chart(critical: Critical) -> Chart | None:
         u = part.u.exact
         colour, hatch, _ = look_of(source.source)
         said = f"\N{PLUS-MINUS SIGN}{part.u.text} {group.unit}"
-        tip = f"{source.title} moves the {critical.title} by {said}"
+        tip = say(
+            "{source} moves the {critical} by {said}",
+            source=source.title,
+            critical=critical.title,
+            said=said,
+        )
         bar = Bar(start=-u, end=u, colour=colour, hatch=hatch, height=11.0, tip=tip)
         share = part.share.text
         rows.append(
@@ -130,7 +135,12 @@ def tornado_chart(critical: Critical) -> Chart | None:
                 label=source.title,
                 marks=(bar,),
                 beside=(f"\N{PLUS-MINUS SIGN}{part.u.text}", share),
-                said=f"{source.title} {said} ({share} of the variance)",
+                said=say(
+                    "{source} {said} ({share} of the variance)",
+                    source=source.title,
+                    said=said,
+                    share=share,
+                ),
             )
         )
     most = AIR * sources[0].cells[place].u.exact
@@ -138,20 +148,28 @@ def tornado_chart(critical: Critical) -> Chart | None:
     return Chart(
         name=f"tornado-{group.sensor}-{group.parameter}",
         title=(
-            f"{capital(critical.title)}: {first.title} "
-            f"\N{PLUS-MINUS SIGN}{first.cells[place].u.text} {group.unit}"
+            say(
+                "{critical}: {first} ±{u} {unit}",
+                critical=capital(critical.title),
+                first=first.title,
+                u=first.cells[place].u.text,
+                unit=group.unit,
+            )
         ),
         sides=_one_side(
             Scale(
                 low=-most,
                 high=most,
                 lines=((0.0, ""),),
-                label=f"error for \N{PLUS-MINUS SIGN}u of one source [{group.unit}]",
+                label=say("error for ±u of one source [{unit}]", unit=group.unit),
             ),
             rows,
         ),
-        lead=f"Error of the {critical.title} for one u of each source: ",
-        beside=("c u(x)", "share"),
+        lead=say(
+            "Error of the {critical} for one u of each source: ",
+            critical=critical.title,
+        ),
+        beside=("c u(x)", say("share")),
         pitch=PITCH,
     )
 
@@ -177,15 +195,15 @@ def waterfall_chart(critical: Critical) -> Chart | None:
         reached = after
     whole = row.expanded.exact
     if len(sources) < sum(not source.is_idle for source in group.sources):
-        rows.append(_step("all others", reached, whole, u, (MUTED, "", "")))
+        rows.append(_step(say("all others"), reached, whole, u, (MUTED, "", "")))
     rows.append(_total(f"U{coverage} = k u", whole, row.expanded.text))
     mean = abs(row.mean.exact)
     has_mean = row.mean.text != UNKNOWN and float(row.mean.text) != 0.0
     largest = max(abs(row.low.exact), abs(row.high.exact))
     if has_mean:
-        rows.append(_step("mean error", whole, whole + mean, u, (GRID, HATCH, "")))
+        rows.append(_step(say("mean error"), whole, whole + mean, u, (GRID, HATCH, "")))
         text = row.low.text if abs(row.low.exact) > row.high.exact else row.high.text
-        rows.append(_total("largest error", largest, text.lstrip("-")))
+        rows.append(_total(say("largest error"), largest, text.lstrip("-")))
     limit = critical.limit
     most = max(largest, whole, limit.at if limit else 0.0)
     return Chart(
@@ -195,12 +213,22 @@ def waterfall_chart(critical: Critical) -> Chart | None:
             Scale(
                 low=0.0,
                 high=AIR * most,
-                lines=((limit.at, f"limit {limit.printed}"),) if limit else (),
-                label=f"U{coverage}, sources added one by one [{group.unit}]",
+                lines=((limit.at, say("limit {limit}", limit=limit.printed)),)
+                if limit
+                else (),
+                label=say(
+                    "U{coverage}, sources added one by one [{unit}]",
+                    coverage=coverage,
+                    unit=group.unit,
+                ),
             ),
             rows,
         ),
-        lead=f"U{coverage} of the {critical.title} with each source added: ",
+        lead=say(
+            "U{coverage} of the {critical} with each source added: ",
+            coverage=coverage,
+            critical=critical.title,
+        ),
         pitch=PITCH,
     )
 
@@ -208,11 +236,17 @@ def waterfall_chart(critical: Critical) -> Chart | None:
 def _waterfall_title(critical: Critical, coverage: str) -> str:
     """State the finding: how large U is, and how much of the limit is used."""
     row, unit = critical.row, critical.group.unit
-    whole = f"{capital(critical.title)}: U{coverage} {row.expanded.text} {unit}"
+    whole = say(
+        "{critical}: U{coverage} {expanded} {unit}",
+        critical=capital(critical.title),
+        coverage=coverage,
+        expanded=row.expanded.text,
+        unit=unit,
+    )
     if critical.limit is None or row.expanded.text == UNKNOWN:
         return whole
     used = print_utilisation(critical.limit.used)
-    return f"{whole}, {used} of the limit"
+    return say("{whole}, {used} of the limit", whole=whole, used=used)
 
 
 def _step(
@@ -290,10 +324,12 @@ def correlation_chart(budget: Budget) -> Chart | None:
         name="correlation",
         title=_correlation_title(r, budget),
         sides=_one_side(Scale(low=0.0, high=float(len(places)), ticks=()), rows),
-        lead="Correlation of outputs. ",
+        lead=say("Correlation of outputs. "),
         caption=(
-            "Correlation coefficient in per cent; blue above 0, red below. Empty below "
-            "1 %. Columns have the numbers of the rows."
+            say(
+                "Correlation coefficient in per cent; blue above 0, red below. "
+                "Empty below 1 %. Columns have the numbers of the rows."
+            )
         ),
         heads=tuple(Head(at=x + 0.5, text=str(x + 1)) for x in range(len(places))),
         pitch=15.0,
@@ -307,16 +343,16 @@ def correlation_chart(budget: Budget) -> Chart | None:
                 if abs(r[places[x], places[y]]) >= SEEN
             ],
             (
-                Field(head="output", cell=lambda one: key_title(one[0])),
-                Field(head="with", cell=lambda one: key_title(one[1])),
+                Field(head=say("output"), cell=lambda one: key_title(one[0])),
+                Field(head=say("with"), cell=lambda one: key_title(one[1])),
                 Field(
-                    head="correlation [%]",
+                    head=say("correlation [%]"),
                     kind="number",
                     cell=lambda one: Cell(text=_per_cent(one[2]), exact=one[2]),
                 ),
             ),
             name="correlation-data",
-            caption="Correlation coefficients of outputs",
+            caption=say("Correlation coefficients of outputs"),
         ),
     )
 
@@ -327,9 +363,11 @@ def _correlation_title(r: np.ndarray, budget: Budget) -> str:
     first, second = np.unravel_index(first_largest(size.ravel().tolist()), r.shape)
     names = (budget.outputs[k].output.name for k in (first, second))
     one, other = map(key_title, names)
-    return (
-        f"{capital(one)} and {other} correlate most: "
-        f"{_per_cent(float(r[first, second]))} %"
+    return say(
+        "{one} and {other} correlate most: {per_cent} %",
+        one=capital(one),
+        other=other,
+        per_cent=_per_cent(float(r[first, second])),
     )
 
 
@@ -345,14 +383,23 @@ def _cell(x: int, r: float, one: Name, other: Name) -> Bar:
         height=13.0,
         text=_per_cent(r),
         text_colour=ON_DARK if opacity == 1.0 and r > 0.0 else INK,
-        tip=f"{key_title(one)} with {key_title(other)}: {_per_cent(r)} %",
+        tip=say(
+            "{one} with {other}: {per_cent} %",
+            one=key_title(one),
+            other=key_title(other),
+            per_cent=_per_cent(r),
+        ),
     )
 
 
 def _said(name: Name, others: Sequence[tuple[Name, float]]) -> str:
     """Say what one output is correlated with, of those before it."""
     seen = [f"{key_title(o)} {_per_cent(r)} %" for o, r in others if abs(r) >= SEEN]
-    return f"{key_title(name)} with {', '.join(seen)}" if seen else ""
+    return (
+        say("{name} with {seen}", name=key_title(name), seen=say(", ").join(seen))
+        if seen
+        else ""
+    )
 
 
 def _per_cent(r: float) -> str:

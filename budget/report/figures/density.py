@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.names import key_title
+from budget.language import key_title, say
 from budget.report.blocks import Field, table_of
 from budget.report.figures.style import (
     BLUE,
@@ -101,7 +101,7 @@ def density_step(density: Density, *, coverage: float) -> Figure:
     share = f"{print_coverage(coverage)} %"
     for y, ends, colour, text in (
         (-0.09, density.interval, INK, "law"),
-        (-0.21, density.interval_mc, BLUE, "Monte Carlo"),
+        (-0.21, density.interval_mc, BLUE, say("Monte Carlo")),
     ):
         at = (ends[0] / scale, ends[1] / scale)
         _draw_interval(axes, y, at, colour, (share, text))
@@ -115,7 +115,11 @@ def density_step(density: Density, *, coverage: float) -> Figure:
     axes.locator_params(axis="x", nbins=7, steps=[1, 2, 5, 10])
     axes.set_xticks([x for x in axes.get_xticks() if low <= x * scale <= high])
     axes.set_xlabel(
-        f"error of the {key_title(density.output.name)} [{unit}]",
+        say(
+            "error of the {name} [{unit}]",
+            name=key_title(density.output.name),
+            unit=unit,
+        ),
         fontsize=SMALL,
         color=MUTED,
     )
@@ -124,7 +128,7 @@ def density_step(density: Density, *, coverage: float) -> Figure:
 
 def density_title(density: Density, *, coverage: float) -> str:
     """State the finding: how often the limit is exceeded, or where the errors lie."""
-    more = ", this or more: lines are missing" if density.lacks else ""
+    more = say(", this or more: lines are missing") if density.lacks else ""
     return f"{_finding(density, coverage=coverage)}{more}"
 
 
@@ -133,16 +137,26 @@ def _finding(density: Density, *, coverage: float) -> str:
     name = capital(key_title(density.output.name))
     if density.limit is None:
         low, high = (_round(density, end) for end in density.interval_mc)
-        return (
-            f"{name}: {print_coverage(coverage)} % of the errors lie between {low} and "
-            f"{high} {density.output.unit}"
+        return say(
+            "{name}: {coverage} % of the errors lie between {low} and {high} {unit}",
+            name=name,
+            coverage=print_coverage(coverage),
+            low=low,
+            high=high,
+            unit=density.output.unit,
         )
     beyond = part_beyond(density)
     if beyond == 0.0:
-        return (
-            f"{name} exceeds its limit in none of {print_count(density.trials)} trials"
+        return say(
+            "{name} exceeds its limit in none of {trials} trials",
+            name=name,
+            trials=print_count(density.trials),
         )
-    return f"{name} exceeds its limit in {print_share(beyond)} of the trials"
+    return say(
+        "{name} exceeds its limit in {beyond} of the trials",
+        name=name,
+        beyond=print_share(beyond),
+    )
 
 
 def density_alt(density: Density, *, coverage: float) -> str:
@@ -150,17 +164,31 @@ def density_alt(density: Density, *, coverage: float) -> str:
     unit = density.output.unit
     share = print_coverage(coverage)
     law, trials = (
-        f"{_round(density, ends[0])} to {_round(density, ends[1])} {unit}"
+        say(
+            "{low} to {high} {unit}",
+            low=_round(density, ends[0]),
+            high=_round(density, ends[1]),
+            unit=unit,
+        )
         for ends in (density.interval, density.interval_mc)
     )
-    text = (
-        f"{density_title(density, coverage=coverage)}. Density of "
-        f"{print_count(density.trials)} trials with the normal law over it; {share} % "
-        f"interval by the law {law}, by Monte Carlo {trials}"
+    text = say(
+        "{density_title}. Density of {trials} trials with the "
+        "normal law over it; {share} % interval by the law {law}, "
+        "by Monte Carlo {sampled}",
+        density_title=density_title(density, coverage=coverage),
+        trials=print_count(density.trials),
+        share=share,
+        law=law,
+        sampled=trials,
     )
     if density.limit is not None:
-        text += f"; limits at plus and minus {_limit(density)} {unit}"
-    return f"{text}."
+        text += say(
+            "; limits at plus and minus {limit} {unit}",
+            limit=_limit(density),
+            unit=unit,
+        )
+    return say("{text}.", text=text)
 
 
 def part_beyond(density: Density) -> float:
@@ -224,10 +252,12 @@ def _caption(density: Density) -> str:
     text = ""
     if density.limit is not None and not _limits(density):
         both = f"\N{PLUS-MINUS SIGN}{_limit(density)} {density.output.unit}"
-        text += f" The limits, {both}, are beyond the figure."
+        text += say(" The limits, {both}, are beyond the figure.", both=both)
     if density.lacks:
-        titles = ", ".join(map(source_title, density.lacks))
-        text += f" Not given, so that it is this wide or wider: {titles}."
+        titles = say(", ").join(map(source_title, density.lacks))
+        text += say(
+            " Not given, so that it is this wide or wider: {titles}.", titles=titles
+        )
     return text.lstrip()
 
 
@@ -253,27 +283,35 @@ def _data(density: Density, *, coverage: float) -> Table:
     scale = density.output.si_per_unit
     share = print_coverage(coverage)
     named = [
-        ("mean, by the law", density.mean, ""),
-        ("u, by the law", density.u, AT_LEAST),
-        (f"{share} % interval by the law, from", density.interval[0], AT_MOST),
+        (say("mean, by the law"), density.mean, ""),
+        (say("u, by the law"), density.u, AT_LEAST),
+        (
+            say("{share} % interval by the law, from", share=share),
+            density.interval[0],
+            AT_MOST,
+        ),
         ("to", density.interval[1], AT_LEAST),
-        (f"{share} % interval by Monte Carlo, from", density.interval_mc[0], AT_MOST),
+        (
+            say("{share} % interval by Monte Carlo, from", share=share),
+            density.interval_mc[0],
+            AT_MOST,
+        ),
         ("to", density.interval_mc[1], AT_LEAST),
     ]
     rows = [(name, _marked(density, x, sign)) for name, x, sign in named]
     if density.limit is not None:
         limit = Number(text=_limit(density), exact=density.limit / scale)
-        rows.append(("limit on the absolute error", limit))
+        rows.append((say("limit on the absolute error"), limit))
     return table_of(
         rows,
         (
             Field(head="", cell=lambda row: row[0]),
             Field(
-                head=f"error [{density.output.unit}]",
+                head=say("error [{unit}]", unit=density.output.unit),
                 kind="number",
                 cell=lambda row: cell(row[1]),
             ),
         ),
         name=kebab(f"density-{density.output.name}-data"),
-        caption=f"Distribution of the {key_title(density.output.name)}",
+        caption=say("Distribution of the {name}", name=key_title(density.output.name)),
     )

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from budget.names import key_title, words
+from budget.language import key_title, say, term, words
 from budget.report.blocks import Cell, Field, table_of
 from budget.report.figures.rows import (
     Chart,
@@ -61,14 +61,17 @@ def overview_chart(groups: Sequence[GroupTable]) -> Chart | None:
             )
             for sensor in dict.fromkeys(group.sensor for group in groups)
         ),
-        lead=f"U{coverage}. ",
-        caption="Each group of parameters has an axis of its own, from zero.",
-        foot=f"U{coverage}, half the width of the {coverage} % interval",
+        lead=say("U{coverage}. ", coverage=coverage),
+        caption=say("Each group of parameters has an axis of its own, from zero."),
+        foot=say(
+            "U{coverage}, half the width of the {coverage} % interval",
+            coverage=coverage,
+        ),
         data_on_paper=False,
         data=table_of(
             [(group, row) for group in groups for row in group.rows],
             (
-                Field(head="output", cell=lambda one: one[1].axis),
+                Field(head=say("output"), cell=lambda one: one[1].axis),
                 Field(
                     head=f"U{coverage}",
                     kind="number",
@@ -77,7 +80,7 @@ def overview_chart(groups: Sequence[GroupTable]) -> Chart | None:
                 Field(head="", kind="unit", cell=lambda one: one[0].unit),
             ),
             name="overview-data",
-            caption=f"U{coverage} of every output",
+            caption=say("U{coverage} of every output", coverage=coverage),
             by=lambda one: capital(_in_unit(one[0])),
             titled=True,
         ),
@@ -86,19 +89,26 @@ def overview_chart(groups: Sequence[GroupTable]) -> Chart | None:
 
 def _in_unit(group: GroupTable) -> str:
     """Name a group with its unit: 'gyro bias in deg/h'."""
-    return f"{group.title} in {group.unit}"
+    return say("{group} in {unit}", group=group.title, unit=group.unit)
 
 
 def _overview_title(groups: Sequence[GroupTable], coverage: str) -> str:
     """State the finding: the widest bias of each sensor, or the widest output."""
     chosen = [group for group in groups if group.parameter == "bias"] or groups[:1]
     parts = [
-        f"not known for the {group.title}"
+        say("not known for the {group}", group=group.title)
         if group.widest.expanded.text == UNKNOWN
-        else f"{group.widest.expanded.text} {group.unit} for the {group.title}"
+        else say(
+            "{expanded} {unit} for the {group}",
+            expanded=group.widest.expanded.text,
+            unit=group.unit,
+            group=group.title,
+        )
         for group in chosen
     ]
-    return f"U{coverage} is {' and '.join(parts)}"
+    return say(
+        "U{coverage} is {parts}", coverage=coverage, parts=say(" and ").join(parts)
+    )
 
 
 def _overview_panel(group: GroupTable) -> Panel:
@@ -119,7 +129,13 @@ def _overview_panel(group: GroupTable) -> Panel:
 def _overview_row(group: GroupTable, row: OutputRow) -> Row:
     """Return a line from zero to the dot of one output, and its number."""
     x, text = row.expanded.exact, row.expanded.text
-    tip = f"{group.title} {row.axis}: U {text} {group.unit}"
+    tip = say(
+        "{group} {axis}: U {text} {unit}",
+        group=group.title,
+        axis=row.axis,
+        text=text,
+        unit=group.unit,
+    )
     return Row(
         label=row.axis,
         marks=(Stroke(start=0.0, end=x), Dot(at=x, size=4.5, tip=tip)),
@@ -132,9 +148,11 @@ MOST_LINEAR = 4.0  # utilisations beyond need a logarithmic axis [1]
 
 
 USED = (
-    Field["OutputAssessment"](head="output", cell=lambda row: row.output.name.axis),
     Field["OutputAssessment"](
-        head="largest error [% of the limit]",
+        head=term("output"), cell=lambda row: row.output.name.axis
+    ),
+    Field["OutputAssessment"](
+        head=term("largest error [% of the limit]"),
         kind="number",
         cell=lambda row: Cell(
             text=used_part(row).text.removesuffix(" %"),
@@ -142,7 +160,7 @@ USED = (
             strong=not row.is_within,
         ),
     ),
-    Field["OutputAssessment"](head="limit", cell=lambda row: row.printed_limit),
+    Field["OutputAssessment"](head=term("limit"), cell=lambda row: row.printed_limit),
 )
 
 
@@ -171,8 +189,8 @@ def utilisation_chart(assessment: Assessment) -> Chart:
             )
             for sensor in sensors
         ),
-        lead="Largest errors in per cent of the limit. ",
-        foot="largest error [% of the limit]; filled: beyond it",
+        lead=say("Largest errors in per cent of the limit. "),
+        foot=say("largest error [% of the limit]; filled: beyond it"),
         data_on_paper=False,
         data=table_of(
             [
@@ -183,7 +201,7 @@ def utilisation_chart(assessment: Assessment) -> Chart:
             ],
             USED,
             name="utilisation-data",
-            caption="Largest error of each output in per cent of its limit",
+            caption=say("Largest error of each output in per cent of its limit"),
             by=lambda row: capital(key_title(row.output.name.group)),
             titled=True,
         ),
@@ -198,23 +216,36 @@ def utilisation_title(assessment: Assessment) -> str:
         sensors[place] for place in largest([one.utilisation for one in sensors])
     ]
     beyond = sum(not output.is_within for output in assessment.outputs)
-    at = "" if assessment.chance is None else "At the medians of predicted lines: "
+    at = "" if assessment.chance is None else say("At the medians of predicted lines: ")
     name = join_outputs([name for one in nearest for name in one.worst_outputs])
-    part = f"{name} at {used_part(worst).text} of the limit"
+    part = say(
+        "{name} at {used_part} of the limit", name=name, used_part=used_part(worst).text
+    )
     total = len(assessment.outputs)
     if beyond:
-        return (
-            f"{at}{beyond} of {total} outputs exceed their limits, most of all {part}"
+        return say(
+            "{at}{beyond} of {total} outputs exceed their limits, most of all {part}",
+            at=at,
+            beyond=beyond,
+            total=total,
+            part=part,
         )
     open_ones = sum(output.lower_bound for output in assessment.outputs)
     if open_ones:
-        return (
-            f"{total - open_ones} of {total} outputs are within their limits, "
-            f"{open_ones} cannot be decided, lines are missing"
+        return say(
+            "{within} of {total} outputs are within their limits, {open_ones} cannot "
+            "be decided, lines are missing",
+            within=total - open_ones,
+            total=total,
+            open_ones=open_ones,
         )
-    every = "all" if at else "All"
-    return (
-        f"{at}{every} {total} outputs stay within their limits, the nearest is {part}"
+    return say(
+        "{at}all {total} outputs stay within their limits, the nearest is {part}"
+        if at
+        else "All {total} outputs stay within their limits, the nearest is {part}",
+        at=at,
+        total=total,
+        part=part,
     )
 
 
@@ -258,9 +289,15 @@ def _limit_row(output: OutputAssessment, start: float) -> Row:
                 at=x,
                 fill=PAPER if output.is_within else INK,
                 edge=MUTED if output.is_within else INK,
-                tip=f"{key_title(output.output.name)}: largest error "
-                f"{largest_error(output).text} "
-                f"{output.output.unit}, {used} of the limit {output.printed_limit}",
+                tip=say(
+                    "{name}: largest error {largest_error} {unit}, {used} of "
+                    "the limit {printed_limit}",
+                    name=key_title(output.output.name),
+                    largest_error=largest_error(output).text,
+                    unit=output.output.unit,
+                    used=used,
+                    printed_limit=output.printed_limit,
+                ),
             ),
         ),
         beside=(used,),
@@ -289,19 +326,19 @@ class Check:
 
 
 CHECKED = (
-    Field[Check](head="output", cell=lambda check: check.row.axis),
+    Field[Check](head=term("output"), cell=lambda check: check.row.axis),
     Field[Check](
-        head="lower end [tolerances]",
+        head=term("lower end [tolerances]"),
         kind="number",
         cell=lambda check: Cell(text=_signed(check.low), exact=check.low),
     ),
     Field[Check](
-        head="upper end [tolerances]",
+        head=term("upper end [tolerances]"),
         kind="number",
         cell=lambda check: Cell(text=_signed(check.high), exact=check.high),
     ),
     Field[Check](
-        head="the law",
+        head=term("the law"),
         cell=lambda check: Cell(
             text=check.validation.word, strong=not check.validation.holds
         ),
@@ -326,7 +363,7 @@ def validity_chart(budget: Budget, sensor: str) -> Chart | None:
         kind="symlog" if is_long else "linear",
         lines=((0.0, ""),),
         band=(-1.0, 1.0),
-        label="law less Monte Carlo [tolerances]; band: the law is confirmed",
+        label=say("law less Monte Carlo [tolerances]; band: the law is confirmed"),
     )
     groups = tuple(
         Group(title=words(name), rows=tuple(map(_check_row, own)))
@@ -336,17 +373,25 @@ def validity_chart(budget: Budget, sensor: str) -> Chart | None:
         name=f"validity-{sensor}",
         title=_check_title(checks, sensor),
         sides=(Side(panels=(Panel(scale=scale, groups=groups),)),),
-        lead=("Lower and upper interval end, law less Monte Carlo, in tolerances. "),
+        lead=(
+            say("Lower and upper interval end, law less Monte Carlo, in tolerances. ")
+        ),
         caption=(
-            f"Monte Carlo: {trials} trials. Triangles point to the end that they are "
-            "of; in the band the law is confirmed."
+            say(
+                "Monte Carlo: {trials} trials. Triangles point to the end "
+                "that they are of; in the band the law is confirmed.",
+                trials=trials,
+            )
         ),
         data_on_paper=False,
         data=table_of(
             checks,
             CHECKED,
             name=f"validity-{sensor}-data",
-            caption=f"The law less Monte Carlo for the {words(sensor)}, in tolerances",
+            caption=say(
+                "The law less Monte Carlo for the {sensor}, in tolerances",
+                sensor=words(sensor),
+            ),
             by=lambda check: capital(words(check.row.parameter)),
             titled=True,
         ),
@@ -358,13 +403,26 @@ def _check_title(checks: list[Check], sensor: str) -> str:
     worst = checks[first_largest([check.worst for check in checks])]
     name, size = key_title(worst.row.output.name), _signed(worst.worst)[1:]
     missed = sum(not check.validation.holds for check in checks)
-    part = f"farthest off is {name} with a difference of {size} tolerances"
+    part = say(
+        "farthest off is {name} with a difference of {size} tolerances",
+        name=name,
+        size=size,
+    )
     if missed:
-        return (
-            f"The law is not confirmed for {missed} of {len(checks)} {words(sensor)} "
-            f"outputs, {part}"
+        return say(
+            "The law is not confirmed for {missed} of {checks} {sensor} outputs, "
+            "{part}",
+            missed=missed,
+            checks=len(checks),
+            sensor=words(sensor),
+            part=part,
         )
-    return f"The law is confirmed for all {len(checks)} {words(sensor)} outputs, {part}"
+    return say(
+        "The law is confirmed for all {checks} {sensor} outputs, {part}",
+        checks=len(checks),
+        sensor=words(sensor),
+        part=part,
+    )
 
 
 def _checks(budget: Budget, sensor: str) -> list[Check]:
@@ -389,9 +447,12 @@ def _check_row(check: Check) -> Row:
     size = _signed(check.worst)[1:]
     fill, edge = (PAPER, MUTED) if holds else (INK, INK)
     axis = check.row.axis
-    tip = (
-        f"{key_title(check.row.output.name)}: the law {word}, lower end {low}, "
-        f"upper end {high} tolerances"
+    tip = say(
+        "{name}: the law {word}, lower end {low}, upper end {high} tolerances",
+        name=key_title(check.row.output.name),
+        word=say(word),
+        low=low,
+        high=high,
     )
     return Row(
         label=axis,
@@ -400,9 +461,14 @@ def _check_row(check: Check) -> Row:
             Dot(at=check.low, shape="<", fill=fill, edge=edge),
             Dot(at=check.high, shape=">", fill=fill, edge=edge),
         ),
-        beside=({"agrees": size, "fails": f"fails {size}"}.get(word, word),),
+        beside=(
+            {"agrees": size, "fails": say("fails {size}", size=size)}.get(
+                word, say(word)
+            ),
+        ),
         strong=not holds,
-        said=f"{axis} {low} and {high}" + ("" if holds else f" ({word})"),
+        said=say("{axis} {low} and {high}", axis=axis, low=low, high=high)
+        + ("" if holds else say(" ({word})", word=say(word))),
     )
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from budget.language import say
 from budget.report.figures.style import (
     GRID,
     INK,
@@ -199,11 +200,19 @@ class Chart:
             for group in self.groups
         ]
         texts = [
-            f"{title}: {', '.join(rows)}" if title else "; ".join(rows)
+            say("{title}: {rows}", title=title, rows=say(", ").join(rows))
+            if title
+            else say("; ").join(rows)
             for title, rows in said
             if rows
         ]
-        return f"{self.title}. {self.lead}{'; '.join(texts)}.{self.after}"
+        return say(
+            "{title}. {lead}{texts}.{after}",
+            title=self.title,
+            lead=self.lead,
+            texts=say("; ").join(texts),
+            after=self.after,
+        )
 
     @property
     def tips(self) -> dict[str, str]:

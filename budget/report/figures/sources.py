@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from math import fsum
 from typing import TYPE_CHECKING
 
+from budget.language import key_title, say, term, words
 from budget.model.source import ACCELEROMETER
 from budget.model.sources import SENSORS
-from budget.names import IMU, key_title, words
+from budget.names import IMU
 from budget.report.blocks import Cell, Field, table_of
 from budget.report.figures.rows import (
     Bar,
@@ -82,20 +83,20 @@ def share_chart(group: GroupTable) -> Chart:
         low=0.0,
         high=100.0,
         ticks=tuple((float(x), str(x)) for x in (0, 25, 50, 75, 100)),
-        label="share of the variance [%]",
+        label=say("share of the variance [%]"),
     )
     rows = tuple(_shares_row(group, place, bar) for place, bar in enumerate(bars))
     return Chart(
         name=f"shares-{group.sensor}-{group.parameter}",
         title=_shares_title(group),
         sides=(Side(panels=(Panel(scale=scale, groups=(Group(rows=rows),)),)),),
-        lead="Shares of the variance by axis. ",
+        lead=say("Shares of the variance by axis. "),
         heads=tuple(heads.values()),
         pitch=21.0,
         legend=tuple(
             (
                 *_segment_look(name, group)[:2],
-                _segment_name(name, group, "other, each below 1 %"),
+                _segment_name(name, group, say("other, each below 1 %")),
             )
             for name in in_order(seen)
             if name not in heads
@@ -107,13 +108,24 @@ def _shares_title(group: GroupTable) -> str:
     """State the finding: what makes most of the variance of a group."""
     first, *others = group.sources
     if first.share.exact == 0.0:
-        return f"The {group.title} has no spread"
-    whole = f"of the {group.title} variance"
+        return say("The {group} has no spread", group=group.title)
+    whole = say("of the {group} variance", group=group.title)
     if first.share.exact >= MAJORITY or not others:
-        return f"{capital(first.title)} contributes {first.share.text} {whole}"
+        return say(
+            "{first} contributes {share} {whole}",
+            first=capital(first.title),
+            share=first.share.text,
+            whole=whole,
+        )
     second = others[0]
     both = print_share(first.share.exact + second.share.exact)
-    return f"{capital(first.title)} and {second.title} contribute {both} {whole}"
+    return say(
+        "{first} and {second} contribute {both} {whole}",
+        first=capital(first.title),
+        second=second.title,
+        both=both,
+        whole=whole,
+    )
 
 
 def _segment_name(source: Name, group: GroupTable, other: str) -> str:
@@ -149,10 +161,16 @@ def _shares_row(group: GroupTable, place: int, bar: list[tuple[Name, float]]) ->
     for source, share in bar:
         colour, hatch, ink = _segment_look(source, group)
         text = print_share(share)
-        name = _segment_name(source, group, "all others together")
-        tip = f"{group.title} {axis}: {name} {text} of the variance"
+        name = _segment_name(source, group, say("all others together"))
+        tip = say(
+            "{group} {axis}: {name} {text} of the variance",
+            group=group.title,
+            axis=axis,
+            name=name,
+            text=text,
+        )
         if source in alone:
-            tip += f", alone u {alone[source]} {group.unit}"
+            tip += say(", alone u {alone} {unit}", alone=alone[source], unit=group.unit)
         marks.append(
             Bar(
                 start=100.0 * start,
@@ -170,8 +188,10 @@ def _shares_row(group: GroupTable, place: int, bar: list[tuple[Name, float]]) ->
     return Row(
         label=axis,
         marks=tuple(marks),
-        beside=() if bar else ("no spread",),
-        said=f"{axis}: {', '.join(said) or 'no spread'}",
+        beside=() if bar else (say("no spread"),),
+        said=say(
+            "{axis}: {said}", axis=axis, said=say(", ").join(said) or say("no spread")
+        ),
     )
 
 
@@ -187,7 +207,7 @@ STEPS = (
 )
 EDGES = {1e-6: "1e-6", 1e-4: "1e-4", 1e-3: "0.1 %", 0.01: "1 %", 0.1: "10 %"}
 PER_CENT_FROM = 0.001  # smaller parts are written as powers of ten [1]
-NOTHING = "none"
+NOTHING = term("none")
 
 
 def coupling_chart(table: CouplingTable, sensor: str) -> Chart | None:
@@ -249,9 +269,12 @@ def coupling_chart(table: CouplingTable, sensor: str) -> Chart | None:
                 )
             ),
         ),
-        lead=f"u from one source alone over u from all, of the {words(sensor)}. ",
-        after=" All other sources reach nothing.",
-        caption="Framed: the own spread of a parameter. Empty: nothing.",
+        lead=say(
+            "u from one source alone over u from all, of the {sensor}. ",
+            sensor=words(sensor),
+        ),
+        after=say(" All other sources reach nothing."),
+        caption=say("Framed: the own spread of a parameter. Empty: nothing."),
         heads=tuple(
             Head(at=x + 0.5, text=words(group.quantity))
             for x, group in enumerate(groups)
@@ -261,11 +284,16 @@ def coupling_chart(table: CouplingTable, sensor: str) -> Chart | None:
         data=table_of(
             sources,
             (
-                Field(head="source", cell=lambda name: source_title(name, of=sensor)),
+                Field(
+                    head=say("source"), cell=lambda name: source_title(name, of=sensor)
+                ),
                 *map(column, groups),
             ),
             name=f"coupling-{sensor}-data",
-            caption=f"u of each {words(sensor)} source over u of all, in per cent",
+            caption=say(
+                "u of each {sensor} source over u of all, in per cent",
+                sensor=words(sensor),
+            ),
         ),
     )
 
@@ -273,7 +301,7 @@ def coupling_chart(table: CouplingTable, sensor: str) -> Chart | None:
 def _part_cell(cell: Coupling) -> Cell:
     """Return the part of u that a source makes of a group."""
     if not cell.reaches:
-        return Cell(text=NOTHING)
+        return Cell(text=say(NOTHING))
     exact = 100.0 * cell.size
     return Cell(text=_per_cent(cell.size), exact=exact, strong=cell.is_own)
 
@@ -290,11 +318,16 @@ def _coupling_title(cells: list[Coupling], sensor: str) -> str:
     foreign = [cell for cell in cells if not cell.is_own]
     most = foreign[first_largest([cell.size for cell in foreign])] if foreign else None
     if most is None or not most.reaches:
-        return f"Each {words(sensor)} parameter is reached by its own spread alone"
+        return say(
+            "Each {sensor} parameter is reached by its own spread alone",
+            sensor=words(sensor),
+        )
     title = source_title(most.source, of=sensor)
-    return (
-        f"Besides own spreads, {title} reaches farthest: "
-        f"{print_part(most.size)} of the u of the {key_title(most.group)}"
+    return say(
+        "Besides own spreads, {title} reaches farthest: {size} of the u of the {group}",
+        title=title,
+        size=print_part(most.size),
+        group=key_title(most.group),
     )
 
 
@@ -325,19 +358,25 @@ def _coupling_row(
                 is_framed=cell.is_own,
                 text=part if cell.reaches else "",
                 text_colour=ON_DARK if opacity == 1.0 else INK,
-                tip=f"{title} contributes {part} of the u of the "
-                f"{key_title(cell.group)}"
+                tip=say(
+                    "{title} contributes {part} of the u of the {group}",
+                    title=title,
+                    part=part,
+                    group=key_title(cell.group),
+                )
                 if cell.reaches
                 else "",
             )
         )
         if cell.reaches:
-            owned = " (own)" if cell.is_own else ""
+            owned = say(" (own)") if cell.is_own else ""
             said.append(f"{words(cell.group.quantity)} {part}{owned}")
     return Row(
         label=name,
         marks=tuple(marks),
-        said=f"{name}: {', '.join(said)}" if said else "",
+        said=say("{name}: {said}", name=name, said=say(", ").join(said))
+        if said
+        else "",
     )
 
 
@@ -353,7 +392,7 @@ def _hues() -> Panel:
                 for place, (edge, _) in enumerate(rising)
                 if place
             ),
-            label="u of one source over u of all",
+            label=say("u of one source over u of all"),
         ),
         groups=(
             Group(
@@ -409,18 +448,18 @@ def sobol_chart(budget: Budget, sensor: str) -> Chart | None:
     found = _widest(budget, sensor)
     if not found:
         return None
-    zeros = "; ".join(
-        f"for the {words(one.row.parameter)}: "
-        + ", ".join(source_title(name, of=sensor) for name in one.zero)
+    zeros = say("; ").join(
+        say("for the {parameter}: ", parameter=words(one.row.parameter))
+        + say(", ").join(source_title(name, of=sensor) for name in one.zero)
         for one in found
         if one.zero
     )
-    zeros = f" 0 to the digits that are sure {zeros}." if zeros else ""
+    zeros = say(" 0 to the digits that are sure {zeros}.", zeros=zeros) if zeros else ""
     scale = Scale(
         low=0.0,
         high=1.0,
         ticks=tuple((float(x), x) for x in ("0", "0.25", "0.5", "0.75", "1")),
-        label="index, a share of the variance [1]",
+        label=say("index, a share of the variance [1]"),
     )
     groups = tuple(
         Group(
@@ -434,41 +473,54 @@ def sobol_chart(budget: Budget, sensor: str) -> Chart | None:
         name=f"sobol-{sensor}",
         title=_sobol_title(found, sensor),
         sides=(Side(panels=(Panel(scale=scale, groups=groups),)),),
-        lead="Sobol' indices with intervals. ",
+        lead=say("Sobol' indices with intervals. "),
         after=zeros,
         caption=(
-            "Dot: first-order index, ring: total index, with their intervals; a band "
-            f"between them is interaction.{zeros}"
+            say(
+                "Dot: first-order index, ring: total index, with their "
+                "intervals; a band between them is interaction.{zeros}",
+                zeros=zeros,
+            )
         ),
-        beside=("first, total",),
+        beside=(say("first, total"),),
         pitch=20.0,
         data_on_paper=False,
         data=table_of(
             [(one.row, *pair) for one in found for pair in one.ranked],
             (
                 Field(
-                    head="source",
+                    head=say("source"),
                     cell=lambda one: Cell(
                         text=source_title(one[1], of=sensor),
-                        note="interacts" if one[2].interacts else "",
+                        note=say("interacts") if one[2].interacts else "",
                     ),
                 ),
-                Field(head="rank", cell=lambda one: _rank(one[0], one[2])),
+                Field(head=say("rank"), cell=lambda one: _rank(one[0], one[2])),
                 Field(
-                    head="first order",
+                    head=say("first order"),
                     kind="number",
                     cell=lambda one: Cell(text=_first(one[2])[0], exact=one[2].first),
                 ),
-                Field(head="interval", kind="unit", cell=lambda one: _first(one[2])[1]),
                 Field(
-                    head="total",
+                    head=say("interval"),
+                    kind="unit",
+                    cell=lambda one: _first(one[2])[1],
+                ),
+                Field(
+                    head=say("total"),
                     kind="number",
                     cell=lambda one: Cell(text=_total(one[2])[0], exact=one[2].total),
                 ),
-                Field(head="interval", kind="unit", cell=lambda one: _total(one[2])[1]),
+                Field(
+                    head=say("interval"),
+                    kind="unit",
+                    cell=lambda one: _total(one[2])[1],
+                ),
             ),
             name=f"sobol-{sensor}-data",
-            caption=f"Sobol' indices of the widest {words(sensor)} outputs",
+            caption=say(
+                "Sobol' indices of the widest {sensor} outputs", sensor=words(sensor)
+            ),
             by=lambda one: capital(key_title(one[0].output.name)),
             titled=True,
         ),
@@ -484,18 +536,23 @@ def _sobol_title(found: tuple[Indices, ...], sensor: str) -> str:
             first_largest([index.total - index.first for _, _, index in seen])
         ]
         first, total = _first(index)[0], _total(index)[0]
-        return (
-            f"{capital(source_title(source, of=sensor))} interacts in the "
-            f"{key_title(row.output.name)}: first order {first}, total {total}"
+        return say(
+            "{source} interacts in the {name}: first order {first}, total {total}",
+            source=capital(source_title(source, of=sensor)),
+            name=key_title(row.output.name),
+            first=first,
+            total=total,
         )
     if any(index.interacts for _, _, index in pairs):
-        return (
-            f"Products of {words(sensor)} sources make too little to print: "
-            "first-order and total indices agree"
+        return say(
+            "Products of {sensor} sources make too little to print: "
+            "first-order and total indices agree",
+            sensor=words(sensor),
         )
-    return (
-        f"No {words(sensor)} source interacts beyond chance: first-order and total "
-        "indices agree"
+    return say(
+        "No {sensor} source interacts beyond chance: first-order "
+        "and total indices agree",
+        sensor=words(sensor),
     )
 
 
@@ -526,9 +583,12 @@ def _sobol_row(
     """Return one source: dot above, ring below, whiskers, and the gap between."""
     colour, title = look_of(source)[0], source_title(source, of=sensor)
     first, total = _first(index), _total(index)
-    said = f"{title} first order {' '.join(first)} and total {' '.join(total)}" + (
-        " (interacts)" if index.interacts else ""
-    )
+    said = say(
+        "{title} first order {first} and total {total}",
+        title=title,
+        first=" ".join(first),
+        total=" ".join(total),
+    ) + (say(" (interacts)") if index.interacts else "")
     gap = Bar(
         start=index.first,
         end=index.total,
@@ -542,7 +602,11 @@ def _sobol_row(
         (index.first, index.first_interval, -APART, INK),
         (index.total, index.total_interval, APART, PAPER),
     ):
-        tip = f"{key_title(output.output.name)}: {said}" if fill == INK else ""
+        tip = (
+            say("{name}: {said}", name=key_title(output.output.name), said=said)
+            if fill == INK
+            else ""
+        )
         marks += [
             Stroke(start=0.0, end=value, colour=colour, width=2.0, lift=lift),
             Stroke(start=ends[0], end=ends[1], colour=INK, width=0.9, lift=lift),
@@ -551,7 +615,7 @@ def _sobol_row(
     return Row(
         label=title,
         marks=tuple(marks),
-        beside=(f"{first[0]}, {total[0]}",),
+        beside=(say("{first}, {total}", first=first[0], total=total[0]),),
         strong=_can_be_seen(index),
         said=said,
     )

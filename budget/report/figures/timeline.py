@@ -11,6 +11,7 @@ from budget.calibration.schemes import schedule_of
 from budget.calibration.schemes.zhao_2019 import (
     schedule_accelerometer,
 )
+from budget.language import counted, say, term
 from budget.report.blocks import Cell, Field, Section, table_of
 from budget.report.figures.rows import (
     Bar,
@@ -83,7 +84,7 @@ def schedule_chart(procedure: Procedure, sensors: Sequence[str]) -> Chart | None
     whole = Scale(
         low=0.0,
         high=longest / size,
-        label=f"time from the first window of the triad [{unit}]",
+        label=say("time from the first window of the triad [{unit}]", unit=unit),
     )
     panels = [
         panel for track in tracks for panel in _enlarged(track, SPAN / longest)
@@ -92,8 +93,12 @@ def schedule_chart(procedure: Procedure, sensors: Sequence[str]) -> Chart | None
             scale=whole,
             groups=tuple(
                 Group(
-                    title=f"{track.sensor}, {print_time(track.end)}",
-                    said=capital(track.sensor),
+                    title=say(
+                        "{sensor}, {end}",
+                        sensor=say(track.sensor),
+                        end=print_time(track.end),
+                    ),
+                    said=capital(say(track.sensor)),
                     rows=_rows(track, range(len(track.windows)), size, SPAN / longest),
                 )
                 for track in tracks
@@ -105,8 +110,11 @@ def schedule_chart(procedure: Procedure, sensors: Sequence[str]) -> Chart | None
         title=_title(tracks),
         sides=(Side(panels=tuple(panels)),),
         caption=(
-            "To scale; the time of each triad counts from its first window. Turns in "
-            "full colour, dwells faint. Below them the averages as formulas name them."
+            say(
+                "To scale; the time of each triad counts from its first window. "
+                "Turns in full colour, dwells faint. Below them the averages as "
+                "formulas name them."
+            )
         ),
         pitch=20.0,
         data=_data(tracks),
@@ -119,11 +127,18 @@ def _title(tracks: Sequence[Track]) -> str:
     """State the finding: how long it takes, and what it consists of."""
     texts = []
     for track in tracks:
-        text = f"{track.sensor} {print_time(track.end)}: {made_of(track)}"
-        texts.append(
-            f"{text}, pauses of {print_time(track.pause)}" if track.pause else text
+        text = say(
+            "{sensor} {end}: {made_of}",
+            sensor=say(track.sensor),
+            end=print_time(track.end),
+            made_of=made_of(track),
         )
-    return capital("; ".join(texts))
+        texts.append(
+            say("{text}, pauses of {pause}", text=text, pause=print_time(track.pause))
+            if track.pause
+            else text
+        )
+    return capital(say("; ").join(texts))
 
 
 def _enlarged(track: Track, scale: float) -> tuple[Panel, ...]:
@@ -137,10 +152,15 @@ def _enlarged(track: Track, scale: float) -> tuple[Panel, ...]:
     start, end = turns[0].start, turns[-1].start + turns[-1].length
     times = print_given(SPAN / (end - start) / scale, digits=2)
     rows = _rows(track, track.turns, 1.0, SPAN / (end - start))
-    title = f"{track.sensor}, the {len(turns)} turns, {times} times as long"
+    title = say(
+        "{sensor}, the {turns} turns, {times} times as long",
+        sensor=say(track.sensor),
+        turns=len(turns),
+        times=times,
+    )
     return (
         Panel(
-            scale=Scale(low=start, high=end, label="time [s]"),
+            scale=Scale(low=start, high=end, label=say("time [s]")),
             groups=(
                 Group(
                     title=title,
@@ -158,8 +178,12 @@ def _rows(
 
     `size` is the unit of the axis [s], `scale` that of the drawing [pt/s].
     """
-    said = ", ".join(
-        f"{window_name(track, place)} at {print_time(track.windows[place].start)}"
+    said = say(", ").join(
+        say(
+            "{window_name} at {start}",
+            window_name=window_name(track, place),
+            start=print_time(track.windows[place].start),
+        )
         for place in places
     )
     averages: list[Mark] = []
@@ -183,11 +207,11 @@ def _rows(
         ]
     return (
         Row(
-            label="windows",
+            label=say("windows"),
             marks=tuple(_window(track, place, size, scale) for place in places),
             said=said,
         ),
-        Row(label="averages", marks=tuple(averages)),
+        Row(label=say("averages"), marks=tuple(averages)),
     )
 
 
@@ -209,7 +233,13 @@ def _window(track: Track, place: int, size: float, scale: float) -> Bar:
         opacity=TURN if is_turn else DWELL,
         height=18.0,
         text=track.labels[place] if are_named else "",
-        tip=f"{track.sensor}, {window_name(track, place)}: from {start} for {length}",
+        tip=say(
+            "{sensor}, {window_name}: from {start} for {length}",
+            sensor=say(track.sensor),
+            window_name=window_name(track, place),
+            start=start,
+            length=length,
+        ),
     )
 
 
@@ -217,10 +247,10 @@ def _data(tracks: Sequence[Track]) -> Table:
     """Return the windows with their times."""
     return table_of(
         [(track, place) for track in tracks for place in range(len(track.windows))],
-        (*TIMES, Field(head="average", cell=_average)),
+        (*TIMES, Field(head=say("average"), cell=_average)),
         name="schedule-data",
-        caption="Turns and dwells with their times",
-        by=lambda one: one[0].sensor,
+        caption=say("Turns and dwells with their times"),
+        by=lambda one: say(one[0].sensor),
         titled=True,
     )
 
@@ -237,14 +267,14 @@ def _given(value: float) -> Cell:
 
 
 TIMES: tuple[Field[tuple[Track, int]], ...] = (  # of a window, by track and place
-    Field(head="window", cell=lambda one: window_name(*one)),
+    Field(head=term("window"), cell=lambda one: window_name(*one)),
     Field(
-        head="start [s]",
+        head=term("start [s]"),
         kind="number",
         cell=lambda one: _given(one[0].windows[one[1]].start),
     ),
     Field(
-        head="length [s]",
+        head=term("length [s]"),
         kind="number",
         cell=lambda one: _given(one[0].windows[one[1]].length),
     ),
@@ -273,8 +303,15 @@ def _drawn_as_text(track: Track, scale: float) -> Section:
         start = int(window.start * scale)
         return " " * start + sign * max(1, int(window.end * scale) - start)
 
-    drawing = Field(head=f"0 to {print_time(track.end)}", kind="drawing", cell=bar)
-    title = f"{capital(track.sensor)}: {made_of(track)}, in {print_time(track.end)}"
+    drawing = Field(
+        head=say("0 to {end}", end=print_time(track.end)), kind="drawing", cell=bar
+    )
+    title = say(
+        "{sensor}: {made_of}, in {end}",
+        sensor=capital(say(track.sensor)),
+        made_of=made_of(track),
+        end=print_time(track.end),
+    )
     return Section(
         name=f"schedule-{track.sensor}",
         title=title,
@@ -284,7 +321,7 @@ def _drawn_as_text(track: Track, scale: float) -> Section:
                 [(track, place) for place in range(len(track.windows))],
                 (*TIMES, drawing),
                 name=f"schedule-{track.sensor}-table",
-                caption=f"Windows of the {track.sensor}",
+                caption=say("Windows of the {sensor}", sensor=say(track.sensor)),
             ),
         ),
     )
@@ -303,8 +340,16 @@ def print_time(seconds: float) -> str:
     if seconds >= IN_HOURS:
         return f"{print_given(seconds / HOUR)} h"
     if seconds >= IN_MINUTES:
-        return f"{print_given(seconds / MINUTE)} min"
+        return say("{seconds} min", seconds=print_given(seconds / MINUTE))
     return f"{print_given(seconds)} s"
+
+
+TURN_OF, TURNS_OF = (
+    term("{windows} turn of {lengths}"),
+    term("{windows} turns of {lengths}"),
+)
+DWELL_OF = term("{windows} dwell of {lengths}")
+DWELLS_OF = term("{windows} dwells of {lengths}")
 
 
 def made_of(track: Track) -> str:
@@ -312,42 +357,54 @@ def made_of(track: Track) -> str:
     turns = [track.windows[k] for k in track.turns]
     dwells = [w for k, w in enumerate(track.windows) if k not in set(track.turns)]
     parts = [
-        f"{len(windows)} {word if len(windows) > 1 else word.removesuffix('s')} of "
-        f"{_lengths(windows)}"
-        for windows, word in ((turns, "turns"), (dwells, "dwells"))
+        counted(
+            len(windows), one, many, windows=len(windows), lengths=_lengths(windows)
+        )
+        for windows, one, many in (
+            (turns, TURN_OF, TURNS_OF),
+            (dwells, DWELL_OF, DWELLS_OF),
+        )
         if windows
     ]
-    return " and ".join(parts)
+    return say(" and ").join(parts)
 
 
 def _lengths(windows: Sequence[Window]) -> str:
     """Say how long windows are: '18 s', '18 s to 5 min'."""
     texts = [print_time(end(window.length for window in windows)) for end in (min, max)]
-    return " to ".join(dict.fromkeys(texts))
+    return say(" to ").join(dict.fromkeys(texts))
 
 
 def window_name(track: Track, place: int) -> str:
     """Name one window in words: 'turn about z+'."""
     window = track.windows[place]
     if window.axis is None and window.azimuth is None:
-        return window.name if window.sense else f"dwell with {window.name}"
+        return (
+            window.name if window.sense else say("dwell with {name}", name=window.name)
+        )
     if window.azimuth is not None:
-        return f"dwell at azimuth {degrees(window.azimuth):.6g} deg"
+        return say(
+            "dwell at azimuth {azimuth:.6g} deg", azimuth=degrees(window.azimuth)
+        )
     if track.sensor == "gyro" and window.sense:
-        return f"turn about {window.name.removeprefix('turn ')}"
-    return f"dwell with {window.name}"
+        return say("turn about {name}", name=window.name.removeprefix("turn "))
+    return say("dwell with {name}", name=window.name)
 
 
 def _any_track(sensor: str, procedure: Procedure) -> Track:
     """Lay out windows that all go into one estimate."""
-    how = "the norm of gravity" if procedure.formulas == "norm" else "least squares"
+    how = (
+        say("the norm of gravity")
+        if procedure.formulas == "norm"
+        else say("least squares")
+    )
     windows = schedule_of(sensor, procedure).windows
     gaps = [b.start - a.end for a, b in pairwise(windows)]
     return Track(
         sensor=sensor,
         windows=windows,
         labels=tuple(window.name.partition(",")[0] for window in windows),
-        averages=((f"all, by {how}", 0, len(windows) - 1),),
+        averages=((say("all, by {how}", how=how), 0, len(windows) - 1),),
         pause=min(gaps, default=0.0),
     )
 
@@ -358,11 +415,19 @@ def _gyro_track(procedure: Procedure) -> Track:
     turns = [window for window in windows if window.sense]
     labels = [_gyro_label(window) for window in windows]
     averages = [
-        (f"n, j = {COUNTED_TURNS[axis]}", 2 * place, 2 * place + 1)
+        (
+            say("n, j = {counted_turns}", counted_turns=COUNTED_TURNS[axis]),
+            2 * place,
+            2 * place + 1,
+        )
         for place, axis in enumerate(procedure.gyro.order)
     ]
-    what = "all azimuths, z up" if procedure.gyro.azimuths else "an axis up and down"
-    averages.append((f"N, mean of {what}", len(turns), len(windows) - 1))
+    what = (
+        say("all azimuths, z up")
+        if procedure.gyro.azimuths
+        else say("an axis up and down")
+    )
+    averages.append((say("N, mean of {what}", what=what), len(turns), len(windows) - 1))
     return Track(
         sensor="gyro",
         windows=windows,
@@ -392,7 +457,10 @@ def _accelerometer_track(procedure: Procedure) -> Track:
     return Track(
         sensor="accelerometer",
         windows=windows,
-        labels=tuple(f"{axis} {'up' if sign > 0 else 'down'}" for axis, sign in faces),
+        labels=tuple(
+            say("{axis} up", axis=axis) if sign > 0 else say("{axis} down", axis=axis)
+            for axis, sign in faces
+        ),
         averages=tuple(averages),
         pause=procedure.accelerometer.pause,
     )
