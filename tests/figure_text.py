@@ -12,6 +12,7 @@ from matplotlib.transforms import Bbox
 
 from budget.report.figures.style import to_svg
 
+VEILED = 0.1  # opacity of a bar from which a line behind it is hidden or faint [1]
 SLACK = 2.0  # for the font of whoever shows the figure [pt]
 
 
@@ -69,6 +70,7 @@ def _crosses(axes, box):
         bar.get_window_extent().padded(1.5).containsx(x)
         and bar.get_window_extent().padded(1.5).containsy((box.y0 + box.y1) / 2.0)
         for bar in axes.patches
+        if bar.get_facecolor()[3] > VEILED
         for x in ((box.x0 + box.x1) / 2.0,)
     )
     segments = [

@@ -23,7 +23,7 @@ from budget.report.figures.rows import (
     Side,
     Stroke,
 )
-from budget.report.figures.style import BLUE, WIDE, fits
+from budget.report.figures.style import BLUE, PAPER, WIDE, fits
 from budget.report.tables import print_given
 from budget.report.wording import capital
 from budget.spec.records import AXES
@@ -199,7 +199,7 @@ def _rows(
             Bar(
                 start=start / size,
                 end=end / size,
-                colour="none",
+                colour=PAPER,  # no line of the grid runs through its name
                 edge="none",
                 lift=1.0,
                 text=text,

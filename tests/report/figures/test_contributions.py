@@ -11,7 +11,16 @@ import pytest
 from figure_text import crossed_texts, cut_texts
 from matplotlib.figure import Figure
 from numpy.testing import assert_allclose
-from report_examples import make_assessment, make_budget, make_output
+from report_examples import (
+    make_assessment,
+    make_budget,
+    make_coupling,
+    make_density,
+    make_output,
+    make_procedure,
+    with_checks,
+    with_indices,
+)
 
 from budget.report.figures.contributions import (
     Critical,
@@ -20,9 +29,15 @@ from budget.report.figures.contributions import (
     tornado_chart,
     waterfall_chart,
 )
-from budget.report.figures.outputs import overview_chart, utilisation_chart
+from budget.report.figures.density import density_step
+from budget.report.figures.outputs import (
+    overview_chart,
+    utilisation_chart,
+    validity_chart,
+)
 from budget.report.figures.rows import draw
-from budget.report.figures.sources import coupling_chart, share_chart
+from budget.report.figures.sources import coupling_chart, share_chart, sobol_chart
+from budget.report.figures.timeline import schedule_chart
 from budget.report.tables import group_tables
 from budget.resources import shipped
 from budget.spec import load_device
@@ -165,3 +180,31 @@ def test_a_label_on_a_line_is_found():
 
     assert ("on the line", "line") in crossed_texts(figure)
     assert [text for text, _ in cut_texts(figure)] == ["far beyond the canvas"]
+
+
+def other_charts():
+    """Return the other figures of a report."""
+    budget = with_checks(make_budget())
+    return [
+        schedule_chart(make_procedure(), ("gyro", "accelerometer")),
+        validity_chart(budget, "gyro"),
+        sobol_chart(with_indices(make_budget()), "gyro"),
+        coupling_chart(make_coupling(), "gyro"),
+    ]
+
+
+@pytest.mark.parametrize("place", range(4))
+def test_labels_of_other_figures_stand_free(place):
+    """The schedule, the check of the law, indices and the coupling likewise."""
+    figure = draw(other_charts()[place])
+
+    assert cut_texts(figure) == []
+    assert crossed_texts(figure) == []
+
+
+def test_labels_of_a_density_stand_free():
+    """Limits and intervals of a distribution keep their words beside them."""
+    figure = density_step(make_density(), coverage=0.95)
+
+    assert cut_texts(figure) == []
+    assert crossed_texts(figure) == []
