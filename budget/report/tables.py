@@ -157,13 +157,18 @@ class GroupTable:
             row for row in self.sources if not row.is_idle and row.source not in minor
         )
 
-    def gathered(self, place: int) -> SourceCell:
-        """Return the contribution of the minor sources together to one output."""
-        cells = [row.cells[place] for row in self.minor]
-        u = sqrt(fsum(cell.u.exact**2 for cell in cells))
-        share = fsum(cell.share.exact for cell in cells)
+    def gathered(self, places: Sequence[int]) -> SourceCell:
+        """Return the contribution of the minor sources together, the largest of these.
+
+        Where outputs differ in it, it is marked as what is not exceeded.
+        """
+        columns = [[row.cells[place] for row in self.minor] for place in places]
+        us = [sqrt(fsum(cell.u.exact**2 for cell in cells)) for cells in columns]
+        share = max(fsum(cell.share.exact for cell in cells) for cells in columns)
+        u = Number(text=round_uncertainty(max(us)), exact=max(us))
+        differ = len({*map(round_uncertainty, us)}) > 1
         return SourceCell(
-            u=Number(text=round_uncertainty(u), exact=u),
+            u=bound_number(u, lower_bound=differ, sign=AT_MOST),
             share=Number(text=print_share(share), exact=share),
         )
 
@@ -175,8 +180,7 @@ class GroupTable:
         """
         found: dict[object, dict[object, list[int]]] = {}
         for place, row in enumerate(self.rows):
-            cells = [own.cells[place] for own in self.major]
-            sources = tuple(map(_printed, (*cells, self.gathered(place))))
+            sources = tuple(_printed(own.cells[place]) for own in self.major)
             alike = found.setdefault(sources, {})
             alike.setdefault(_printed(row), []).append(place)
         return tuple(tuple(map(tuple, own.values())) for own in found.values())

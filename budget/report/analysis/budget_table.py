@@ -160,7 +160,7 @@ def _lines(group: GroupTable) -> Iterator[Line]:
             if source.cells[first].u.text != "0":
                 yield _source_line(source, first, axes)
         if minor := group.minor:
-            together = group.gathered(first)
+            together = group.gathered(places)
             yield Line(
                 axes=axes,
                 head=say("{minor} others together", minor=len(minor)),
