@@ -41,6 +41,15 @@ def pytest_ignore_collect(collection_path, config) -> bool | None:
     return None if wanted else True
 
 
+# Modules of a test that takes long alone: begun first, no core waits for it at the end.
+LONG = ("test_processors", "test_cost", "test_least_squares", "test_readme")
+
+
+def pytest_collection_modifyitems(items) -> None:
+    """Put the modules with the longest tests first, the others as they are."""
+    items.sort(key=lambda item: item.path.stem not in LONG)
+
+
 # Who draws the figures of every kind of report.
 PAGES = ("analysis.build", "comparison.page", "allocation.page", "paper.page")
 DRAWN: dict = {}

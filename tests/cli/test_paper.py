@@ -8,7 +8,7 @@ import json
 import re
 
 import pytest
-from command_line import call, start
+from command_line import call
 from document_text import on_terminal
 
 from budget.report.paper.figures import print_ratio
@@ -16,7 +16,6 @@ from budget.report.paper.page import paper_sections, print_probability, reason
 from budget.studies.paper.printed import Verdict
 from budget.studies.paper.study import COLUMNS, reproduce
 
-DATED = {"SOURCE_DATE_EPOCH": "86400"}  # else two runs about midnight differ
 CONTRACT = {"where", "printed", "ours", "ratio", "verdict", "why"}
 
 
@@ -107,20 +106,6 @@ def test_page_needs_nothing_else_and_has_the_figures(tmp_path):
     assert not re.findall(r'(?:src|href)="(?!#)', text)
     data = re.search(r'id="paper-json">\n(.*?)</script>', text, re.DOTALL)
     assert json.loads(data[1])["command"] == "paper"
-
-
-def test_same_bytes_every_time(tmp_path, monkeypatch):
-    """Two processes write the same page and the same documents."""
-    names = ("paper.html", "paper.json", "paper.csv")
-    options = ("-o", names[0], "--json", names[1], "--csv", names[2])
-    here, there = tmp_path / "here", tmp_path / "there"
-    here.mkdir()
-    there.mkdir()
-    assert start("paper", *options, cwd=there, **DATED).code == 0
-    monkeypatch.chdir(here)
-    assert call("paper", *options, **DATED).code == 0
-    for name in names:
-        assert (here / name).read_bytes() == (there / name).read_bytes()
 
 
 @pytest.mark.parametrize(

@@ -232,7 +232,8 @@ def test_figures_of_the_pdf_have_words(pdf):
 
 @pytest.mark.slow
 def test_same_bytes_every_time_and_the_date_is_the_given_one(tmp_path, monkeypatch):
-    """With SOURCE_DATE_EPOCH two processes write the same bytes, both kinds."""
+    """With SOURCE_DATE_EPOCH two processes write the same bytes, of every kind."""
+    names = ("paper.pdf", "paper.html", "paper.json", "paper.csv")
     written = []
     for place in ("here", "there"):
         folder = tmp_path / place
@@ -240,13 +241,13 @@ def test_same_bytes_every_time_and_the_date_is_the_given_one(tmp_path, monkeypat
         monkeypatch.chdir(folder)
         make = call if place == "here" else partial(start, cwd=folder)
         run = make(
-            *("paper", "-o", "paper.pdf", "-o", "paper.html"), SOURCE_DATE_EPOCH="86400"
+            *("paper", "-o", names[0], "-o", names[1]),
+            *("--json", names[2], "--csv", names[3]),
+            SOURCE_DATE_EPOCH="86400",
         )
         assert run.code == 0, run.err
-        assert {path.name for path in folder.iterdir()} == {"paper.pdf", "paper.html"}
-        written.append(
-            [(folder / name).read_bytes() for name in ("paper.pdf", "paper.html")]
-        )
+        assert {path.name for path in folder.iterdir()} == {*names}
+        written.append([(folder / name).read_bytes() for name in names])
     assert written[0] == written[1]
     assert b"D:19700102" in written[0][0]
     assert b"1970-01-02" in written[0][1]
