@@ -29,12 +29,16 @@ FIGURES = {
         "Contributions to the gyro bias, axis by axis",
         'contributions("gyro.bias")',
     ),
+    "tornado": ("Each source alone, of the critical gyro bias", 'tornado("gyro.bias")'),
+    "waterfall": ("From the sources to U", 'waterfall("gyro.bias")'),
+    "correlation": ("Correlation of the outputs", "correlation()"),
     "coupling": ("Which source reaches which parameter of the gyro", "coupling()"),
     "validation": ("The law of propagation against Monte Carlo", "validation()"),
     "density": (
         "Distribution of an output, trials and normal law",
         'density("gyro.bias.x")',
     ),
+    "schedule": ("The test, to scale", "schedule()"),
     "indices": ("Sobol' indices of the gyro, with intervals", "indices()"),
 }
 HEAD = """# Gallery of reports and figures

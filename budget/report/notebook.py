@@ -20,6 +20,12 @@ from budget.report.analysis.build import report_document
 from budget.report.analysis.verdict import headline
 from budget.report.comparison.document import to_csv as comparison_csv
 from budget.report.export import export_csv
+from budget.report.figures.contributions import (
+    Critical,
+    correlation_chart,
+    tornado_chart,
+    waterfall_chart,
+)
 from budget.report.figures.density import density_step
 from budget.report.figures.outputs import (
     overview_chart,
@@ -50,6 +56,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from budget.report.figures.rows import Chart
+    from budget.report.tables import GroupTable
     from budget.results import Budget, Tabled
 
 T = TypeVar("T")
@@ -282,12 +289,21 @@ class Plots:
         Without a name it is the group that uses most of its limit or, where nothing is
         required, the first.
         """
-        groups = group_tables(self.budget)
-        tables = {str(Name(g.parameter, owner=g.sensor)): g for g in groups}
-        assessment = self.budget.assessment
-        if not group and assessment is not None and assessment.outputs:
-            group = str(worst_of(assessment.outputs).output.name.group)
-        return draw(share_chart(_choice(tables, group or next(iter(tables)))))
+        return draw(share_chart(self._group(group)))
+
+    def tornado(self, group: str = "") -> Figure:
+        """Show how far each source alone moves the critical output of a group."""
+        chart = tornado_chart(self._critical(group))
+        return _drawn(chart, "no source moves that output")
+
+    def waterfall(self, group: str = "") -> Figure:
+        """Show how the sources add up to U of the critical output of a group."""
+        chart = waterfall_chart(self._critical(group))
+        return _drawn(chart, "no source moves that output")
+
+    def correlation(self) -> Figure:
+        """Show the correlation of all outputs that have one."""
+        return _drawn(correlation_chart(self.budget), "no two outputs are correlated")
 
     def coupling(self, sensor: str = "") -> Figure:
         """Show which source reaches which parameters of a sensor, the first without."""
@@ -330,6 +346,19 @@ class Plots:
         }
         density = _choice(found, output or next(iter(found), ""))
         return density_step(density, coverage=budget.settings.coverage)
+
+    def _group(self, group: str) -> GroupTable:
+        """Return the group of that name; see `contributions` for which without."""
+        groups = group_tables(self.budget)
+        tables = {str(Name(g.parameter, owner=g.sensor)): g for g in groups}
+        assessment = self.budget.assessment
+        if not group and assessment is not None and assessment.outputs:
+            group = str(worst_of(assessment.outputs).output.name.group)
+        return _choice(tables, group or next(iter(tables)))
+
+    def _critical(self, group: str) -> Critical:
+        """Return the output of a group that uses most of its limit, or is widest."""
+        return Critical.of(self._group(group), self.budget.assessment)
 
     def _sensor(self, sensor: str) -> str:
         """Return the sensor that is asked for, the first of the budget without."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -291,16 +292,16 @@ def test_only_with_a_line_that_is_not_given():
 
 
 def test_table_and_document_agree():
-    """What the terminal prints for gyro bias x is the document's number, rounded."""
+    """What the terminal prints for the gyro biases is the document's, rounded."""
     text = call("analyze", "--no-validate").out
-    block = text[text.index("Gyro bias [deg/h]") :].splitlines()
-    (row,) = (line.split() for line in block[:6] if line.startswith("x "))
+    block = text[text.index("Gyro bias x, y, z [deg/h]") :].partition("Without")[0]
+    (u,) = re.findall(r"(?m)^combined u +([\d.]+) ", block)
+    (expanded,) = re.findall(r"(?m)^U95 = k u +([\d.]+)$", block)
 
     entry = output(analyze(), "gyro.bias.x")
     for printed, exact in (
-        (row[1], entry["mean"]),
-        (row[2], entry["standard_uncertainty"]),
-        (row[3], (entry["interval"][1] - entry["interval"][0]) / 2),
+        (u, entry["standard_uncertainty"]),
+        (expanded, (entry["interval"][1] - entry["interval"][0]) / 2),
     ):
         assert_allclose(exact, float(printed), rtol=0, atol=last_digit(printed) / 2)
 

@@ -260,3 +260,20 @@ def test_the_tutorial_runs_to_the_letter(tmp_path, monkeypatch):
 def squeeze(text):
     """Return a text with one space in the place of each run of them."""
     return " ".join(text.split())
+
+
+@pytest.mark.slow
+def test_the_gallery_is_what_would_be_drawn_now(tmp_path):
+    """The page, and the titles and labels of every figure."""
+    script = runpy.run_path(str(DOCS / "make_gallery.py"))
+    script["draw"](tmp_path)
+    page = (tmp_path / "gallery.md").read_text(encoding="utf-8")
+    assert page == (DOCS / "gallery.md").read_text(encoding="utf-8")
+
+    def texts(path):
+        return re.findall(r">([^<>\n]+)</t", path.read_text(encoding="utf-8"))
+
+    drawn = sorted((tmp_path / "gallery").iterdir())
+    assert [path.stem for path in drawn] == sorted(script["FIGURES"])
+    for path in drawn:
+        assert texts(path) == texts(DOCS / "gallery" / path.name), path.stem

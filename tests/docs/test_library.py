@@ -308,7 +308,10 @@ def test_tables_for_documents(judged):
 def test_figures_of_a_result(judged):
     """Each figure is a matplotlib Figure that names what it shows."""
     plot = judged.plot
-    for figure in (plot.overview(), plot.limits(), plot.coupling("accelerometer")):
+    for figure in (
+        *(plot.overview(), plot.limits(), plot.coupling("accelerometer")),
+        *(plot.tornado(), plot.waterfall("gyro.bias"), plot.correlation()),
+    ):
         assert figure.get_label()
         assert figure.axes
     worst = max(judged.assessment.outputs, key=lambda row: row.utilisation)
