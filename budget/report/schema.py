@@ -147,13 +147,15 @@ class _Schema:
         named = [item.partition("=") for item in take.split()]
         always = {key: _hint(record, of or key) for key, _, of in named} | keys
         parts = {**always, **(maybe or {})}
-        self.entries[name] = {
+        found = {
             "description": _said(record),
             "type": "object",
             "properties": {key: self.of(hint) for key, hint in parts.items()},
             "required": list(always),
             "additionalProperties": False,
         }
+        if self.entries.setdefault(name, found) != found:
+            raise ValueError(f"two kinds of objects are called {name}")
         return {"$ref": f"#/$defs/{name}"}
 
     def whole(self, name: str, record: type, /, **keys: Any) -> Node:  # noqa: ANN401 - as above
@@ -242,7 +244,7 @@ def _head(command: str | tuple[str, ...]) -> Node:
 
 def _files(schema: _Schema) -> Node:
     """Describe the files that a result depends on, by their roles."""
-    changed = schema.entry("change", Changed, line=str, to=str, **FROM)
+    changed = schema.entry("changed_line", Changed, line=str, to=str, **FROM)
     more: Node = {"changes": _many(changed)}
     schema.entry("role_and_file", InputFile, "role name sha256", maybe=more)
     file = schema.entry("file", InputFile, "name sha256", maybe=more)
