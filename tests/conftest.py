@@ -42,7 +42,10 @@ def pytest_ignore_collect(collection_path, config) -> bool | None:
 
 
 # Modules of a test that takes long alone: begun first, no core waits for it at the end.
-LONG = ("test_processors", "test_cost", "test_least_squares", "test_readme")
+LONG = (
+    *("test_processors", "test_cost", "test_least_squares", "test_readme"),
+    "test_budgets",
+)
 
 
 def pytest_collection_modifyitems(items) -> None:

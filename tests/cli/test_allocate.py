@@ -14,6 +14,8 @@ from budget.spec import load_device
 from budget.studies.allocation import allocate
 from budget.studies.allocation.longer_tests import find_longer_tests
 
+pytestmark = pytest.mark.usefixtures("drawn_once")
+
 FAST = ("--requirement", "navigation-grade", "--no-validate")
 
 # Axes, shapes, another g, a variant, several correlation times, a zero and remarks.

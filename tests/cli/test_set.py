@@ -17,6 +17,8 @@ from budget.names import Name
 from budget.resources import shipped
 from budget.studies.missing import fill
 
+pytestmark = pytest.mark.usefixtures("drawn_once")
+
 CHANGE = "gyro.bias_stability=0.02 deg/h"
 SET = ("--set", CHANGE)
 GRADE = ("--requirement", "navigation-grade")

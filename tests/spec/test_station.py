@@ -13,6 +13,8 @@ from budget.model.windows import Timing
 from budget.spec import load_procedure, load_station, validate
 from budget.units import ARCSEC
 
+pytestmark = pytest.mark.usefixtures("drawn_once")
+
 OWN = """name: ours
 station:
   turn_angle: 3 arcsec

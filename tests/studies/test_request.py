@@ -17,6 +17,8 @@ from budget.studies.request import Analysis
 from budget.studies.what_if import what_if
 from budget.units import ARCSEC
 
+pytestmark = pytest.mark.usefixtures("drawn_once")
+
 TABLE = "one-axis-rate-table"
 AS_TESTED = "as_tested"
 LOOSE = f"name: loose\nreference: {AS_TESTED}\nlimits:\n  gyro: {{scale_factor: 1 %"
