@@ -56,16 +56,6 @@ class Number:
 
 
 @dataclass(frozen=True, kw_only=True)
-class CheckCell:
-    """The law against Monte Carlo for one output, in the unit of the group."""
-
-    low: Number  # difference of the lower interval ends
-    high: Number  # of the upper ones
-    tolerance: Number
-    word: str  # 'holds', 'fails' or 'unsettled'
-
-
-@dataclass(frozen=True, kw_only=True)
 class OutputRow:
     """One output of a parameter group, in the unit of the group."""
 
@@ -75,7 +65,7 @@ class OutputRow:
     expanded: Number  # U, half the width of the coverage interval
     low: Number
     high: Number
-    check: CheckCell | None
+    check: str  # of the law: 'agrees', ..., '' where it was not made
     k: Number | None  # coverage factor; None where nothing varies or is known
     degrees_of_freedom: str  # effective ones
     by: str  # what the interval is of, where it is not the law's
@@ -520,7 +510,7 @@ def _output_row(row: OutputBudget) -> OutputRow:
         expanded=bound(value((row.interval[1] - row.interval[0]) / 2.0)),
         low=bound(value(row.interval[0]), sign=AT_MOST),
         high=bound(value(row.interval[1])),
-        check=_check_cell(row),
+        check="" if row.validation is None else row.validation.word,
         k=_coverage_factor(row),
         degrees_of_freedom=print_degrees_of_freedom(row.degrees_of_freedom),
         by="" if row.interval_by == BY_LAW else row.interval_by,
@@ -549,19 +539,6 @@ def print_divisor(divisor: float) -> str:
         if is_root and square in {2, 3, 6}:
             return f"{'' if times == 1 else f'{times} '}sqrt({square})"
     return print_given(divisor)
-
-
-def _check_cell(row: OutputBudget) -> CheckCell | None:
-    """Round the check of one output; None where it was not made."""
-    check = row.validation
-    if check is None:
-        return None
-    sizes = (check.difference_low, check.difference_high, check.tolerance)
-    low, high, tolerance = (
-        Number(text=round_uncertainty(x), exact=x)
-        for x in (size / row.output.si_per_unit for size in sizes)
-    )
-    return CheckCell(low=low, high=high, tolerance=tolerance, word=check.word)
 
 
 def _source_cell(

@@ -489,11 +489,7 @@ def _group_card(group: GroupTable) -> Card:
     lines: list[Words] = [(*first, say(" ({where})", where=where)), (contributions,)]
     if group.gaps:
         lines.append((say("{gaps}.", gaps=group.gaps),))
-    refused = [
-        row.axis
-        for row in group.rows
-        if row.check is not None and row.check.word != "agrees"
-    ]
+    refused = [row.axis for row in group.rows if row.check not in {"", "agrees"}]
     if refused:
         lines.append(
             (
