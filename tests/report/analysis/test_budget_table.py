@@ -184,3 +184,15 @@ def test_the_section_says_how_to_read_it():
 
     assert "sensitivity coefficient" in said
     assert "correlation" in said
+
+
+def test_a_predicted_line_says_whose_it_is():
+    """A line of other devices has no divisor, and says that it is predicted."""
+    sheet = load_device("ltm210#S10")
+    of = analyze(sheet, validate=False, missing="predict")
+    (group,) = table(of, "gyro mounting angle").groups
+    row = texts(group)["mounting repeatability"]
+
+    assert "predicted" in row[1]
+    assert row[3] == ""
+    assert row[U_X]
