@@ -409,7 +409,7 @@ def inputs_document(files: Sequence[InputFile]) -> dict[str, Any]:
     return {document.pop("role"): document for document in documents}
 
 
-CONVENTION = (
+CONVENTION = note(
     "Reading n of the axes, in counts a second, of an input u in body axes: "
     "n = K (M u + b), M = I + dT. Row i of M is what axis i shows of the body axes x, "
     "y, z. Back: u = T (n/K - b) with the bias b in sensor axes, or u = T n/K - T b "

@@ -74,7 +74,7 @@ function setUpSearch(place, tables) {
   const count = place.querySelector("output");
   const search = () => {
     const { shown, all } = filterRows(tables, field.value);
-    count.textContent = field.value.trim() ? `${shown} of ${all} rows` : "";
+    count.textContent = field.value.trim() ? count.dataset.said.replace("{shown}", shown).replace("{all}", all) : "";
     document.body.classList.toggle("searching", Boolean(field.value.trim()));
   };
   field.addEventListener("input", search);

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import ast
 import pickle
+import re
 import string
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from command_line import call
+from document_text import find, on_terminal
 from places import PACKAGE
+from report_examples import make_assessment, make_budget
 
 from budget.errors import CallError
 from budget.language import (
@@ -26,9 +31,16 @@ from budget.language import (
 from budget.model.sources import SOURCES
 from budget.names import OUTPUTS, Name
 from budget.names import words as plain_words
+from budget.report.analysis.groups import budget_answer
+from budget.report.blocks import Table
 from budget.report.wording import say_words
+from budget.resources import shipped
 
 CATALOGUES = [language for language in LANGUAGES if language != "en"]
+# What stays as it is: units, names, keys of files, options and abbreviations.
+KEPT = re.compile(
+    r"[\w-]+\.yaml|deg|arcsec|ppm|sqrt|sigma|inf|[a-z]+\.[a-z_.]+|--[a-z-]+"
+)
 SAYING = {"say", "say_words", "counted", "term", "note"}
 
 
@@ -62,12 +74,13 @@ def messages_of(tree):
 
 
 def every_message():
-    """Return the templates of the whole package."""
+    """Return the templates of the whole package, and of the page."""
+    page = shipped("templates").joinpath("page.html.j2").read_text(encoding="utf-8")
     return {
         message
         for path in PACKAGE.rglob("*.py")
         for message in messages_of(ast.parse(path.read_text(encoding="utf-8")))
-    }
+    } | set(re.findall(r'say\("([^"]*)"', page))
 
 
 def catalogue_of(language):
@@ -190,3 +203,51 @@ def test_an_unknown_language_is_refused():
     """It is said which there are."""
     with pytest.raises(CallError, match="'de', allowed: en, zh"), speaking("de"):
         pass
+
+
+def answers():
+    """Return what a terminal shows of a budget against limits, in two languages."""
+    budget = make_budget(title="A 1", assumptions=(), warnings=())
+    budget = replace(
+        budget, assessment=replace(make_assessment(budget), requirement="B 2")
+    )
+    for language in ("en", "zh"):
+        with speaking(language):
+            yield budget_answer(budget)
+
+
+def test_no_english_is_left_in_a_chinese_answer():
+    """Nothing but units, names and keys is in Latin letters; English has far more."""
+    english, chinese = (
+        re.findall(r"[A-Za-z]{3,}", KEPT.sub("", on_terminal(one))) for one in answers()
+    )
+
+    assert sorted(set(chinese)) == []
+    assert len(set(english)) > len(CATALOGUES)
+
+
+def test_a_chinese_answer_has_the_same_numbers():
+    """Every cell of every table is as long, and has the same exact value."""
+    english, chinese = (
+        [
+            [cell.exact for group in table.groups for row in group.rows for cell in row]
+            for section in one
+            for table in find(section, Table)
+        ]
+        for one in answers()
+    )
+
+    assert chinese == english
+
+
+def test_json_is_english_in_any_language():
+    """A document for programs has no language, what a person reads has."""
+    given = ["analyze", "--no-validate"]
+    shown = call(*given, "--language", "zh", "--brief").out
+    documents = [
+        call(*given, "--json", "-", "--language", language).out
+        for language in LANGUAGES
+    ]
+
+    assert "陀螺零偏" in shown
+    assert len(set(documents)) == 1

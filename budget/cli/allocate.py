@@ -78,6 +78,7 @@ def allocate(
     ] = None,
     seed: options.Seed = 0,
     no_validate: options.NoValidate = False,
+    language: options.Language = "en",
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
 ) -> None:
@@ -133,6 +134,7 @@ def allocate(
         hand_out,
         sections=lambda: allocation_answer(allocation),
         title=allocation.title,
+        language=language,
     )
     written: dict[Path, str | bytes] = {}
     if write is not None and allocation.feasible:

@@ -25,6 +25,7 @@ def analyze(
             "--brief", help="Print the worst axis of each parameter, and no more."
         ),
     ] = False,
+    language: options.Language = "en",
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
 ) -> None:
@@ -52,4 +53,4 @@ def analyze(
             procedure=load_procedure(procedure, station=station, age=age),
             engine=engine,
         )
-    deliver(budget, json=json, csv=csv, brief=brief)
+    deliver(budget, json=json, csv=csv, brief=brief, language=language)

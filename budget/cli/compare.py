@@ -77,6 +77,7 @@ def compare(
     csv: options.CsvFile = None,
     output: Annotated[list[Path] | None, options.OUTPUT] = None,
     paper: options.Paper = "a4",
+    language: options.Language = "en",
 ) -> None:
     """Compare devices against a requirement, best first.
 
@@ -92,6 +93,7 @@ def compare(
         pages_of,
     )
     from budget.errors import CallError, SpecError
+    from budget.language import speaking
     from budget.report.comparison.document import json_pieces, to_csv
     from budget.report.comparison.page import comparison_answer, comparison_document
     from budget.report.comparison.tables import find_column
@@ -154,9 +156,10 @@ def compare(
     pages: dict[Path, str | bytes] = {}
     if output:
         command = command_line(context)
-        document = comparison_document(
-            found, date=document_date(), command_line=command
-        )
+        with speaking(language):
+            document = comparison_document(
+                found, date=document_date(), command_line=command
+            )
         pages = pages_of(document, output, paper)
     hand_out(
         [(json, lambda: json_pieces(found)), (csv, lambda: [to_csv(found)])],
@@ -164,6 +167,7 @@ def compare(
             found, order=None if column is None else column.order
         ),
         pages=pages,
+        language=language,
     )
     if issues:
         raise typer.Exit(EXIT_BAD_INPUT)

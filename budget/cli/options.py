@@ -184,6 +184,10 @@ Paper = Annotated[
     Literal["a4", "letter"],
     typer.Option(help="Sheets of a PDF: A4, or US Letter."),
 ]
+Language = Annotated[
+    Literal["en", "zh"],
+    typer.Option(help="Language of results and pages: English, or Chinese."),
+]
 Method = Annotated[
     Literal["gum", "monte-carlo", "simulation"],
     typer.Option(help="How uncertainty is propagated."),

@@ -15,6 +15,7 @@ from budget.cli.options import STDOUT
 from budget.cli.streams import console, in_line, say, say_written
 from budget.errors import CallError
 from budget.journal import note_read
+from budget.language import ENGLISH, speaking
 
 if TYPE_CHECKING:
     from collections.abc import (
@@ -86,11 +87,13 @@ def hand_out(
     *,
     title: str = "",
     pages: Mapping[Path, str | bytes] | None = None,
+    language: str = ENGLISH,
 ) -> None:
     """Write the documents asked for; print the one for stdout, or the sections.
 
     Of each document where it goes, None for nowhere, and what makes its text, whole or
-    in pieces. `pages` are further files, which a person is told of.
+    in pieces. `pages` are further files, which a person is told of. Sections are made
+    and printed in that language; documents are for programs, and English.
     """
     from budget.report.files import write_all
 
@@ -104,7 +107,8 @@ def hand_out(
             text = on_stdout()
             sys.stdout.writelines([text] if isinstance(text, str) else text)
         elif sections is not None:
-            print_page(sections(), title=title)
+            with speaking(language):
+                print_page(sections(), title=title)
 
 
 def print_page(sections: Iterable[Section], *, title: str = "") -> None:
@@ -117,7 +121,12 @@ def print_page(sections: Iterable[Section], *, title: str = "") -> None:
 
 
 def deliver(
-    budget: Budget, *, json: Path | None, csv: Path | None, brief: bool = False
+    budget: Budget,
+    *,
+    json: Path | None,
+    csv: Path | None,
+    brief: bool = False,
+    language: str = ENGLISH,
 ) -> None:
     """Print the budget for people, or the document asked for; write the files."""
     from budget.report.document import to_csv, to_json
@@ -131,7 +140,7 @@ def deliver(
         for text in budget.warnings:
             say(f"warning: {text}")
     documents = [(json, lambda: to_json(budget)), (csv, lambda: to_csv(budget))]
-    hand_out(documents, sections, title=budget.title)
+    hand_out(documents, sections, title=budget.title, language=language)
 
 
 def check_yaml(write: Path | None, kind: str) -> None:

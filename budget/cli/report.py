@@ -28,6 +28,7 @@ def report(
     changes: options.Changes = None,
     output: Annotated[list[Path], options.OUTPUT],
     paper: options.Paper = "a4",
+    language: options.Language = "en",
     procedure: options.ProcedureFile = None,
     station: options.StationFile = None,
     age: options.Age = None,
@@ -72,6 +73,7 @@ def report(
         pages_of,
     )
     from budget.errors import CallError
+    from budget.language import speaking
     from budget.report.analysis.build import report_document
     from budget.report.analysis.what_if import CHANGED_FILE, AnalyzeAgain
     from budget.report.document import to_csv
@@ -114,40 +116,42 @@ def report(
         )
         loaded, bare = analysis_of(budget).devices, loaded
         evidence = gather_evidence(analysis_of(budget), budget, budget.assessment)
-        extras = tuple(
-            _extras(
-                bare,
-                others,
-                how,
-                wanted,
-                missing=asked.missing,
-                with_allocation=allocate,
-                seed=settings.seed,
-                engine=engine,
+        with speaking(language):
+            extras = tuple(
+                _extras(
+                    bare,
+                    others,
+                    how,
+                    wanted,
+                    missing=asked.missing,
+                    with_allocation=allocate,
+                    seed=settings.seed,
+                    engine=engine,
+                )
             )
-        )
         show = engine.stage("figures and pages") or (lambda _, __: None)
         show(0, 1)
-        document = report_document(
-            budget,
-            devices=loaded,
-            procedure=how,
-            evidence=evidence,
-            assessment=budget.assessment,
-            extras=extras,
-            command_line=command_line(context),
-            again=AnalyzeAgain(
-                same=command_line(context, command="analyze", without=ONLY_HERE),
-                of_file=command_line(
-                    context,
-                    command="analyze",
-                    devices=[CHANGED_FILE],
-                    without={*ONLY_HERE, "changes"},
+        with speaking(language):
+            document = report_document(
+                budget,
+                devices=loaded,
+                procedure=how,
+                evidence=evidence,
+                assessment=budget.assessment,
+                extras=extras,
+                command_line=command_line(context),
+                again=AnalyzeAgain(
+                    same=command_line(context, command="analyze", without=ONLY_HERE),
+                    of_file=command_line(
+                        context,
+                        command="analyze",
+                        devices=[CHANGED_FILE],
+                        without={*ONLY_HERE, "changes"},
+                    ),
                 ),
-            ),
-            date=date,
-            number=number,
-        )
+                date=date,
+                number=number,
+            )
         files = pages_of(document, output, paper)
         show(1, 1)
     documents = [(json, lambda: document.json), (csv, lambda: to_csv(budget))]

@@ -95,6 +95,7 @@ def station(
             help="Write what the figures may be together as a station file.",
         ),
     ] = None,
+    language: options.Language = "en",
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
 ) -> None:
@@ -145,6 +146,7 @@ def station(
         lambda: station_answer(found),
         title=found.title,
         pages={} if write is None else {write: station_yaml(found)},
+        language=language,
     )
     if not found.doing:
         raise typer.Exit(EXIT_NOT_MET)

@@ -16,7 +16,11 @@ if TYPE_CHECKING:
 
 
 def report(
-    budget: Budget, *files: str | Path, number: str = "", paper: str = "a4"
+    budget: Budget,
+    *files: str | Path,
+    number: str = "",
+    paper: str = "a4",
+    language: str = "en",
 ) -> tuple[Path, ...]:
     """Write the report on a budget: verdict first, then what it stands on.
 
@@ -30,6 +34,8 @@ def report(
         Of the report, for the one who files it.
     paper : str
         Sheets of a PDF: 'a4' or 'letter'.
+    language : str
+        'en' or 'zh'.
 
     Returns
     -------
@@ -40,23 +46,28 @@ def report(
     ------
     CallError
         It is no budget of `analyze`, a file has another suffix, or there is no such
-        paper.
+        paper or language.
     OutputError
         A file cannot be written.
     """
     from budget.report.notebook import write_report
 
-    return write_report(budget, files, number=number, paper=paper)
+    return write_report(budget, files, number=number, paper=paper, language=language)
 
 
 class _Callable(ModuleType):
     """The package as the function of its name, which its name in `budget` hides."""
 
     def __call__(
-        self, budget: Budget, *files: str | Path, number: str = "", paper: str = "a4"
+        self,
+        budget: Budget,
+        *files: str | Path,
+        number: str = "",
+        paper: str = "a4",
+        language: str = "en",
     ) -> tuple[Path, ...]:
         """Write a report."""
-        return report(budget, *files, number=number, paper=paper)
+        return report(budget, *files, number=number, paper=paper, language=language)
 
 
 sys.modules[__name__].__class__ = _Callable

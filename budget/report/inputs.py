@@ -40,7 +40,7 @@ def inputs_section(devices: Sequence[Device], procedure: Procedure) -> Section:
     """Return every value that the budget is made of, and those that it is not."""
     panels = [
         Panel(
-            title=say("{device}: {kind}", device=sensor.device, kind=sensor.kind),
+            title=say("{device}: {kind}", device=sensor.device, kind=say(sensor.kind)),
             blocks=tuple(sensor_blocks(sensor, device.assumptions)),
         )
         for device in devices
@@ -213,17 +213,20 @@ def unused_table(device: Device) -> Table:
 
 
 FORMULAS = {
-    "corrected": ("formulas", "corrected"),
+    "corrected": (term("formulas"), term("corrected")),
     "paper": (
-        "formulas",
+        term("formulas"),
         term("as the paper prints eq. (4) for the gyro bias, all others corrected"),
     ),
-    "least_squares": ("estimator", term("least squares, every window alike")),
+    "least_squares": (term("estimator"), term("least squares, every window alike")),
     "weighted": (
-        "estimator",
+        term("estimator"),
         term("least squares, weighted by the device's own noise"),
     ),
-    "norm": ("estimator", term("norm of gravity, at attitudes that nobody knows")),
+    "norm": (
+        term("estimator"),
+        term("norm of gravity, at attitudes that nobody knows"),
+    ),
 }
 LATITUDE_DIGITS, GRAVITY_DIGITS = 7, 8
 
@@ -232,7 +235,7 @@ def procedure_section(procedure: Procedure, sensors: Sequence[str]) -> Section:
     """Return the procedure in words, and drawn; of the sensors that are there."""
     rows: list[tuple[str, Words]] = [
         (
-            "place",
+            say("place"),
             (
                 (
                     say(
@@ -244,7 +247,7 @@ def procedure_section(procedure: Procedure, sensors: Sequence[str]) -> Section:
             ),
         ),
         (
-            "pulses",
+            say("pulses"),
             (
                 say(
                     "read at {sample_rate} Hz",
@@ -256,7 +259,7 @@ def procedure_section(procedure: Procedure, sensors: Sequence[str]) -> Section:
     if procedure.windows:
         rows += [
             (
-                track.sensor,
+                say(track.sensor),
                 (
                     say(
                         "{made_of}, in {end}",
@@ -273,13 +276,16 @@ def procedure_section(procedure: Procedure, sensors: Sequence[str]) -> Section:
         dwell = print_given(procedure.accelerometer.dwell)
         pause = _pause(procedure.accelerometer.pause)
         text = say("twelve positions, {dwell} s each{pause}", dwell=dwell, pause=pause)
-        rows.append(("accelerometer", (text,)))
+        rows.append((say("accelerometer"), (text,)))
     name, text = FORMULAS[procedure.formulas]
     stands = say("they stand") if name == "formulas" else say("it stands")
     rows.append(
-        (name, (say("{text}; {stands} under Method", text=text, stands=stands),))
+        (
+            say(name),
+            (say("{text}; {stands} under Method", text=say(text), stands=stands),),
+        )
     )
-    rows.append((STATION, (_station(procedure),)))
+    rows.append((say(STATION), (_station(procedure),)))
     blocks: tuple[Block, ...] = (Pairs(rows=tuple(rows)),)
     schedule = schedule_chart(procedure, sensors)
     if schedule is not None:

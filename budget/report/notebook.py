@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from budget.errors import CallError
+from budget.language import ENGLISH, speaking
 from budget.model.sources import SENSORS
 from budget.names import Name
 from budget.report.allocation.document import allocation_csv
@@ -69,6 +70,7 @@ def write_report(
     *,
     number: str = "",
     paper: str = "a4",
+    language: str = ENGLISH,
 ) -> tuple[Path, ...]:
     """Write the report on a budget, as `budget report` does; return the files."""
     analysis = analysis_of(budget)
@@ -77,16 +79,17 @@ def write_report(
     paths = tuple(map(Path, files))
     check_suffixes(paths, paper)
     check_targets(paths)
-    document = report_document(
-        budget,
-        devices=analysis.devices,
-        procedure=analysis.procedure,
-        evidence=gather_evidence(analysis, budget, budget.assessment),
-        assessment=budget.assessment,
-        command_line=COMMAND,
-        date=document_date(),
-        number=number,
-    )
+    with speaking(language):
+        document = report_document(
+            budget,
+            devices=analysis.devices,
+            procedure=analysis.procedure,
+            evidence=gather_evidence(analysis, budget, budget.assessment),
+            assessment=budget.assessment,
+            command_line=COMMAND,
+            date=document_date(),
+            number=number,
+        )
     write_all(render_pages(document, paths, paper=paper, warn=_warn))
     return paths
 

@@ -10,6 +10,7 @@ from html import escape, unescape
 from typing import TYPE_CHECKING
 
 from budget.errors import OutputError
+from budget.language import say, speaking
 from budget.report.blocks import Abreast, Run, Table, drawn
 from budget.report.figures.style import BLACK, GRID, INK, MUTED, PAPER, STYLES
 from budget.report.formulas import Math, to_mathml
@@ -42,7 +43,8 @@ def render_page(document: Document) -> str:
     from jinja2 import TemplateNotFound
 
     try:
-        return _render(drawn(document))
+        with speaking(document.language):
+            return _render(drawn(document))
     except TemplateNotFound as error:
         raise OutputError(
             f"{shipped('templates') / str(error.name)}: this template is missing; it "
@@ -69,6 +71,7 @@ def _render(document: Document) -> str:
     script = _script(environment)
     page = environment.get_template("page.html.j2").render(
         document=document,
+        say=say,
         first=[section for section in document.sections if section.on_first_page],
         rest=[section for section in document.sections if not section.on_first_page],
         has_search=any(_has_searchable(s.blocks) for s in document.sections),

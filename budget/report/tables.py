@@ -8,7 +8,7 @@ from itertools import groupby
 from math import ceil, floor, fsum, isfinite, log10, sqrt
 from typing import TYPE_CHECKING
 
-from budget.language import key_title, say
+from budget.language import key_title, say, term
 from budget.names import Name, by_group
 from budget.results import BY_LAW, INTERACTION, Contribution
 from budget.spec.records import ANGLES
@@ -406,23 +406,26 @@ def join_outputs(names: Sequence[Name]) -> str:
 
 
 def settings_lines(settings: Settings) -> tuple[tuple[str, str], ...]:
-    """Return (name, value) of all that a result depends on besides the files."""
-    trials = "none" if settings.trials is None else print_count(settings.trials)
+    """Return (name, value), to be said, of what a result depends on besides files."""
+    trials = term("none") if settings.trials is None else print_count(settings.trials)
     lines = (
-        ("method", settings.method),
-        ("trials", trials),
-        ("seed", str(settings.seed)),
-        ("coverage", f"{print_coverage(settings.coverage)} %"),
-        ("interval", settings.interval),
-        (say("error reference"), settings.reference),
-        ("formulas", settings.formulas),
+        (term("method"), settings.method),
+        (term("trials"), trials),
+        (term("seed"), str(settings.seed)),
+        (term("coverage"), f"{print_coverage(settings.coverage)} %"),
+        (term("interval"), settings.interval),
+        (term("error reference"), settings.reference),
+        (term("formulas"), settings.formulas),
     )
-    chosen = (("only", settings.only), ("outputs", by_group(settings.outputs)))
+    chosen = (
+        (term("only"), settings.only),
+        (term("outputs"), by_group(settings.outputs)),
+    )
     missing = "" if settings.missing == "refuse" else settings.missing
     return (
         *lines,
         *((name, say(", ").join(few)) for name, few in chosen if few),
-        *(((say("missing lines"), missing),) if missing else ()),
+        *(((term("missing lines"), missing),) if missing else ()),
     )
 
 

@@ -11,7 +11,9 @@ import textwrap
 from dataclasses import dataclass
 from itertools import repeat
 from typing import TYPE_CHECKING
+from unicodedata import east_asian_width
 
+from budget.language import say
 from budget.report.blocks import (
     Abreast,
     Listing,
@@ -50,6 +52,12 @@ ASCII = {
     "±": "+-",
     "\N{EN DASH}": "-",
 }
+# After a wide character a line may end, but not before one that closes.
+BREAK = re.compile(
+    "([\u3000-\u30ff\u3400-\u9fff\uff00-\uffef])"
+    "(?![\u3001\u3002\u300b\u300d\u201d\uff01\uff09\uff0c\uff1a\uff1b\uff1f]|$)"
+    "(?<![\u300a\u300c\uff08])"
+)
 SIGNS = str.maketrans({AT_LEAST: ">=", AT_MOST: "<=", "\N{INFINITY}": "inf"})
 
 
@@ -81,22 +89,19 @@ class Page:
 
     def heading(self, text: str, *, style: str) -> None:
         """Print a title over as many lines as it needs."""
-        for line in textwrap.wrap(text, self.width, break_long_words=False):
+        for line in _wrap(text, self.width):
             self.line(line, style=style)
 
     def paragraph(self, text: str, *, first: str = "") -> None:
         """Print running text, indented below `first`; a number keeps its unit."""
         width = min(self.width, TEXT_WIDTH)
         bound = re.sub(r"(?<=\d) (?=\S)", NO_BREAK, text.translate(SIGNS))
-        for line in textwrap.wrap(
-            _part_long(bound, width - len(first)),
-            width,
-            initial_indent=first,
-            subsequent_indent=" " * len(first),
-            break_long_words=False,
-            break_on_hyphens=False,
+        indent = _columns(first)
+        for place, line in enumerate(
+            _wrap(_part_long(bound, width - indent), width - indent, on_hyphens=False)
         ):
-            self.line(line.replace(NO_BREAK, " "))
+            start = " " * indent if place else first
+            self.line(f"{start}{line}".replace(NO_BREAK, " "))
 
     def bar(self, share: float, width: int) -> str:
         """Draw a share of `width` columns, to an eighth of one where possible."""
@@ -132,9 +137,9 @@ def print_blocks(blocks: Iterable[Block], page: Page) -> None:
             case Listing():
                 _print_listing(block, page)
             case Pairs(rows=rows):
-                width = max(len(term) for term, _ in rows) + GAP
+                width = max(_columns(term) for term, _ in rows) + GAP
                 for term, words in rows:
-                    page.paragraph(_plain(words), first=f"{term:<{width}}")
+                    page.paragraph(_plain(words), first=_padded(term, width))
             case Table() | Sliders():
                 table = block.table if isinstance(block, Sliders) else block
                 print_table(table, page)
@@ -167,12 +172,14 @@ class SetColumn:
     @property
     def width(self) -> int:
         """Characters of the longest line."""
-        return max(len(line) for cell in (self.head, *self.cells) for line in cell)
+        return max(_columns(line) for cell in (self.head, *self.cells) for line in cell)
 
     def line(self, cell: Sequence[str], place: int) -> str:
         """Return one line of a cell, as wide as the column."""
         text = cell[place] if 0 <= place < len(cell) else ""
-        return text.rjust(self.width) if self.flush_right else text.ljust(self.width)
+        if self.flush_right:
+            return " " * (self.width - _columns(text)) + text
+        return _padded(text, self.width)
 
 
 def print_table(table: Table, page: Page) -> None:
@@ -230,9 +237,9 @@ def _set(table: Table, place: int, widest: int) -> SetColumn:
             cells += [[text] for text in own]
         else:
             cells += [_break(text, widest) for text in own]
-    longest = max(len(line) for cell in cells for line in cell)
+    longest = max(_columns(line) for cell in cells for line in cell)
     # No narrower than its longest word, which makes the column that wide anyway.
-    longest = max(longest, *map(len, ("", *column.head.split())))
+    longest = max(longest, *map(_columns, ("", *column.head.split())))
     return SetColumn(
         head=_break(column.head, longest if widest in WIDEST_CELL else widest),
         cells=cells,
@@ -244,10 +251,38 @@ def _set(table: Table, place: int, widest: int) -> SetColumn:
 
 def _break(text: str, width: int) -> list[str]:
     """Break a text between words; one line at least."""
-    lines = textwrap.wrap(
-        text, max(width, 1), break_long_words=False, break_on_hyphens=False
-    )
-    return lines or [""]
+    return _wrap(text, max(width, 1), on_hyphens=False) or [""]
+
+
+def _columns(text: str) -> int:
+    """Return how many columns a text takes: characters of Chinese take two."""
+    return len(text) + sum(east_asian_width(sign) in "WF" for sign in text)
+
+
+def _padded(text: str, width: int) -> str:
+    """Fill a text up with blanks."""
+    return text + " " * (width - _columns(text))
+
+
+def _wrap(text: str, width: int, *, on_hyphens: bool = True) -> list[str]:
+    """Break a text into lines of so many columns; no word is broken."""
+    if _columns(text) == len(text):
+        return textwrap.wrap(
+            text, width, break_long_words=False, break_on_hyphens=on_hyphens
+        )
+    lines: list[str] = []
+    line = ""
+    bound = re.sub(r"(?<=\d) (?=%)", NO_BREAK, text)
+    for word in bound.split(" "):
+        for place, unit in enumerate(BREAK.sub("\\1\n", word).split("\n")):
+            space = " " if line and not place else ""
+            if line and _columns(line) + len(space) + _columns(unit) > width:
+                lines.append(line)
+                line = unit
+            else:
+                line += space + unit
+    found = [*lines, line] if line else lines
+    return found if NO_BREAK in text else [one.replace(NO_BREAK, " ") for one in found]
 
 
 def _print_part(
@@ -303,7 +338,11 @@ def _print_fields(table: Table, page: Page) -> None:
             page.paragraph(row[0].text)
             for column, cell in zip(table.columns[1:], row[1:], strict=True):
                 if cell.text:
-                    said = f"{column.head}: {cell.text}" if column.head else cell.text
+                    said = (
+                        say("{head}: {text}", head=column.head, text=cell.text)
+                        if column.head
+                        else cell.text
+                    )
                     page.paragraph(said, first=" " * GAP)
             if notes := _notes(row):
                 page.paragraph(notes, first=" " * GAP)
@@ -311,7 +350,7 @@ def _print_fields(table: Table, page: Page) -> None:
 
 def _notes(row: Sequence[Cell]) -> str:
     """Return what is remarked on the cells of a row, below which it stands."""
-    return "; ".join(cell.note for cell in row if cell.note.strip())
+    return say("; ").join(cell.note for cell in row if cell.note.strip())
 
 
 def _plain(words: Words) -> str:

@@ -17,6 +17,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from budget.errors import OutputError
+from budget.language import say, speaking
 from budget.report.blocks import (
     Abreast,
     Equations,
@@ -108,7 +109,8 @@ def typeset(
     """
     document = drawn(document)
     pictures = tuple(_pictures(b for part in document.sections for b in part.blocks))
-    data = plain_document(document, pictures)
+    with speaking(document.language):
+        data = plain_document(document, pictures)
     texts = [*_strings(data), *(picture.svg for picture in pictures)]
     fonts = choose_fonts(texts, folders=folders)
     missing = frozenset[str]().union(*map(fonts.missing, texts))
@@ -133,6 +135,13 @@ def plain_document(document: Document, pictures: Sequence[Picture]) -> dict[str,
     """
     places = {id(picture): place for place, picture in enumerate(pictures)}
     return {
+        "language": document.language,
+        "said": {
+            "numbers": say("As numbers: page"),
+            "page": re.split(r"{\w+}", say("page {page} of {pages}")),
+            "contents": say("Contents"),
+            "figures": say("The figures as numbers"),
+        },
         "title": document.title,
         "heading": break_long(document.title),
         "facts": [break_long(fact) for fact in document.facts],

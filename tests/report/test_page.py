@@ -48,7 +48,12 @@ HOSTILE = (
     "&lt;script&gt;",
 )
 TIMES = "\N{MULTIPLICATION SIGN}"
-KEPT = {"kind", "svg", "json"}  # not text for readers: words of ours, drawn, encoded
+KEPT = {
+    "language",
+    "kind",
+    "svg",
+    "json",
+}  # not text for readers: words of ours, drawn, encoded
 
 
 class Page(HTMLParser):

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.language import note
 from budget.model.response import BIAS, STATISTICS
 from budget.model.scheme import Scheme
 from budget.model.windows import FLIPS, INNER, MIDDLE, OUTER, Schedule, Setting, Window
@@ -129,7 +130,11 @@ def schedule_accelerometer(procedure: AccelerometerProcedure) -> Schedule:
                 place = AXES.index(axis)
                 steps.append(
                     Window(
-                        name=f"{axis} {'up' if sign > 0 else 'down'} {visit}",
+                        name=note(
+                            "{axis} up {visit}" if sign > 0 else "{axis} down {visit}",
+                            axis=axis,
+                            visit=visit,
+                        ),
                         start=0.0,
                         length=procedure.dwell,
                         setting=Setting.face(

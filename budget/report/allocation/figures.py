@@ -235,7 +235,9 @@ def _headroom_row(row: SourceAllotment) -> Row:
     colour, hatch, _ = look_of(row.source)
     factor, title = _factor(row), source_title(row.source)
     up_to, stop = print_headroom(row)
-    stopped_by = say("{none}: {stop}", none=NONE, stop=stop) if up_to == NONE else stop
+    stopped_by = (
+        say("{none}: {stop}", none=up_to, stop=stop) if up_to == say(NONE) else stop
+    )
     now = print_value(row.now / row.si_per_unit, row.unit)
     if row.headroom is not None and row.headroom.value:
         times = print_given(factor, digits=DIGITS)

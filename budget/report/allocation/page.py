@@ -85,7 +85,7 @@ def allocation_section(allocation: Allocation) -> Section:
         "Strategy {strategy}: {strategies}. Coverage {coverage} %, "
         "error reference {reference}, procedure {procedure}. "
         "Values are standard uncertainties of the largest axis.",
-        strategy=allocation.strategy,
+        strategy=say(allocation.strategy),
         strategies=say(STRATEGIES[allocation.strategy]),
         coverage=coverage,
         reference=words(allocation.reference),

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     )
 
 DASH = "-"  # nothing to say
-NONE = "none"  # no value would do
+NONE = term("none")  # no value would do
 IDLE = term("counts nothing here")
 CEILING = term("its ceiling")
 DIGITS = 3  # of an allocated value: it is a specification, not a measurement
@@ -61,7 +61,7 @@ def print_headroom(row: SourceAllotment) -> tuple[str, str]:
         if room.stopped_by
         else say(CEILING)
     )
-    return up_to if room.value else NONE, stop
+    return up_to if room.value else say(NONE), stop
 
 
 def print_stop(names: Sequence[Name], of: str) -> str:

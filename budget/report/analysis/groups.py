@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
-from budget.language import key_title, say
+from budget.language import key_title, say, term
 from budget.names import AXES
 from budget.report.analysis.budget_table import (
     READ,
@@ -94,11 +94,11 @@ def budget_answer(budget: Budget, *, brief: bool = False) -> tuple[Section, ...]
     checks = list({group.validation for group in groups})
     tested = ("procedure", "station")
     settings = [
-        *((say(file.role), file.name) for file in budget.inputs if file.role in tested),
+        *((file.role, file.name) for file in budget.inputs if file.role in tested),
         *settings_lines(budget.settings),
     ]
     if len(checks) == 1 and checks[0]:
-        settings.append((say("checked"), checks[0]))
+        settings.append((term("checked"), checks[0]))
     return (
         *_verdict_sections(budget),
         _worst_axes(budget, groups),
@@ -114,7 +114,9 @@ def budget_answer(budget: Budget, *, brief: bool = False) -> tuple[Section, ...]
         Section(
             name="settings",
             title=say("Settings"),
-            blocks=(Pairs(rows=tuple((name, (text,)) for name, text in settings)),),
+            blocks=(
+                Pairs(rows=tuple((say(name), (say(text),)) for name, text in settings)),
+            ),
         ),
     )
 
@@ -356,7 +358,7 @@ def matrices_sections(budget: Budget) -> Iterator[Section]:
             name="matrices",
             title=say("Compensation of readings"),
             blocks=(
-                Paragraph(words=(CONVENTION,)),
+                Paragraph(words=(say(CONVENTION),)),
                 Paragraph(
                     words=(
                         (
@@ -371,7 +373,7 @@ def matrices_sections(budget: Budget) -> Iterator[Section]:
                 ),
                 Abreast(
                     blocks=tuple(
-                        Panel(title=capital(kind), blocks=(_matrix_table(one),))
+                        Panel(title=capital(say(kind)), blocks=(_matrix_table(one),))
                         for kind, one in budget.matrices.items()
                     )
                 ),

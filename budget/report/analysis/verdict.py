@@ -187,7 +187,11 @@ def _outcome(assessment: Assessment, row: OutputAssessment) -> str:
         one.doubt and one.sensor == row.output.name.owner for one in assessment.sensors
     ):
         return say("{word} at the medians", word=say(word))
-    return say("{word}, by Monte Carlo", word=say(word)) if row.by_monte_carlo else word
+    return (
+        say("{word}, by Monte Carlo", word=say(word))
+        if row.by_monte_carlo
+        else say(word)
+    )
 
 
 def _limits_table(assessment: Assessment, sensor: str) -> Table:
@@ -243,7 +247,8 @@ def _caps_table(assessment: Assessment) -> Table:
         assessment.caps,
         (
             Field(
-                head=say("cap, which decides no verdict"), cell=lambda cap: cap.merit
+                head=say("cap, which decides no verdict"),
+                cell=lambda cap: say(cap.merit),
             ),
             Field(head=say("at most"), cell=lambda cap: cap.cap),
             Field(head=say("device"), cell=lambda cap: cap.device),

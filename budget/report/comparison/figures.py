@@ -96,7 +96,7 @@ def margin_chart(table: Ranking, name: str) -> Chart:
         low=100.0 * min(0.5, *parts, *reached) / 1.3,
         high=100.0 * max(2.0, *parts, *worst, *reached) * 1.3,
         kind="log",
-        lines=((100.0, "limit"),),
+        lines=((100.0, say("limit")),),
         label=say("largest error [% of the limit]"),
     )
     group = Group(rows=tuple(_margin_row(row, scale.high) for row in rows))
@@ -232,7 +232,7 @@ def _margin_row(row: Device, end: float) -> Row:
     return Row(
         label=mark_name(row, NAME),
         marks=tuple(marks),
-        beside=(f"{row.utilisation} {row.verdict}",),
+        beside=(f"{row.utilisation} {say(row.verdict)}",),
         strong=row.of.verdict == "meets",
         said=say(
             "{device} {utilisation} %, {verdict}{at_worst}",
@@ -267,7 +267,11 @@ def map_chart(table: Ranking, name: str, data: DataTable) -> Chart:
         scale=Scale(
             low=0.0,
             high=STEPS * width,
-            ticks=((0.0, "0"), (1.0, "limit"), (DARKEST_AT, say("200 % and more"))),
+            ticks=(
+                (0.0, "0"),
+                (1.0, say("limit")),
+                (DARKEST_AT, say("200 % and more")),
+            ),
         ),
         groups=(Group(rows=(Row(label="", marks=hues),)),),
     )
@@ -429,7 +433,7 @@ def front_picture(table: Ranking, merit: str, name: str, data: DataTable) -> Pic
         alt=say(
             "{title}. {merit} and part of the limit: {said}.",
             title=title,
-            merit=merit.capitalize(),
+            merit=capital(say(merit)),
             said=said,
         ),
         tips={
@@ -505,7 +509,7 @@ def pareto_scatter(table: Ranking, merit: str) -> Figure:
     points = merit_points(table, merit)
     figure, axes = plane(
         pareto_title(table, merit),
-        f"{merit} [{points[0][1].unit}]",
+        f"{say(merit)} [{points[0][1].unit}]",
         say("largest error [% of the limit]"),
         220.0,
     )

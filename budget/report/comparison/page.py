@@ -303,7 +303,7 @@ def _procedures(
                 Paragraph(words=(text,), small=True),
                 *(
                     Panel(
-                        title=capital(sensor),
+                        title=capital(say(sensor)),
                         blocks=(procedures_table(comparison, found, sensor),),
                     )
                     for sensor in dict.fromkeys(t.sensor for t in found if t.rows)
@@ -437,9 +437,9 @@ def _method(comparison: Comparison) -> Section:
     """Return what the numbers depend on besides the files."""
     rows = []
     for name, value in settings_lines(comparison.settings):
-        text = words(value) if name == "error reference" else value
+        text = words(value) if name == "error reference" else say(value)
         if name == "method":
-            text = say("{value}: {methods}", value=value, methods=say(METHODS[value]))
+            text = say("{value}: {methods}", value=text, methods=say(METHODS[value]))
         rows.append((say(name), (text,)))
     return Section(
         name="method", title=say("Method"), blocks=(Pairs(rows=tuple(rows)),)

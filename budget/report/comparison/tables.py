@@ -145,7 +145,7 @@ def side_by_side(found: Sequence[Ranking], sensor: str) -> tuple[SideRow, ...]:
     """Return the devices with one sensor under all procedures, as under the first."""
     own = [table for table in found if table.sensor == sensor]
     cells = {
-        (row.of.place, table.procedure): f"{row.utilisation} {row.verdict}"
+        (row.of.place, table.procedure): f"{row.utilisation} {say(row.verdict)}"
         for table in own
         for row in table.rows
     }
@@ -246,7 +246,7 @@ def print_worst_case(missing: MissingLines | None) -> str:
     if missing.utilisation is None:
         return "?"
     text = print_parts(missing.utilisation, (missing.utilisation,) * 2)[0]
-    return f"{text} {missing.verdict}"
+    return f"{text} {say(missing.verdict)}"
 
 
 LONG = 8  # rows from which a table is worth searching
@@ -293,7 +293,7 @@ RANKING = (
     RankingField(
         key="verdict",
         head=term("verdict"),
-        cell=lambda row: Cell(text=row.verdict, strong=row.verdict == "meets"),
+        cell=lambda row: Cell(text=say(row.verdict), strong=row.verdict == "meets"),
         order=lambda row: (
             VERDICTS.index(row.of.verdict),
             -row.of.doubt.probability if row.of.doubt else 0.0,
@@ -491,7 +491,7 @@ def front_table(devices: Ranking, merit: str, name: str) -> Table:
         (
             Field(head=say("device"), weight=1.6, cell=lambda point: point[0].device),
             Field(
-                head=f"{merit} [{points[0][1].unit}]",
+                head=f"{say(merit)} [{points[0][1].unit}]",
                 kind="number",
                 cell=lambda point: Cell(
                     text=print_given(point[1].value), exact=point[1].value
@@ -502,7 +502,7 @@ def front_table(devices: Ranking, merit: str, name: str) -> Table:
                 kind="number",
                 cell=lambda point: _utilisation(point[0]),
             ),
-            Field(head=say("verdict"), cell=lambda point: point[0].verdict),
+            Field(head=say("verdict"), cell=lambda point: say(point[0].verdict)),
             Field(
                 head=say("on the front"),
                 cell=lambda point: "yes" if merit in point[0].of.on_front else "no",
@@ -525,7 +525,7 @@ def _pair_utilisation(pair: Pair) -> Cell:
 def _pair_verdict(pair: Pair) -> str:
     """Return the verdict, of a predicted one the probability."""
     if pair.probability is None:
-        return pair.verdict
+        return say(pair.verdict)
     return say("meets {probability}", probability=print_chance(pair.probability))
 
 
@@ -700,7 +700,7 @@ def missing_table(effects: Sequence[MissingEffect]) -> Table:
     return table_of(
         effects,
         (
-            Field(head=say("sensor"), weight=0.7, cell=lambda row: row.sensor),
+            Field(head=say("sensor"), weight=0.7, cell=lambda row: say(row.sensor)),
             Field(
                 head=say("devices"),
                 weight=1.5,

@@ -100,12 +100,12 @@ def density_step(density: Density, *, coverage: float) -> Figure:
     axes.plot([low / scale, high / scale], [0.0, 0.0], color=MUTED, linewidth=0.6)
     share = f"{print_coverage(coverage)} %"
     for y, ends, colour, text in (
-        (-0.09, density.interval, INK, "law"),
+        (-0.09, density.interval, INK, say("law")),
         (-0.21, density.interval_mc, BLUE, say("Monte Carlo")),
     ):
         at = (ends[0] / scale, ends[1] / scale)
         _draw_interval(axes, y, at, colour, (share, text))
-    room = (text_width("limit") + AIR) * (high - low)
+    room = (text_width(say("limit")) + AIR) * (high - low)
     are_near = len(limits) > 1 and 2.0 * far * (WIDTH - LEFT - RIGHT) < room
     for limit in limits:
         side = "center"
@@ -217,7 +217,7 @@ def _draw_limit(axes: Axes, x: float, *, side: str) -> None:
     axes.plot(
         [x, x], [0.0, 1.04], color=INK, linewidth=1.0, linestyle=(0.0, (5.0, 2.0))
     )
-    write(axes, "limit", (x, 1.04), (0.0, 3.0), ha=side, va="baseline")
+    write(axes, say("limit"), (x, 1.04), (0.0, 3.0), ha=side, va="baseline")
 
 
 def _reach(density: Density) -> tuple[float, float]:

@@ -172,7 +172,7 @@ def utilisation_chart(assessment: Assessment) -> Chart:
         low=1.0 if is_log else 0.0,  # what is less sits at the edge, its label is exact
         high=100.0 * max(1.05 * most, 1.2),
         kind="log" if is_log else "linear",
-        lines=((100.0, "limit"),),
+        lines=((100.0, say("limit")),),
     )
     sensors = dict.fromkeys(row.output.name.owner for row in assessment.outputs)
     return Chart(
@@ -340,7 +340,7 @@ CHECKED = (
     Field[Check](
         head=term("the law"),
         cell=lambda check: Cell(
-            text=check.validation.word, strong=not check.validation.holds
+            text=say(check.validation.word), strong=not check.validation.holds
         ),
     ),
 )
