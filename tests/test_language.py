@@ -251,3 +251,17 @@ def test_json_is_english_in_any_language():
 
     assert "陀螺零偏" in shown
     assert len(set(documents)) == 1
+
+
+def test_the_chinese_readme_has_the_numbers_of_the_english_one():
+    """Its table of the paper's device says the same."""
+    tables = [
+        re.findall(r"(?m)^\| .*(?:ppm|arcsec|deg/h|ug) .*%.*$", path.read_text("utf-8"))
+        for path in (PACKAGE.parent / "README.md", PACKAGE.parent / "README.zh.md")
+    ]
+    english, chinese = (
+        [re.findall(r"[<>]?\d[\d.]*", row) for row in one] for one in tables
+    )
+
+    assert len(chinese) == 6
+    assert chinese == english
