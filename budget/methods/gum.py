@@ -187,7 +187,9 @@ def propagate(problem: Problem) -> Propagation:
     U_x = _block_diagonal(blocks)
 
     first_order = C @ U_x @ C.T  # JCGM 102:2011, 6.2.1.3
-    HU = H @ U_x
+    HU = np.empty(H.shape)
+    for rows, block in zip(problem.slices, blocks, strict=True):  # all else of U_x is 0
+        HU[:, :, rows] = H[:, :, rows] @ block
     UH = HU.transpose(0, 2, 1)
     second = 0.5 * np.tensordot(HU, UH, axes=((1, 2), (1, 2)))
     # Per pair of sources: 1/2 sum over i in one, j in the other of (HU)_ij (HU)_ji.
