@@ -95,6 +95,7 @@ def test_wheel_holds_what_it_needs_and_no_more(wheel):
 
     for needed in (
         "budget/py.typed",
+        "budget/languages/zh.po",
         "budget/_shipped/specs/devices/zhao-2019.yaml",
         "budget/_shipped/specs/references/hg4930-c.json",
         "budget/_shipped/templates/page.html.j2",
