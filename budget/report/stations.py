@@ -390,7 +390,7 @@ def _from(row: StationVerdict) -> str:
 def _worst_text(row: StationVerdict, found: Qualification) -> str:
     """Say what the worst output uses and of what."""
     if not row.utilisation:
-        return say("no limited output feels it")
+        return say("it reaches no limited output")
     return say(
         "{outputs} uses {utilisation} of limit / {ratio}, most of it by {sources}"
         if len(row.all_worst) == 1

@@ -65,7 +65,7 @@ class OutputRow:
     expanded: Number  # U, half the width of the coverage interval
     low: Number
     high: Number
-    check: str  # of the law: 'agrees', ..., '' where it was not made
+    check: str  # of the law: 'agrees', 'fails' or 'unsettled'; '' where not made
     k: Number | None  # coverage factor; None where nothing varies or is known
     degrees_of_freedom: str  # effective ones
     by: str  # what the interval is of, where it is not the law's

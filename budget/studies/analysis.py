@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -212,7 +213,10 @@ def _names(option: str, given: Sequence[str]) -> tuple[Name, ...]:
     CallError
         It has something else than texts.
     """
-    names = [given] if isinstance(given, str) else list(given)
+    names = [given] if isinstance(given, str) else given
+    if not isinstance(names, Iterable):
+        raise CallError(f"{option} is {given!r}, expected names: ['gyro.bias']")
+    names = list(names)
     if wrong := [one for one in names if not isinstance(one, str)]:
         raise CallError(f"{option} has {wrong[0]!r}, expected names: 'gyro.bias'")
     return tuple(map(Name, names))
@@ -409,7 +413,7 @@ def _by_simulation(analysis: Analysis, settings: Settings, engine: Engine) -> Es
         method="simulation",
         trials=runs,
         mean=errors.mean(axis=1),
-        covariance=np.cov(errors),
+        covariance=np.atleast_2d(np.cov(errors)),
         interval=interval_of_values(
             np.sort(errors), settings.coverage, settings.interval
         ),

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from functools import cached_property
 from numbers import Integral, Real
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Self, TypeGuard
 
 from budget.calibration.derived import (
     combination,
@@ -577,13 +577,18 @@ def check_words(*, method: str, interval: str, reference: str) -> None:
 ALWAYS = {"seed", "workers", "digits"}  # what is asked for of every study
 
 
+def _is_whole(number: object) -> TypeGuard[int]:
+    """Whether it is a whole number; True and False are none."""
+    return isinstance(number, Integral) and not isinstance(number, bool)
+
+
 def check_numbers(coverage: float, counts: dict[str, tuple[int | None, int]]) -> None:
     """Refuse numbers that mean nothing, all at once; counts are {name: (n, least)}."""
     faults = [
         f"{name} is {number!r}, allowed: whole numbers, {least} or more"
         for name, (number, least) in counts.items()
         if (number is not None or name in ALWAYS)
-        and not (isinstance(number, Integral) and number >= least)
+        and not (_is_whole(number) and number >= least)
     ]
     if not isinstance(coverage, Real) or not is_coverage(coverage):
         faults.append(f"coverage is {coverage!r}, allowed: {COVERAGES}")

@@ -487,3 +487,29 @@ def test_a_report_goes_somewhere(judged):
     with pytest.raises(budget.CallError, match="no file to write to"):
         budget.report(judged)
     assert judged.plot.schedule().get_label()
+
+
+def test_one_output_can_be_simulated_alone():
+    """The covariance of one output is a matrix too."""
+    found = budget.analyze(
+        "zhao-2019",
+        method="simulation",
+        trials=4,
+        validate=False,
+        outputs=["gyro.bias.x"],
+    )
+    (row,) = found.outputs
+    assert found.covariance.shape == (1, 1)
+    np.testing.assert_allclose(
+        found.covariance[0, 0], row.standard_uncertainty**2, rtol=1e-12
+    )
+
+
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [("only", 5), ("outputs", 5), ("seed", True), ("workers", True)],
+)
+def test_an_argument_of_another_kind_is_said_in_words(option, value):
+    """No error of Python's own, and no True taken for 1."""
+    with pytest.raises(budget.CallError, match=f"{option} is {value}"):
+        budget.analyze("zhao-2019", validate=False, **{option: value})
