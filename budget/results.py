@@ -90,7 +90,7 @@ class InputQuantity:
     u: tuple[float, ...]  # standard uncertainty by axis [unit]
     distribution: str
     divisor: float | None  # printed over u [1]; None where the axes differ in it
-    degrees_of_freedom: float = inf
+    degrees_of_freedom: float | None = inf  # None where it is of other devices
     origin: str = ""  # where another device's value stands for it
     readings: int = 0  # that it is open to, where the maker does not say
 
@@ -185,14 +185,21 @@ class OutputBudget:
     interval: tuple[float, float]
     contributions: tuple[Contribution, ...]
     interval_by: str = BY_LAW  # or 'monte-carlo', 'simulation'
+    u_by: str = BY_LAW  # what mean and standard uncertainty are of, likewise
+    law_factor: float | None = None  # k of the law [1], whatever the interval is of
     validation: Validation | None = None
     lacks: tuple[Name, ...] = ()  # expected lines, not given, that would widen it
-    degrees_of_freedom: float = inf  # effective ones, JCGM 100:2008, eq. (G.2b)
+    # Effective ones of u by the law, JCGM 100:2008, eq. (G.2b); None where u is of
+    # trials or a lower bound, or a line of other devices is in it.
+    degrees_of_freedom: float | None = inf
 
     @property
     def coverage_factor(self) -> float | None:
-        """Half the width of the interval over u [1]; None where nothing varies."""
-        if not self.is_resolved:
+        """Half the width of the interval over u [1].
+
+        None where nothing varies, or where the two are of different methods.
+        """
+        if not self.is_resolved or self.interval_by != self.u_by:
             return None
         return (self.interval[1] - self.interval[0]) / 2.0 / self.standard_uncertainty
 
@@ -654,9 +661,9 @@ class Budget:
         }
 
 
-def _finite(number: float) -> float | None:
+def _finite(number: float | None) -> float | None:
     """Return a number, None where it is infinite: JSON has no word for that."""
-    return number if isfinite(number) else None
+    return None if number is None or not isfinite(number) else number
 
 
 def _output_document(

@@ -147,6 +147,7 @@ def make_output(
             for name, u_source in sources.items()
         ),
         validation=validation,
+        law_factor=1.96,
     )
 
 

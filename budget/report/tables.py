@@ -66,9 +66,13 @@ class OutputRow:
     low: Number
     high: Number
     check: str  # of the law: 'agrees', 'fails' or 'unsettled'; '' where not made
-    k: Number | None  # coverage factor; None where nothing varies or is known
+    # Coverage factor; None where nothing varies or is known, or U and u are not of one
+    # method.
+    k: Number | None
+    law_k: float | None  # that of the law [1]
     degrees_of_freedom: str  # effective ones
     by: str  # what the interval is of, where it is not the law's
+    u_by: str  # what mean and u are of, likewise
     lacks: tuple[str, ...]  # lines not given that would widen it, in words
 
     @property
@@ -206,7 +210,7 @@ def _printed(record: OutputRow | SourceCell) -> tuple[object, ...]:
     return tuple(
         number.text if isinstance(number, Number) else number
         for name, number in vars(record).items()
-        if name not in {"axis", "check"}
+        if name not in {"axis", "check", "law_k"}
     )
 
 
@@ -515,8 +519,10 @@ def _output_row(row: OutputBudget) -> OutputRow:
         high=bound(value(row.interval[1])),
         check="" if row.validation is None else row.validation.word,
         k=_coverage_factor(row),
+        law_k=None if row.is_unknown else row.law_factor,
         degrees_of_freedom=print_degrees_of_freedom(row.degrees_of_freedom),
         by="" if row.interval_by == BY_LAW else row.interval_by,
+        u_by="" if row.u_by == BY_LAW else row.u_by,
         lacks=tuple(source_title(name, of=row.sensor) for name in row.lacks),
     )
 
@@ -529,8 +535,10 @@ def _coverage_factor(row: OutputBudget) -> Number | None:
     return Number(text=print_given(k), exact=k)
 
 
-def print_degrees_of_freedom(v: float) -> str:
+def print_degrees_of_freedom(v: float | None) -> str:
     """Print degrees of freedom, cut to the integer below: JCGM 100:2008, G.4.1."""
+    if v is None:
+        return ""
     return str(floor(v * (1.0 + ROUNDING))) if isfinite(v) else "\N{INFINITY}"
 
 

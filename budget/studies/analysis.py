@@ -488,6 +488,8 @@ def _output_budgets(
     names = [group.name for group in problem.groups]
     c = sensitivities(analysis)
     u = np.sqrt(np.diag(estimate.covariance))
+    factor = law.coverage_factor(analysis.coverage)
+    of_others = {one.source for one in analysis.filled.lines}
     budgets = []
     for k, output in enumerate(problem.outputs):
         # The other triad's own sources stand here only if they reach this output.
@@ -498,6 +500,11 @@ def _output_budgets(
             or output.name.owner in {name.owner, IMU}
             or variance > 0.0
         ]
+        is_known = not lacks[output.name] and not any(
+            variance > output.resolution**2
+            for name, variance in variances
+            if name in of_others
+        )
         variances.append((INTERACTION, law.interaction_variance[k]))
         total = float(sum(variance for _, variance in variances))
         budgets.append(
@@ -522,9 +529,13 @@ def _output_budgets(
                     for name, variance in variances
                 ),
                 interval_by=estimate.method,
+                u_by=estimate.method,
+                law_factor=float(factor[k]),
                 validation=estimate.validations[k],
                 lacks=lacks[output.name],
-                degrees_of_freedom=float(law.degrees_of_freedom[k]),
+                degrees_of_freedom=float(law.degrees_of_freedom[k])
+                if is_known and estimate.method == BY_LAW
+                else None,
             )
         )
     return tuple(budgets)

@@ -94,7 +94,9 @@ def _quantity(name: Name, line: ErrorLine, origin: str) -> InputQuantity:
         u=tuple(float(u) for u in line.u / line.si_per_unit),
         distribution=", ".join(dict.fromkeys(shape.name for shape in shapes)),
         divisor=own * ALLAN_MINIMUM if own and is_minimum else own,
-        degrees_of_freedom=min(shape.degrees_of_freedom for shape in shapes),
+        degrees_of_freedom=None
+        if origin
+        else min(shape.degrees_of_freedom for shape in shapes),
         origin=origin,
         readings=len(line.readings),
     )

@@ -142,6 +142,13 @@ def budget_remarks(group: GroupTable, *, checked: bool = True) -> Iterator[Parag
     if minor := say(", ").join(row.title for row in group.minor):
         text = say("Below 0.1 % of the variance each: {minor}.", minor=minor)
         yield Paragraph(words=(text,), small=True)
+    if by := next((row.u_by for row in group.rows if row.u_by), ""):
+        text = say(
+            "Rows of sources are by the law, mean error and combined u by {by}: they "
+            "do not add up exactly.",
+            by=say(by),
+        )
+        yield Paragraph(words=(text,), small=True)
     if checked and group.validation:
         yield Paragraph(
             words=(say("The law checked {validation}.", validation=group.validation),),
@@ -213,12 +220,17 @@ def _total_lines(
 ) -> Iterator[Line]:
     """Yield the combined uncertainty, the interval and what both are of."""
     coverage = print_coverage(group.coverage)
-    by = say(", by {by}{of}", by=say(row.by), of=of) if row.by else of
+    u_by, by = (
+        say(", by {by}{of}", by=say(method or "the law"), of=of)
+        if row.u_by or method
+        else of
+        for method in (row.u_by, row.by)
+    )
     if row.mean.text != UNKNOWN and float(row.mean.text):
-        yield Line(axes=axes, head=say("mean error{of}", of=of), linear=row.mean)
+        yield Line(axes=axes, head=say("mean error{of}", of=u_by), linear=row.mean)
     yield Line(
         axes=axes,
-        head=say("combined u{by}", by=by),
+        head=say("combined u{by}", by=u_by),
         linear=row.u,
         degrees_of_freedom=row.degrees_of_freedom,
         strong=True,
@@ -227,7 +239,7 @@ def _total_lines(
     if row.is_centred:
         yield Line(
             axes=axes,
-            head=f"U{coverage} = k u{by}",
+            head=f"U{coverage}{by}" if row.k is None else f"U{coverage} = k u{by}",
             given=k,
             linear=row.expanded,
             strong=True,

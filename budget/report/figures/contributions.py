@@ -177,13 +177,15 @@ def tornado_chart(critical: Critical) -> Chart | None:
 def waterfall_chart(critical: Critical) -> Chart | None:
     """Show how U grows source by source, by the root of the sum of squares.
 
-    From the largest down; then the mean error, where there is one. None without spread.
+    From the largest down, by k and u of the law; what an interval of trials differs
+    from that by is a step of its own. Then the mean error, where there is one: the
+    middle of the interval. None without spread.
     """
     group, place, row = critical.group, critical.place, critical.row
     sources = critical.sources
-    if not sources or row.k is None:
+    if not sources or row.law_k is None:
         return None
-    k, u = row.k.exact, row.u.exact
+    k, u = row.law_k, row.u.exact
     coverage = print_coverage(group.coverage)
     reached = 0.0
     rows = []
@@ -195,13 +197,22 @@ def waterfall_chart(critical: Critical) -> Chart | None:
         reached = after
     whole = row.expanded.exact
     if len(sources) < sum(not source.is_idle for source in group.sources):
-        rows.append(_step(say("all others"), reached, whole, u, (MUTED, "", "")))
-    rows.append(_total(f"U{coverage} = k u", whole, row.expanded.text))
-    mean = abs(row.mean.exact)
-    has_mean = row.mean.text != UNKNOWN and float(row.mean.text) != 0.0
+        by_law = k * sqrt(fsum(one.cells[place].u.exact ** 2 for one in group.sources))
+        rows.append(_step(say("all others"), reached, by_law, u, (MUTED, "", "")))
+        reached = by_law
+    if row.by:
+        look = (MUTED, HATCH, "")
+        rows.append(_step(say("trials in place of the law"), reached, whole, u, look))
+    head = f"U{coverage}" if row.by else f"U{coverage} = k u"
+    rows.append(_total(head, whole, row.expanded.text))
+    mean = abs(row.low.exact + row.high.exact) / 2.0
+    has_mean = float(round_value(mean, u)) != 0.0
     largest = max(abs(row.low.exact), abs(row.high.exact))
     if has_mean:
-        rows.append(_step(say("mean error"), whole, whole + mean, u, (GRID, HATCH, "")))
+        label = say("mean error")
+        if row.by and not row.is_centred:
+            label = say("middle of the interval")
+        rows.append(_step(label, whole, whole + mean, u, (GRID, HATCH, "")))
         text = row.low.text if abs(row.low.exact) > row.high.exact else row.high.text
         rows.append(_total(say("largest error"), largest, text.lstrip("-")))
     limit = critical.limit

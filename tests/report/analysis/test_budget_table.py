@@ -8,7 +8,11 @@ from math import sqrt
 import pytest
 from numpy.testing import assert_allclose
 
-from budget.report.analysis.budget_table import budget_table, budget_title
+from budget.report.analysis.budget_table import (
+    budget_remarks,
+    budget_table,
+    budget_title,
+)
 from budget.report.analysis.groups import budget_section
 from budget.report.tables import AT_LEAST, AT_MOST, group_tables, print_divisor
 from budget.resources import shipped
@@ -196,3 +200,76 @@ def test_a_predicted_line_says_whose_it_is():
     assert "predicted" in row[1]
     assert row[3] == ""
     assert row[U_X]
+
+
+@cache
+def judged_by_trials(tmp_path):
+    """Return few simulated runs against wide limits: the law's intervals are kept."""
+    path = tmp_path / "wide.yaml"
+    path.write_text(WIDE_LIMITS)
+    return analyze(
+        load_device("hg4930#A"), method="simulation", trials=20, requirement=path
+    )
+
+
+WIDE_LIMITS = """\
+name: wide
+coverage: 95 %
+reference: nominal
+limits: {gyro: {scale_factor: 900 ppm, mounting_angle: 60 arcsec, bias: 30 deg/h}}
+"""
+
+
+def test_u_of_trials_has_no_k_to_the_interval_of_the_law(tmp_path):
+    """JCGM 100:2008, 6.2.1: k is U over u of one method; each total says its own."""
+    of = judged_by_trials(tmp_path)
+    row = of.output("gyro.bias.x")
+    assert (row.interval_by, row.u_by, row.coverage_factor) == (
+        *("law", "simulation"),
+        None,
+    )
+    other = of.output("accelerometer.bias.x")
+    half = (other.interval[1] - other.interval[0]) / 2.0
+    assert_allclose(
+        other.coverage_factor * other.standard_uncertainty, half, rtol=1e-12
+    )
+
+    (group,) = table(of, "gyro bias").groups
+    heads = [one[0].text for one in group.rows]
+    assert any(head.startswith("combined u, by simulation") for head in heads)
+    assert any("interval from, by the law" in head for head in heads)
+    assert not any(cell.text.startswith("k =") for one in group.rows for cell in one)
+
+
+def test_u_of_trials_has_no_degrees_of_freedom(tmp_path):
+    """They are of the law's u; a remark says whose rows and totals are."""
+    of = judged_by_trials(tmp_path)
+    (group,) = table(of, "gyro bias").groups
+    combined = [one for one in group.rows if one[0].text.startswith("combined")]
+    assert combined
+    assert all(one[-1].text == "" for one in combined)
+    assert {row.degrees_of_freedom for row in of.outputs} == {None}
+
+    def remarks(one):
+        groups = group_tables(one)
+        return [str(x.words) for g in groups for x in budget_remarks(g)]
+
+    assert any("combined u by simulation" in text for text in remarks(of))
+    assert not any("combined u by" in text for text in remarks(budget()))
+
+
+def test_degrees_of_freedom_nobody_knows_are_blank():
+    """A predicted line has none, nor has what it is in; nor has a lower bound."""
+    of = analyze(load_device("ltm210#S10"), validate=False, missing="predict")
+    (group,) = table(of, "gyro mounting angle").groups
+    rows = texts(group)
+    assert rows["mounting repeatability"][-1] == ""
+    assert rows["combined u"][-1] == ""
+    predicted = next(
+        one for one in of.quantities if one.source == "gyro.mounting_repeatability"
+    )
+    assert predicted.to_dict()["degrees_of_freedom"] is None
+
+    lacking = analyze(load_device("bmi088"), validate=False)
+    found = {row.lower_bound: row.degrees_of_freedom for row in lacking.outputs}
+    assert found[True] is None

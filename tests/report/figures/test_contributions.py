@@ -208,3 +208,25 @@ def test_labels_of_a_density_stand_free():
 
     assert cut_texts(figure) == []
     assert crossed_texts(figure) == []
+
+
+@pytest.mark.parametrize("trials", [20, 40])
+def test_waterfall_of_trials_goes_by_the_law_first(trials):
+    """Sources grow to the law's U; the trials' is a step apart, and U the last."""
+    of = analyze(load_device("hg4930#A"), method="simulation", trials=trials)
+    law = analyze(load_device("hg4930#A"), validate=False)
+    for group, own in zip(group_tables(of), group_tables(law), strict=True):
+        critical = Critical.of(group, None)
+        steps = bars(waterfall_chart(critical))
+        apart = steps["trials in place of the law"]
+        assert_allclose(apart.start, own.rows[critical.place].expanded.exact, rtol=1e-6)
+        assert_allclose(apart.end, critical.row.expanded.exact, rtol=1e-12)
+        grows = [bar for name, bar in steps.items() if name in step_names(group)]
+        assert all(bar.end >= bar.start for bar in grows)
+        assert len(grows) >= 1
+        assert_allclose(steps["U95"].end, critical.row.expanded.exact, rtol=1e-12)
+
+
+def step_names(group):
+    """Return what steps of sources are called."""
+    return {"all others", *(source.title for source in group.sources)}
