@@ -89,7 +89,8 @@ class InputQuantity:
     si_per_unit: float
     u: tuple[float, ...]  # standard uncertainty by axis [unit]
     distribution: str
-    divisor: float | None  # printed over u [1]; None where the axes differ in it
+    # Printed over u [1], with how the number is read; None where the axes differ in it.
+    divisor: float | None
     degrees_of_freedom: float | None = inf  # None where it is of other devices
     origin: str = ""  # where another device's value stands for it
     readings: int = 0  # that it is open to, where the maker does not say
@@ -112,9 +113,9 @@ class InputQuantity:
 class Contribution:
     """What one source alone does to one output, by the first- and second-order law.
 
-    To first order it is c u(x) of its input quantity, JCGM 100:2008, 5.1.3: c is of the
-    law's linear map, the root of the sum of squares where several inputs of one line
-    reach the output, their correlation included.
+    To first order it is c u(x) of its input quantity, JCGM 100:2008, 5.1.3, with c of
+    the law's linear map. Where several inputs of one line reach the output, u(x) is the
+    largest u_i of them and c = sqrt(sum of c_i u_i r_ij c_j u_j) / u(x).
     """
 
     source: Name

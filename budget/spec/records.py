@@ -49,6 +49,8 @@ class ErrorLine(Given):
     factor : float
         u over the value that is printed, beside its meaning [SI], where the model has
         another quantity than the maker.
+    reading : float
+        The part of it that is how the number is read, not a unit [1].
     says : tuple of (str, str)
         What else the file says of it that moves its numbers, as (key, text).
     definition, includes, horizon, condition, source : str
@@ -65,6 +67,7 @@ class ErrorLine(Given):
     density: str = ""
     adds_to: str = ""
     factor: float = 1.0
+    reading: float = 1.0
     says: tuple[tuple[str, str], ...] = ()
     definition: str = ""
     includes: str = ""

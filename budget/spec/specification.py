@@ -351,6 +351,7 @@ class _Form:
 
     form: str = ""
     factor: float = 1.0  # [SI]
+    reading: float = 1.0  # part of it that is no unit [1]
     low_cut: float | None = None  # [Hz]
     horizons: tuple[tuple[float, float], ...] = ()  # [s, 1]
     says: tuple[tuple[str, str], ...] = ()
@@ -427,9 +428,11 @@ class FlickerValue(ProcessValue):
         """Return its coefficient and its low cut."""
         low = f"{LOW_CUT!r} Hz" if self.low_cut is None else self.low_cut.printed
         is_minimum = self.definition == "allan_minimum"
+        reading = 1.0 / ALLAN_MINIMUM if is_minimum else 1.0
         notes = [note("low cut not given, once a day (1.157e-05 Hz) assumed")]
         return _Form(
-            factor=1.0 / ALLAN_MINIMUM if is_minimum else 1.0,
+            factor=reading,
+            reading=reading,
             low_cut=LOW_CUT if self.low_cut is None else self.low_cut.value,
             says=(("definition", self.definition), ("low_cut", low)),
             definition=f"{self.definition}, no power below "
@@ -627,6 +630,7 @@ def _under(
         u=one.line.u * factor,
         si_per_unit=one.line.si_per_unit * factor,
         factor=one.line.factor * factor,
+        reading=one.line.reading * factor,
     )
     return replace(one, line=scaled)
 
@@ -683,6 +687,7 @@ def _read(line: Source, sensor: str, given: Quantity | SpecificationValue) -> Re
         form=form.form,
         horizons=form.horizons,
         factor=form.factor,
+        reading=form.reading,
         says=form.says,
         density=axes[0].density,
         adds_to=getattr(part, "adds_to", None) or "",

@@ -1,9 +1,15 @@
-"""Input quantities of a budget: what the specification gives, and what it is worth.
+"""Input quantities of a budget: lines of the specification, u(x) and c of each.
 
-A line of a data sheet is a quantity x with a standard uncertainty u(x); c is what one
-of it makes of an output, by the linear map of the law (JCGM 100:2008, 5.1.3 and 8.1,
-EA-4/02 M:2022, 4.9). Where several inputs of the Problem are of one line (axes, window
-averages of a noise) c is the root of c_i r_ij c_j, their correlation included.
+A line of a data sheet is a quantity x with a standard uncertainty u(x), the printed
+value over the divisor; c is the change of an output for one unit of x, by the linear
+map of the law (JCGM 100:2008, 5.1.3 and 8.1, EA-4/02 M:2022, 4.9). How the number is
+read (a one-sided density, an Allan minimum) is part of the divisor, not of c. Where
+several inputs of the Problem are of one line (axes, window averages of a noise)
+
+    c = sqrt(sum over i, j of c_i u_i r_ij c_j u_j) / u(x)
+
+with u(x) the largest u_i of those that reach the output: of equal u_i it is the root
+of the sum of c_i r_ij c_j.
 """
 
 from __future__ import annotations
@@ -23,6 +29,7 @@ from budget.spec.specification import (
     divisor,
 )
 from budget.studies.request import given_lines
+from budget.units import WALK_PER_DENSITY
 
 if TYPE_CHECKING:
     from budget.arrays import Array
@@ -35,7 +42,7 @@ REACHES = 1e-6  # part of the largest input's contribution that is one too [1]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sensitivity:
-    """What one line makes of every output, to first order."""
+    """First-order effect of one line on every output."""
 
     u_input: Array  # of the largest axis that reaches the output, (n_out,) [SI]
     c: Array  # shape (n_out,) [SI of the output over that of u_input]
@@ -85,15 +92,20 @@ def _quantity(name: Name, line: ErrorLine, origin: str) -> InputQuantity:
     differ = len(shapes) > 1 or meaning not in {*SIGMAS, *HALF_WIDTHS}
     differ |= not is_minimum and line.definition.startswith(("x ", "y ", "z "))
     own = None if differ else divisor(meaning, next(iter(shapes)))
+    # How the number is read stands in the divisor: the unit is left as printed.
+    reading = WALK_PER_DENSITY[line.density] * line.reading
+    si_per_unit = line.si_per_unit / reading
+    if is_minimum:
+        reading /= ALLAN_MINIMUM
     return InputQuantity(
         source=name,
         printed=line.printed,
         meaning=meaning,
         unit=line.unit,
-        si_per_unit=line.si_per_unit,
-        u=tuple(float(u) for u in line.u / line.si_per_unit),
+        si_per_unit=si_per_unit,
+        u=tuple(float(u) for u in line.u / si_per_unit),
         distribution=", ".join(dict.fromkeys(shape.name for shape in shapes)),
-        divisor=own * ALLAN_MINIMUM if own and is_minimum else own,
+        divisor=None if own is None else own / reading,
         degrees_of_freedom=None
         if origin
         else min(shape.degrees_of_freedom for shape in shapes),

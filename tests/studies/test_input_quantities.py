@@ -7,10 +7,13 @@ from math import sqrt
 import pytest
 from numpy.testing import assert_allclose
 
-from budget.resources import shipped
+from budget.names import Name
 from budget.results import INTERACTION
-from budget.spec import load_device
+from budget.spec import load_catalogue, load_device
 from budget.studies.analysis import analyze
+from budget.studies.input_quantities import input_quantities
+from budget.studies.request import Analysis
+from budget.units import parse_quantity
 
 DEVICE = """\
 name: Axes that differ
@@ -65,21 +68,85 @@ def test_the_divisor_is_that_of_meaning_and_shape(budget, name, divisor, u):
 
 
 def test_printed_over_divisor_is_u_in_the_whole_catalogue():
-    """Of every shipped line with one value: the text over its divisor is u(x)."""
-    found = 0
-    for path in sorted((shipped("specs") / "devices").glob("*.yaml"))[::6]:
-        if "\nvariants:" in path.read_text():
-            continue
-        budget = analyze(load_device(path), validate=False)
-        for one in budget.quantities:
+    """Of every shipped line with one value: what is printed over its divisor is u(x).
+
+    In the printed unit and, where the model has the maker's quantity, in SI too: how a
+    number is read (one-sided density, Allan minimum) is in the divisor, not in c.
+    """
+    found, read = 0, set()
+    for device in load_catalogue():
+        analysis = Analysis.of(device)
+        lines = {
+            Name(line.name, owner=sensor.kind): line
+            for sensor in analysis.sensors
+            for line in sensor.lines
+        }
+        for one in input_quantities(analysis):
             number = one.printed.removesuffix(one.unit).strip()
             if one.divisor is None or not number.replace(".", "").isdigit():
                 continue
-            assert_allclose(
-                one.u, float(number) / one.divisor, rtol=1e-9, err_msg=one.source
-            )
+            told = f"{device.name} {one.source}"
+            u = float(number) / one.divisor
+            assert_allclose(one.u, u, rtol=1e-9, err_msg=told)
             found += 1
+            line = lines.get(one.source)
+            if (
+                line is None or line.form or "g" in one.unit
+            ):  # another quantity, local g
+                continue
+            size = parse_quantity(f"1 {one.unit}", one.unit).si_per_unit
+            assert_allclose(line.u, u * size, rtol=1e-9, err_msg=told)
+            read.add(line.density or line.definition.partition(",")[0])
     assert found > 20
+    assert {"one-sided", "allan_minimum"} <= read
+
+
+@pytest.mark.parametrize(
+    ("source", "given", "divisor"),
+    [
+        ("bias_stability", "definition: allan_minimum", 0.664),
+        ("flicker", "definition: allan_minimum", 0.664),
+        ("flicker", "definition: coefficient", 1.0),
+        ("angle_random_walk", "density: one-sided", sqrt(2.0)),
+        ("angle_random_walk", "density: two-sided", 1.0),
+        (
+            "angle_random_walk",
+            "{density: one-sided, meaning: 3 sigma}",
+            3.0 * sqrt(2.0),
+        ),
+    ],
+)
+def test_how_a_number_is_read_is_in_its_divisor(tmp_path, source, given, divisor):
+    """u(x) is the printed value over the divisor, and c does not know of the reading.
+
+    IEEE 952: N = D / sqrt(2) of a one-sided density, B = minimum / 0.664 of flicker.
+    """
+    unit = "deg/h/sqrt(Hz)" if source.endswith("walk") else "deg/h"
+
+    def read(words):
+        path = tmp_path / "read.yaml"
+        said = words.strip("{}")
+        path.write_text(
+            "name: Read\ngyro:\n  errors:\n"
+            f"    {source}: {{value: 0.5 {unit}, {said}}}\n"
+        )
+        return analyze(load_device(path), validate=False)
+
+    budget = read(given)
+    assert_allclose(quantity(budget, source).u, 0.5 / divisor, rtol=1e-12)
+    assert_allclose(quantity(budget, source).divisor, divisor, rtol=1e-12)
+    plain = "definition: coefficient" if source == "flicker" else "density: two-sided"
+    plain = "definition: sigma" if source == "bias_stability" else plain
+    same = [
+        next(
+            part["sensitivity"]
+            for part in one.to_dict()["outputs"][-1]["contributions"]
+            if part["source"] == f"gyro.{source}"
+        )
+        for one in (budget, read(plain))
+    ]
+    assert same[0] > 0.0
+    assert_allclose(same[0], same[1], rtol=1e-9)
 
 
 def test_c_u_is_the_source_alone(device, budget):
@@ -94,7 +161,7 @@ def test_c_u_is_the_source_alone(device, budget):
             )
 
 
-def test_c_is_what_one_more_of_the_line_makes(device, budget):
+def test_c_does_not_depend_on_the_size_of_the_line(device, budget):
     """A line ten times as large has the same c, and ten times the c u(x)."""
     changed = device.replace({"gyro.bias_stability": "0.4 deg/h"})
     more = analyze(changed, validate=False)

@@ -28,9 +28,10 @@ if TYPE_CHECKING:
 READ = term(
     "x is a line of the data sheet with its standard uncertainty u(x), what is printed "
     "over the divisor; c, the sensitivity coefficient, is how the output changes by "
-    "one unit of x (of several inputs of a line the root of the sum of squares, with "
-    "their correlation); c u(x) is the contribution of the line alone, and the share "
-    "is of the variance; \N{GREEK SMALL LETTER NU} are degrees of freedom. "
+    "one unit of x (of several inputs of a line c u(x) is the root of the sum of their "
+    "squares, with their correlation, and u(x) the largest); c u(x) is the "
+    "contribution of the line alone, and the share is of the variance; "
+    "\N{GREEK SMALL LETTER NU} are degrees of freedom. "
     "Lines are independent of each other."
 )
 

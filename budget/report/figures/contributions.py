@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.names import Name
-    from budget.report.tables import GroupTable, OutputRow, SourceRow
+    from budget.report.tables import GroupTable, Number, OutputRow, SourceRow
     from budget.results import Assessment, Budget
 
 MOST_ROWS = 7  # sources that have a row of their own
@@ -113,15 +113,21 @@ def tornado_chart(critical: Critical) -> Chart | None:
     None without spread. The budget table has the numbers.
     """
     group, place = critical.group, critical.place
-    sources = critical.sources
+
+    def linear(source: SourceRow) -> Number:
+        part = source.cells[place]
+        return part.linear or part.u  # products of two sources have no c
+
+    sources = [one for one in critical.sources if linear(one).exact > 0.0]
+    sources.sort(key=lambda one: -settle(linear(one).exact))
     if not sources:
         return None
     rows = []
     for source in sources:
-        part = source.cells[place]
-        u = part.u.exact
+        moved = linear(source)
+        u = moved.exact
         colour, hatch, _ = look_of(source.source)
-        said = f"\N{PLUS-MINUS SIGN}{part.u.text} {group.unit}"
+        said = f"\N{PLUS-MINUS SIGN}{moved.text} {group.unit}"
         tip = say(
             "{source} moves the {critical} by {said}",
             source=source.title,
@@ -129,12 +135,12 @@ def tornado_chart(critical: Critical) -> Chart | None:
             said=said,
         )
         bar = Bar(start=-u, end=u, colour=colour, hatch=hatch, height=11.0, tip=tip)
-        share = part.share.text
+        share = source.cells[place].share.text
         rows.append(
             Row(
                 label=source.title,
                 marks=(bar,),
-                beside=(f"\N{PLUS-MINUS SIGN}{part.u.text}", share),
+                beside=(f"\N{PLUS-MINUS SIGN}{moved.text}", share),
                 said=say(
                     "{source} {said} ({share} of the variance)",
                     source=source.title,
@@ -143,7 +149,7 @@ def tornado_chart(critical: Critical) -> Chart | None:
                 ),
             )
         )
-    most = AIR * sources[0].cells[place].u.exact
+    most = AIR * linear(sources[0]).exact
     first = sources[0]
     return Chart(
         name=f"tornado-{group.sensor}-{group.parameter}",
@@ -152,7 +158,7 @@ def tornado_chart(critical: Critical) -> Chart | None:
                 "{critical}: {first} ±{u} {unit}",
                 critical=capital(critical.title),
                 first=first.title,
-                u=first.cells[place].u.text,
+                u=linear(first).text,
                 unit=group.unit,
             )
         ),

@@ -66,7 +66,8 @@ def test_tornado_is_c_u_on_both_sides():
         sizes = [bar.end for bar in found.values()]
         for source in group.sources:
             if source.title in found:
-                u = source.cells[critical.place].u.exact
+                part = source.cells[critical.place]
+                u = (part.linear or part.u).exact
                 assert_allclose(found[source.title].end, u, rtol=1e-12)
                 assert_allclose(found[source.title].start, -u, rtol=1e-12)
         assert sizes == sorted(sizes, reverse=True)
@@ -230,3 +231,21 @@ def test_waterfall_of_trials_goes_by_the_law_first(trials):
 def step_names(group):
     """Return what steps of sources are called."""
     return {"all others", *(source.title for source in group.sources)}
+
+
+def test_tornado_leaves_the_second_order_to_the_table():
+    """Its bars are c u(x), the table's number: of a curved source less than its u."""
+    groups = group_tables(budget("zhao-2019"))
+    critical = Critical.of(next(g for g in groups if g.title == "gyro bias"), None)
+    source = critical.sources[0]
+    cells = [
+        replace(part, linear=replace(part.u, text="0.01", exact=part.u.exact / 2.0))
+        for part in source.cells
+    ]
+    curved = replace(source, cells=tuple(cells))
+    others = [one for one in critical.group.sources if one.source != source.source]
+    group = replace(critical.group, sources=(curved, *others))
+    half = source.cells[critical.place].u.exact / 2.0
+
+    found = bars(tornado_chart(replace(critical, group=group)))
+    assert_allclose(found[source.title].end, half, rtol=1e-12)
