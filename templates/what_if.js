@@ -354,7 +354,7 @@ function written(value) {
 
 // What a file gives as one number: the maker's words beside it stay as they are.
 const ONE_NUMBER = /^(\d+\.?\d*(?:e[-+]?\d+)?)( [^\d,;:]+)$/i;
-const SIZE = /\ue000([^\ue000]*)\ue000/g;
+const MARK = "\u0002";  // on both sides of a size; no text of a device can hold it
 
 /** The device file with the lines of changed sources multiplied, and what is not in it. */
 function changedDevice(model, factors) {
@@ -363,10 +363,11 @@ function changedDevice(model, factors) {
   let owner = "";
   const lines = model.device.split("\n").map((line) => {
     owner = /^(\w+):$/.exec(line)?.[1] ?? owner;
-    if (!line.includes("\ue000")) return line;
+    if (!line.includes(MARK)) return line;
     const name = `${owner}.${/^ *(\w+):/.exec(line)[1]}`;
     left.delete(name);
-    return line.replace(SIZE, (_, size) => written(size * (present.get(name) ?? 1)));
+    return line.split(MARK).map((part, i) =>
+      (i % 2 ? written(part * (present.get(name) ?? 1)) : part)).join("");
   });
   return { text: lines.join("\n"), elsewhere: changesOf(model, factors).filter(({ source }) => left.has(source.name)) };
 }
@@ -383,7 +384,7 @@ function changedCommand(model, factors) {
     return unit && shellWord(`${source.name}=${written(size * factor)}${unit}`);
   });
   if (sets.includes(undefined)) return model.command_of_file;
-  return [model.command, ...sets.map((set) => `--set ${set}`)].join(" ");
+  return [model.command, ...sets.map((set) => `--set ${set}`)].join(" ") + model.operands;
 }
 
 /** Fields with the changed device and its command, and what fills them in. */
@@ -398,15 +399,18 @@ function makeHandOut(model) {
   const words = make("p", {});
   const place = make("details", { class: "hand-out" },
     make("summary", {}, "The changed device as a file, with its command"),
-    words, ...(model.command ? [command.block] : []), device.block);
+    words, ...(model.command ? [command.block] : []), ...(model.device ? [device.block] : []));
   const update = (factors) => {
     const { text, elsewhere } = changedDevice(model, factors);
     const said = changeWords(model, factors);
     const rest = changeWords({ sources: elsewhere.map(({ source }) => source) }, elsewhere.map(({ factor }) => factor));
     words.textContent = said ? `Changed: ${said}.` : "Nothing is changed.";
-    if (rest) words.append(` Not a line of the device, change it where it stands: ${rest}.`);
+    if (!model.device) words.append(" No file says all of this device: it is changed by --set.");
+    else if (rest) words.append(` Not a line of the device, change it where it stands: ${rest}.`);
     device.area.value = (said ? `# Changed by what-if: ${said}\n` : "") + text;
-    command.area.value = elsewhere.length ? model.command_of_file : changedCommand(model, factors);
+    const isElsewhere = elsewhere.length && model.device;
+    command.area.value = (isElsewhere ? model.command_of_file : changedCommand(model, factors))
+      || "No command says it: a changed line has several numbers, or is no line of the device. Change it in its file.";
   };
   return { place, update };
 }
@@ -478,7 +482,7 @@ function setUpWhatIf(place, model) {
   const verdict = make("div", { class: "outlook", role: "status", "aria-live": "polite" });
   const wrong = make("p", { class: "wrong", role: "alert" });
   const results = makeResults(model);
-  const handOut = model.device ? makeHandOut(model) : null;
+  const handOut = model.device || model.command ? makeHandOut(model) : null;
   const button = (text, act) => {
     const made = make("button", { type: "button" }, text);
     made.addEventListener("click", () => { act(); refresh(); note(); });
@@ -506,7 +510,11 @@ function setUpWhatIf(place, model) {
     } catch { /* a preview that has no address */ }
   };
   const restore = () => {
-    if (!location.hash.startsWith(ADDRESS)) return;
+    if (!location.hash.startsWith(ADDRESS)) {
+      // A link within the page was followed: the address says again what is shown.
+      if (toAddress(model, factors, kept)) note();
+      return;
+    }
     const found = fromAddress(model, location.hash.slice(ADDRESS.length));
     wrong.textContent = found.wrong || "";
     ({ factors, kept } = found.wrong ? { factors: [...present], kept: null } : found);

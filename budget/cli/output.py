@@ -189,6 +189,21 @@ def command_line(
     'budget report hg4930.yaml --requirement navigation-grade.yaml', or that of another
     command, of other devices, without some of its parameters.
     """
+    parts = command_parts(context, command=command, devices=devices, without=without)
+    return "".join(parts)
+
+
+def command_parts(
+    context: typer.Context,
+    *,
+    command: str = "",
+    devices: Sequence[str] | None = None,
+    without: Collection[str] = (),
+) -> tuple[str, str]:
+    """Return a command line in two parts, between which options can be put.
+
+    The second is empty but for names that begin with a dash, which stand after `--`.
+    """
     words = ["budget", command or context.info_name or ""]
     arguments: list[str] = []
     for parameter in context.command.params:
@@ -212,7 +227,9 @@ def command_line(
         else:
             for one in values:
                 words += [parameter.opts[0], _base_name(one)]
-    return shlex.join([*words[:2], *arguments, *words[2:]])
+    if any(one.startswith("-") and one != "-" for one in arguments):
+        return shlex.join(words), f" -- {shlex.join(arguments)}"
+    return shlex.join([*words[:2], *arguments, *words[2:]]), ""
 
 
 def _base_name(value: object) -> str:

@@ -69,6 +69,7 @@ def report(
     from budget.cli.output import (
         check_destinations,
         command_line,
+        command_parts,
         hand_out,
         pages_of,
     )
@@ -115,6 +116,9 @@ def report(
             command="report",
         )
         loaded, bare = analysis_of(budget).devices, loaded
+        options_of_same, operands = command_parts(
+            context, command="analyze", without=ONLY_HERE
+        )
         evidence = gather_evidence(analysis_of(budget), budget, budget.assessment)
         with speaking(language):
             extras = tuple(
@@ -141,7 +145,9 @@ def report(
                 extras=extras,
                 command_line=command_line(context),
                 again=AnalyzeAgain(
-                    same=command_line(context, command="analyze", without=ONLY_HERE),
+                    same=options_of_same,
+                    operands=operands,
+                    devices=bare,
                     of_file=command_line(
                         context,
                         command="analyze",

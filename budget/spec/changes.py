@@ -380,6 +380,7 @@ def check_used(changes: Sequence[Change], used: Iterable[str]) -> None:
     for change in left.values():
         whose = f" called {change.device!r}" if change.device else ""
         raise CallError(
-            f"--set {change.text}: no device here{whose} has a {change.sensor}; give "
-            "one that has, or leave this change out"
+            f"--set {change.text}: no device here{whose} has "
+            f"{'an' if change.sensor[0] in 'aeiou' else 'a'} {change.sensor}; give one "
+            "that has, or leave this change out"
         )

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import io
 import json
 import re
+import shlex
 from html import unescape
 
 import pytest
@@ -172,6 +174,27 @@ def test_a_report_holds_one_budget(tmp_path, option):
     assert run.code == 2
     assert "two budgets" in run.err
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["-#A", "-g.yaml"])
+def test_commands_of_what_if_can_be_typed(tmp_path, monkeypatch, name):
+    """Also of a variant on standard input and of a file named like an option."""
+    monkeypatch.chdir(tmp_path)
+    text = f"{GYRO}variants: {{A: {{vendor: a}}}}\n".encode()
+    (tmp_path / "-g.yaml").write_bytes(text)
+    done = []
+    words = ["report", "--no-validate", "-o", "p.html", "--", name]
+    for _ in range(2):
+        monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(text)))
+        done.append(call(*words))
+        page = (tmp_path / "p.html").read_text(encoding="utf-8")
+        (model,) = re.findall(r'class="what-if-model">(.*?)</script>', page)
+        model = json.loads(unescape(model))
+        change = " --set gyro.bias_repeatability='2 deg/h'"
+        words = shlex.split(f"{model['command']}{change}{model['operands']}")[1:]
+        assert model["command_of_file"] == "budget analyze changed.yaml --no-validate"
+    assert [run.code for run in done] == [0, 0], done
+    assert "2 deg/h by --set" in done[1].out
 
 
 def test_provenance_quotes_the_command(tmp_path):

@@ -300,7 +300,7 @@ def test_sliders_without_a_requirement_show_uncertainties(browser, tmp_path):
 
 MAKERS = """
 format: budget-device/1
-name: "O'Neill's \\u200b\\"unit\\" 赵"
+name: "\\ue0005\\ue000 O'Neill's \\u200b\\"unit\\" 赵"
 gyro:
   nominal: {bias: 2 deg/h, mounting_angle: 3 arcsec}
   errors:
@@ -363,6 +363,7 @@ def test_tool_reads_the_changed_device_back(
     assert record.complaints == []
     assert words[:2] == ["budget", "analyze"]
     assert words.count("--set") == (len(changes) if by_set else 0)
+    assert load_device("changed.yaml").name.startswith("\ue0005\ue000 O'Neill's")
     assert (run.code, words[2]) == (0, "imu.yaml" if by_set else "changed.yaml")
     budget = analyze(load_device("changed.yaml"), validate=False)
     again = json.loads((changeable.parent / "again.json").read_text(encoding="utf-8"))
@@ -397,6 +398,27 @@ def test_address_keeps_both_scenarios(browser, changeable):
     assert shown[0] != shown[1]
     assert heads[1].split() == ["U", "kept"]
     assert now[1].split() == ["U", "as", "it", "is"]
+    assert record.complaints == []
+
+
+def test_link_within_the_page_leaves_the_changes_in_the_address(browser, changeable):
+    """Wherever one has gone in the page, its address copied shows what is shown."""
+    with opened(browser, changeable) as (page, record):
+        link = "document.querySelector('main, body').insertAdjacentHTML('beforeend',"
+        page.evaluate(f"{link} '<a id=there href=#there>there</a>')")
+        page.locator("#there").click()
+        assert page.url.endswith("#there")
+        move(page, "gyro.bias_stability", ["End"])
+        shown = read(page, "expanded")
+        for _ in range(2):
+            page.locator("#there").click()
+            page.wait_for_function("location.hash.startsWith('#what-if?')")
+            assert page.evaluate("scrollY") > 0
+        copied = page.url
+        page.goto("about:blank")
+        page.goto(copied)
+        assert read(page, "expanded") == shown
+        assert page.locator(".control.changed").count() == 1
     assert record.complaints == []
 
 

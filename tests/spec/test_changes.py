@@ -220,4 +220,4 @@ def test_a_change_of_a_sensor_that_is_not_there(tmp_path):
     )
     with pytest.raises(CallError) as caught:
         load_device(tmp_path / "g.yaml", ["accelerometer.bias_stability=1 mg"])
-    assert_says(str(caught.value), "accelerometer", "no device")
+    assert_says(str(caught.value), "no device here has an accelerometer")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from budget.report.device_file import device_yaml
@@ -50,8 +51,13 @@ def allocated_device(allocation: Allocation) -> str:
         )
     if allocation.assumptions:
         notes += f" Assumed: {'; '.join(allocation.assumptions)}."
+    # An allowed size is one to be kept, whatever the maker left open.
+    closed = [
+        sensor.with_lines(replace(line, readings=()) for line in sensor.lines)
+        for sensor in allocation.sensors
+    ]
     return device_yaml(
-        allocation.sensors,
+        closed,
         name=f"{allocation.title[:150]}, allocated for {allocation.requirement[:30]}",
         source="budget allocate",
         notes=notes,

@@ -16,7 +16,7 @@ from budget.report.blocks import (
     Sliders,
     table_of,
 )
-from budget.report.device_file import device_yaml
+from budget.report.device_file import LONGEST_NAME, MARK, device_yaml, is_read_back
 from budget.report.tables import (
     Number,
     bound_number,
@@ -28,18 +28,18 @@ from budget.report.tables import (
 )
 from budget.report.wording import VERDICTS, cell, share_cell
 from budget.results import BY_LAW
+from budget.spec.records import CHANGED
 from budget.studies.request import sensors_of
 from budget.ties import settle
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Collection, Sequence
 
     from budget.report.blocks import Table
     from budget.results import Budget
-    from budget.spec.records import Device
+    from budget.spec.records import Device, Sensor
     from budget.studies.what_if import SourceSteps, WhatIf
 
-SIZE_MARK = "\ue000"  # about each size in the device file that the sliders change
 HEADS = {
     0.0: term("without it"),
     0.5: term("at half"),
@@ -57,6 +57,8 @@ class AnalyzeAgain:
 
     same: str  # as they are; --set can be added
     of_file: str  # CHANGED_FILE in their place
+    operands: str = ""  # what stands after all options of `same`
+    devices: tuple[Device, ...] = ()  # as they were read, without stand-ins
 
 
 def what_if_section(
@@ -88,6 +90,7 @@ def what_if_section(
         else ""
     )
     text += _not_by_law(budget, required=required)
+    device = _device_file(budget, (again and again.devices) or devices)
     return Section(
         name="what-if",
         title=say("What a better line would change"),
@@ -96,23 +99,52 @@ def what_if_section(
             Sliders(
                 model={
                     **model.to_dict(),
-                    "device": device_yaml(
-                        sensors_of(devices),
-                        name=f"{budget.title}, changed",
-                        source="sliders of a report",
-                        notes="; ".join(
-                            f"from {file.role} {file.name} sha256 {file.sha256}"
-                            for file in budget.inputs
-                        ),
-                        mark=SIZE_MARK,
-                    ),
+                    "device": device,
                     "command": "" if again is None else again.same,
-                    "command_of_file": "" if again is None else again.of_file,
+                    "operands": "" if again is None else again.operands,
+                    "command_of_file": again.of_file if again and device else "",
                 },
                 table=_table(rows, coverage, required=required),
             ),
         ),
     )
+
+
+def _device_file(budget: Budget, devices: Sequence[Device]) -> str:
+    """Return the devices as one file with marks, '' where none says the same of them.
+
+    Stand-ins are not written: the command puts them there again.
+    """
+    filled = {line.source for line in budget.filled}
+    sensors = [
+        _without(sensor, {one.quantity for one in filled if one.owner == sensor.kind})
+        for sensor in sensors_of(devices)
+    ]
+    technologies = {device.technology for device in devices}
+    if len(devices) > 1 and budget.settings.missing != "refuse":
+        return ""  # what is comparable with each of them is not with one device
+    technology = technologies.pop() if len(technologies) == 1 else ""
+    title = budget.title.removesuffix(CHANGED)[: LONGEST_NAME - len(CHANGED)]
+    text = device_yaml(
+        sensors,
+        name=f"{title}{CHANGED}",
+        source="sliders of a report",
+        notes="; ".join(
+            f"from {file.role} {file.name} sha256 {file.sha256}"
+            for file in budget.inputs
+        ),
+        technology=technology,
+        mark=MARK,
+    )
+    plain = text.replace(MARK, "")
+    return text if is_read_back(plain, sensors, technology=technology) else ""
+
+
+def _without(sensor: Sensor, names: Collection[str]) -> Sensor:
+    """Return a sensor without some of its lines."""
+    if not names:
+        return sensor
+    return sensor.with_lines(line for line in sensor.lines if line.name not in names)
 
 
 def _not_by_law(budget: Budget, *, required: bool) -> str:

@@ -25,7 +25,6 @@ from saying import assert_says
 from budget.distributions import TRIANGULAR
 from budget.names import key_title
 from budget.report.analysis.build import Extra, report_document
-from budget.report.analysis.what_if import SIZE_MARK
 from budget.report.blocks import (
     Cell,
     Equation,
@@ -35,6 +34,7 @@ from budget.report.blocks import (
     Sliders,
     Table,
 )
+from budget.report.device_file import MARK
 from budget.report.inputs import print_by_axis
 from budget.report.tables import group_tables
 from budget.resources import shipped
@@ -508,8 +508,8 @@ def test_what_if_has_the_device_as_a_file_to_change():
     """It reads back as the device, and the size of every line of a source is marked."""
     model = find(section(example(), "what-if"), Sliders)[0].model
     text, device = model["device"], make_device()
-    read = read_device(parse(text.replace(SIZE_MARK, "").encode(), "x", base_name="x"))
-    marked = re.findall(rf"^ {{4}}(\w+): .*{SIZE_MARK}", text, flags=re.MULTILINE)
+    read = read_device(parse(text.replace(MARK, "").encode(), "x", base_name="x"))
+    marked = re.findall(rf"^ {{4}}(\w+): .*{MARK}", text, flags=re.MULTILINE)
 
     for kind in ("gyro", "accelerometer"):
         before, after = getattr(device, kind).lines, getattr(read, kind).lines
