@@ -140,9 +140,12 @@ def key_title(key: str) -> str:
     """Write a key of a file as words, 'gyro bias stability'."""
     title = names.key_title(key)
     known = _catalogue(spoken())
-    if not known or title in known or not isinstance(key, names.Name):
+    if not known or title in known:
         return known.get(title, title)
-    return beside(words(key.owner), say(names.key_title(key.quantity)), key.axis)
+    if isinstance(key, names.Name):
+        return beside(words(key.owner), say(names.key_title(key.quantity)), key.axis)
+    owner, dot, rest = key.partition(".")  # a key as a file or an assumption has it
+    return beside(words(owner), key_title(rest)) if dot else title
 
 
 def beside(*texts: str) -> str:

@@ -7,6 +7,7 @@ import pickle
 import re
 import string
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -33,6 +34,7 @@ from budget.names import OUTPUTS, Name
 from budget.names import words as plain_words
 from budget.report.analysis.groups import budget_answer
 from budget.report.blocks import Table
+from budget.report.notebook import budget_html, budget_latex, budget_markdown
 from budget.report.wording import say_words
 from budget.resources import shipped
 
@@ -73,6 +75,7 @@ def messages_of(tree):
     }
 
 
+@cache
 def every_message():
     """Return the templates of the whole package, and of the page."""
     page = shipped("templates").joinpath("page.html.j2").read_text(encoding="utf-8")
@@ -176,6 +179,7 @@ def test_keys_are_words_of_the_language():
         assert words("bias_stability") == "零偏稳定性"
         assert key_title(Name("bias_stability", owner="gyro")) == "陀螺零偏稳定性"
         assert key_title(Name("bias", owner="gyro", axis="x")) == "陀螺零偏 x"
+        assert key_title("gyro.nominal.bias") == "陀螺标称零偏"
         assert key_title(Name("levelling.east", owner="station")) == "测试设备东向调平"
     assert key_title(Name("bias_stability", owner="gyro")) == "gyro bias stability"
 
@@ -224,6 +228,96 @@ def test_no_english_is_left_in_a_chinese_answer():
 
     assert sorted(set(chinese)) == []
     assert len(set(english)) > len(CATALOGUES)
+
+
+TACTICAL = "specs/requirements/tactical-grade.yaml"
+NAVIGATION = "specs/requirements/navigation-grade.yaml"
+ANSWERS = {
+    "analysis": ["analyze", "--no-validate", "--matrices"],
+    "against a requirement": ["analyze", "--no-validate", "--requirement", NAVIGATION],
+    "lower bounds": [
+        *("analyze", "specs/devices/icm-20948.yaml", "--no-validate"),
+        *("--requirement", TACTICAL),
+    ],
+    "in brief": [
+        *("analyze", "specs/devices/icm-20948.yaml", "--no-validate", "--brief"),
+        *("--requirement", TACTICAL),
+    ],
+    "Monte Carlo": ["analyze", "--method", "monte-carlo", "--trials", "2000"],
+    "predicted lines": [
+        *("analyze", "specs/devices/m-a370ad10.yaml", "--no-validate"),
+        *("--missing", "predict", "--requirement", TACTICAL),
+    ],
+    "worst lines": [
+        *("analyze", "specs/devices/m-a370ad10.yaml", "--no-validate"),
+        *("--missing", "worst"),
+    ],
+    "comparison": [
+        *("compare", "specs/devices/mti-630.yaml", "specs/devices/hg9900.yaml"),
+        *("--requirement", TACTICAL, "--trials", "2000"),
+    ],
+    "allocation": ["allocate", "--requirement", NAVIGATION],
+    "station": ["station", "--requirement", NAVIGATION],
+}
+# Names that files give: of devices, their makers' types, requirements and stations.
+NAMES = (
+    *("Zhao 2019 optical IMU", "Zhao 2019", "navigation grade", "tactical grade"),
+    *("Navigation grade", "Tactical grade", "granite plate and cube"),
+    *("good three-axis table", "ideal"),
+)
+STAYING = re.compile(
+    r"[\w.-]+\.yaml(?:#\w+)?|"
+    + "|".join(map(re.escape, NAMES))
+    # Options, keys and their values, designations of types: they hold a mark
+    # or a digit.
+    + r"|--[a-z-]+|\b[a-z]+(?:[._]+[a-z]+)+\b|`\w+`"
+    r"|\N{FULLWIDTH LEFT PARENTHESIS}[a-z_]+: [a-z]+|'\w+'"
+    r"|\b(?=\w*-?\w*\d)[A-Z][\w-]*|\bMTi\b|\bDG\b"
+    # Units and signs of formulas.
+    r"|\b(?:deg|arcsec|ppm|dps|mGal|ug|mg|sqrt|\u03bcrad|min|inf|inv|EUR|kg|sigma)\b"
+    # What is called so in Chinese as well, and words that stand as a file has them:
+    # how a data sheet means a figure, how missing lines are filled, two keys.
+    r"|\b(?:JCGM|IEEE|GUM|IMU|JSON|CSV|max|typical|predict|worst|height|station)\b"
+)
+
+
+def left_in(text):
+    """Return the words in Latin letters that no rule lets stay."""
+    line = " ".join(text.split())  # a name may be broken between two
+    return sorted(set(re.findall(r"[A-Za-z]{3,}", STAYING.sub(" ", line))))
+
+
+@pytest.mark.parametrize("kind", ANSWERS)
+def test_no_english_is_left_on_a_chinese_terminal(kind):
+    """Whatever a command answers: what stays is a name, a unit, a key or a sign."""
+    # So wide that no cell is broken.
+    shown = call(*ANSWERS[kind], "--language", "zh", COLUMNS="300").out
+
+    assert shown.count("\n") > 10
+    assert left_in(shown) == []
+
+
+def test_the_rules_let_no_sentence_stay():
+    """The same answer in English is full of words: the rules take no prose away."""
+    shown = call(*ANSWERS["against a requirement"]).out
+
+    assert len(left_in(shown)) > 60
+
+
+def test_tables_of_a_notebook_follow_the_language():
+    """Heads and warnings too, in HTML, Markdown and LaTeX alike."""
+    budget = make_budget(title="A 1", warnings=("B 2",))
+    write = (budget_html, budget_markdown, budget_latex)
+    with speaking("zh"):
+        shown = [one(budget) for one in write]
+
+    assert "警告\N{FULLWIDTH COLON}B 2" in shown[0]
+    for english, chinese in zip([one(budget) for one in write], shown, strict=True):
+        assert "主要贡献" in chinese
+        assert not {"parameter", "axis", "mean", "unit", "Warning"} & set(
+            re.findall(r"\w+", chinese)
+        )
+        assert {"parameter", "axis"} < set(re.findall(r"\w+", english))
 
 
 def test_a_chinese_answer_has_the_same_numbers():

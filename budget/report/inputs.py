@@ -6,7 +6,7 @@ from dataclasses import replace
 from math import degrees
 from typing import TYPE_CHECKING
 
-from budget.language import say, term, words
+from budget.language import Note, say, term, words
 from budget.model.sources import ENVIRONMENT, SENSORS, STATION, source_of
 from budget.names import Name
 from budget.report.blocks import Cell, Field, Pairs, Panel, Paragraph, Section, table_of
@@ -33,7 +33,10 @@ if TYPE_CHECKING:
 
 
 NOMINAL_BIAS = {"gyro": ("deg/h", DEG_PER_HOUR), "accelerometer": ("ug", MICRO_G)}
-ABOUT = ("vendor", "technology", "range", "price", "mass", "power", "notes", "source")
+ABOUT = (
+    *(term("vendor"), term("technology"), term("range"), term("price"), term("mass")),
+    *(term("power"), term("notes"), term("source")),
+)
 
 
 def inputs_section(devices: Sequence[Device], procedure: Procedure) -> Section:
@@ -148,7 +151,8 @@ def _standard(line: ErrorLine, owner: str) -> Cell:
 def _conditions(line: ErrorLine) -> str:
     """Return under which conditions a value holds."""
     conditions = [
-        line.condition,
+        # What stands for a line that no maker prints is said, a maker's text is not.
+        say(line.condition) if isinstance(line.condition, Note) else line.condition,
         say("includes {includes}", includes=line.includes) if line.includes else "",
         say("over {horizon}", horizon=line.horizon) if line.horizon else "",
     ]

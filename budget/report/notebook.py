@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from budget.errors import CallError
-from budget.language import ENGLISH, speaking
+from budget.language import ENGLISH, say, speaking
 from budget.model.sources import SENSORS
 from budget.names import Name
 from budget.report.allocation.document import allocation_csv
@@ -106,7 +106,7 @@ def budget_html(budget: Budget) -> str:
     """
     heads, *rows = _texts(budget, widest=True)
     said = [] if budget.assessment is None else [headline(budget, budget.assessment)]
-    said += [f"Warning: {text}" for text in budget.warnings]
+    said += [say("Warning: {text}", text=text) for text in budget.warnings]
     return (
         f"<table><caption>{escape(budget.title)}, {escape(budget.settings.reference)}"
         "</caption><thead><tr>"
@@ -126,8 +126,11 @@ def _lines(
 ) -> Iterator[tuple[str | Number, ...]]:
     """Yield the heads of a budget table, then its rows, rounded as on every page."""
     coverage = print_coverage(budget.settings.coverage)
-    heads = ("parameter", "axis", "mean", "u", f"U ({coverage} %)", "unit")
-    yield (*heads, "contributions")
+    yield (
+        *(say("parameter"), say("axis"), say("mean"), say("u")),
+        *(say("U ({coverage} %)", coverage=coverage), say("unit")),
+        say("contributions"),
+    )
     for group in group_tables(budget):
         for row in [group.widest] if widest else group.rows:
             numbers = (row.mean, row.u, row.expanded)

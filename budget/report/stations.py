@@ -436,7 +436,7 @@ def _acceptance_table(station: StationVerdict, found: Qualification) -> Table:
 
     def accepted(row: StationOutput) -> str:
         if row.acceptance is None:
-            return "none"
+            return say("none")
         return print_down(row.acceptance / scale(row), row.expanded / scale(row))
 
     def used(row: StationOutput) -> str:

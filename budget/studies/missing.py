@@ -15,6 +15,7 @@ import numpy as np
 
 from budget.distributions import NORMAL
 from budget.errors import CallError
+from budget.language import note
 from budget.model.sources import ACCELEROMETER, GYRO
 from budget.model.sources.later import AGEING
 from budget.names import Name
@@ -163,7 +164,10 @@ def fill(
         accelerometer=whole.get(ACCELEROMETER, device.accelerometer),
         assumptions=(
             *device.assumptions,
-            *(f"{told.expected}: {told.words}" for _, told in found.values()),
+            *(
+                note("{key}: {text}", key=told.expected, text=told.words)
+                for _, told in found.values()
+            ),
         ),
     )
     return completed, filling

@@ -66,7 +66,7 @@ def waterfall_chart(row: LimitedOutput) -> Chart:
     if left_now > 0.0:
         marks.append(Bar(start=0.0, end=100.0 * left_now, height=THIN, lift=BELOW))
     beside = tuple(
-        "none" if value < -SHOWN else print_part(max(value, 0.0))
+        say(NONE) if value < -SHOWN else print_part(max(value, 0.0))
         for value in (left_now, left)
     )
     rows.append(Row(label=say("left"), marks=tuple(marks), beside=beside))

@@ -146,7 +146,7 @@ def method_section(
     """Return settings, formulas and references; of the sensors that are there."""
     panels: list[Block] = [
         Pairs(rows=_settings_rows(settings, trials)),
-        Paragraph(words=with_math(say(NOTATION, paper=PAPER))),
+        Paragraph(words=with_math(say(NOTATION, paper=say(PAPER)))),
     ]
     if procedure.formulas in {"least_squares", "weighted", "norm"}:
         panels += _estimator_panels(procedure, devices)
@@ -171,7 +171,7 @@ def method_section(
             title=say("References"),
             blocks=(
                 Listing(
-                    items=points(say(one, paper=PAPER) for one in references),
+                    items=points(say(one, paper=say(PAPER)) for one in references),
                     empty=say("None."),
                 ),
             ),
@@ -267,7 +267,7 @@ def _trials_words(settings: Settings, trials: Trials) -> str:
                 densities=print_count(trials.densities),
             )
         )
-    return say("; ").join(parts) or "none"
+    return say("; ").join(parts) or say("none")
 
 
 def _formulas(
