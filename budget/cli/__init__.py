@@ -26,7 +26,7 @@ from budget.cli.new import new
 from budget.cli.paper import paper
 from budget.cli.report import report
 from budget.cli.station import station
-from budget.cli.streams import in_line, prepare_streams, say, tell
+from budget.cli.streams import in_line, prepare_streams, talk, tell
 from budget.errors import BudgetError, WorkerError
 from budget.journal import keep_journal
 from budget.report.rendering import document_date
@@ -143,7 +143,7 @@ def _guard(journal: Journal) -> None:
     except SystemExit as end:
         said = ENDINGS.get(end.code) if isinstance(end.code, int) else None
         if said is not None:  # typer answers Ctrl-C with its code, in silence
-            say(f"{said}; {_written(journal)}")
+            talk(f"{said}; {_written(journal)}")
         raise
     except Exception as error:  # noqa: BLE001 - the last net
         _fail(error)
@@ -192,7 +192,7 @@ def _end(number: int, _: FrameType | None) -> NoReturn:
 
 def _stop(message: str, code: int = EXIT_BAD_INPUT) -> NoReturn:
     """Say what is wrong and end."""
-    say(message)
+    talk(message)
     raise SystemExit(code) from None
 
 
@@ -203,7 +203,7 @@ def _fail(error: Exception) -> NoReturn:
     where = f" in {Path(ours[-1].filename).name}:{ours[-1].lineno}" if ours else ""
     said = " ".join(str(error).split())
     if os.environ.get(DETAILS):
-        say("".join(traceback.format_exception(error)).rstrip())
+        talk("".join(traceback.format_exception(error)).rstrip())
     _stop(
         f"internal error: {type(error).__name__}{where}: {said}; this is a fault of "
         f"budget {__version__}, not of your files: please report this line with the "

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from budget.cli import options
-from budget.cli.streams import say
+from budget.cli.streams import talk
 
 if TYPE_CHECKING:
     from budget.names import Name
@@ -148,7 +148,7 @@ def allocate(
         return
     show([one for one in documents if one[0] == options.STDOUT])
     if any(path not in {None, options.STDOUT} for path in (json, csv, write)):
-        say("the requirement cannot be met: no file was written")
+        talk("the requirement cannot be met: no file was written")
     raise typer.Exit(EXIT_NOT_MET)
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 import typer
 
 from budget.cli import options
-from budget.cli.streams import in_line, say, tell
+from budget.cli.streams import in_line, talk, tell
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -240,7 +240,7 @@ def _save(
         ) from None
     write_all({path: text})
     numbers = len(reference.numbers)
-    say(f"{in_line(path)}: written, {kind}, {numbers} numbers")
+    talk(f"{in_line(path)}: written, {kind}, {numbers} numbers")
 
 
 def _take(files: dict[Role, list[str]], folder: Path) -> tuple[StoredInput, ...]:
@@ -250,7 +250,7 @@ def _take(files: dict[Role, list[str]], folder: Path) -> tuple[StoredInput, ...]
     from budget.spec.load import try_all
 
     if not files["device"]:
-        say(
+        talk(
             f"No device given: using the built-in {options.BUILT_IN_DEVICE} "
             "(Zhao 2019)."
         )
@@ -311,7 +311,7 @@ def _check(
                 errors.append(str(error))
             show("check", done, len(found))
     for text in errors:
-        say(text)
+        talk(text)
     hand_out(
         [
             (json, lambda: checks_json(checks, errors)),

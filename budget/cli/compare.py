@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 import typer
 
 from budget.cli import options
-from budget.cli.streams import say
+from budget.cli.streams import talk
 
 EXIT_NOT_MET = 1
 EXIT_BAD_INPUT = 2
@@ -132,7 +132,7 @@ def compare(
     if strict and issues:
         raise SpecError(tuple(issues))
     for issue in issues:
-        say(str(issue))
+        talk(str(issue))
     if not loaded:
         raise CallError("none of the device files can be read; mend them and try again")
 

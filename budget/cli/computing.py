@@ -7,7 +7,7 @@ from contextlib import contextmanager, nullcontext
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from budget.cli.streams import say
+from budget.cli.streams import talk
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -29,7 +29,7 @@ def computing(*, workers: int, cluster: str | None) -> Iterator[Engine]:
             executor=None if found is None else found.executor,
             workers=workers if found is None else found.workers,
             progress=show,
-            talk=say,
+            talk=talk,
         )
 
 

@@ -120,7 +120,7 @@ def export(
     target cannot hold is listed, and a line that it needs is never made up.
     """
     from budget.cli.output import check_destinations, hand_out
-    from budget.cli.streams import say
+    from budget.cli.streams import talk
     from budget.errors import CallError
     from budget.report.document import json_text
     from budget.report.export import export_answer, export_csv, remarks, write_export
@@ -154,7 +154,7 @@ def export(
     on_stdout = options.STDOUT in {json, csv}
     if output is None and not on_stdout:
         for text in remarks(found):
-            say(text)
+            talk(text)
         hand_out([*documents, (options.STDOUT, lambda: write_export(found))])
         return
     pages = {} if output is None else {output: write_export(found)}

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from budget.cli.streams import say, say_written
+from budget.cli.streams import say_written, talk
 
 STDOUT = Path("-")
 _MEANINGS = "1 sigma, 3 sigma, typical, max, ..."
@@ -95,7 +95,7 @@ def _ask(name: str, source: str) -> tuple[str, str, dict[tuple[str, str], str]]:
     from budget.spec.blank import new_device, scalar
     from budget.spec.makers import printed_as
 
-    say("Values as printed, with their unit; Enter where a data sheet prints none.")
+    talk("Values as printed, with their unit; Enter where a data sheet prints none.")
     name = _answer("Name of the device", name)
     source = _answer("Data sheet and revision", source)
     lines: dict[tuple[str, str], str] = {}
@@ -105,7 +105,7 @@ def _ask(name: str, source: str) -> tuple[str, str, dict[tuple[str, str], str]]:
             # Of a bias instability flicker is another model, not another value.
             if not one.expected or one.expected in met or one.name == "flicker":
                 continue
-            say(f"\n{sensor} {one.name}, {printed_as(one.name)}")
+            talk(f"\n{sensor} {one.name}, {printed_as(one.name)}")
             while value := _answer(f"  value, such as 1 {one.like(sensor)}", ""):
                 said = {"value": value}
                 said["meaning"] = _answer(f"  meaning ({_MEANINGS})", "1 sigma")
@@ -117,7 +117,7 @@ def _ask(name: str, source: str) -> tuple[str, str, dict[tuple[str, str], str]]:
                     new_device(one.name, name, source, entry)
                 except SpecError as error:
                     for issue in error.issues:
-                        say(f"  {issue.message}")
+                        talk(f"  {issue.message}")
                     continue
                 lines |= entry
                 met.add(one.expected)
@@ -130,7 +130,7 @@ def _answer(question: str, usual: str) -> str:
     from budget.errors import CallError
 
     shown = f" [{usual}]" if usual else ""
-    say(f"{question}{shown}: ", end="")
+    talk(f"{question}{shown}: ", end="")
     text = sys.stdin.readline()
     if not text:
         raise CallError(

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, get_type_hints
 
 import typer
 
-from budget.cli.streams import say
+from budget.cli.streams import talk
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -92,7 +92,7 @@ def _processes(wanted: int) -> int:
     if wanted <= there:
         return wanted
     some = "1 processor" if there == 1 else f"{there} processors"
-    say(f"--workers {wanted}: this run may use {some}, so that many are started")
+    talk(f"--workers {wanted}: this run may use {some}, so that many are started")
     return there
 
 
@@ -486,6 +486,6 @@ def load_devices(
     from budget.spec.load import load_changed
 
     if not names:
-        say(f"No device given: using the built-in {BUILT_IN_DEVICE} (Zhao 2019).")
+        talk(f"No device given: using the built-in {BUILT_IN_DEVICE} (Zhao 2019).")
         names = [BUILT_IN_DEVICE]
     return load_changed(names, changes or (), variants=False)

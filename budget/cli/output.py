@@ -12,7 +12,7 @@ from threading import current_thread, main_thread
 from typing import TYPE_CHECKING
 
 from budget.cli.options import STDOUT
-from budget.cli.streams import console, in_line, say, say_written
+from budget.cli.streams import console, in_line, say_written, talk
 from budget.errors import CallError
 from budget.journal import note_read
 from budget.language import ENGLISH, speaking
@@ -138,7 +138,7 @@ def deliver(
 
     if csv == STDOUT:  # the only output that has no room for them
         for text in budget.warnings:
-            say(f"warning: {text}")
+            talk(f"warning: {text}")
     documents = [(json, lambda: to_json(budget)), (csv, lambda: to_csv(budget))]
     hand_out(documents, sections, title=budget.title, language=language)
 
@@ -167,7 +167,7 @@ def pages_of(
         document,
         paths,
         paper=paper,
-        warn=lambda path, text: say(f"warning: {in_line(path)}: {text}"),
+        warn=lambda path, text: talk(f"warning: {in_line(path)}: {text}"),
     )
 
 

@@ -122,7 +122,7 @@ def in_line(name: object) -> str:
     return text.replace("\n", "\\n").replace("\t", "\\t")
 
 
-def say(text: str, *, end: str = "\n") -> None:
+def talk(text: str, *, end: str = "\n") -> None:
     """Talk on stderr; stdout is for results."""
     sys.stderr.write(f"{without_controls(text)}{end}")
     sys.stderr.flush()  # before the work that it is about
@@ -131,7 +131,7 @@ def say(text: str, *, end: str = "\n") -> None:
 def say_written(paths: Iterable[Path]) -> None:
     """Say which files were written."""
     for path in paths:
-        say(f"{in_line(path)}: written")
+        talk(f"{in_line(path)}: written")
 
 
 def tell(text: str) -> None:
