@@ -144,8 +144,8 @@ def key_title(key: str) -> str:
         return known.get(title, title)
     if isinstance(key, names.Name):
         return beside(words(key.owner), say(names.key_title(key.quantity)), key.axis)
-    owner, dot, rest = key.partition(".")  # a key as a file or an assumption has it
-    return beside(words(owner), key_title(rest)) if dot else title
+    owner, *rest = names.keys_of(key)  # as a file or an assumption has it
+    return beside(words(owner), words(" ".join(rest))) if rest else title
 
 
 def beside(*texts: str) -> str:
