@@ -251,7 +251,7 @@ def _set(table: Table, place: int, widest: int) -> SetColumn:
 
 def _break(text: str, width: int) -> list[str]:
     """Break a text between words; one line at least."""
-    return _wrap(text, max(width, 1), on_hyphens=False) or [""]
+    return _wrap(text, width, on_hyphens=False) or [""]
 
 
 def _columns(text: str) -> int:
@@ -265,7 +265,8 @@ def _padded(text: str, width: int) -> str:
 
 
 def _wrap(text: str, width: int, *, on_hyphens: bool = True) -> list[str]:
-    """Break a text into lines of so many columns; no word is broken."""
+    """Break a text into lines of so many columns, one at least; no word is broken."""
+    width = max(width, 1)
     if _columns(text) == len(text):
         return textwrap.wrap(
             text, width, break_long_words=False, break_on_hyphens=on_hyphens
