@@ -8,6 +8,7 @@ import re
 import string
 from dataclasses import replace
 from functools import cache
+from itertools import chain
 from pathlib import Path
 
 import pytest
@@ -37,12 +38,14 @@ from budget.report.blocks import Table
 from budget.report.notebook import budget_html, budget_latex, budget_markdown
 from budget.report.wording import say_words
 from budget.resources import shipped
+from budget.studies.paper.printed import load_paper
 
 CATALOGUES = [language for language in LANGUAGES if language != "en"]
 # What stays as it is: units, names, keys of files, options and abbreviations.
 KEPT = re.compile(
     r"[\w-]+\.yaml|deg|arcsec|ppm|sqrt|sigma|inf|[a-z]+\.[a-z_.]+|--[a-z-]+"
 )
+SIGNS = re.compile(r"\{.*?\}|\b\w_\w+|^ (?:arcsec|deg/h|mg)$")
 SAYING = {"say", "say_words", "counted", "term", "note"}
 
 
@@ -83,7 +86,30 @@ def every_message():
         message
         for path in PACKAGE.rglob("*.py")
         for message in messages_of(ast.parse(path.read_text(encoding="utf-8")))
-    } | set(re.findall(r'say\("([^"]*)"', page))
+    } | {*re.findall(r'say\("([^"]*)"', page), *paper_messages()}
+
+
+def paper_messages():
+    """Return what the file of the paper says in words, templates of findings too."""
+    paper = load_paper()
+    findings = paper.findings.values()
+    reasons = [
+        f.why if isinstance(f.why, str) else (*f.why.values(),) for f in findings
+    ]
+    texts = {
+        *(paper.title, paper.reference, *paper.sections.values(), *paper.cards),
+        *(*paper.verdicts, *paper.verdicts.values(), *paper.notes.values()),
+        *(*paper.assumptions, *paper.figures, *chain(*paper.figure_3.items())),
+        *chain(*((one.condition, one.note) for one in paper.orders)),
+        *(one.name for one in (*paper.readings, *paper.noise_readings)),
+        *chain(*((f.equation, *f.names, f.ours, f.note) for f in paper.formulas)),
+        *(f" {f.unit}" for f in paper.formulas),
+        *chain(*((one.section, *one.claims.values()) for one in paper.conclusions)),
+        *chain(*((f.where, *f.place, f.printed) for f in findings)),
+        *chain(*([why] if isinstance(why, str) else why for why in reasons)),
+    }
+    # Numbers, units and formulas are no words.
+    return {text for text in texts if re.search(r"[a-z]{2}|, ", SIGNS.sub("", text))}
 
 
 def catalogue_of(language):
@@ -258,6 +284,7 @@ ANSWERS = {
     ],
     "allocation": ["allocate", "--requirement", NAVIGATION],
     "station": ["station", "--requirement", NAVIGATION],
+    "paper": ["paper"],
 }
 # Names that files give: of devices, their makers' types, requirements and stations.
 NAMES = (
@@ -270,10 +297,11 @@ STAYING = re.compile(
     + "|".join(map(re.escape, NAMES))
     # Options, keys and their values, designations of types: they hold a mark
     # or a digit.
-    + r"|--[a-z-]+|\b[a-z]+(?:[._]+[a-z]+)+\b|`\w+`"
+    + r"|--[a-z-]+|\b[a-z]+(?:[._]+[a-z]+)+\b|`[\w: ]+`"
     r"|\N{FULLWIDTH LEFT PARENTHESIS}[a-z_]+: [a-z]+|'\w+'"
     r"|\b(?=\w*-?\w*\d)[A-Z][\w-]*|\bMTi\b|\bDG\b"
     # Units and signs of formulas.
+    r"|\bmean\(N\)|\bint(?= d_)"
     r"|\b(?:deg|arcsec|ppm|dps|mGal|ug|mg|sqrt|\u03bcrad|min|inf|inv|EUR|kg|sigma)\b"
     # What is called so in Chinese as well, and words that stand as a file has them:
     # how a data sheet means a figure, how missing lines are filled, two keys.

@@ -14,6 +14,7 @@ def paper(
     paper: options.Paper = "a4",
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
+    language: options.Language = "en",
 ) -> None:
     """Compute section 3 of Zhao 2019 again, with a verdict for every number in it.
 
@@ -25,6 +26,7 @@ def paper(
         hand_out,
         pages_of,
     )
+    from budget.language import say, speaking
     from budget.report.document import json_text
     from budget.report.paper.page import paper_document, paper_sections, to_csv
     from budget.report.rendering import check_suffixes, document_date
@@ -36,11 +38,15 @@ def paper(
     study = reproduce()
 
     rendered: dict[Path, str | bytes] = {}
-    if pages:
-        rendered = pages_of(paper_document(study, date=document_date()), pages, paper)
+    with speaking(language):
+        title = say(study.paper.title)
+        document = paper_document(study, date=document_date()) if pages else None
+    if document is not None:
+        rendered = pages_of(document, pages, paper)
     hand_out(
         [(json, lambda: json_text(study.to_dict())), (csv, lambda: to_csv(study))],
         None if pages else lambda: paper_sections(study),
-        title=study.paper.title,
+        title=title,
         pages=rendered,
+        language=language,
     )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.language import say, words
 from budget.report.blocks import Cell, Field, table_of
 from budget.report.figures.rows import (
     Chart,
@@ -65,8 +66,13 @@ def sweep_picture(sweep: Sweep) -> Picture:
         _draw_sweep(sweep, title),
         name=name,
         title=title,
-        alt=f"{title}. Relative errors from {first} to {last} ppm. "
-        f"{'; '.join(ends.values())}.",
+        alt=say(
+            "{title}. Relative errors from {first} to {last} ppm. {ends}.",
+            title=title,
+            first=first,
+            last=last,
+            ends=say("; ").join(ends.values()),
+        ),
         tips=ends,
         data=_steps(sweep, f"steps-of-{name}"),
     )
@@ -74,15 +80,33 @@ def sweep_picture(sweep: Sweep) -> Picture:
 
 def sweep_title(sweep: Sweep) -> str:
     """State the finding of one figure, and the order that the paper prints."""
-    effect = "angle" if sweep.given.parameter == "mounting_angle" else "bias"
-    head = f"{sweep.figure.capitalize()}: {_cause(sweep)} and {effect} errors"
-    printed = f"printed order {sweep.given.order}"
+    is_angle = sweep.given.parameter == "mounting_angle"
+    head = say(
+        "{figure}: {cause} and {effect} errors",
+        figure=capital(say(sweep.figure)),
+        cause=_cause(sweep),
+        effect=say("angle") if is_angle else say("bias"),
+    )
+    order = sweep.given.order
     if not sweep.largest:
-        return f"{head}: no effect at all ({printed}: rounding)"
+        return say(
+            "{head}: no effect at all (printed order {order}: rounding)",
+            head=head,
+            order=order,
+        )
     if not sweep.slopes.any():
-        return f"{head}: none but eq. (4)'s own error, the same throughout ({printed})"
-    size = print_given(sweep.largest, digits=3)
-    return f"{head}: proportional, up to {size} ({printed})"
+        return say(
+            "{head}: none but eq. (4)'s own error, the same throughout (printed order "
+            "{order})",
+            head=head,
+            order=order,
+        )
+    return say(
+        "{head}: proportional, up to {size} (printed order {order})",
+        head=head,
+        size=print_given(sweep.largest, digits=3),
+        order=order,
+    )
 
 
 @house_style()
@@ -93,7 +117,10 @@ def _draw_sweep(sweep: Sweep, title: str) -> Figure:
     scale = 10.0**exponent
     unit = f"1e{exponent}" if largest else "1"
     figure, axes = plane(
-        title, f"{_cause(sweep)} [ppm]", f"relative error [{unit}]", HEIGHT
+        title,
+        f"{_cause(sweep)} [ppm]",
+        say("relative error [{unit}]", unit=unit),
+        HEIGHT,
     )
     x = sweep.size / PPM
     for k, (names, curve) in enumerate(_gathered(sweep)):
@@ -105,7 +132,7 @@ def _draw_sweep(sweep: Sweep, title: str) -> Figure:
             linestyle=DASHES[k % len(DASHES)],
             gid=f"curve-{k}",
         )
-        name = "all" if len(names) == len(sweep.names) else ", ".join(names)
+        name = say("all") if len(names) == len(sweep.names) else say(", ").join(names)
         write(axes, name, (x[-1], curve[-1] / scale), (5.0, 0.0))
     axes.set_xlim(0.0, float(x[-1]))
     reach = 1.15 * largest / scale or 1.0
@@ -118,7 +145,11 @@ def _draw_sweep(sweep: Sweep, title: str) -> Figure:
 def _ends(names: Sequence[str], curve: Array) -> str:
     """Say where a curve begins and ends."""
     first, last = (print_given(float(e), digits=3) for e in curve[[0, -1]])
-    return f"{', '.join(names)}: {first} to {last}"
+    return say(
+        "{key}: {text}",
+        key=say(", ").join(names),
+        text=say("{low} to {high}", low=first, high=last),
+    )
 
 
 def _steps(sweep: Sweep, name: str) -> Table:
@@ -136,7 +167,9 @@ def _steps(sweep: Sweep, name: str) -> Table:
             for place, head in enumerate(heads)
         ],
         name=name,
-        caption=f"Relative errors at each step of {sweep.figure}",
+        caption=say(
+            "Relative errors at each step of {figure}", figure=say(sweep.figure)
+        ),
     )
 
 
@@ -155,7 +188,7 @@ def _gathered(sweep: Sweep) -> list[tuple[list[str], Array]]:
 
 def _cause(sweep: Sweep) -> str:
     """Name what is stepped."""
-    return sweep.source.rpartition("_")[2]
+    return words(sweep.source.rpartition("_")[2])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -171,7 +204,8 @@ class Entry:
     @property
     def name(self) -> str:
         """The dot in a sentence: 'angle random walk on bias'."""
-        return f"{self.group[:1].lower()}{self.group[1:]} on {self.parameter}"
+        group = f"{self.group[:1].lower()}{self.group[1:]}"
+        return say("{group} on {parameter}", group=group, parameter=self.parameter)
 
 
 def ratio_chart(study: PaperStudy) -> Chart:
@@ -181,8 +215,8 @@ def ratio_chart(study: PaperStudy) -> Chart:
     """
     dots = [
         Entry(
-            group=capital(row.place[0]),
-            parameter=row.place[1].partition(JOINED)[0],
+            group=capital(say(row.place[0])),
+            parameter=say(row.place[1].partition(JOINED)[0]),
             ratio=row.ratio,
             verdict=row.verdict,
         )
@@ -198,7 +232,7 @@ def ratio_chart(study: PaperStudy) -> Chart:
         high=max(*ratios, 1.0) * AIR,
         kind="log",
         lines=((1.0, ""),),
-        label="ours / printed, root mean square",
+        label=say("ours / printed, root mean square"),
     )
     groups = tuple(
         Group(title=title, rows=tuple(map(_row, own)))
@@ -206,16 +240,22 @@ def ratio_chart(study: PaperStudy) -> Chart:
     )
     return Chart(
         name="ratios",
-        title=(
-            f"{fits} of the {len(dots)} random rows of Table 1 fit; farthest off is "
-            f"{far.name}, {print_ratio(far.ratio)} times the printed"
+        title=say(
+            "{fits} of the {dots} random rows of Table 1 fit; farthest off is {far}, "
+            "{ratio} times the printed",
+            fits=fits,
+            dots=len(dots),
+            far=far.name,
+            ratio=print_ratio(far.ratio),
         ),
         sides=(Side(panels=(Panel(scale=scale, groups=groups),)),),
-        lead="Ours over printed: ",
-        caption=(
+        lead=say("Ours over printed: "),
+        caption=say(
             "Ours: u of a single run, or of a mean over 25 where the row fits that. "
-            "Filled: fits; open: does not"
-            + ("; bold: and nothing explains it." if is_open else ".")
+            "Filled: fits; open: does not; bold: and nothing explains it."
+            if is_open
+            else "Ours: u of a single run, or of a mean over 25 where the row fits "
+            "that. Filled: fits; open: does not."
         ),
     )
 
@@ -227,14 +267,24 @@ def _row(dot: Entry) -> Row:
         at=dot.ratio,
         fill=INK if dot.verdict in FITS else PAPER,
         size=5.5,
-        tip=f"{dot.name}: {ratio} times the printed root mean square; {dot.verdict}",
+        tip=say(
+            "{name}: {ratio} times the printed root mean square; {verdict}",
+            name=dot.name,
+            ratio=ratio,
+            verdict=say(dot.verdict.value),
+        ),
     )
     return Row(
         label=dot.parameter,
         marks=(mark,),
         beside=(ratio,),
         strong=dot.verdict == Verdict.UNEXPLAINED,
-        said=f"{dot.parameter} {ratio} ({dot.verdict})",
+        said=say(
+            "{parameter} {ratio} ({verdict})",
+            parameter=dot.parameter,
+            ratio=ratio,
+            verdict=say(dot.verdict.value),
+        ),
     )
 
 

@@ -6,6 +6,7 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from budget.language import ENGLISH, say, spoken, term
 from budget.report.blocks import (
     Abreast,
     Card,
@@ -25,8 +26,15 @@ from budget.report.formulas import with_math
 from budget.report.paper.figures import print_ratio, ratio_chart, sweep_picture
 from budget.report.provenance import provenance_section
 from budget.report.tables import print_given, round_uncertainty
-from budget.report.wording import capital
-from budget.studies.paper.printed import U_MEAN, U_SINGLE, VALUE, WORD, Verdict, say
+from budget.report.wording import capital, say_words
+from budget.studies.paper.printed import (
+    U_MEAN,
+    U_SINGLE,
+    VALUE,
+    WORD,
+    Verdict,
+    say_number,
+)
 from budget.studies.paper.study import COLUMNS
 from budget.version import __version__
 
@@ -37,7 +45,7 @@ if TYPE_CHECKING:
 
 COMMAND = "budget paper"
 LEAST_P = 1e-6  # [1]; below it a probability is printed as such
-OF_FORMULAS = with_math(
+OF_FORMULAS = term(
     "Each formula is fed with the pulses of a sensor without errors, whose six angles "
     "are 1 to 6 arcsec. $n_(i j)$: pulses of axis $i$ over a turn forward minus those "
     "back, about z (1), x (2), y (3). $N_i (j)$: mean count of axis $i$, z up (1), z "
@@ -45,7 +53,9 @@ OF_FORMULAS = with_math(
 )
 # A printed number, and what it is where it is not the entry itself: 'rms 4.74e-9'.
 PRINTED = re.compile(r"(?P<head>rms |)(?P<number>-?[0-9.]+(?:e-?[0-9]+)?)(?P<tail>.*)")
-QUANTITIES = {U_SINGLE: "u, single", U_MEAN: "u, mean"}  # short, below a number
+# Short, below a number.
+QUANTITIES = {U_SINGLE: term("u, single"), U_MEAN: term("u, mean")}
+BESIDE = (term("rms"), term("rms of u, single"), term("rms about -1"))  # a number
 
 
 def paper_document(study: PaperStudy, *, date: str) -> Document:
@@ -53,11 +63,14 @@ def paper_document(study: PaperStudy, *, date: str) -> Document:
     paper = study.paper
     return Document(
         kind="paper",
-        title=paper.title,
-        facts=(paper.reference,),
-        headline=f"{len(study.findings)} numbers and claims, each with a verdict",
+        title=say(paper.title),
+        facts=(say(paper.reference),),
+        headline=say(
+            "{findings} numbers and claims, each with a verdict",
+            findings=len(study.findings),
+        ),
         summary=(
-            (
+            say(
                 "Table 1, figures 1 to 4, the orders of magnitude in the text, the "
                 "formulas and the conclusions, computed from the conditions that the "
                 "paper states: what it prints, ours, their ratio, a verdict, and why."
@@ -67,7 +80,12 @@ def paper_document(study: PaperStudy, *, date: str) -> Document:
         sections=(
             *paper_sections(study),
             provenance_section(
-                study.inputs, None, version=__version__, command_line=COMMAND
+                study.inputs,
+                None,
+                version=__version__,
+                command_line=COMMAND
+                if spoken() == ENGLISH
+                else f"{COMMAND} --language {spoken()}",
             ),
         ),
         json=json_text(study.to_dict()),
@@ -81,18 +99,25 @@ def paper_sections(study: PaperStudy) -> tuple[Section, ...]:
     paper = study.paper
     open_points = Listing(
         items=tuple(_said(row) for row in study.unexplained),
-        empty="Nothing is left open.",
+        empty=say("Nothing is left open."),
     )
     assumed = Listing(
-        items=tuple((capital(text),) for text in paper.assumptions),
-        empty="Nothing: the paper says all that is needed.",
+        items=tuple((capital(say(text)),) for text in paper.assumptions),
+        empty=say("Nothing: the paper says all that is needed."),
     )
     ratios = ForPages(lambda: (chart_picture(ratio_chart(study)),))
     return (
-        _first("unexplained", "What nothing explains", open_points),
-        _first("assumed", "Assumed", assumed),
-        replace(_first("ratios", "Random entries of Table 1", ratios), in_brief=""),
-        Section(name="verdicts", title="The verdicts", blocks=(verdict_table(study),)),
+        _first("unexplained", say("What nothing explains"), open_points),
+        _first("assumed", say("Assumed"), assumed),
+        replace(
+            _first("ratios", say("Random entries of Table 1"), ratios),
+            in_brief="",
+        ),
+        Section(
+            name="verdicts",
+            title=say("The verdicts"),
+            blocks=(verdict_table(study),),
+        ),
         *(_section(study, name) for name in paper.sections),
     )
 
@@ -113,20 +138,24 @@ def verdict_table(study: PaperStudy) -> Table:
         study.counts.items(),
         (
             Field(
-                head="verdict",
+                head=say("verdict"),
                 cell=lambda count: Cell(
-                    text=count[0].value, strong=count[0] == Verdict.UNEXPLAINED
+                    text=say(count[0].value),
+                    strong=count[0] == Verdict.UNEXPLAINED,
                 ),
             ),
             Field(
-                head="rows",
+                head=say("rows"),
                 kind="number",
                 cell=lambda count: Cell(text=str(count[1]), exact=count[1]),
             ),
-            Field(head="meaning", cell=lambda count: study.paper.verdicts[count[0]]),
+            Field(
+                head=say("meaning"),
+                cell=lambda count: say(study.paper.verdicts[count[0]]),
+            ),
         ),
         name="verdict-counts",
-        caption="Rows of each verdict and what it means",
+        caption=say("Rows of each verdict and what it means"),
         is_wide=True,
     )
 
@@ -141,35 +170,39 @@ def findings_table(study: PaperStudy, section: str) -> Table:
     # Formulas are hard to read in pieces; beside numbers all is as wide as it asks.
     where, formula, why = (0.95, 1.3, 1.2) if section == "formulas" else (1.0,) * 3
     fields: tuple[Field[Finding], ...] = (
-        Field(head="where", weight=where, cell=_place),
+        Field(head=say("where"), weight=where, cell=_place),
         Field(
-            head="printed",
+            head=say("printed"),
             kind=kind,
             weight=formula,
             cell=lambda row: printed_cell(row.printed),
         ),
         Field(
-            head="ours",
+            head=say("ours"),
             kind=kind,
             weight=formula,
             cell=lambda row: _ours(row, kind=kind),
         ),
         Field(
-            head="ours / printed",
+            head=say("ours / printed"),
             kind="number",
             cell=lambda row: Cell(text=print_ratio(row.ratio), exact=row.ratio),
         ),
         Field(
-            head="p, single",
+            head=say("p, single"),
             kind="number",
             cell=lambda row: _probability(row.p_single),
         ),
-        Field(head="p, mean", kind="number", cell=lambda row: _probability(row.p_mean)),
         Field(
-            head="verdict, and why",
+            head=say("p, mean"),
+            kind="number",
+            cell=lambda row: _probability(row.p_mean),
+        ),
+        Field(
+            head=say("verdict, and why"),
             weight=why,
             cell=lambda row: Cell(
-                text=row.verdict.value,
+                text=say(row.verdict.value),
                 strong=row.verdict == Verdict.UNEXPLAINED,
                 note=reason(row),
             ),
@@ -180,8 +213,8 @@ def findings_table(study: PaperStudy, section: str) -> Table:
         sorted(rows, key=lambda row: groups.index(row.place[0])),
         [replace(field, optional=True) for field in fields],
         name=f"findings-{section.replace(' ', '-')}",
-        caption=study.paper.sections[section],
-        by=lambda row: capital(row.place[0]),
+        caption=say(study.paper.sections[section]),
+        by=lambda row: capital(say(row.place[0])),
         titled=True,
         is_wide=True,
         searchable=True,
@@ -192,16 +225,16 @@ def printed_cell(printed: str) -> Cell:
     """Return what the paper prints: a number, with what it is in a note, or words."""
     found = PRINTED.fullmatch(printed)
     if found is None:
-        return Cell(text=printed)
+        return Cell(text=say(printed))
     note = f"{found['head']}{found['tail'].strip()}".strip()
     for quantity, short in QUANTITIES.items():
         note = note.replace(quantity, short)
-    return Cell(text=found["number"], exact=float(found["number"]), note=note)
+    return Cell(text=found["number"], exact=float(found["number"]), note=say(note))
 
 
 def _place(row: Finding) -> Cell:
     """Return where a finding stands; what speaks of several entries is bold."""
-    _, head, *special = row.place
+    _, head, *special = map(say, row.place)
     strong = row.is_summary and row.section == "table 1"
     return Cell(text=head, note="".join(special), strong=strong)
 
@@ -209,9 +242,10 @@ def _place(row: Finding) -> Cell:
 def _ours(row: Finding, *, kind: str) -> Cell:
     """Return what came out; words beside numbers are small: the column stays narrow."""
     if not isinstance(row.ours, str):
-        note = QUANTITIES.get(row.quantity, "")
+        note = say(QUANTITIES.get(row.quantity, ""))
         return Cell(text=print_ours(row), exact=row.ours, note=note)
-    return Cell(text="", note=row.ours) if kind == "number" else Cell(text=row.ours)
+    ours = say(row.ours)
+    return Cell(text="", note=ours) if kind == "number" else Cell(text=ours)
 
 
 def _probability(p: float | None) -> Cell:
@@ -223,12 +257,18 @@ def _card(study: PaperStudy, title: str) -> Card:
     """Count the rows of some verdicts, together and each."""
     counts = {str(verdict): number for verdict, number in study.counts.items()}
     found = {w: counts[w] for w in study.paper.cards[title] if w in counts}
-    total = Run(text=f"{sum(found.values())} of {len(study.findings)}", strong=True)
+    of_all = say(
+        "{number} of {all}", number=sum(found.values()), all=len(study.findings)
+    )
+    total = Run(text=of_all, strong=True)
     lines = [
-        Run(text=f"{word}: {number}", strong=word == Verdict.UNEXPLAINED)
+        Run(
+            text=say("{key}: {text}", key=say(word), text=number),
+            strong=word == Verdict.UNEXPLAINED,
+        )
         for word, number in found.items()
     ]
-    return Card(title=title, lines=tuple((run,) for run in (total, *lines)))
+    return Card(title=say(title), lines=tuple((run,) for run in (total, *lines)))
 
 
 def _said(row: Finding) -> Words:
@@ -236,19 +276,22 @@ def _said(row: Finding) -> Words:
     printed = printed_cell(row.printed)
     before = f"{printed.note} " if printed.note else ""
     exact = None if row.quantity == WORD else float(row.ours)
-    return (
-        f"{capital(row.where)}: printed {before}",
-        Run(text=printed.text, exact=printed.exact),
-        ", ours ",
-        Run(text=print_ours(row), exact=exact),
-        f" ({row.quantity})",
+    return say_words(
+        "{where}: printed {what}{printed}, ours {ours} ({quantity})",
+        where=capital(say(row.where)),
+        what=before,
+        printed=Run(text=printed.text, exact=printed.exact),
+        ours=Run(text=print_ours(row), exact=exact),
+        quantity=say(row.quantity),
     )
 
 
 def _section(study: PaperStudy, name: str) -> Section:
     """Return one part of the paper: how to read it, its figures, its findings."""
-    note = OF_FORMULAS if name == "formulas" else (study.paper.notes.get(name, ""),)
-    blocks: tuple[Block, ...] = (Paragraph(words=note),) if any(note) else ()
+    note = OF_FORMULAS if name == "formulas" else study.paper.notes.get(name, "")
+    blocks: tuple[Block, ...] = ()
+    if note:
+        blocks = (Paragraph(words=with_math(say(note))),)
     if name == "figures":
         text = blocks  # on how to read the curves
         drawing = ForPages(
@@ -257,7 +300,7 @@ def _section(study: PaperStudy, name: str) -> Section:
         blocks = (drawing,)
     return Section(
         name=name.replace(" ", "-"),
-        title=study.paper.sections[name],
+        title=say(study.paper.sections[name]),
         blocks=(*blocks, findings_table(study, name)),
     )
 
@@ -265,7 +308,7 @@ def _section(study: PaperStudy, name: str) -> Section:
 def print_ours(row: Finding) -> str:
     """Print ours: six digits of a value, two of a standard uncertainty, or a word."""
     if isinstance(row.ours, str):
-        return row.ours
+        return say(row.ours)
     if row.quantity == VALUE:
         return print_given(row.ours, digits=6)
     return round_uncertainty(row.ours)
@@ -275,9 +318,9 @@ def print_probability(p: float | None) -> str:
     """Print a probability to two digits, '' where there is none."""
     if p is None:
         return ""
-    return f"<{say(LEAST_P)}" if p < LEAST_P else say(p)
+    return f"<{say_number(LEAST_P)}" if p < LEAST_P else say_number(p)
 
 
 def reason(row: Finding) -> str:
     """Say why, but where the row of all the entries judged together says it."""
-    return "" if row.why.startswith("judged with") else row.why
+    return "" if row.why.startswith("judged with") else say(row.why)

@@ -15,6 +15,7 @@ import numpy as np
 
 from budget.calibration.schemes import scheme_of
 from budget.earth import ROTATION_RATE
+from budget.language import note
 from budget.names import ANGLES, AXES
 from budget.studies.paper.printed import Finding, Verdict
 from budget.units import ARCSEC, DEG_PER_HOUR, STANDARD_GRAVITY
@@ -121,11 +122,11 @@ def formula_findings(conditions: Conditions) -> tuple[Finding, ...]:
     """Return one row for each formula, judged by what it returns."""
     findings = []
     for formula in compute_formulas(conditions):
-        given, note = formula.given, ""
+        given, remark = formula.given, ""
         verdict = Verdict.AGREES if formula.is_right else Verdict.UNEXPLAINED
         if formula.is_right and formula.is_misprint:
             verdict = Verdict.MISPRINT if given.is_slip else Verdict.EXPLAINED
-            note = f"; {given.note}"
+            remark = note("; {cause}", cause=note(given.note))
         findings.append(
             conditions.paper.tell(
                 "formula",
@@ -136,7 +137,7 @@ def formula_findings(conditions: Conditions) -> tuple[Finding, ...]:
                 verdict=verdict,
                 formula=formula,
                 unit="" if given.unit == "1" else f" {given.unit}",
-                note=note,
+                note=remark,
             )
         )
     return tuple(findings)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from budget.earth import ROTATION_RATE
+from budget.language import in_a_row, note, term
 from budget.model.sources import ACCELEROMETER, GYRO
 from budget.names import PARAMETERS, Name
 from budget.studies.paper.conditions import (
@@ -33,7 +34,7 @@ from budget.studies.paper.printed import (
     Finding,
     Verdict,
     agrees_if,
-    say,
+    say_number,
 )
 from budget.studies.paper.readings import (
     LEVEL,
@@ -70,7 +71,10 @@ def order_findings(
             fitting = [r.where for r in of_noise if r.verdict == Verdict.READING_FITS]
             names = dict.fromkeys(where.partition(": ")[2] for where in fitting)
             if names:
-                cause = f"all three orders come out if read so: {'; or '.join(names)}"
+                cause = note(
+                    "all three orders come out if read so: {names}",
+                    names=in_a_row(map(note, names), by=term("{before}; or {text}")),
+                )
         elif printed.source:
             other = best_reading(readings, printed.name)
         for parameter in printed.errors:
@@ -81,7 +85,11 @@ def order_findings(
                     PLACES[parameter],
                     runs=other.runs,
                 )
-                cause = f"{say(p)} if read so: {other.full_name}"
+                cause = note(
+                    "{p} if read so: {reading}",
+                    p=say_number(p),
+                    reading=other.full_name,
+                )
             found.append(_judge(conditions, printed, parameter, expected, cause=cause))
             if (printed.name, parameter) == (STABILITY, "scale_factor"):
                 found.append(_bound(conditions))
@@ -173,8 +181,8 @@ def _judge(
         orders=printed,
         parameter=parameter,
         zero=zero,
-        note=f"{printed.note}; " if printed.note else "",
-        cause=f"; {cause}" if cause else "",
+        note=note("{remark}; ", remark=note(printed.note)) if printed.note else "",
+        cause=note("; {cause}", cause=cause) if cause else "",
     )
 
 
@@ -187,7 +195,7 @@ def _bound(conditions: Conditions) -> Finding:
     as_order = power_of_ten(float(largest)) == power_of_ten(float(paper.bound))
     return paper.tell(
         "bound of the text",
-        ours=f"{largest} in Table 1",
+        ours=note("{largest} in Table 1", largest=largest),
         ratio=beyond,
         verdict=Verdict.EXPLAINED if as_order else Verdict.UNEXPLAINED,
         bound=paper.bound,

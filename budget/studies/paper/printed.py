@@ -9,11 +9,11 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from enum import StrEnum
-from string import Formatter
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
+from budget.language import note, say, term
 from budget.model.sources import lines_of
 from budget.names import ANGLES, Name
 from budget.resources import shipped
@@ -46,10 +46,10 @@ class Verdict(StrEnum):
 
 
 # What `ours` is.
-VALUE = "value"
-U_SINGLE = "u, single run"
-U_MEAN = f"u, mean over {RUNS} runs"
-WORD = "word"
+VALUE = term("value")
+U_SINGLE = term("u, single run")
+U_MEAN = note("u, mean over {runs} runs", runs=RUNS)
+WORD = term("word")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -199,19 +199,34 @@ class GivenFinding(Strict):
     is_summary: bool = True
 
 
-class _Sentence(Formatter):
-    """Templates of sentences: a number to so many digits {u:3}, else two; {key:words}.
+class _Part:
+    """A part of a sentence: a number to so many digits {u:3}, else two; {key:words}.
 
-    Other formats are those of Python.
+    Other formats are those of Python. Words and texts are said in the language of the
+    context, so that a note that has them can be.
     """
 
-    def format_field(self, value: Any, format_spec: str) -> str:  # noqa: ANN401 - any
-        """Write one value."""
-        if format_spec == "words":
-            return words(value)
-        if isinstance(value, float) and (format_spec.isdigit() or not format_spec):
-            return say(value, int(format_spec or 2))
-        return str(format(value, format_spec))
+    def __init__(self, value: object) -> None:
+        self.value = value
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Take the value along to another process."""
+        return _Part, (self.value,)
+
+    def __getattr__(self, name: str) -> _Part:
+        """Give a part of the part."""
+        return _Part(getattr(self.value, name))
+
+    def __format__(self, spec: str) -> str:
+        """Write the value."""
+        value = self.value
+        if spec == "words":
+            return say(words(str(value)))
+        if isinstance(value, float) and (spec.isdigit() or not spec):
+            return say_number(value, int(spec or 2))
+        if isinstance(value, str):
+            return say(value)
+        return format(value, spec)
 
 
 class Paper(Strict):
@@ -290,23 +305,26 @@ class Paper(Strict):
         (without it the printed number), `said` what is filled in beside those. All else
         is as in Finding; without `printed` it is what the file says.
         """
-        given, fill = self.findings[kind], _Sentence().vformat
+        given = self.findings[kind]
         why = given.why if isinstance(given.why, str) else given.why[case]
         if against is None and re.fullmatch(NUMBER, printed):
             against = float(printed)
-        said |= {"ours": ours, "against": against}
+        parts = {
+            key: _Part(value)
+            for key, value in (said | {"ours": ours, "against": against}).items()
+        }
         if isinstance(ours, float) and against is not None:
             ratio = abs(ours / against) if ours and against else None
         return Finding(
             section=given.section,
-            where=fill(given.where, (), said),
-            place=tuple(fill(part, (), said) for part in given.place),
-            printed=printed or fill(given.printed, (), said),
+            where=note(given.where, **parts),
+            place=tuple(note(place, **parts) for place in given.place),
+            printed=printed or note(given.printed, **parts),
             ours=ours,
             quantity=WORD if isinstance(ours, str) else quantity,
             ratio=ratio,
             verdict=verdict,
-            why=fill(why, (), said),
+            why=note(why, **parts),
             p_single=p[0],
             p_mean=p[1],
             is_summary=given.is_summary,
@@ -330,7 +348,7 @@ def agrees_if(condition: bool) -> Verdict:  # noqa: FBT001 - the one thing it as
     return Verdict.AGREES if condition else Verdict.UNEXPLAINED
 
 
-def say(value: float, digits: int = 2) -> str:
+def say_number(value: float, digits: int = 2) -> str:
     """Write a number within a sentence: '7.7e-8', '3890', '0.16'."""
     text = f"{value:.{digits}g}"
     mantissa, e, exponent = text.partition("e")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.special import chdtr, chdtrc, erfc, ndtr
 
+from budget.language import note
 from budget.model.sources import GYRO
 from budget.names import Name
 from budget.problem import Group
@@ -138,8 +139,10 @@ class Reading:
     @property
     def full_name(self) -> str:
         """With what the entries are taken for."""
-        kind = "single run" if self.runs == 1 else f"mean over {self.runs} runs"
-        return f"{self.name}, {kind}"
+        name = note(self.name)
+        if self.runs == 1:
+            return note("{name}, single run", name=name)
+        return note("{name}, mean over {runs} runs", name=name, runs=self.runs)
 
     @property
     def quantity(self) -> str:

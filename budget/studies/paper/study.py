@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from budget.language import in_a_row, note, term
 from budget.methods.gum import propagate
 from budget.names import AXES, Name
 from budget.results import SCHEMA, inputs_document
@@ -18,7 +19,7 @@ from budget.studies.coupling import CouplingTable, coupling
 from budget.studies.paper.conditions import PLACES, load_conditions, only_sources
 from budget.studies.paper.formulas import formula_findings
 from budget.studies.paper.orders import compute_sweeps, order_findings, sweep_findings
-from budget.studies.paper.printed import Finding, Verdict, say
+from budget.studies.paper.printed import Finding, Verdict, say_number
 from budget.studies.paper.readings import MOUNTING, readings
 from budget.studies.paper.table1 import reading_findings, table1_findings
 from budget.units import ARCSEC, DEG_PER_HOUR
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from budget.studies.paper.orders import Sweep
     from budget.studies.paper.printed import Conclusion, Paper
 
-YES, NO = "affects", "no effect"
+YES, NO = term("affects"), term("no effect")
 COLUMNS = (  # of a finding, in documents
     *("section", "where", "printed", "ours", "quantity", "ratio", "verdict"),
     *("p_single", "p_mean", "why"),
@@ -135,13 +136,15 @@ class Couplings:
     def answers(self, source: Name, group: Name) -> dict[str, str]:
         """Return whether the source affects the group by each method and formula."""
         return {
-            f"{method}, {formula}": YES if table.cell(source, group).reaches else NO
+            note("{method}, {formula}", method=note(method), formula=note(formula)): (
+                YES if table.cell(source, group).reaches else NO
+            )
             for method, tables in (
-                ("law", self.by_law),
-                ("simulation", self.by_simulation),
+                (term("law"), self.by_law),
+                (term("simulation"), self.by_simulation),
             )
             for formula, table in zip(
-                ("eq. (4) as printed", "corrected"), tables, strict=True
+                (term("eq. (4) as printed"), term("corrected")), tables, strict=True
             )
         }
 
@@ -194,15 +197,21 @@ def _finding(
     given = set(answers.values())
     by_printed = {name: claim if "printed" in name else NO for name in answers}
     verdict, case = Verdict.UNEXPLAINED, "unexplained"
-    ours = "; ".join(f"{name}: {answer}" for name, answer in answers.items())
+    ours = in_a_row(
+        (
+            note("{name}: {answer}", name=name, answer=note(answer))
+            for name, answer in answers.items()
+        ),
+        by=term("{before}; {text}"),
+    )
     if given == {claim}:
         verdict, ours = Verdict.AGREES, claim
         case = "affects" if claim == YES else "agrees"
     elif (source, parameter) == (MOUNTING, "bias") and answers == by_printed:
-        verdict, ours = Verdict.EXPLAINED, "only by eq. (4) as printed"
+        verdict, ours = Verdict.EXPLAINED, note("only by eq. (4) as printed")
         case = "only eq. (4)"
     elif given == {YES} and not couplings.as_tested.cell(source, group).reaches:
-        verdict, ours = Verdict.EXPLAINED, f"{YES} (from nominal)"
+        verdict, ours = Verdict.EXPLAINED, note("affects (from nominal)")
         case = "as tested"
     printed, corrected = couplings.sensitivity
     largest = zip(AXES, np.abs(printed).max(axis=1), strict=True)
@@ -215,6 +224,6 @@ def _finding(
         said=said,
         parameter=parameter,
         size=couplings.by_law[0].cell(source, group).size,
-        rows=", ".join(f"{axis} {say(size)}" for axis, size in largest),
+        rows=", ".join(f"{axis} {say_number(size)}" for axis, size in largest),
         rest=np.abs(corrected).max(),
     )

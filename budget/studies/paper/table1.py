@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.language import note, term
 from budget.methods.execution import BLOCK, draw
 from budget.methods.gum import propagate
 from budget.model.sources import GYRO
@@ -35,7 +36,7 @@ from budget.studies.paper.printed import (
     Finding,
     Verdict,
     agrees_if,
-    say,
+    say_number,
 )
 from budget.studies.paper.readings import (
     MOUNTING,
@@ -110,7 +111,7 @@ def reading_findings(
                     p=(found.p, None) if is_single else (None, found.p),
                     reading=reading,
                     parameter=parameter,
-                    about=" about -1" if shifted else "",
+                    about=term(" about -1") if shifted else "",
                     fit=found,
                     whole=reading.fit(),
                 )
@@ -161,10 +162,14 @@ def _random_entries(
     elif other is not None:
         p = other.fit(parameter).p
         verdict = Verdict.READING
-        cause = f"; fits if read so: {other.full_name} (p {say(p, 2)})"
+        parts = {"reading": other.full_name, "p": say_number(p, 2)}
+        cause = note("; fits if read so: {reading} (p {p})", **parts)
         if row.source == MOUNTING:  # see _mounting_findings
             verdict = Verdict.EXPLAINED
-            cause += "; its biases prove it, see below"
+            cause = note(
+                "; fits if read so: {reading} (p {p}); its biases prove it, see below",
+                **parts,
+            )
     u, u_rms = chosen.u[place], chosen.fit(parameter).u_rms
     rms = root_mean_square(row.printed[place])
     summary = paper.tell(
