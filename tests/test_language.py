@@ -285,10 +285,18 @@ ANSWERS = {
     "allocation": ["allocate", "--requirement", NAVIGATION],
     "station": ["station", "--requirement", NAVIGATION],
     "paper": ["paper"],
+    "difference": ["diff", "zhao-2019-eq4-nominal", "zhao-2019-corrected-nominal"],
 }
 # Names that files give: of devices, their makers' types, requirements and stations.
 NAMES = (
-    *("Zhao 2019 optical IMU", "Zhao 2019", "navigation grade", "tactical grade"),
+    *("zhao-2019-eq4-nominal", "zhao-2019-corrected-nominal"),
+    *(
+        "Zhao 2019, eq. 4 as printed",
+        "Zhao 2019 optical IMU",
+        "Zhao 2019",
+        "navigation grade",
+        "tactical grade",
+    ),
     *("Navigation grade", "Tactical grade", "granite plate and cube"),
     *("good three-axis table", "ideal"),
 )
@@ -300,9 +308,11 @@ STAYING = re.compile(
     + r"|--[a-z-]+|\b[a-z]+(?:[._]+[a-z]+)+\b|`[\w: ]+`"
     r"|\N{FULLWIDTH LEFT PARENTHESIS}[a-z_]+: [a-z]+|'\w+'"
     r"|\b(?=\w*-?\w*\d)[A-Z][\w-]*|\bMTi\b|\bDG\b"
+    # A key of a file that changed, and its values.
+    r"|[a-z_.]+\N{FULLWIDTH COLON}\S+ -> \S+|\bname(?=\N{FULLWIDTH COLON})"
     # Units and signs of formulas.
     r"|\bmean\(N\)|\bint(?= d_)"
-    r"|\b(?:deg|arcsec|ppm|dps|mGal|ug|mg|sqrt|\u03bcrad|min|inf|inv|EUR|kg|sigma)\b"
+    r"|\b(?:deg|arcsec|ppm|dps|mGal|ug|mg|sqrt|\u03bcrad|min|inf|inv|EUR|kg|rad|sigma)\b"
     # What is called so in Chinese as well, and words that stand as a file has them:
     # how a data sheet means a figure, how missing lines are filled, two keys.
     r"|\b(?:JCGM|IEEE|GUM|IMU|JSON|CSV|max|typical|predict|worst|height|station)\b"
@@ -322,6 +332,14 @@ def test_no_english_is_left_on_a_chinese_terminal(kind):
     shown = call(*ANSWERS[kind], "--language", "zh", COLUMNS="300").out
 
     assert shown.count("\n") > 10
+    assert left_in(shown) == []
+
+
+def test_a_check_that_holds_is_chinese():
+    """It is a line for each reference, and their number."""
+    shown = call("check", NAMES[0], "--language", "zh", COLUMNS="300").out
+
+    assert "1 个参考结果" in shown
     assert left_in(shown) == []
 
 

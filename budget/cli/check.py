@@ -134,6 +134,7 @@ def check(
     workers: options.Workers = 1,
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
+    language: options.Language = "en",
 ) -> None:
     """Hold stored budgets against their files as they are now.
 
@@ -185,7 +186,9 @@ def check(
             "settings are those of the stored references and cannot be given to a "
             "check; leave them out, or store a new reference with --save FILE"
         )
-    _check(names or [], root=root, json=json, csv=csv, workers=workers)
+    _check(
+        names or [], root=root, json=json, csv=csv, workers=workers, language=language
+    )
 
 
 def _samples(samples: int | None, *, wanted: bool) -> int | None:
@@ -279,6 +282,7 @@ def _check(
     json: Path | None,
     csv: Path | None,
     workers: int,
+    language: str,
 ) -> None:
     """Check references one by one; one that is bad does not stop the others."""
     from budget.cli.computing import progress
@@ -318,6 +322,7 @@ def _check(
             (csv, lambda: differences_csv(checks)),
         ],
         lambda: check_sections(checks, len(errors)),
+        language=language,
     )
     if errors:
         raise typer.Exit(EXIT_BAD_INPUT)

@@ -42,6 +42,7 @@ def diff(
     changes: options.Changes = None,
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
+    language: options.Language = "en",
 ) -> None:
     """Set two budgets side by side, the largest change first.
 
@@ -94,6 +95,7 @@ def diff(
             (csv, lambda: differences_csv([difference])),
         ],
         lambda: difference_sections(difference),
+        language=language,
     )
 
 

@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING
 
 from budget.errors import BudgetError, CallError
+from budget.language import term
 from budget.references.difference import (
     EXACT,
     TOOL,
@@ -39,9 +40,9 @@ MOST_CHANGES = 200  # keys that are exchanged one by one; more is another file
 # What takes the place of causes where the stored inputs cannot be read.
 _UNREADABLE = Change(
     where=TOOL,
-    key="stored inputs",
-    before="read when stored",
-    after="not read by this version",
+    key=term("stored inputs"),
+    before=term("read when stored"),
+    after=term("not read by this version"),
 )
 
 
@@ -251,7 +252,12 @@ def _effects_of_tool(
     Versions cannot be exchanged: what they moved, they moved together.
     """
     versions = _changes(TOOL, before.versions, after.versions)
-    code = Change(where=TOOL, key="code", before="as stored", after="as it is")
+    code = Change(
+        where=TOOL,
+        key=term("code"),
+        before=term("as stored"),
+        after=term("as it is"),
+    )
     tool = _effect(code, before, again)
     if tool.change.acts and not versions:
         versions = (code,)

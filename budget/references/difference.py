@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from math import hypot, inf, isfinite, isinf, sqrt
 from typing import TYPE_CHECKING
 
+from budget.language import term
 from budget.references.records import Item, NominalProperty, QuantityValue
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ EXACT = 1e-9
 # Probability that the numbers of one reference differ between two seeds by so much
 # that one of them counts as moved, at the most.
 FALSE_ALARM = 1e-4
-TOOL = "tool"  # where a change is that no file made
+TOOL = term("tool")  # where a change is that no file made
 
 SPREAD = "standard_uncertainty"
 NOT_GIVEN = "not_given"

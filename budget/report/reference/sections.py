@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from math import floor, inf, log10
 from typing import TYPE_CHECKING
 
-from budget.names import key_title, words
+from budget.language import counted, key_title, say, term, words
 from budget.references.difference import TOOL
 from budget.report.blocks import (
     Cell,
@@ -43,13 +43,15 @@ PRINCIPAL = (
     "cost",
 )
 TITLES = {
-    "standard_uncertainty": "u",
-    "interval_low": "interval from",
-    "interval_high": "interval to",
-    "sobol_first": "first-order index of",
-    "sobol_total": "total index of",
-    "contribution": "contribution of",
-    "correlation": "correlation with",
+    "standard_uncertainty": term("u"),
+    "interval_low": term("interval from"),
+    "interval_high": term("interval to"),
+}
+OF_PARTNER = {
+    "sobol_first": term("first-order index of {partner}"),
+    "sobol_total": term("total index of {partner}"),
+    "contribution": term("contribution of {partner}"),
+    "correlation": term("correlation with {partner}"),
 }
 FALLING = {"interval_low", "conformance"}  # the worse, the smaller
 MOST_ROWS = 24  # on a terminal
@@ -65,11 +67,12 @@ MOST_PERCENT = 100.0  # a part above this [1] is printed to two digits
 NAMED = 2  # causes of one row on a terminal
 LITTLE = 0.005  # of a difference: not worth a word [1]
 FEW = 0.03  # of a difference: what parts need not add up to, without a word [1]
-VERDICTS = {True: "unchanged", False: "MOVED"}
-TOGETHER = "together"
-TOLERANCES, STANDARD_ERRORS = "tol", "s.e."
+VERDICTS = {True: term("unchanged"), False: term("MOVED")}
+TOGETHER = term("together")
+TOLERANCES, STANDARD_ERRORS = term("tol"), term("s.e.")
 BOUNDS = (AT_LEAST, AT_MOST)
 NONE = "-"
+NOT_THERE = term("(not there)")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,10 +90,13 @@ class Row:
     @property
     def label(self) -> str:
         """Name of the row; nothing where it stands for all axes."""
-        if len(self.labels) in AXES and all(len(label) < AXIS for label in self.labels):
-            return "all"
+        if len(self.labels) in AXES and all(
+            len(label) < AXIS and label.isascii() for label in self.labels
+        ):
+            return say("all")
         # The name of a procedure may have a comma.
-        return ("; " if "," in "".join(self.labels) else ", ").join(self.labels)
+        mark = say("; ") if "," in "".join(self.labels) else say(", ")
+        return mark.join(self.labels)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,15 +122,17 @@ def check_sections(checks: Sequence[Difference], bad: int) -> tuple[Section, ...
                 checks,
                 (
                     Field(head="", cell=lambda one: _strong(one, one.first)),
-                    Field(head="", cell=lambda one: _strong(one, VERDICTS[one.holds])),
+                    Field(
+                        head="", cell=lambda one: _strong(one, say(VERDICTS[one.holds]))
+                    ),
                     Field(head="", cell=_extent),
                 ),
                 name="references",
-                caption="References and whether anything moved",
+                caption=say("References and whether anything moved"),
             )
         )
     held = [
-        f"{one.first}: {text}"
+        say("{key}: {text}", key=one.first, text=text)
         for one in checks
         if one.holds
         for text in change_lines(
@@ -133,47 +141,72 @@ def check_sections(checks: Sequence[Difference], bad: int) -> tuple[Section, ...
     ]
     if held:
         blocks.append(
-            Panel(title="Changed, and nothing moved", blocks=(_listing(held),))
+            Panel(title=say("Changed, and nothing moved"), blocks=(_listing(held),))
         )
     tool = [
-        f"{change.key} {change.before} -> {change.after}"
+        f"{change.key} {say(change.before)} -> {say(change.after)}"
         for one in checks
         if one.holds
         for change in one.changes
         if change.where == TOOL
     ]
     if tool:
-        said = f"stored with other versions: {', '.join(dict.fromkeys(tool))}"
+        said = say(
+            "stored with other versions: {versions}",
+            versions=say(", ").join(dict.fromkeys(tool)),
+        )
         blocks.append(Paragraph(words=(said,), small=True))
-    counts = [f"{len(checks) - len(moved)} unchanged", f"{len(moved)} moved"]
+    counts = [
+        say("{number} unchanged", number=len(checks) - len(moved)),
+        say("{number} moved", number=len(moved)),
+    ]
     if bad:
-        counts.append(f"{bad} cannot be checked")
+        counts.append(say("{number} cannot be checked", number=bad))
     number = len(checks) + bad
-    noun = "reference" if number == 1 else "references"
+    total = counted(
+        number,
+        "{number} reference: {counts}",
+        "{number} references: {counts}",
+        number=number,
+        counts=say(", ").join(counts),
+    )
     return (
         Section(name="references", title="", blocks=tuple(blocks)),
         *(
             Section(
                 name=f"moved-{place}",
-                title=f"{one.first}: what moved, the largest first",
-                blocks=tuple(_moves(one.changes, table, ("stored", "now"))),
+                title=say("{name}: what moved, the largest first", name=one.first),
+                blocks=tuple(
+                    _moves(one.changes, table, (say("stored"), say("now")), by=True)
+                ),
             )
             for place, (one, table) in enumerate(zip(moved, tables, strict=True))
         ),
-        *legend([row for table in tables for row in table.rows], "by"),
-        Section(name="total", title=f"{number} {noun}: {', '.join(counts)}", blocks=()),
+        *legend([row for table in tables for row in table.rows], by=True),
+        Section(name="total", title=total, blocks=()),
     )
 
 
 def difference_sections(difference: Difference) -> tuple[Section, ...]:
     """Return two budgets side by side, the largest change first."""
     table = move_table(difference.moves, difference.changes)
-    counted = f"{len(difference.moves)} of {difference.compared} numbers and words"
-    first = Paragraph(words=(f"A is {difference.first}, B {difference.second}.",))
+    first = Paragraph(
+        words=(
+            say(
+                "A is {first}, B {second}.",
+                first=difference.first,
+                second=difference.second,
+            ),
+        )
+    )
     return (
         Section(
             name="difference",
-            title=f"{counted} differ",
+            title=say(
+                "{moved} of {compared} numbers and words differ",
+                moved=len(difference.moves),
+                compared=difference.compared,
+            ),
             blocks=(first, *_moves(difference.changes, table, ("A", "B"))),
         ),
         *legend(table.rows),
@@ -192,22 +225,38 @@ def _strong(one: Difference, text: str) -> Cell:
 
 def _extent(one: Difference) -> str:
     """Say how many numbers and words were compared."""
-    sampled = f", {one.sampled} sampled" if one.sampled else ""
-    if one.holds:
-        return f"{one.compared} numbers and words{sampled}"
-    return f"{len(one.moves)} of {one.compared} numbers and words"
+    if not one.holds:
+        return say(
+            "{moved} of {compared} numbers and words",
+            moved=len(one.moves),
+            compared=one.compared,
+        )
+    if not one.sampled:
+        return say("{compared} numbers and words", compared=one.compared)
+    return say(
+        "{compared} numbers and words, {sampled} sampled",
+        compared=one.compared,
+        sampled=one.sampled,
+    )
 
 
 def _moves(
-    changes: Sequence[Change], table: MoveTable, heads: tuple[str, str]
+    changes: Sequence[Change],
+    table: MoveTable,
+    heads: tuple[str, str],
+    *,
+    by: bool = False,
 ) -> Iterator[Block]:
     """Yield what changed, numbered, and the moves that name these numbers."""
     if changes:
         lines = change_lines(changes, moved=bool(table.rows or table.words))
-        numbered = [text for text in lines if not text.startswith("and ")]
-        yield Panel(title="What changed", blocks=(_listing(numbered, numbered=True),))
-        for text in lines[len(numbered) :]:
-            yield Paragraph(words=(f"{text}.",), small=True)
+        named = len(lines) - (_idle(changes) > MOST_IDLE)
+        yield Panel(
+            title=say("What changed"),
+            blocks=(_listing(lines[:named], numbered=True),),
+        )
+        for text in lines[named:]:
+            yield Paragraph(words=(say("{text}.", text=text),), small=True)
     blocks: list[Block] = []
     if table.words:
         blocks.append(_listing(table.words))
@@ -217,46 +266,54 @@ def _moves(
             Field(head="", cell=lambda row: row.label),
             Field(head=before, kind="number", cell=lambda row: row.before),
             Field(head=after, kind="number", cell=lambda row: row.after),
-            Field(head="change", kind="number", cell=lambda row: row.change),
-            Field(head="by", kind="number", cell=lambda row: row.times),
-            Field(head="because", cell=lambda row: row.because),
+            Field(head=say("change"), kind="number", cell=lambda row: row.change),
         ]
+        if by:
+            fields.append(
+                Field(head=say("by"), kind="number", cell=lambda row: row.times)
+            )
+        fields.append(Field(head=say("because"), cell=lambda row: row.because))
         blocks.append(
             table_of(
                 table.rows,
-                [field for field in fields if before == "stored" or field.head != "by"],
+                fields,
                 name="moves",
-                caption="Numbers that moved, the largest first",
+                caption=say("Numbers that moved, the largest first"),
                 by=lambda row: row.title,
                 titled=True,
             )
         )
     if table.rest:
-        more = f"And {table.rest} more numbers, all in --json."
+        more = say("And {rest} more numbers, all in --json.", rest=table.rest)
         blocks.append(Paragraph(words=(more,), small=True))
     if blocks:
-        yield Panel(title="What moved", blocks=tuple(blocks))
+        yield Panel(title=say("What moved"), blocks=tuple(blocks))
 
 
-def legend(rows: Sequence[Row], by: str = "") -> tuple[Section, ...]:
+def legend(rows: Sequence[Row], *, by: bool = False) -> tuple[Section, ...]:
     """Explain the columns that are there, once for all."""
     if not rows:
         return ()
-    text = (
+    text = say(
         "change: of the standard uncertainty of the output, or of the number itself "
         "where it belongs to none. because: numbers of the changes above, with the "
         "part of the difference that each explains alone, by the law."
     )
-    if any(TOGETHER in row.because for row in rows):
-        text += " together: what all changes do at once beyond the sum of these parts."
-    if by and any(row.times.endswith(TOLERANCES) for row in rows):
-        text += " tol: times the tolerance, 1e-9 relative or rounding."
-    if by and any(row.times.endswith(STANDARD_ERRORS) for row in rows):
-        text += " s.e.: standard errors of a difference between two seeds."
+    if any(say(TOGETHER) in row.because for row in rows):
+        text += say(
+            " together: what all changes do at once beyond the sum of these parts."
+        )
+    if by and any(row.times.endswith(say(TOLERANCES)) for row in rows):
+        text += say(" tol: times the tolerance, 1e-9 relative or rounding.")
+    if by and any(row.times.endswith(say(STANDARD_ERRORS)) for row in rows):
+        text += say(" s.e.: standard errors of a difference between two seeds.")
     if any(pair.startswith(BOUNDS) for row in rows for pair in (row.before, row.after)):
-        text += " >=, <=: this or worse, as a line is not given that would add to it."
-    words = Paragraph(words=(text,), small=True)
-    return (Section(name="legend", title="What the columns mean", blocks=(words,)),)
+        text += say(
+            " >=, <=: this or worse, as a line is not given that would add to it."
+        )
+    meaning = Paragraph(words=(text,), small=True)
+    title = say("What the columns mean")
+    return (Section(name="legend", title=title, blocks=(meaning,)),)
 
 
 def move_table(moves: Sequence[Move], changes: Sequence[Change] = ()) -> MoveTable:
@@ -266,10 +323,10 @@ def move_table(moves: Sequence[Move], changes: Sequence[Change] = ()) -> MoveTab
     the same are one row. Where principal numbers moved (u, mean, a verdict), those that
     follow from them are only counted.
     """
-    words = [m for m in moves if isinstance(m.before or m.after, str)]
-    counted = [m for m in moves if not isinstance(m.before or m.after, str)]
-    first = [move for move in counted if move.item.quantity in PRINCIPAL]
-    chosen = sorted(first or counted, key=lambda move: -move.size)[:MOST_ROWS]
+    worded = [m for m in moves if isinstance(m.before or m.after, str)]
+    numbers = [m for m in moves if not isinstance(m.before or m.after, str)]
+    first = [move for move in numbers if move.item.quantity in PRINCIPAL]
+    chosen = sorted(first or numbers, key=lambda move: -move.size)[:MOST_ROWS]
     rows: dict[Row, list[str]] = {}
     for move in chosen:
         label = _split(move.item.subject)[1]
@@ -281,9 +338,14 @@ def move_table(moves: Sequence[Move], changes: Sequence[Change] = ()) -> MoveTab
             for row in sorted(rows, key=lambda row: titles.index(row.title))
         ),
         words=tuple(
-            f"{_word_title(m)}: {_word(m.before)} -> {_word(m.after)}" for m in words
+            say(
+                "{key}: {text}",
+                key=_word_title(m),
+                text=f"{_word(m.before)} -> {_word(m.after)}",
+            )
+            for m in worded
         ),
-        rest=len(counted) - len(chosen),
+        rest=len(numbers) - len(chosen),
     )
 
 
@@ -296,21 +358,49 @@ def change_lines(changes: Sequence[Change], *, moved: bool) -> tuple[str, ...]:
     idle = 0
     alone = ""
     for change in changes:
-        note = ""
+        remark = ""
         if change.acts is False:
             idle += 1
             may = moved and not change.is_text and change.where != TOOL
-            note = " (alone moves no number)" if may else " (moves no number)"
+            remark = say(" (alone moves no number)" if may else " (moves no number)")
             if may and idle > MOST_IDLE:
-                alone = "alone "
+                alone = say("alone ")
         elif change.acts is None and change.where != TOOL:
-            note = " (cannot be tried alone)"
+            remark = say(" (cannot be tried alone)")
         if idle <= MOST_IDLE:
-            lines.append(f"{change}{note}")
+            lines.append(f"{_said(change)}{remark}")
     if idle > MOST_IDLE:
-        rest = idle - MOST_IDLE
-        lines.append(f"and {rest} more that {alone}move no number, in --json")
+        lines.append(
+            say(
+                "and {rest} more that {alone}move no number, in --json",
+                rest=idle - MOST_IDLE,
+                alone=alone,
+            )
+        )
     return tuple(lines)
+
+
+def _idle(changes: Sequence[Change]) -> int:
+    """Count the changes that alone move no number."""
+    return sum(change.acts is False for change in changes)
+
+
+def _said(change: Change) -> str:
+    """Say a change in one line; a key of a file and what it is set to stay."""
+    kind, _, name = change.where.partition(" ")
+    before, after = (
+        say(text or NOT_THERE)
+        if change.where == TOOL or text in {"", "there"}
+        else text
+        for text in (change.before, change.after)
+    )
+    return say(
+        "{where}: {key}: {before} -> {after}",
+        where=f"{say(kind)} {name}".strip(),
+        key=say(change.key) if change.where == TOOL else change.key,
+        before=before,
+        after=after,
+    )
 
 
 def cause_texts(move: Move) -> tuple[tuple[Change, str], ...]:
@@ -374,7 +464,7 @@ def _row(move: Move, changes: Sequence[Change]) -> Row:
     times = NONE
     if move.times is not None:
         kind = STANDARD_ERRORS if move.is_sampled else TOLERANCES
-        times = f"{_two_digits(move.times)} {kind}"
+        times = f"{_two_digits(move.times)} {say(kind)}"
     return Row(
         title=_title(move),
         before=before,
@@ -391,26 +481,30 @@ def _because(move: Move, changes: Sequence[Change]) -> str:
     together = together_text(move)
     if len(parts) == 1 and parts[0][1] == ALL and not together:
         return str(parts[0][0])
-    texts = [f"{k}: {part}" for k, part in parts[:NAMED]]
+    texts = [say("{key}: {text}", key=k, text=part) for k, part in parts[:NAMED]]
     if len(parts) > NAMED:
         texts.append("...")
     if together:
-        texts.append(f"{TOGETHER}: {together}")
-    return ", ".join(texts) or NONE
+        texts.append(say("{key}: {text}", key=say(TOGETHER), text=together))
+    return say(", ").join(texts) or NONE
 
 
 def _title(move: Move) -> str:
     """Name the group of a move: 'Gyro bias, u [deg/h]'."""
     group, _ = _split(move.item.subject)
-    quantity = TITLES.get(move.item.quantity, words(move.item.quantity))
+    kind = move.item.quantity
+    quantity = say(TITLES[kind]) if kind in TITLES else words(kind)
     if move.item.partner:
-        is_output = move.item.quantity == "correlation"
-        name = key_title if is_output else source_title
-        quantity = f"{quantity} {name(read_name(move.item.partner))}"
+        name = key_title if kind == "correlation" else source_title
+        quantity = say(
+            OF_PARTNER.get(kind, "{quantity} {partner}"),
+            quantity=quantity,
+            partner=name(read_name(move.item.partner)),
+        )
     unit = f" [{move.unit}]" if move.unit not in {"", "1"} else ""
     # The name of a file stays as it is.
     title = group if " " in move.item.subject else group[:1].upper() + group[1:]
-    return f"{title}, {quantity}{unit}"
+    return say("{title}, {quantity}{unit}", title=title, quantity=quantity, unit=unit)
 
 
 def _word_title(move: Move) -> str:
@@ -427,14 +521,14 @@ def _split(subject: str) -> tuple[str, str]:
         return name, device
     if name.axis:
         return f"{device} {key_title(name.group)}".strip(), name.axis
-    return f"{device} {name.owner}".strip(), source_title(name)
+    return f"{device} {say(name.owner)}".strip(), source_title(name)
 
 
 def _word(value: float | str | None) -> str:
     """Show a word; a dash for what is not there."""
     if value is None or value == "":
         return NONE
-    return value if isinstance(value, str) else f"{value:.4g}"
+    return say(value) if isinstance(value, str) else f"{value:.4g}"
 
 
 def _percent(part: float) -> str:
