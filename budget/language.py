@@ -14,7 +14,9 @@ without a template, and parts that do not agree. Constants of a module are made 
 anybody chose a language: `term` marks them there, and `say` says them where they are
 used. And a language is a setting of the context, `speaking("zh")`, not an argument of
 three hundred functions: only commands and `budget.report` set it, around the making of
-a document, so that computing, errors, JSON and CSV are English always.
+a document, so that computing, errors, JSON and CSV are English always. The scripts of a
+page say theirs by `word`, out of the same catalogue: `budget.report.page` hands the
+translations of their templates over as data of the page.
 
 Templates of whole documents, matched and replaced when they are complete, were the
 other way; rejected, as a sentence with numbers in it cannot be told from another by

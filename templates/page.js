@@ -1,6 +1,6 @@
 // Tables that can be sorted and searched. Without this script the page says the same.
 
-const collator = new Intl.Collator("en", { numeric: true });
+const collator = new Intl.Collator(document.documentElement.lang, { numeric: true });
 
 /** What a cell is sorted by: its exact number where it has one, else its text. */
 function sortKey(row, column) {
@@ -32,7 +32,7 @@ function setUpSorting(table) {
   const heads = [...table.tHead.rows[0].cells];
   heads.forEach((head, column) => {
     if (head.matches("td, .unit")) return;  // units beside their numbers
-    const button = make("button", { type: "button", title: "Sort" }, ...head.childNodes);
+    const button = make("button", { type: "button", title: word("Sort") }, ...head.childNodes);
     head.replaceChildren(button);
     button.addEventListener("click", () => {
       const before = head.getAttribute("aria-sort");
@@ -74,7 +74,7 @@ function setUpSearch(place, tables) {
   const count = place.querySelector("output");
   const search = () => {
     const { shown, all } = filterRows(tables, field.value);
-    count.textContent = field.value.trim() ? count.dataset.said.replace("{shown}", shown).replace("{all}", all) : "";
+    count.textContent = field.value.trim() ? word("{shown} of {all} rows", { shown, all }) : "";
     document.body.classList.toggle("searching", Boolean(field.value.trim()));
   };
   field.addEventListener("input", search);

@@ -8,6 +8,19 @@ const HIGHEST = 40;   // at which it is ten times as large; 0 is as it is
 const MOST = 1e6;     // times its present size, up to where the law is looked at
 const DECIMAL = /^\+?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
 
+// What the scripts say in the language of the page; none are there in English.
+const SAID = new Map(Object.entries(JSON.parse(document.getElementById("page-words")?.textContent ?? "{}")));
+
+/** A template in the language of the page, with its parts; budget/report/page.py finds it by this name. */
+function word(text, parts = {}) {
+  return (SAID.get(text) ?? text).replace(/\{(\w+)\}/g, (_, name) => parts[name]);
+}
+
+/** Mark a constant; `word` says it where it is shown. */
+function term(text) {
+  return text;
+}
+
 /** The factor that a place of a slider stands for: a tenth to ten times, or 0. */
 function factorAt(place) {
   return place <= LOWEST ? 0 : 10 ** (place / HIGHEST);
@@ -63,7 +76,7 @@ function joinOutputs(model, places) {
     groups.set(group, [...(groups.get(group) || []), axis]);
   }
   return [...groups].map(([group, axes]) =>
-    `${group} ${axes.length === 6 ? "(every axis)" : axes.join(", ")}`).join("; ");
+    `${group} ${axes.length === 6 ? word("(every axis)") : axes.join(word(", "))}`).join(word("; "));
 }
 
 /** The verdict on each sensor of which something is required; of ties all are named. */
@@ -78,12 +91,12 @@ function judge(model, rows) {
     const all = own.filter((k) => !(rows[k].utilisation < top * (1 - ALIKE)));
     const worst = all[0];
     const utilisation = rows[worst].utilisation;
-    let verdict = sensor.missing.length ? "UNDECIDABLE" : "MEETS";
+    let verdict = sensor.missing.length ? term("UNDECIDABLE") : term("MEETS");
     const [low, high] = sensor.doubt.map((part) => settled(part * utilisation));
-    if (low <= 1 && high > 1) verdict = "UNDECIDED";
-    else if (!(settled(utilisation) <= 1)) verdict = "FAILS";
+    if (low <= 1 && high > 1) verdict = term("UNDECIDED");
+    else if (!(settled(utilisation) <= 1)) verdict = term("FAILS");
     verdicts.push({
-      sensor: sensor.name, worst, all, utilisation, verdict, missing: sensor.missing,
+      title: sensor.title, worst, all, utilisation, verdict, missing: sensor.missing,
     });
   }
   return verdicts;
@@ -140,8 +153,9 @@ function powerOfTen(value, decimals) {
 }
 
 /** The title of a source; without its sensor beside an output of the same one. */
-function shortTitle(source, output) {
-  return source.owner === output.sensor ? source.title.slice(source.owner.length + 1) : source.title;
+function shortTitle(model, source, output) {
+  const sensor = model.sensors.find(({ name }) => name === source.owner && name === output.sensor);
+  return sensor && source.title.startsWith(sensor.title) ? source.title.slice(sensor.title.length).trim() : source.title;
 }
 
 function signed(text) {
@@ -177,21 +191,21 @@ function make(tag, attributes = {}, ...content) {
 
 /** A factor in words. */
 function sizeWords(factor) {
-  return factor === 1 ? "as it is" : `× ${fourDigits(factor)}`;
+  return factor === 1 ? word("as it is") : `× ${fourDigits(factor)}`;
 }
 
 /** A row of a source: its name, a slider, a field with its standard uncertainty. */
 function makeControl(source, change) {
   const slider = make("input", {
     type: "range", min: LOWEST, max: HIGHEST, step: 1,
-    "aria-label": `${source.title}, times its present size`,
+    "aria-label": word("{source}, times its present size", { source: source.title }),
   });
   const field = make("input", {
     type: "text", inputmode: "decimal", autocomplete: "off",
-    "aria-label": `${source.title}, standard uncertainty in ${source.unit}`,
+    "aria-label": word("{source}, standard uncertainty in {unit}", { source: source.title, unit: source.unit }),
   });
   const times = make("span", { class: "times" });
-  const printed = make("small", {}, source.printed ? `given as ${source.printed}` : "");
+  const printed = make("small", {}, source.printed ? word("given as {printed}", { printed: source.printed }) : "");
   const sizeOf = (factor) => (factor * source.u).toPrecision(4).replace(/\.?0+(e|$)/, "$1");
   let present = 1;
   const show = (factor, kept = 1) => {
@@ -199,8 +213,8 @@ function makeControl(source, change) {
     slider.value = placeOf(factor);
     field.value = sizeOf(factor);
     field.removeAttribute("aria-invalid");
-    times.textContent = sizeWords(factor) + (kept === 1 ? "" : `; kept: ${sizeWords(kept)}`);
-    slider.setAttribute("aria-valuetext", `${times.textContent}, ${field.value} ${source.unit}`);
+    times.textContent = sizeWords(factor) + (kept === 1 ? "" : word("; kept: {size}", { size: sizeWords(kept) }));
+    slider.setAttribute("aria-valuetext", [times.textContent, `${field.value} ${source.unit}`].join(word(", ")));
     row.classList.toggle("changed", factor !== 1);
   };
   slider.addEventListener("input", () => {
@@ -215,8 +229,8 @@ function makeControl(source, change) {
     if (!(typed >= 0 && factor <= MOST)) {
       field.setAttribute("aria-invalid", "true");
       times.textContent = typed > MOST
-        ? `expected ${sizeOf(MOST)} at the most, a million times its size`
-        : "expected a number from 0 on";
+        ? word("expected {most} at the most, a million times its size", { most: sizeOf(MOST) })
+        : word("expected a number from 0 on");
       return;
     }
     change(factor);
@@ -245,25 +259,31 @@ function drawShares(model, shares, bar) {
 function sayVerdict(model, result, base, label, place) {
   place.replaceChildren(...result.sensors.map((now, i) => {
     const was = base.sensors[i];
-    const missing = now.verdict === "UNDECIDABLE" ? `, as ${now.missing.join(", ")} is not given` : "";
+    const missing = now.verdict === "UNDECIDABLE"
+      ? word(", as {missing} is not given", { missing: now.missing.join(word(", ")) }) : "";
     const before = was.verdict === now.verdict && was.utilisation === now.utilisation
-      ? "" : `; ${label}: ${was.verdict}, ${perCent(was.utilisation)}`;
+      ? "" : word("; {label}: {verdict}, {used}", { label, verdict: word(was.verdict), used: perCent(was.utilisation) });
+    const sensor = `${now.title[0].toUpperCase()}${now.title.slice(1)}`;
+    const used = `${now.missing.length ? "\u2265\u00a0" : ""}${perCent(now.utilisation)}`;
     return make("p", {},
-      make("strong", {}, `${now.sensor[0].toUpperCase()}${now.sensor.slice(1)}: ${now.verdict}`),
-      `${missing}. ${joinOutputs(model, now.all)} at ${now.missing.length ? "\u2265\u00a0" : ""}${perCent(now.utilisation)} of its limit${before}.`);
+      make("strong", {}, word("{sensor}: {verdict}", { sensor, verdict: word(now.verdict) })),
+      word("{missing}. {outputs} at {used} of its limit{before}.", { missing, outputs: joinOutputs(model, now.all), used, before }));
   }));
-  if (!result.sensors.length) place.append(make("p", {}, "No requirement: U of every output, as it is and changed."));
+  if (!result.sensors.length) place.append(make("p", {}, word("No requirement: U of every output, as it is and changed.")));
 }
 
 /** A table of all outputs before and after, and the function that fills it in. */
 function makeResults(model) {
   const limited = model.outputs.some((output) => output.limit !== null);
-  const heads = ["output", "U as it is", "U changed", "mean changed",
-    ...(limited ? ["of limit as it is", "of limit changed", "conformity"] : []), "shares of the variance", "largest"];
-  const texts = ["output", "conformity", "shares of the variance", "largest"];
-  const table = make("table", { "aria-label": "Outputs with the sources changed" },
-    make("thead", {}, make("tr", {}, ...heads.map((head) =>
-      make("th", { scope: "col", class: texts.includes(head) ? "" : "number" }, head)))));
+  const head = (kind, text = "") => make("th", { scope: "col", class: kind }, text);
+  const before = { expanded: head("number"), used: head("number") };
+  const heads = [
+    head("", word("output")), before.expanded, head("number", word("U changed")), head("number", word("mean changed")),
+    ...(limited ? [before.used, head("number", word("of limit changed")), head("", word("conformity"))] : []),
+    head("", word("shares of the variance")), head("", word("largest")),
+  ];
+  const table = make("table", { "aria-label": word("Outputs with the sources changed") },
+    make("thead", {}, make("tr", {}, ...heads)));
   let body = null;
   let group = null;
   const rows = model.outputs.map((output, k) => {
@@ -285,10 +305,9 @@ function makeResults(model) {
     body.append(row);
     return { row, cells };
   });
-  const before = [...table.tHead.rows[0].cells].filter((head) => head.textContent.endsWith("as it is"));
-  const starts = before.map((head) => head.textContent.slice(0, -"as it is".length));
   const update = (result, base, label) => {
-    before.forEach((head, i) => { head.textContent = starts[i] + label; });
+    before.expanded.textContent = word("U {label}", { label });
+    before.used.textContent = word("of limit {label}", { label });
     result.outputs.forEach((now, k) => fill(now, base, k));
   };
   const fill = (now, base, k) => {
@@ -300,14 +319,14 @@ function makeResults(model) {
     set(cells.mean, likeUncertainty(now.mean, now.u, resolution), now.mean);
     setUsed(cells.used, now, model.outputs[k]);
     const beyond = now.utilisation !== null && settled(now.utilisation) > 1;
-    cells.word.textContent = beyond ? "does not conform" : "";
+    cells.word.textContent = beyond ? word("does not conform") : "";
     row.classList.toggle("beyond", beyond);
     row.classList.toggle("changed", now.expanded !== base.outputs[k].expanded);
     drawShares(model, now.shares, cells.bar);
     const most = Math.max(...now.shares) * (1 - ALIKE);
     const largest = now.shares.findIndex((share) => share >= most);
     cells.largest.textContent = now.shares[largest] > 0
-      ? `${shortTitle(model.sources[largest], model.outputs[k])} ${shareOf(now.shares[largest])}` : "no spread";
+      ? `${shortTitle(model, model.sources[largest], model.outputs[k])} ${shareOf(now.shares[largest])}` : word("no spread");
   };
   return { table, update };
 }
@@ -344,7 +363,7 @@ function changesOf(model, factors) {
 /** Changes in words: 'gyro bias repeatability × 0.4'. */
 function changeWords(model, factors) {
   return changesOf(model, factors)
-    .map(({ source, factor }) => `${source.title} ${sizeWords(factor)}`).join(", ");
+    .map(({ source, factor }) => `${source.title} ${sizeWords(factor)}`).join(word(", "));
 }
 
 /** A number as files have it, without the digits that rounding decides. */
@@ -394,23 +413,23 @@ function makeHandOut(model) {
     area.addEventListener("focus", () => area.select());
     return { area, block: make("p", {}, make("label", {}, label, area)) };
   };
-  const command = field("Command", 3);
-  const device = field("Device file, changed.yaml", 12);
+  const command = field(word("Command"), 3);
+  const device = field(word("Device file, changed.yaml"), 12);
   const words = make("p", {});
   const place = make("details", { class: "hand-out" },
-    make("summary", {}, "The changed device as a file, with its command"),
+    make("summary", {}, word("The changed device as a file, with its command")),
     words, ...(model.command ? [command.block] : []), ...(model.device ? [device.block] : []));
   const update = (factors) => {
     const { text, elsewhere } = changedDevice(model, factors);
     const said = changeWords(model, factors);
     const rest = changeWords({ sources: elsewhere.map(({ source }) => source) }, elsewhere.map(({ factor }) => factor));
-    words.textContent = said ? `Changed: ${said}.` : "Nothing is changed.";
-    if (!model.device) words.append(" No file says all of this device: it is changed by --set.");
-    else if (rest) words.append(` Not a line of the device, change it where it stands: ${rest}.`);
-    device.area.value = (said ? `# Changed by what-if: ${said}\n` : "") + text;
+    words.textContent = said ? word("Changed: {said}.", { said }) : word("Nothing is changed.");
+    if (!model.device) words.append(word(" No file says all of this device: it is changed by --set."));
+    else if (rest) words.append(word(" Not a line of the device, change it where it stands: {rest}.", { rest }));
+    device.area.value = (said ? `${word("# Changed by what-if: {said}", { said })}\n` : "") + text;
     const isElsewhere = elsewhere.length && model.device;
     command.area.value = (isElsewhere ? model.command_of_file : changedCommand(model, factors))
-      || "No command says it: a changed line has several numbers, or is no line of the device. Change it in its file.";
+      || word("No command says it: a changed line has several numbers, or is no line of the device. Change it in its file.");
   };
   return { place, update };
 }
@@ -434,23 +453,26 @@ function toAddress(model, factors, kept) {
 function quote(text) {
   const plain = JSON.stringify(text.slice(0, 40)).replace(/[^\x20-\x7e]/g, (sign) =>
     `\\u${sign.charCodeAt(0).toString(16).padStart(4, "0")}`);
-  return text.length > 40 ? `${plain} and ${text.length - 40} characters more` : plain;
+  return text.length > 40 ? word("{plain} and {n} characters more", { plain, n: text.length - 40 }) : plain;
 }
 
 /** Read the end of an address: both scenarios, or in words what is wrong with it. */
 function fromAddress(model, text) {
   const place = new Map(model.sources.map(({ name }, g) => [name, g]));
   const [factors, kept] = [0, 1].map(() => model.sources.map(() => 1));
-  const refuse = (what) => ({ wrong: `The changes in the address are not taken: ${what}.` });
-  if (text.length > LONGEST) return refuse(`they have ${text.length} characters, ${LONGEST} are allowed`);
+  const refuse = (what) => ({ wrong: word("The changes in the address are not taken: {what}.", { what }) });
+  if (text.length > LONGEST) {
+    return refuse(word("they have {n} characters, {most} are allowed", { n: text.length, most: LONGEST }));
+  }
   const seen = new Set();
   for (const [key, value] of new URLSearchParams(text)) {
     const isKept = key.startsWith("kept.");
     const g = place.get(isKept ? key.slice("kept.".length) : key);
-    if (g === undefined) return refuse(`${quote(key)} is no source of this report`);
-    if (seen.has(key)) return refuse(`${quote(key)} stands there twice`);
+    if (g === undefined) return refuse(word("{key} is no source of this report", { key: quote(key) }));
+    if (seen.has(key)) return refuse(word("{key} stands there twice", { key: quote(key) }));
     if (!DECIMAL.test(value) || !(Number(value) <= MOST)) {
-      return refuse(`${quote(key)} is ${quote(value)}, expected a number from 0 to a million, times its size`);
+      return refuse(word("{key} is {value}, expected a number from 0 to a million, times its size",
+        { key: quote(key), value: quote(value) }));
     }
     seen.add(key);
     (isKept ? kept : factors)[g] = Number(value);
@@ -458,19 +480,22 @@ function fromAddress(model, text) {
   return { factors, kept: kept.every((factor) => factor === 1) ? null : kept };
 }
 
+const TITLE = document.title;
+
 /** Say on every printed page that this is not the report, while anything is changed. */
 function stampPage(said) {
   const root = document.documentElement;
   const isChanged = said !== "";
   let stamp = document.querySelector(".stamp");
   if (!stamp) {
-    stamp = make("div", { class: "stamp" }, make("strong", { "aria-hidden": "true" }, "CHANGED"), make("p"));
+    stamp = make("div", { class: "stamp" }, make("strong", { "aria-hidden": "true" }, word("CHANGED")), make("p"));
     document.body.prepend(stamp);
   }
-  stamp.querySelector("p").textContent = isChanged ? `CHANGED by what-if, not the report that was issued: ${said}.` : "";
+  stamp.querySelector("p").textContent = isChanged
+    ? word("CHANGED by what-if, not the report that was issued: {said}.", { said }) : "";
   root.classList.toggle("altered", isChanged);
-  document.title = document.title.replace(/^(CHANGED )?/, isChanged ? "CHANGED " : "");
-  if (isChanged) root.style.setProperty("--running-head", '"CHANGED by what-if, not the report that was issued"');
+  document.title = isChanged ? word("CHANGED {title}", { title: TITLE }) : TITLE;
+  if (isChanged) root.style.setProperty("--running-head", JSON.stringify(word("CHANGED by what-if, not the report that was issued")));
   else root.style.removeProperty("--running-head");
 }
 
@@ -488,11 +513,11 @@ function setUpWhatIf(place, model) {
     made.addEventListener("click", () => { act(); refresh(); note(); });
     return made;
   };
-  const keep = button("Keep to compare", () => { kept = factors.every((factor) => factor === 1) ? null : [...factors]; });
-  const forget = button("Forget what is kept", () => { kept = null; keep.focus(); });
-  const reset = button("Reset all", () => { factors = [...present]; kept = null; });
+  const keep = button(word("Keep to compare"), () => { kept = factors.every((factor) => factor === 1) ? null : [...factors]; });
+  const forget = button(word("Forget what is kept"), () => { kept = null; keep.focus(); });
+  const reset = button(word("Reset all"), () => { factors = [...present]; kept = null; });
   const refresh = () => {
-    const label = kept ? "kept" : "as it is";
+    const label = kept ? word("kept") : word("as it is");
     const base = evaluate(model, kept || present);
     const result = evaluate(model, factors);
     controls.forEach((control, g) => control.show(factors[g], kept ? kept[g] : 1));
@@ -500,8 +525,8 @@ function setUpWhatIf(place, model) {
     results.update(result, base, label);
     handOut?.update(factors);
     forget.hidden = !kept;
-    const told = [changeWords(model, factors), kept && `kept to compare: ${changeWords(model, kept) || "as it is"}`];
-    stampPage(told.filter(Boolean).join("; "));
+    const told = [changeWords(model, factors), kept && word("kept to compare: {changes}", { changes: changeWords(model, kept) || word("as it is") })];
+    stampPage(told.filter(Boolean).join(word("; ")));
   };
   const note = () => {
     wrong.textContent = "";
@@ -531,12 +556,12 @@ function setUpWhatIf(place, model) {
     verdict,
     make("div", { class: "controls" },
       make("p", { class: "small" },
-        "Each slider runs from 0 at the far left over a tenth to ten times the present size; " +
-        "the field takes a standard uncertainty. The address of the page keeps the changes. "),
+        word("Each slider runs from 0 at the far left over a tenth to ten times the present size; the field takes a standard uncertainty. "),
+        word("The address of the page keeps the changes. ")),
       make("p", { class: "buttons" }, keep, " ", forget, " ", reset),
       ...controls.map((control) => control.row),
       ...(handOut ? [handOut.place] : [])),
-    make("div", { class: "results scroll", tabindex: 0, role: "group", "aria-label": "Outputs with the sources changed" }, results.table));
+    make("div", { class: "results scroll", tabindex: 0, role: "group", "aria-label": word("Outputs with the sources changed") }, results.table));
   place.hidden = false;
   refresh();
   restore();

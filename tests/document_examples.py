@@ -291,7 +291,9 @@ def make_model():
     """Return what sliders compute from: one source, one output."""
     return {
         "coverage": 0.95,
-        "sensors": [{"name": "gyro", "missing": [], "doubt": [1.0, 1.0]}],
+        "sensors": [
+            {"name": "gyro", "title": "gyro", "missing": [], "doubt": [1.0, 1.0]}
+        ],
         "sources": [
             {
                 "name": "gyro.bias_repeatability",

@@ -36,6 +36,7 @@ from budget.names import words as plain_words
 from budget.report.analysis.groups import budget_answer
 from budget.report.blocks import Table
 from budget.report.notebook import budget_html, budget_latex, budget_markdown
+from budget.report.page import SCRIPTS, script_messages
 from budget.report.wording import say_words
 from budget.resources import shipped
 from budget.studies.paper.printed import load_paper
@@ -80,13 +81,22 @@ def messages_of(tree):
 
 @cache
 def every_message():
-    """Return the templates of the whole package, and of the page."""
-    page = shipped("templates").joinpath("page.html.j2").read_text(encoding="utf-8")
+    """Return the templates of the whole package, of the page and of its scripts."""
+    page = "".join(map(shipped_template, ("page.html.j2", "page.css")))
     return {
         message
         for path in PACKAGE.rglob("*.py")
         for message in messages_of(ast.parse(path.read_text(encoding="utf-8")))
-    } | {*re.findall(r'say\("([^"]*)"', page), *paper_messages()}
+    }.union(
+        re.findall(r'say\("([^"]*)"', page),
+        paper_messages(),
+        *(script_messages(shipped_template(name)) for name in SCRIPTS),
+    )
+
+
+def shipped_template(name):
+    """Return the text of a template, style sheet or script of the page."""
+    return shipped("templates").joinpath(name).read_text(encoding="utf-8")
 
 
 def paper_messages():
@@ -182,6 +192,38 @@ def test_the_count_can_fail():
         "{n} turn",
         "{n} turns",
     }
+
+
+def test_the_count_of_a_script_can_fail():
+    """Words that are said and marked are found, in one line or two; others are not."""
+    script = 'word("{n} of", { n }); x = term("MEETS"); password("a");\nword(\n  "b")'
+
+    assert script_messages(script) == ("{n} of", "MEETS", "b")
+
+
+CALL = re.compile(r"\b(?:word|term)\((?!text\b)")  # not where the two are defined
+
+
+@pytest.mark.parametrize("name", SCRIPTS)
+def test_scripts_say_literals_with_all_their_parts(name):
+    """The count misses no word: but for verdicts, which are marked, all stand there.
+
+    What a template has in braces is handed over by that name.
+    """
+    script = shipped_template(name)
+    calls = [script[found.end() :] for found in CALL.finditer(script)]
+    said = [re.match(r'\s*"([^"\\]*)"(?:,\s*\{([^{}]*)\})?', call) for call in calls]
+    others = [call[:12] for call, text in zip(calls, said, strict=True) if text is None]
+    lost = [
+        text[1]
+        for text in filter(None, said)
+        for part, _, _ in parts_of(text[1])
+        if not re.search(rf"\b{part}\b", text[2] or "")
+    ]
+
+    assert len(calls) >= 2
+    assert set(others) <= {"was.verdict)", "now.verdict)"}
+    assert lost == []
 
 
 def test_english_is_what_the_template_says():

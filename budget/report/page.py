@@ -10,7 +10,7 @@ from html import escape, unescape
 from typing import TYPE_CHECKING
 
 from budget.errors import OutputError
-from budget.language import say, speaking
+from budget.language import say, speaking, template
 from budget.report.blocks import Abreast, Run, Table, drawn
 from budget.report.figures.style import BLACK, GRID, INK, MUTED, PAPER, STYLES
 from budget.report.formulas import Math, to_mathml
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 
 SCRIPTS = ("what_if.js", "page.js")  # in the order that they stand in the page
+# Templates that scripts say, `word("{n} of {m}", ...)`, or mark for it, `term("none")`.
+MESSAGE = re.compile(r'\b(?:word|term)\(\s*"([^"\\]*)"')
 FORMULA = re.compile(r"(<math[^>]*>)(.*?)</math>", re.DOTALL)
 SMALL_BAR = 0.005  # a share that is thinner than a line behind its number [1]
 
@@ -77,6 +79,7 @@ def _render(document: Document) -> str:
         has_search=any(_has_searchable(s.blocks) for s in document.sections),
         json=markup(script_safe(document.json)),
         running_head=markup(css_string(document.running_head)),
+        script_words=_script_words(script),
         script=markup(script),
         script_hash=b64encode(sha256(script.encode()).digest()).decode(),
     )
@@ -87,6 +90,25 @@ def _script(environment: Environment) -> str:
     """Return the script of every page, the same bytes that its hash is of."""
     sources = [environment.get_template(name).render() for name in SCRIPTS]
     return "\n" + "\n".join(sources) + "\n"
+
+
+def script_messages(script: str) -> tuple[str, ...]:
+    """Return the templates that a script says in the language of the page, each once.
+
+    They are ids of the same catalogue as those of `budget.language.say`.
+    """
+    return tuple(dict.fromkeys(MESSAGE.findall(script)))
+
+
+def _script_words(script: str) -> Markup:
+    """Write what a script says by its English, as JSON; nothing where it is the same.
+
+    A word that has no translation is not there, and the script says it in English.
+    """
+    said = {text: template(text) for text in script_messages(script)}
+    other = {text: own for text, own in said.items() if own != text}
+    told = json.dumps(other, ensure_ascii=False) if other else ""
+    return markup(script_safe(told))
 
 
 def _words(words: Words) -> Markup:

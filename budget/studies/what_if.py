@@ -26,9 +26,10 @@ import numpy as np
 from scipy.optimize import brentq
 
 from budget.errors import CallError
+from budget.language import key_title
 from budget.methods.scaling import scaled_law
 from budget.model.sources import SENSORS
-from budget.names import IMU, key_title
+from budget.names import IMU
 from budget.results import BY_LAW
 from budget.studies.request import given_lines, limited_but_held
 from budget.ties import first_largest, settle
@@ -146,6 +147,7 @@ class WhatIf:
     def to_dict(self) -> dict[str, Any]:
         """Return what a page computes from, as JSON, in printed units.
 
+        Titles are in the language of the context, names are names.
         `mean`, `first` and `second` are m, A and Q by source, then by output; `pairs`
         has P of two sources, where it reaches one output at least.
         """
@@ -158,6 +160,7 @@ class WhatIf:
             "sensors": [
                 {
                     "name": sensor.name,
+                    "title": key_title(sensor.name),
                     "missing": [key_title(name.quantity) for name in sensor.missing],
                     "doubt": list(sensor.doubt),
                 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shlex
 import shutil
 from functools import cache
@@ -17,8 +18,10 @@ from pdf_reading import pages_of
 from report.test_page import example
 from saying import assert_says
 from studies.test_what_if import scaled
+from test_language import left_in
 
 from budget import analyze, load_device, load_requirement
+from budget.language import LANGUAGES, speaking, template
 from budget.report.analysis.what_if import AnalyzeAgain, what_if_section
 from budget.report.blocks import Section, Sliders
 from budget.report.tables import print_utilisation
@@ -239,7 +242,12 @@ def test_missing_line_makes_a_pass_undecidable(browser, tmp_path):
     model = {
         **model,
         "sensors": [
-            {"name": "gyro", "missing": ["angle random walk"], "doubt": [1, 1]}
+            {
+                "name": "gyro",
+                "title": "gyro",
+                "missing": ["angle random walk"],
+                "doubt": [1, 1],
+            }
         ],
     }
     with opened(browser, page_with(tmp_path, model)) as (page, _):
@@ -474,3 +482,122 @@ def test_page_with_a_slider_moved_is_not_printed_as_the_report(
     assert "gyrobiasstability×10.00" in changed[0]  # noqa: RUF001 - as it is printed
     assert "CHANGED" not in "".join(plain)
     assert back == plain
+
+
+# ---- in another language -------------------------------------------------------------
+
+
+@cache
+def judged():
+    """Return the budget of the paper's device against limits, as a model of it."""
+    budget = analyze(device(), requirement=requirement(), validate=False)
+    analysis = Analysis.of(device(), requirement=requirement())
+    return budget, what_if(analysis, budget=budget)
+
+
+def page_in(folder, language):
+    """Write the page of that budget in a language, with a table to search."""
+    budget, model = judged()
+    with speaking(language):
+        section = what_if_section(
+            budget, model, one_at_a_time(model), devices=(device(),), again=AGAIN
+        )
+    found = Section(name="t", title="T", blocks=(make_table("t", searchable=True),))
+    return written(folder, example(sections=(section, found), language=language))
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory):
+    """Provide the same page in each language."""
+    return {
+        language: page_in(tmp_path_factory.mktemp(language), language)
+        for language in LANGUAGES
+    }
+
+
+def push(page, source, key):
+    """Press a key on the slider of one source, whatever the page calls it."""
+    place = [one.name for one in law().sources].index(source)
+    page.locator(".control input[type=range]").nth(place).press(key)
+
+
+def told(page):
+    """Return all that is read or spoken of the what-if section, and of the stamp."""
+    return page.evaluate(
+        "() => { const all = [...document.querySelectorAll("
+        "'#what-if, #what-if *, .stamp, .stamp *')];"
+        " document.querySelectorAll('details').forEach((e) => { e.open = true; });"
+        " return [document.querySelector('#what-if').innerText,"
+        " document.querySelector('.stamp').textContent, ...all.flatMap((e) =>"
+        " ['aria-label', 'aria-valuetext', 'title'].map((a) => e.getAttribute(a) ?? '')"
+        ")].join('\\n'); }"
+    )
+
+
+def test_panel_speaks_the_language_of_its_page(browser, pages):
+    """A slider in Chinese has the numbers of the English one, and Chinese verdicts.
+
+    Nothing in the section is left in English: at first, changed, kept, with a size
+    that is refused.
+    """
+    source = "gyro.scale_factor_repeatability"
+    numbers, texts = [], {}
+    for language, path in pages.items():
+        with opened(browser, path) as (page, record):
+            outlook = page.locator(".outlook")
+            texts[language] = [told(page), outlook.inner_text()]
+            push(page, source, "End")
+            numbers.append([read(page, cell) for cell in ("expanded", "mean", "used")])
+            texts[language] += [told(page), outlook.inner_text()]
+            beyond = page.locator(".what-if tr.beyond").all_inner_texts()
+            page.locator(".buttons button").first.click()
+            push(page, source, "Home")
+            for row, size in enumerate(("much", "1e76")):
+                page.locator(".size input").nth(row).fill(size)
+                page.locator(".size input").nth(row).blur()
+            texts[language] += [told(page), page.title()]
+            page.locator("[type=search]").fill("scale")
+            texts[language].append(page.locator(".search output").inner_text())
+        assert record.complaints == []
+        assert record.requests == [path.as_uri()]
+        assert len(beyond) == 3
+    start, first, changed, then, kept, title, count = texts["zh"]
+
+    assert numbers[0] == numbers[1]
+    assert re.search(r"^陀螺.满足", first)
+    assert re.search(
+        r"^陀螺.不满足。陀螺标度因数 x、y、z.为限值的 \d+ %.现在.满足", then
+    )
+    assert all("不合格" in row for row in beyond)
+    assert all(one in kept for one in ("留存", "已由假设分析改变", "应为不小于 0 的数"))
+    assert title.startswith("已改变")
+    assert re.fullmatch(r"\d+ 行中的 2 行", count)
+    assert [left_in(text) for text in (start, changed, kept)] == [[], [], []]
+    assert "undefined" not in "".join(texts["zh"] + texts["en"])
+    assert len(left_in(texts["en"][0])) > 30
+
+
+def test_hostile_address_is_refused_in_the_language_of_the_page(browser, pages):
+    """What stands in quotation marks is the address's, all else is Chinese."""
+    with opened(browser, pages["zh"]) as (page, record):
+        elements = page.locator("*").count()
+        for fragment, _ in NO_CHANGES:
+            page.goto(f"{pages['zh'].as_uri()}#what-if?{fragment}")
+            said = page.get_by_role("alert").inner_text()
+            assert said.startswith("未采用地址中的改变")
+            assert left_in(re.sub('"[^"]*"', "", said)) == []
+            assert page.locator("*").count() == elements
+    assert record.complaints == []
+
+
+def test_word_without_a_translation_stays_english(browser, tmp_path, monkeypatch):
+    """The page says it as it is written, and the others in its own language."""
+    monkeypatch.setattr(
+        "budget.report.page.template",
+        lambda text: text if text == "Reset all" else template(text),
+    )
+    with opened(browser, page_in(tmp_path, "zh")) as (page, record):
+        buttons = page.locator(".buttons button").all_text_contents()
+
+    assert buttons == ["留存以作比较", "清除留存", "Reset all"]
+    assert record.complaints == []

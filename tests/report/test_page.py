@@ -17,6 +17,7 @@ import pytest
 from document_examples import make_document, make_picture, make_table
 
 from budget.errors import OutputError
+from budget.language import template
 from budget.report.blocks import Card, Cell, Column, Picture, RowGroup, Section, Table
 from budget.report.figures.style import INK, MUTED
 from budget.report.formulas import Math
@@ -28,6 +29,7 @@ from budget.report.page import (
     natural_width,
     number_markup,
     render_page,
+    script_messages,
     script_safe,
     signs_markup,
     svg_element,
@@ -277,6 +279,29 @@ def test_script_stands_in_the_page_as_it_is():
         assert source.strip() in script
     assert "innerHTML" not in script
     assert "eval(" not in script
+
+
+WORDS = re.compile(r'<script type="application/json" id="page-words">(.*?)</script>')
+
+
+def test_words_of_the_script_are_data_of_the_page(monkeypatch):
+    """English pages have none, others those that are translated, and escaped."""
+    said = {"Sort": "</script><b>&"}
+    monkeypatch.setattr(
+        "budget.report.page.template", lambda text: said.get(text, template(text))
+    )
+    english, chinese = (
+        render_page(example(language=language)) for language in ("en", "zh")
+    )
+    (told,) = WORDS.findall(chinese)
+    script = Page(chinese).inside["script"][-1]
+
+    assert set(json.loads(told)) == set(script_messages(script))
+    assert json.loads(told)["Sort"] == said["Sort"]
+    assert not set(told) & set("<>&")
+    assert json.loads(WORDS.findall(english)[0]) == said
+    monkeypatch.undo()
+    assert WORDS.findall(render_page(example())) == []
 
 
 @pytest.mark.parametrize("name", ["page.html.j2", "page.css", *SCRIPTS])
