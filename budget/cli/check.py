@@ -230,7 +230,7 @@ def _save(
     check_destinations(None, None, path, inputs=inputs)
     reference = make_reference(
         kind,
-        with_changes(_take(files, path.parent), changes),
+        with_changes(_take(files, path.parent), changes, job=kind),
         Asked(**given),
         workers=workers,
     )

@@ -11,9 +11,10 @@ from budget.cli import options
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.references.records import ReferenceBudget, StoredInput
+    from budget.references.records import Job, ReferenceBudget, StoredInput
 
 SUFFIX = ".json"
+JOB: Job = "analyze"  # of a device, which is computed now
 
 
 def diff(
@@ -84,7 +85,7 @@ def diff(
     settings = asked if model is None else model.settings
     sides = []
     for name, own, given in zip(names, stored, inputs, strict=True):
-        budget = own or make_reference("analyze", given or (), settings)
+        budget = own or make_reference(JOB, given or (), settings)
         changed = any(one.changes for one in given or ())
         shown = f"{name}{CHANGED}" if changed else name
         sides.append(side_of(budget, name=shown, is_fresh=own is None))
@@ -120,7 +121,7 @@ def _inputs(
     from budget.errors import CallError
     from budget.references.files import take, take_procedures
 
-    if model is not None and model.job != "analyze":
+    if model is not None and model.job != JOB:
         raise CallError(
             f"{name} is a device, and the reference beside it is of kind {model.job}; "
             "give two references of that kind, or one of kind analyze"
@@ -140,7 +141,7 @@ def _changed(
 
     first, second = sides
     if first == second:
-        return [first, None if second is None else with_changes(second, changes)]
-    both = with_changes((*(first or ()), *(second or ())), changes)
+        return [first, with_changes(second or (), changes, job=JOB)]
+    both = with_changes((*(first or ()), *(second or ())), changes, job=JOB)
     count = len(first or ())
     return [first and both[:count], second and both[count:]]

@@ -158,9 +158,9 @@ def take_procedures(
 
 
 def with_changes(
-    inputs: Sequence[StoredInput], changes: Sequence[str]
+    inputs: Sequence[StoredInput], changes: Sequence[str], *, job: str
 ) -> tuple[StoredInput, ...]:
-    """Return inputs with the changes that are their own, as `--set` gives them.
+    """Return inputs of a job with the changes that are their own, as of `--set`.
 
     Raises
     ------
@@ -170,23 +170,31 @@ def with_changes(
         Everything that is wrong with a device that has one, each at its place.
     """
     wanted = [read_change(text) for text in changes]
-    taken = [replace(one, changes=_own(one, wanted)) for one in inputs]
+    if not wanted:
+        return tuple(inputs)
+    taken = [replace(one, changes=_own(one, wanted, job)) for one in inputs]
     check_used(wanted, (text for one in taken for text in one.changes))
     return tuple(taken)
 
 
-def _own(one: StoredInput, changes: Sequence[Change]) -> tuple[str, ...]:
+def _own(one: StoredInput, changes: Sequence[Change], job: str) -> tuple[str, ...]:
     """Return those changes that a device, or any variant that it stands for, has."""
-    if one.role != "device" or not changes:
+    if one.role != "device":
         return ()
     document = parse(one.text.encode(), one.file, base_name=_locate(one, Path()).name)
-    names = (one.variant,) if one.variant else variant_names(document)
     found = {
         change.text
-        for name in names
+        for name in _variants(document, one, job)
         for change in _reaching(document, one, name, changes)
     }
     return tuple(change.text for change in changes if change.text in found)
+
+
+def _variants(document: Document, one: StoredInput, job: str) -> tuple[str, ...]:
+    """Return the devices that an input stands for: in a comparison every variant."""
+    if job == "compare" and not one.variant:
+        return variant_names(document)
+    return (one.variant,)
 
 
 def _reaching(
@@ -316,12 +324,9 @@ def _documents(document: Document, one: StoredInput, job: str) -> list[Document]
     """Return one input, or one for every variant in a comparison."""
     if one.role != "device":
         return [document]
-    names: tuple[str, ...] = (one.variant,)
-    if job == "compare" and not one.variant:
-        names = variant_names(document)
     changes = [read_change(text) for text in one.changes]
     found = []
-    for name in names:
+    for name in _variants(document, one, job):
         own = _reaching(document, one, name, changes)
         read_device(document, name, own)  # says what is wrong, at its place in the file
         found.append(effective(document, name, own))

@@ -129,8 +129,7 @@ def try_changed(
     found, issues = try_all(paths, lambda path: _load(path, wanted, variants=variants))
     devices = [device for some in found for device in some]
     if not issues:
-        told = (one for device in devices for one in device.origin.changes)
-        check_used(wanted, (text for one in told for text in one.texts))
+        check_used(wanted, (text for one in devices for text in one.origin.used))
     return devices, list(dict.fromkeys(issues))
 
 
@@ -314,7 +313,7 @@ def _validate(path: File, changes: Sequence[Change]) -> Checked:
         try:
             device = _read(document, file, name, changes)
             assumptions.extend(device.assumptions)
-            used.extend(text for one in device.origin.changes for text in one.texts)
+            used.extend(device.origin.used)
         except SpecError as error:
             issues.extend(error.issues)
         if len(issues) > MOST_ISSUES:

@@ -160,6 +160,11 @@ class Origin:
     sha256: str  # of the file's bytes
     changes: tuple[Changed, ...] = ()  # that were laid over it
 
+    @property
+    def used(self) -> tuple[str, ...]:
+        """The changes as they were given."""
+        return tuple(text for one in self.changes for text in one.texts)
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Device:

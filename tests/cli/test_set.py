@@ -206,7 +206,7 @@ def test_validity_is_that_of_the_changed_device():
     "words",
     [
         ("validate", "navigation-grade"),
-        ("diff", "zhao-2019", "stim300", "--set", f"iim:{CHANGE}"),
+        ("diff", "zhao-2019", "hg4930#A", "--set", f"iim:{CHANGE}"),
         ("check", "zhao-2019"),
     ],
     ids=lambda words: words[0],
@@ -216,6 +216,22 @@ def test_a_change_that_reaches_nothing_is_refused(words):
     run = call(*words, "--set", CHANGE)
     assert (run.code, run.out) == (2, "")
     assert "--set" in run.err or "settings are those" in run.err
+
+
+def test_a_variant_that_is_not_stored_has_no_change(tmp_path, monkeypatch):
+    """Of an analysis the base alone is stored; of a comparison every variant."""
+    monkeypatch.chdir(tmp_path)
+    text = "name: two\ngyro: {errors: {bias_stability: 1 deg/h}}\n"
+    (tmp_path / "two.yaml").write_text(f"{text}variants: {{A: {{name: A}}}}\n")
+    how = ("check", "--save", "x.json", "two.yaml", "--set", f"#A:{CHANGE}")
+    run = call(*how)
+    assert (run.code, run.out) == (2, "")
+    assert_says(run.err, "--set", "no device here called '#A'")
+    assert not (tmp_path / "x.json").exists()
+    grade = ("--kind", "compare", "--requirement", "tactical-grade")
+    assert call(*how, *grade).code == 0
+    stored = json.loads((tmp_path / "x.json").read_text(encoding="utf-8"))
+    assert stored["inputs"][0]["changes"] == [f"#A:{CHANGE}"]
 
 
 def test_a_csv_with_devices_names_the_change():
