@@ -66,3 +66,21 @@ def _falls(s2: float, height: float) -> float:
     """Return gravity at a height over that at height 0; s2 is sin^2 L."""
     h = height / SEMI_MAJOR_AXIS
     return 1.0 - 2.0 * _shape(s2) * h + 3.0 * h**2
+
+
+def meridian_radius(latitude: float) -> float:
+    """Return the radius of curvature of the ellipsoid, north and south [m].
+
+    a (1 - e^2) / (1 - e^2 sin^2 L)^(3/2).
+    """
+    e2 = ECCENTRICITY_SQUARED
+    curved = 1.0 - e2 * sin(latitude) ** 2
+    return SEMI_MAJOR_AXIS * (1.0 - e2) / (curved * sqrt(curved))
+
+
+def normal_radius(latitude: float) -> float:
+    """Return the radius of curvature of the ellipsoid, east and west [m].
+
+    a / (1 - e^2 sin^2 L)^(1/2).
+    """
+    return SEMI_MAJOR_AXIS / sqrt(1.0 - ECCENTRICITY_SQUARED * sin(latitude) ** 2)

@@ -1,0 +1,340 @@
+"""Growth of errors against full strapdown navigation, unit by unit."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from navigation.strapdown import Motion, aligned, gravity, navigate, radii, seen
+from numpy.testing import assert_allclose
+from scipy.spatial.transform import Rotation
+
+from budget.navigation.growth import AxisNoise, Growth, Markov, White
+from budget.navigation.route import Leg, Legs, Start, Track, moments, moved
+from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
+
+BENCH = Legs(start=Start(latitude=np.radians(34.2394)), legs=(Leg(duration=3600.0),))
+FLIGHT = Legs(
+    start=Start(latitude=0.9, height=2000.0, heading=1.1),
+    legs=(
+        Leg(duration=100.0),
+        Leg(duration=100.0, acceleration=2.0),
+        Leg(duration=300.0),
+        Leg(duration=60.0, turn_rate=np.radians(3.0)),
+        Leg(duration=340.0),
+    ),
+)
+SIZES = np.array([1e-3 * DEG_PER_HOUR] * 3 + [5 * MICRO_G] * 3 + [1e-6] * 6)
+
+
+def motion_of(route, *, step=4.0, turn=np.pi / 180.0):
+    """Return what an ideal unit senses on a route of legs."""
+    here, durations, stages, legs = route.start, [], [], []
+    for leg in route.legs:
+        number = round(
+            max(leg.duration / step, abs(leg.turn_rate) * leg.duration / turn)
+        )
+        h = leg.duration / number
+        for _ in range(number):
+            stages += [here, moved(here, leg, h / 2), moved(here, leg, h)]
+            here = stages[-1]
+        durations += [h] * number
+        legs += [leg] * 3 * number
+    at = moments(stages, legs, (-1, 3))
+    first = route.first
+    return Motion(
+        durations=np.array(durations),
+        rate=at.rate,
+        force=at.force,
+        latitude=route.start.latitude,
+        height=route.start.height,
+        velocity=first.velocity,
+        body=first.body,
+    )
+
+
+def senses(moment):
+    """Return biases and scale factors of the six inputs."""
+    v = np.concatenate([moment.rate, moment.force], axis=-1)[..., None] * np.eye(6)
+    return np.concatenate([np.broadcast_to(np.eye(6), v.shape), v], axis=-1)
+
+
+def by_equations(route, times, *, alignment=0.0, aided=True):
+    """Return what a unit of each parameter becomes, (times, 9, 12)."""
+    growth = Growth(
+        first=route.first, alignment=alignment, steps=route.steps(times), aided=aided
+    )
+    return growth.of_constants(senses)
+
+
+def by_navigation(motion, times, *, is_aligned=False, aided=True):
+    """Return the same of full navigators, each with one parameter off, up and down."""
+    p = np.concatenate([np.zeros((1, 12)), np.diag(SIZES), -np.diag(SIZES)])
+
+    def errors(step, ideal):  # noqa: ARG001
+        return p[:, :6] + p[:, 6:] * ideal
+
+    begin = np.tile(motion.body, (len(p), 1, 1))
+    if is_aligned:
+        at_rest = np.concatenate([motion.rate[0, 0], motion.force[0, 0]])
+        felt = at_rest + errors(0, at_rest)
+        begin = aligned(felt[:, :3], felt[:, 3:])
+    ends = np.cumsum(motion.durations)
+    stops = {int(np.argmin(np.abs(ends - time))) for time in times}
+    found = []
+    for state in navigate(motion, errors, begin, stops, aided=aided):
+        true = type(state)(state.body[:1], state.velocity[:1], state.place[:1])
+        off = seen(state, true)[1:]
+        found.append(((off[:12] - off[12:]) / (2.0 * SIZES[:, None])).T)
+    return np.array(found)
+
+
+def gap(S, own):
+    """Return the largest difference over the largest of its kind and parameter."""
+    worst = 0.0
+    # With them, what rounding of the navigators makes [m, m/s, rad].
+    for first, rounding in ((0, 4e-9), (3, 2e-11), (6, 1e-14)):
+        left = rounding / SIZES
+        size = np.abs(own[:, first : first + 3]).max(axis=(0, 1))
+        off = np.abs(S - own)[:, first : first + 3].max(axis=(0, 1))
+        worst = max(worst, ((off - left) / np.maximum(size, left)).max())
+    return worst
+
+
+BENCHED, FLOWN = (60.0, 600.0, 1800.0), (180.0, 520.0, 900.0)
+
+
+@pytest.mark.parametrize("is_aligned", [False, True])
+@pytest.mark.parametrize("aided", [False, True])
+@pytest.mark.parametrize(
+    ("route", "times"), [(BENCH, BENCHED), (FLIGHT, FLOWN)], ids=["bench", "flight"]
+)
+def test_constants_are_those_of_navigators(route, times, aided, is_aligned):
+    """Biases and scale factors, each by itself: to 1e-6 of the largest."""
+    alignment = 300.0 if is_aligned else 0.0
+    S = by_equations(route, times, alignment=alignment, aided=aided)
+    own = by_navigation(motion_of(route), times, is_aligned=is_aligned, aided=aided)
+    assert gap(S, own) < 1e-6
+
+
+def test_a_unit_without_errors_stays_on_its_route():
+    """What an ideal unit senses leads where the route does, to a millimetre."""
+    motion, times = motion_of(FLIGHT), FLOWN
+    ends = np.cumsum(motion.durations)
+    stops = {int(np.argmin(np.abs(ends - time))) for time in times}
+    none = np.zeros((1, 6))
+    states = navigate(motion, lambda *_: none, motion.body[None], stops, aided=False)
+    true = FLIGHT.steps(times).ends
+    for place, state in enumerate(states):
+        off = (state.place[0, 0] - true.latitude[place]) * 6.4e6
+        assert abs(off) < 1e-3
+        assert abs(state.place[0, 2] - true.height[place]) < 1e-3
+        assert_allclose(state.velocity[0], true.velocity[place], rtol=0, atol=1e-5)
+        assert_allclose(state.body[0], true.body[place], rtol=0, atol=5e-9)
+
+
+def test_what_is_wrong_is_seen(monkeypatch):
+    """Controls: the earth turns the other way, axes swapped, alignment forgotten."""
+    route, times = FLIGHT, FLOWN
+    own = by_navigation(motion_of(route), times, is_aligned=True)
+    S = by_equations(route, times, alignment=300.0)
+    assert gap(S, own) < 1e-6
+    swapped = S[..., [1, 0, *range(2, 12)]]
+    assert gap(swapped, own) > 0.1
+    assert gap(by_equations(route, times), own) > 0.1
+    monkeypatch.setattr("budget.navigation.dynamics.ROTATION_RATE", -7.292115e-5)
+    assert gap(by_equations(route, times, alignment=300.0), own) > 0.1
+
+
+def test_an_hour_on_the_bench():
+    """0.02 deg/h on all gyros at 34.2394 deg: north, east and heading as printed."""
+    (S,) = by_navigation(motion_of(BENCH, step=10.0), (3600.0,))
+    u = np.sqrt((S[:, :3] ** 2).sum(axis=1)) * 0.02 * DEG_PER_HOUR
+    assert_allclose(u[:2], [2693.3, 2708.4], rtol=2e-5)
+    assert_allclose(u[8] / ARCSEC, 93.28, rtol=5e-5)
+
+
+def test_errors_of_an_alignment():
+    """A navigator that levels itself: b/g, e/(W cos L); none of position at rest."""
+    motion = motion_of(BENCH, step=10.0)
+    S = by_navigation(motion, (10.0, 3600.0), is_aligned=True)
+    right = 0
+    roll = abs(S[0, 6:8, 3 + right]).max() * 100.0 * MICRO_G / ARCSEC
+    # Normal gravity there is 9.79656 m/s^2, a g of the unit 9.80665.
+    assert_allclose(roll, 20.647, rtol=1e-4)
+    heading = abs(S[0, 8, right]) * 0.01 * DEG_PER_HOUR / (60.0 * ARCSEC)
+    assert_allclose(heading, 2.764716, rtol=1e-6)
+    assert np.abs(S[1, :2, [right, 3 + right]] * SIZES[[[right], [3]]]).max() < 1e-6
+    half, rest = Leg(duration=2.0, turn_rate=np.pi / 2.0), Leg(duration=598.0)
+    turned = Legs(start=BENCH.start, legs=(half, rest))
+    times = (600.0,)
+    both, plain = (
+        by_navigation(motion_of(turned), times, is_aligned=one)[0, :2, right]
+        for one in (True, False)
+    )
+    # After half a turn the bias acts with what hid it: twice, about.
+    assert_allclose(np.linalg.norm(both) / np.linalg.norm(plain), 2.0, rtol=0.01)
+
+
+RUNS = 400
+
+
+def by_drawing(motion, until, *, step_noise, alignment, rng):
+    """Return errors at the end of RUNS navigators with noise, (runs, 9)."""
+    steps = int(np.argmin(np.abs(np.cumsum(motion.durations) - until)))
+    at_rest = np.concatenate([motion.rate[0, 0], motion.force[0, 0]])
+    mean, noise = step_noise(motion.durations, alignment, rng)
+    begin = np.tile(motion.body, (RUNS + 1, 1, 1))
+    if alignment:
+        begin[1:] = aligned((at_rest + mean)[:, :3], (at_rest + mean)[:, 3:])
+    off = np.concatenate([np.zeros((len(noise), 1, 6)), noise], axis=1)
+    (state,) = navigate(motion, lambda step, _: off[step], begin, {steps})
+    true = type(state)(state.body[:1], state.velocity[:1], state.place[:1])
+    return seen(state, true)[1:]
+
+
+NOISES = {
+    "white": (White(), np.array([1e-6] * 3 + [1e-4] * 3)),
+    "Gauss-Markov": (Markov(times=(200.0,)), np.array([2e-7] * 3 + [2e-4] * 3)),
+}
+
+
+def drawn(kind, u):
+    """Return what draws a noise: its mean while aligned, then it, held in each step."""
+
+    def draw(h, alignment, rng):
+        z = rng.standard_normal((len(h), RUNS, 6))
+        if kind == "white":
+            mean = rng.standard_normal((RUNS, 6)) * u / max(alignment, 1.0) ** 0.5
+            return mean, u / np.sqrt(h)[:, None, None] * z
+        tau = 200.0
+        now, mean = rng.standard_normal((RUNS, 6)), np.zeros((RUNS, 6))
+        parts = 100
+        fade = np.exp(-alignment / parts / tau)
+        for _ in range(parts if alignment else 0):
+            old = now
+            now = fade * now
+            now = now + np.sqrt(1 - fade**2) * rng.standard_normal(now.shape)
+            mean += 0.5 * (old + now) / parts
+        found = []
+        for step, one in zip(h, z, strict=True):
+            fade = np.exp(-step / tau)
+            old, now = now, fade * now + np.sqrt(1 - fade**2) * one
+            found.append(0.5 * (old + now) * u)
+        return mean * u, np.array(found)
+
+    return draw
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", list(NOISES))
+@pytest.mark.parametrize("alignment", [0.0, 400.0])
+@pytest.mark.parametrize(
+    ("route", "until"), [(BENCH, 3600.0), (FLIGHT, 900.0)], ids=["bench", "flight"]
+)
+def test_noise_is_that_of_navigators(route, until, alignment, kind):
+    """Variances of 400 runs within 4.5 of their standard errors; and not of others."""
+    noise, u = NOISES[kind]
+    rng = np.random.default_rng(20240)
+    errors = by_drawing(
+        motion_of(route, step=10.0),
+        until,
+        step_noise=drawn(kind, u),
+        alignment=alignment,
+        rng=rng,
+    )
+    parts = [AxisNoise(row=row, noise=noise, u=u[row]) for row in range(6)]
+
+    def expected(**options):
+        given = {"first": route.first, "steps": route.steps((until,)), "aided": True}
+        C = Growth(**{**given, "alignment": alignment, **options}).of_noise(parts)
+        return C[0, :, 0]
+
+    rows = [0, 1, 3, 4, 6, 7, 8]
+    e = errors[:, rows]
+
+    def off(C):
+        """Return the worst of variances and correlations, in standard errors."""
+        C = C[np.ix_(rows, rows)]
+        s = np.sqrt(np.diag(C))
+        R = C / np.outer(s, s)
+        found = (e / s).T @ (e / s) / RUNS
+        return (np.abs(found - R) / np.sqrt((1.0 + R**2) / RUNS)).max()
+
+    assert off(expected()) < 4.5
+    # Controls: aligned or not, and noise a quarter larger.
+    assert off(expected(alignment=0.0 if alignment else 400.0)) > 4.5
+    assert off(1.25**2 * expected()) > 4.5
+
+
+def banked(t):
+    """Return place and attitude, (..., 3) each, of a flight that banks and climbs."""
+    swing = np.sin(2.0 * np.pi * t / 120.0)
+    ahead = 120.0 * t
+    place = [0.7 + ahead / 6.4e6, 0.2 + 1e-4 * swing, 3000.0 + 50.0 * swing]
+    attitude = [0.6 * swing, 0.1 + 0.1 * swing, 0.5 * swing + 0.3]
+    return tuple(np.stack(np.broadcast_arrays(*one), -1) for one in (place, attitude))
+
+
+def body_at(t):
+    """Return right, forward and up of that flight as columns."""
+    R = Rotation.from_euler("ZYX", banked(t)[1][..., ::-1].reshape(-1, 3)).as_matrix()
+    front, right, down = np.moveaxis(R.reshape(*t.shape, 3, 3), -1, 0)
+    return np.stack([right, front, -down], axis=-1)
+
+
+def velocity_at(t, d=1e-2):
+    """Return its velocity by differences of fourth order."""
+    place = banked(t)[0]
+    scale = np.stack([*radii(place[..., 0], place[..., 2]), -np.ones_like(t)], -1)
+    scale[..., 1] *= np.cos(place[..., 0])
+    return scale * slope_by(lambda t: banked(t)[0], t, d)
+
+
+def slope_by(f, t, d=1e-2):
+    """Return a time derivative by differences of fourth order."""
+    return (8.0 * (f(t + d) - f(t - d)) - (f(t + 2 * d) - f(t - 2 * d))) / (12.0 * d)
+
+
+def test_a_recorded_flight_that_banks(monkeypatch):
+    """Constants of a vehicle that is never level: to 3e-4, in short steps to 2e-6."""
+    until, h = 150.0, 0.25
+    t = np.arange(0.0, until, h)[:, None] + h * np.array([0.0, 0.5, 1.0])
+    C, v = body_at(t), velocity_at(t)
+    L, _, height = np.moveaxis(banked(t)[0], -1, 0)
+    north, east = radii(L, height)
+    spin = 7.292115e-5 * np.stack([np.cos(L), 0.0 * L, -np.sin(L)], -1)
+    carried = [v[..., 1] / east, -v[..., 0] / north, -v[..., 1] * np.tan(L) / east]
+    carried = np.stack(carried, -1)
+    W = C.swapaxes(-1, -2) @ slope_by(body_at, t)
+    turning = np.stack([W[..., 2, 1], W[..., 0, 2], W[..., 1, 0]], -1)
+    force = slope_by(velocity_at, t) + np.cross(2.0 * spin + carried, v)
+    force[..., 2] -= gravity(L, height)
+    motion = Motion(
+        durations=np.full(len(t), h),
+        rate=np.einsum("stij,sti->stj", C, spin + carried) + turning,
+        force=np.einsum("stij,sti->stj", C, force),
+        latitude=L[0, 0],
+        height=height[0, 0],
+        velocity=v[0, 0],
+        body=C[0, 0],
+    )
+    times = (60.0, 150.0)
+    own = by_navigation(motion, times, aided=False)
+    samples = np.arange(0.0, until + 0.05, 0.1)
+    place, attitude = banked(samples)
+    track = Track(
+        time=samples,
+        latitude=place[:, 0],
+        longitude=place[:, 1],
+        height=place[:, 2],
+        attitude=attitude,
+    )
+    assert gap(by_equations(track, times, aided=False), own) < 3e-4
+    # Control: the bank to the other side.
+    other = replace(track, attitude=attitude * [-1.0, 1.0, 1.0])
+    assert gap(by_equations(other, times, aided=False), own) > 1e-2
+    monkeypatch.setattr("budget.navigation.route.BEND", 1e-3)
+    monkeypatch.setattr("budget.navigation.route.TURN_STEP", 0.01)
+    assert gap(by_equations(track, times, aided=False), own) < 2e-6
