@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import exp, expm1, inf, isfinite, pi, sqrt
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
@@ -105,11 +105,18 @@ class Distribution:
         return np.where(x == inf, 1.0, np.where(x == -inf, 0.0, 0.5 * (low + high)))
 
 
-def normal_coverage_factor(coverage: float) -> float:
+@overload
+def normal_coverage_factor(coverage: float) -> float: ...
+@overload
+def normal_coverage_factor(coverage: Array) -> Array: ...
+@overload
+def normal_coverage_factor(coverage: float | Array) -> float | Array: ...
+def normal_coverage_factor(coverage: float | Array) -> float | Array:
     """Return k with which a normal error is within k u with that probability [1]."""
     from scipy.special import ndtri
 
-    return float(ndtri((1.0 + coverage) / 2.0))
+    k = ndtri((1.0 + coverage) / 2.0)
+    return float(k) if np.ndim(k) == 0 else np.asarray(k)
 
 
 def _normal(p: Array) -> Array:

@@ -21,6 +21,16 @@ ORDERS = {"second_order": 2, "third_order": 3}
 HIGHER = dict.fromkeys(ORDERS, AXES)
 OUTPUTS = {**PARAMETERS, **HIGHER, **DERIVED, **BETWEEN}
 IMU = "imu"  # owner of what belongs to both triads together
+# What both make of a mission: errors of navigation at a time, of which the horizontal
+# ones are lengths of vectors.
+MISSION = "mission"
+HORIZONTAL = ("north", "east")
+PLACES = {
+    "position": (*HORIZONTAL, "down"),
+    "velocity": (*HORIZONTAL, "down"),
+    "attitude": ("roll", "pitch", "heading"),
+}
+LENGTHS = {"position": "horizontal", "velocity": "horizontal"}
 
 
 class Name(str):
@@ -30,25 +40,34 @@ class Name(str):
     needs a part reads the attribute, and nobody splits strings.
     """
 
-    __slots__ = ("axis", "owner", "quantity")
+    __slots__ = ("axis", "owner", "quantity", "time")
 
     # 'gyro', 'accelerometer', 'station', ...; '' of a Problem that knows no owners.
     owner: str
     # 'bias', 'bias_stability', 'levelling.east'; the text itself without an owner.
     quantity: str
     axis: str  # 'x', 'xy', ...; '' where there is none
+    time: float | None  # since a mission began [s]; None of what is at no time
 
-    def __new__(cls, quantity: str, *, owner: str = "", axis: str = "") -> Self:
+    def __new__(
+        cls,
+        quantity: str,
+        *,
+        owner: str = "",
+        axis: str = "",
+        time: float | None = None,
+    ) -> Self:
         """Join the parts that are there with dots."""
+        at = "" if time is None else f"{time:.10g}"
         self = super().__new__(
-            cls, ".".join(part for part in (owner, quantity, axis) if part)
+            cls, ".".join(part for part in (owner, quantity, axis, at) if part)
         )
-        self.owner, self.quantity, self.axis = owner, quantity, axis
+        self.owner, self.quantity, self.axis, self.time = owner, quantity, axis, time
         return self
 
     def __reduce__(self) -> tuple[object, ...]:
         """Keep the parts when the name is sent to another process."""
-        return _name, (self.quantity, self.owner, self.axis)
+        return _name, (self.quantity, self.owner, self.axis, self.time)
 
     @property
     def group(self) -> Name:
@@ -58,11 +77,23 @@ class Name(str):
     @property
     def without_owner(self) -> Name:
         """The name within its owner: 'bias.x'."""
-        return Name(self.quantity, axis=self.axis)
+        return Name(self.quantity, axis=self.axis, time=self.time)
 
     def within(self, owner: str) -> Name:
         """Leave the owner out where it is that one: what stands among its own."""
         return self.without_owner if self.owner == owner else self
+
+
+SPANS = (("h", 3600.0, 2.0), ("min", 60.0, 1.0), ("s", 1.0, 0.0))  # unit [s], parts
+
+
+def time_text(time: float) -> str:
+    """Write a time as people do: '90 s', '10 min', '1.5 h'; to ten digits."""
+    for unit, size, parts in SPANS:
+        whole = parts * time / size
+        if parts == 0.0 or (time >= size and whole == round(whole)):
+            return f"{time / size:.10g} {unit}"
+    raise ValueError(f"a time of {time}")  # the last unit takes every one
 
 
 def keys_of(quantity: str) -> tuple[str, ...]:
@@ -101,7 +132,7 @@ def by_group(names: Iterable[Name]) -> tuple[str, ...]:
         axes.setdefault(name.group, []).append(name.axis)
     return tuple(
         group
-        if len(found) == len(OUTPUTS[group.quantity])
+        if len(found) == len(OUTPUTS.get(group.quantity, ()))
         else f"{group} {', '.join(found)}"
         for group, found in axes.items()
     )
@@ -135,5 +166,16 @@ def every_output(owner: str) -> tuple[Name, ...]:
     )
 
 
-def _name(quantity: str, owner: str, axis: str) -> Name:
-    return Name(quantity, owner=owner, axis=axis)
+@cache
+def components_of(name: Name) -> tuple[Name, ...]:
+    """Return the two components that an output is the length of; () of others."""
+    if name.owner != MISSION or LENGTHS.get(name.quantity) != name.axis:
+        return ()
+    return tuple(
+        Name(name.quantity, owner=MISSION, axis=axis, time=name.time)
+        for axis in HORIZONTAL
+    )
+
+
+def _name(quantity: str, owner: str, axis: str, time: float | None) -> Name:
+    return Name(quantity, owner=owner, axis=axis, time=time)

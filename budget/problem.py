@@ -241,12 +241,18 @@ class Output:
         Size of that unit [SI].
     resolution : float
         A spread at or below this is rounding of the computation, not spread [SI].
+    length_of : tuple of Name, two, or ()
+        The components of a vector in a plane, both outputs themselves, whose length
+        this is. It counts with the sign of the first one: so its mean is 0 where
+        theirs are, its standard uncertainty the root sum of squares of theirs (DRMS),
+        and the largest end of its interval the radius of a circle of that coverage.
     """
 
     name: Name
     unit: str = "1"
     si_per_unit: float = 1.0
     resolution: float = 0.0
+    length_of: tuple[Name, ...] = ()
 
     def __post_init__(self) -> None:
         """Keep a text as a Name."""
@@ -266,12 +272,14 @@ class Problem:
     function : callable, (n_arguments, trials) -> (n_outputs, trials)
         The model [SI], of the inputs with each pool added up (see `arguments`). Plain
         numpy arithmetic that keeps the dtype of its argument: the methods pass float
-        arrays and arrays of Taylor numbers through it.
+        arrays and arrays of Taylor numbers through it. Lengths stand after all other
+        outputs, and it does not return them.
 
     Raises
     ------
     ProblemError
-        A name stands twice, or there are no outputs.
+        A name stands twice, there are no outputs, or a length is of no outputs that
+        stand before it.
     """
 
     groups: tuple[Group, ...]
@@ -296,6 +304,7 @@ class Problem:
             twice = sorted({n for n in names if names.count(n) > 1})
             if twice:
                 raise ProblemError(f"{kind} named twice: {', '.join(twice)}")
+        _ = self.legs  # says no to lengths of what is not there
 
     @property
     def n_inputs(self) -> int:
@@ -320,6 +329,21 @@ class Problem:
     def arguments(self) -> tuple[slice, ...]:
         """Rows of the function's argument that each group is added to."""
         return arguments(self.groups)
+
+    @cached_property
+    def legs(self) -> NDArray[np.intp]:
+        """Rows of the two components of each length, shape (2, n_lengths)."""
+        names = [output.name for output in self.outputs if not output.length_of]
+        for place, output in enumerate(self.outputs):
+            is_last = place >= len(names)
+            fits = len(output.length_of) == 2 and {*output.length_of} <= {*names}  # noqa: PLR2004
+            if is_last != bool(output.length_of) or (is_last and not fits):
+                raise ProblemError(
+                    f"output {output.name!r} is the length of {output.length_of!r}; "
+                    "expected two outputs that are no lengths, and lengths after them"
+                )
+        places = [[names.index(leg) for leg in o.length_of] for o in self.outputs]
+        return np.array([one for one in places if one], dtype=np.intp).reshape(-1, 2).T
 
     @cached_property
     def has_pools(self) -> bool:
@@ -421,6 +445,14 @@ class Problem:
 
     def evaluate_argument(self, argument: Array) -> Array:
         """Call the function as `evaluate` does, on inputs whose pools are added up."""
+        y = self.components(argument)
+        if not self.legs.size:
+            return y
+        first, second = y[self.legs]
+        return np.concatenate([y, np.copysign(np.hypot(first, second), first)])
+
+    def components(self, argument: Array) -> Array:
+        """Return the outputs that the function returns, those that are no lengths."""
         returned = self.function(argument)
         try:
             y = np.asarray(returned)
@@ -429,7 +461,7 @@ class Problem:
                 f"the function returned no array ({error}); return one row for each "
                 "output, as np.stack returns it"
             ) from error
-        expected = (len(self.outputs), argument.shape[1])
+        expected = (len(self.outputs) - self.legs.shape[1], argument.shape[1])
         if y.shape != expected:
             raise ProblemError(
                 f"the function returned shape {y.shape} for {argument.shape[1]} "

@@ -37,13 +37,17 @@ class Task:
 
     law: ScaledLaw  # of the limited outputs alone
     limit: Array  # largest absolute interval end that is allowed, shape (n_out,) [SI]
-    # k of the interval mean +- k u of each output, shape (n_out,) [1].
+    # k of the interval mean +- k u of each output, of a length if it lay along one
+    # axis, shape (n_out,) [1].
     coverage_factor: Array
     # Sources that may change; the others stay at s = 1, shape (n_src,).
     free: NDArray[np.bool_]
     # Least and largest factor of each free source, shape (n_src,) [1].
     low: Array
     high: Array
+    # Probabilities of the intervals, shape (n_out,) [1]; None where no output is a
+    # length, of which k goes with the ellipse.
+    coverage: Array | None = None
 
     @property
     def now(self) -> Array:
@@ -61,11 +65,28 @@ class Task:
 
     def utilisation(self, s: Array) -> Array:
         """Return interval ends over limits, shape (n_out,) [1]."""
-        return self.law.end(s, self.coverage_factor) / self.limit
+        return self.law.end(s, self.factor(s)) / self.limit
+
+    def factor(self, s: Array) -> Array:
+        """Return k of each output with these factors, shape (n_out,) [1]."""
+        return self.coverage_factor * self.roundness(s)
+
+    def roundness(self, s: Array) -> Array:
+        """Return what k of a length is over that along one axis, shape (n_out,) [1]."""
+        if self.coverage is None:
+            return np.ones(len(self.limit))
+        return self.law.roundness(s, self.coverage)
+
+    def log_end_gradient(self, s: Array) -> Array:
+        """Return d log(end) / d log(s), shape (n_out, n_src) [1]."""
+        found = self.law.log_end_gradient(s, self.factor(s))
+        if self.coverage is None:
+            return found
+        return found + self.law.log_roundness_gradient(s, self.coverage)
 
     def part(self, s: Array) -> Array:
         """Return k^2 V_g / limit^2 of each source alone, shape (n_out, n_src) [1]."""
-        scale = (self.coverage_factor / self.limit) ** 2
+        scale = (self.factor(s) / self.limit) ** 2
         return np.asarray(scale[:, None] * self.law.variance_alone(s))
 
     def binding(self, s: Array) -> NDArray[np.bool_]:
@@ -183,7 +204,7 @@ def grow(
 
 def _equal_start(task: Task) -> Array:
     """Return the factors that give each free source its equal part of one limit."""
-    part = task.part(task.now)
+    part, factor = task.part(task.now), task.factor(task.now)
     counted = (part >= NEGLIGIBLE) & task.free
     n = counted.sum(axis=1)
     s = task.now.copy()
@@ -193,7 +214,7 @@ def _equal_start(task: Task) -> Array:
         k = first_largest(part[:, g].tolist())
         a = task.law.first[k, g]
         b = task.law.second[k, g, g]
-        wanted = (task.limit[k] / task.coverage_factor[k]) ** 2 / n[k]
+        wanted = (task.limit[k] / factor[k]) ** 2 / n[k]
         # a q + b q^2 = wanted, in the form that does not cancel where b is small.
         s[g] = np.sqrt(2.0 * wanted / (a + np.sqrt(a**2 + 4.0 * b * wanted)))
     return s

@@ -12,11 +12,15 @@ jointly normal in the terms of second order, whatever its shapes. The third deri
 of that note are left out. For a calibration they are of no weight: its outputs are
 products of two sources over (1 + e), and e is far below 1. For a model that bends more
 (x1 x2^2, the sine of a wide angle) they are not, and validation says so.
+
+A length has no tangent at 0, where its components lie at the best estimates. Its
+variance is the sum of theirs, source by source, and its interval the circle of that
+coverage (budget.methods.radius), to either side.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from statistics import NormalDist
 from typing import TYPE_CHECKING
 
@@ -25,9 +29,11 @@ import numpy as np
 from budget.distributions import COVERAGES, is_coverage
 from budget.errors import CallError, ProblemError
 from budget.methods.jets import expand
+from budget.methods.radius import circles, plane_variances, probability_within
 
 if TYPE_CHECKING:
     import pandas as pd
+    from numpy.typing import NDArray
 
     from budget.arrays import Array
     from budget.names import Name
@@ -68,6 +74,10 @@ class Propagation:
         What the rows are of.
     sources : tuple of Name
         The groups, in the order of `source_variance`.
+    legs : ndarray, shape (2, n_lengths)
+        Rows of the components of the last outputs, which are lengths. Of these C holds
+        the root sum of squares of their sensitivities, H nothing, and no covariance
+        with other outputs is known.
     """
 
     value: Array
@@ -82,28 +92,40 @@ class Propagation:
     H: Array
     outputs: tuple[Output, ...] = ()
     sources: tuple[Name, ...] = ()
+    legs: NDArray[np.intp] = field(
+        default_factory=lambda: np.empty((2, 0), dtype=np.intp)
+    )
 
     @property
     def standard_uncertainty(self) -> Array:
         """Standard uncertainties of the outputs, shape (n_out,)."""
         return np.sqrt(np.diag(self.covariance))
 
-    def coverage_factor(self, coverage: float) -> Array:
+    def coverage_factor(self, coverage: float | Array) -> Array:
         """Return k of every output, shape (n_out,) [1].
 
         Of the normal law, or of Student's t for the effective degrees of freedom,
-        cut to the integer below: JCGM 100:2008, G.4.
+        cut to the integer below: JCGM 100:2008, G.4. Of a length, the radius over its
+        standard uncertainty. The coverage is that of all, or of each output.
 
         Raises
         ------
         CallError
             The coverage is none that intervals can be computed for.
         """
-        if not is_coverage(coverage):
-            raise CallError(f"coverage is {coverage!r}, allowed: {COVERAGES}")
-        p = (1.0 + coverage) / 2.0
         known = np.isinf(self.degrees_of_freedom)
-        normal = np.full(known.shape, NormalDist().inv_cdf(p))
+        each = np.broadcast_to(np.asarray(coverage, dtype=float), known.shape)
+        if wrong := [one for one in each.tolist() if not is_coverage(one)]:
+            raise CallError(f"coverage is {wrong[0]!r}, allowed: {COVERAGES}")
+        p = (1.0 + each) / 2.0
+        normal = np.array([NormalDist().inv_cdf(one) for one in p.tolist()])
+        if self.legs.size:
+            first = known.size - self.legs.shape[1]
+            u = self.standard_uncertainty[first:]
+            radius = circles(self.covariance, self.legs, each[first:])
+            normal[first:] = np.divide(
+                radius, u, out=normal[first:].copy(), where=u > 0.0
+            )
         if known.all():
             return normal
         from scipy.special import stdtrit
@@ -113,7 +135,15 @@ class Propagation:
         whole = np.floor(v)
         return np.asarray(np.where(known, normal, stdtrit(np.maximum(whole, 1.0), p)))
 
-    def interval(self, coverage: float) -> Array:
+    def probability_of_length(self, place: int, radius: float) -> float:
+        """Return the probability that a length is within a radius [1].
+
+        Of the length of that place among the lengths.
+        """
+        variances = plane_variances(self.covariance, self.legs[:, [place]])
+        return float(probability_within(np.array([radius]), variances)[0])
+
+    def interval(self, coverage: float | Array) -> Array:
         """Return mean +- k u, shape (n_out, 2)."""
         U = self.coverage_factor(coverage) * self.standard_uncertainty
         return np.stack([self.mean - U, self.mean + U], axis=1)
@@ -178,7 +208,7 @@ def propagate(problem: Problem) -> Propagation:
     """
     # Derivatives by the function's arguments; inputs of a pool share them.
     point = problem.add_up(problem.mean[:, None])[:, 0]
-    taylor = expand(problem.evaluate_argument, point)
+    taylor = expand(problem.components, point)
     columns = problem.columns
     C, H = taylor.C[:, columns], taylor.H[:, columns[:, None], columns]
     _refuse_no_number(problem, "value", taylor.value)
@@ -208,7 +238,7 @@ def propagate(problem: Problem) -> Propagation:
             np.einsum("ki,ij,kj->k", C[:, rows], block, C[:, rows])
             for rows, block in zip(problem.slices, blocks, strict=True)
         ]
-    ).reshape(len(blocks), len(problem.outputs))
+    ).reshape(len(blocks), len(C))
     alone = np.array(
         [
             own
@@ -223,7 +253,7 @@ def propagate(problem: Problem) -> Propagation:
         within[rows, rows] = True
     covariance = first_order + second
     _refuse_no_number(problem, "variance", np.sqrt(np.diag(covariance)), covariance)
-    return Propagation(
+    law = Propagation(
         value=taylor.value,
         mean=taylor.value + 0.5 * np.einsum("kii->k", HU),
         covariance=covariance,
@@ -236,6 +266,70 @@ def propagate(problem: Problem) -> Propagation:
         H=H,
         outputs=tuple(problem.outputs),
         sources=tuple(group.name for group in problem.groups),
+    )
+    return _with_lengths(law, problem.legs) if problem.legs.size else law
+
+
+def covariance_by_source(problem: Problem, law: Propagation) -> Array:
+    """Return the covariance that each source alone makes, and products of two.
+
+    Shape (n_groups + 1, n, n) [SI squared], products last, of the outputs that are no
+    lengths; their sum is the law's covariance, their diagonals `source_variance` and
+    `interaction_variance`.
+    """
+    n = len(problem.outputs) - problem.legs.shape[1]
+    C, H = law.C[:n], law.H[:n]
+    skew, excess = higher_moments(problem)
+    found = np.zeros((len(problem.groups) + 1, n, n))
+    products = np.zeros(H.shape)
+    for g, (rows, group) in enumerate(zip(problem.slices, problem.groups, strict=True)):
+        products[:, :, rows] = H[:, :, rows] @ group.covariance
+        HU = products[:, rows, rows]
+        within = 0.5 * np.tensordot(HU, HU, axes=((1, 2), (2, 1)))
+        found[-1] -= within
+        diagonal = np.einsum("kii->ki", H[:, rows, rows])
+        leaning = (C[:, rows] * (0.5 * np.nan_to_num(skew[rows]))) @ diagonal.T
+        found[g] = (
+            C[:, rows] @ group.covariance @ C[:, rows].T
+            + within
+            + (diagonal * np.nan_to_num(excess[rows], posinf=0.0)) @ diagonal.T
+            + (leaning + leaning.T)
+        )
+    found[-1] += 0.5 * np.tensordot(products, products, axes=((1, 2), (2, 1)))
+    return found
+
+
+def _with_lengths(law: Propagation, legs: NDArray[np.intp]) -> Propagation:
+    """Add lengths to the law of their components."""
+
+    def added(rows: Array) -> Array:
+        """Append sums over the two components, outputs standing first."""
+        return np.concatenate([rows, rows[legs[0]] + rows[legs[1]]])
+
+    nothing = np.zeros(legs.shape[1])
+
+    def bordered(covariance: Array) -> Array:
+        """Append variances to a covariance."""
+        n = len(covariance)
+        found = np.diag(added(np.diag(covariance)))
+        found[:n, :n] = covariance
+        return found
+
+    return replace(
+        law,
+        value=np.concatenate([law.value, nothing]),
+        mean=np.concatenate([law.mean, nothing]),
+        covariance=bordered(law.covariance),
+        first_order=bordered(law.first_order),
+        source_variance=added(law.source_variance.T).T,
+        source_first_order=added(law.source_first_order.T).T,
+        interaction_variance=added(law.interaction_variance),
+        degrees_of_freedom=np.concatenate(
+            [law.degrees_of_freedom, law.degrees_of_freedom[legs].min(axis=0)]
+        ),
+        C=np.concatenate([law.C, np.hypot(*law.C[legs])]),
+        H=np.concatenate([law.H, np.zeros((legs.shape[1], *law.H.shape[1:]))]),
+        legs=legs,
     )
 
 
@@ -275,13 +369,13 @@ def higher_moments(problem: Problem) -> tuple[Array, Array]:
 
 def _refuse_no_number(problem: Problem, what: str, *found: Array) -> None:
     """Refuse what is not finite, an array having a row for each output."""
-    bad = np.zeros(len(problem.outputs), dtype=bool)
+    bad = np.zeros(len(found[0]), dtype=bool)
     for array in found:
         bad |= ~np.isfinite(array.reshape(len(bad), -1)).all(axis=1)
     if bad.any():
         names = ", ".join(
             output.name
-            for output, is_bad in zip(problem.outputs, bad, strict=True)
+            for output, is_bad in zip(problem.outputs, bad, strict=False)
             if is_bad
         )
         raise ProblemError(

@@ -22,11 +22,18 @@ BINS = 24_000
 REACH = 12.0  # half-width of a histogram over the standard uncertainty: bins of u/1000
 
 
-def interval_of_values(ordered: Array, coverage: float, kind: str) -> Array:
+def interval_of_values(ordered: Array, coverage: float | Array, kind: str) -> Array:
     """Return the coverage interval of ascending trials (n_out, M), shape (n_out, 2).
 
-    'symmetric' in probability (7.7.2) or 'shortest' (7.7.4), of the given coverage.
+    'symmetric' in probability (7.7.2) or 'shortest' (7.7.4), of the given coverage:
+    that of all, or of each output.
     """
+    if isinstance(coverage, np.ndarray):
+        found = np.empty((len(ordered), 2))
+        for each in np.unique(coverage):
+            rows = coverage == each
+            found[rows] = interval_of_values(ordered[rows], float(each), kind)
+        return found
     M = ordered.shape[1]
     q = min(max(int(M * coverage + 0.5), 1), M - 1)  # 7.7.1
     if kind == "symmetric":

@@ -19,7 +19,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -65,31 +64,33 @@ class Ends:
 
 
 def ends_of_trials(
-    values: Array, ordered: Array, limits: Array, coverage: float
+    values: Array, ordered: Array, limits: Array, coverage: float | Array
 ) -> Ends:
     """Find the ends of symmetric intervals over their limits, and how trials move them.
 
     The influence of one trial y on the quantile q of probability p is
     (p - [y <= q])/(f M), f the density there; the upper and the negative lower ends of
     all outputs stand one after another. Trials have the shape (n_out, M), in their
-    order and ascending, limits (n_out,) [SI].
+    order and ascending, limits (n_out,) [SI], as the coverages [1].
     """
     M = values.shape[1]
-    tail = (1.0 - coverage) / 2.0
+    tail = (1.0 - np.broadcast_to(coverage, len(values))) / 2.0
     ends = interval_of_values(ordered, coverage, "symmetric")
-    reach = max(round(tail * M * SPACING), 1)
+    reach = np.maximum(np.round(tail * M * SPACING).astype(int), 1)
+    rows = np.arange(len(values))
     starts = np.arange(0, M, BATCH)
     size = np.diff(np.append(starts, M))
     noise = []
     for sign, p, end in ((1.0, 1.0 - tail, ends[:, 1]), (-1.0, tail, ends[:, 0])):
-        place = round(p * M)
-        first, last = max(place - reach, 0), min(place + reach, M - 1)
-        slope = (ordered[:, last] - ordered[:, first]) / max(last - first, 1)  # 1/(f M)
+        place = np.round(p * M).astype(int)
+        first, last = np.maximum(place - reach, 0), np.minimum(place + reach, M - 1)
+        rise = ordered[rows, last] - ordered[rows, first]
+        slope = rise / np.maximum(last - first, 1)  # 1/(f M)
         below = np.add.reduceat(values <= end[:, None], starts, axis=1, dtype=float)
-        moved = sign * slope[:, None] * (p * size - below)
+        moved = sign * slope[:, None] * (p[:, None] * size - below)
         # Counts of few batches are a rough variance; the binomial one is known.
         found = np.sqrt((moved**2).sum(axis=1))
-        known = slope * sqrt(M * p * (1.0 - p))
+        known = slope * np.sqrt(M * p * (1.0 - p))
         moved *= (known / np.where(found > 0.0, found, 1.0))[:, None]
         noise.append(moved / limits[:, None])
     return Ends(

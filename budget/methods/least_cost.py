@@ -107,7 +107,7 @@ def judge(task: Task, prices: Prices, s: Array, solver: str = "") -> LeastCost:
     active = np.flatnonzero(used > 1.0 - NEAR)
     # Everything relative to the cost, so that its unit cancels.
     slope = -prices.p[free] * each / cost
-    ends = task.law.log_end_gradient(s, task.coverage_factor)[active][:, free]
+    ends = task.log_end_gradient(s)[active][:, free]
     at_high = s[free] >= task.high[free] * (1.0 - TOUCHES)
     at_low = (s[free] <= task.low[free] * (1.0 + TOUCHES)) & (s[free] > 0.0)
     unit = np.eye(free.size)
@@ -160,7 +160,7 @@ def _sharpen(task: Task, prices: Prices, found: LeastCost) -> Array:
     among = np.searchsorted(free, inner)
     log_c, p = np.log(prices.c[free]), prices.p[free]
     size = softmax(log_c - p * np.log(s[free]))[among]
-    slopes = task.law.log_end_gradient(s, task.coverage_factor)[rows][:, inner]
+    slopes = task.log_end_gradient(s)[rows][:, inner]
     multiplier, _ = nnls(slopes.T, p[among] * size)
     rows, multiplier = rows[multiplier > GOOD], multiplier[multiplier > GOOD]
 
@@ -172,7 +172,7 @@ def _sharpen(task: Task, prices: Prices, found: LeastCost) -> Array:
     def left(unknown: Array) -> Array:
         moved, mu = factors(unknown[: inner.size]), unknown[inner.size :]
         share = softmax(log_c - p * np.log(moved[free]))[among]
-        slopes = task.law.log_end_gradient(moved, task.coverage_factor)
+        slopes = task.log_end_gradient(moved)
         return np.concatenate(
             [
                 (mu @ slopes[rows][:, inner] - p[among] * share) / size,
@@ -213,7 +213,7 @@ def _solve(
         return np.asarray(-np.log(np.maximum(used, SMALLEST)))
 
     def room_gradient(x: Array) -> Array:
-        gradient = task.law.log_end_gradient(factors(x), task.coverage_factor)
+        gradient = task.log_end_gradient(factors(x))
         return np.asarray(-gradient[rows][:, free])
 
     rows = _different(task, start, alike=ALIKE)
@@ -238,7 +238,7 @@ def _different(task: Task, s: Array, *, alike: float) -> NDArray[np.intp]:
     Within its limit, it keeps those like it within theirs.
     """
     used = np.log(np.maximum(task.utilisation(s), SMALLEST))
-    rows = np.column_stack([used, task.law.log_end_gradient(s, task.coverage_factor)])
+    rows = np.column_stack([used, task.log_end_gradient(s)])
     kept: list[int] = []
     for place in np.argsort(-used, kind="stable"):
         if not any(np.abs(rows[place] - rows[one]).max() < alike for one in kept):

@@ -17,6 +17,9 @@ where the inputs that are not normal have symmetric shapes. The estimate takes e
 term without its sign and 2.5 times the sum: the polynomials pass zero at coverages
 where the next term decides, and symmetric shapes are off there all the same. What the
 second order leaves out is seen at trials: the largest deviation from it is added.
+
+A radius is off by no more than its components together, in their proportion to it, and
+by how far their mean is from 0.
 """
 
 from __future__ import annotations
@@ -39,11 +42,12 @@ PROBE_SEED = 0  # whatever the run's is: the law depends on no seed
 ROUNDING = 1e-12  # of doubles, over the sums of a problem [1]
 
 
-def end_accuracy(problem: Problem, law: Propagation, coverage: float) -> Array:
+def end_accuracy(problem: Problem, law: Propagation, coverage: float | Array) -> Array:
     """Estimate by how much the true interval ends can differ from the law's.
 
     Shape (n_out,) [SI unit of the output]; infinite where an input has few degrees of
-    freedom, whose k is a convention and no quantile of the output.
+    freedom, whose k is a convention and no quantile of the output. The coverage is that
+    of all, or of each output.
     """
     z = normal_coverage_factor(coverage)
     u = law.standard_uncertainty
@@ -56,6 +60,13 @@ def end_accuracy(problem: Problem, law: Propagation, coverage: float) -> Array:
     )
     size = np.abs(law.mean) + z * u
     found = SAFETY * terms * u + _deviation(problem, law) + ROUNDING * size
+    if law.legs.size:
+        lengths = slice(found.size - law.legs.shape[1], None)
+        wide = np.hypot(*u[law.legs])
+        part = np.hypot(*found[law.legs]) / np.where(wide > 0.0, wide, 1.0)
+        radius = (law.coverage_factor(coverage) * u)[lengths]
+        within = np.broadcast_to(z, found.shape)[lengths]
+        found[lengths] = part / within * radius + np.hypot(*law.mean[law.legs])
     return np.where(np.isinf(law.degrees_of_freedom), found, np.inf)
 
 

@@ -13,6 +13,10 @@ one output,
 so one expansion of the model gives the law of every allocation. All a and P are
 non-negative: log V is convex in log s, and so is the end |m| + k sqrt(V) of a coverage
 interval wherever the shifts of the mean that count have one sign.
+
+A length sqrt(y_1^2 + y_2^2) has V = V_1 + V_2 and no mean; its k goes with the ellipse,
+whose principal variances are V/2 +- hypot(D/2, W), D = V_1 - V_2 and W the covariance
+of the two, which are sums over the sources as V is.
 """
 
 from __future__ import annotations
@@ -22,11 +26,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.distributions import normal_coverage_factor
 from budget.errors import ProblemError
 from budget.methods.gum import higher_moments, propagate
+from budget.methods.radius import radius_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from numpy.typing import NDArray
 
     from budget.arrays import Array
     from budget.methods.gum import Propagation
@@ -36,6 +44,7 @@ if TYPE_CHECKING:
 # A source does not count at an output where its variance alone is below this part of
 # the squared limit [1].
 NEGLIGIBLE = 1e-12
+STEP = 1e-4  # in e = (a - b)/(a + b) of an ellipse, of a difference [1]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -52,6 +61,10 @@ class ScaledLaw:
     first: Array  # a, variance to first order, shape (n_out, n_src) [SI squared]
     # P, symmetric; variance to second order, shape (n_out, n_src, n_src) [SI squared].
     second: Array
+    # Of outputs that are lengths D/2 and W in the place of V, of others 0; () where
+    # there is no length.
+    ellipse: tuple[ScaledLaw, ...] = ()
+    is_length: NDArray[np.bool_] | None = None  # shape (n_out,); None: no output is
 
     def mean(self, s: Array) -> Array:
         """Return m(s), shape (n_out,), for factors s, shape (n_src,)."""
@@ -73,6 +86,57 @@ class ScaledLaw:
         k, shape (n_out,), are the coverage factors [1].
         """
         return np.abs(self.mean(s)) + k * np.sqrt(self.variance(s))
+
+    def roundness(self, s: Array, coverage: Array) -> Array:
+        """Return k of each length over that of the normal law, shape (n_out,) [1].
+
+        Coverages have shape (n_out,). 1 for what is no length, and for a length that
+        lies along one axis.
+        """
+        found = np.ones(len(self.outputs))
+        if self.is_length is None or not self.is_length.any():
+            return found
+        rows = np.flatnonzero(self.is_length)
+        middle = self.variance(s)[rows] / 2.0
+        half = np.hypot(*(one.variance(s)[rows] for one in self.ellipse))
+        ends = np.stack([middle + half, np.maximum(middle - half, 0.0)])
+        along = normal_coverage_factor(coverage[rows]) * np.sqrt(2.0 * middle)
+        there = along > 0.0
+        radius = radius_of(coverage[rows], ends)
+        found[rows[there]] = radius[there] / along[there]
+        return found
+
+    def log_roundness_gradient(self, s: Array, coverage: Array) -> Array:
+        """Return d log(roundness) / d log(s), shape (n_out, n_src) [1].
+
+        The roundness goes with e = hypot(D/2, W)/(V/2) alone; its slope there is a
+        difference, as it has no simple form.
+        """
+        found = np.zeros(self.first.shape)
+        if self.is_length is None or not self.is_length.any():
+            return found
+        rows = np.flatnonzero(self.is_length)
+        V, dV = self.variance(s)[rows], self.variance_gradient(s)[rows]
+        x, y = (one.variance(s)[rows] for one in self.ellipse)
+        dx, dy = (one.variance_gradient(s)[rows] for one in self.ellipse)
+        half = np.hypot(x, y)
+        safe = np.where(half > 0.0, half, np.inf)[:, None]
+        V = np.where(V > 0.0, V, np.inf)
+        e = 2.0 * half / V
+        de = 2.0 * (x[:, None] * dx + y[:, None] * dy) / safe - e[:, None] * dV
+        ends = [np.clip(e + step, 0.0, 1.0) for step in (STEP, -STEP)]
+        log_radius = [
+            np.log(radius_of(coverage[rows], np.stack([1.0 + end, 1.0 - end])))
+            for end in ends
+        ]
+        slope = (log_radius[0] - log_radius[1]) / (ends[0] - ends[1])
+        found[rows] = slope[:, None] * de / V[:, None]
+        return found
+
+    def variance_gradient(self, s: Array) -> Array:
+        """Return d V / d log(s), shape (n_out, n_src) [SI squared]."""
+        q = s**2
+        return np.asarray(2.0 * q * (self.first + 2.0 * self.second @ q))
 
     def log_end_gradient(self, s: Array, k: Array) -> Array:
         """Return d log(end) / d log(s), shape (n_out, n_src) [1].
@@ -98,6 +162,8 @@ class ScaledLaw:
             shift=self.shift[rows],
             first=self.first[rows],
             second=self.second[rows],
+            ellipse=tuple(one.select(outputs) for one in self.ellipse),
+            is_length=None if self.is_length is None else self.is_length[rows],
         )
 
     def select_sources(self, sources: Sequence[Name]) -> ScaledLaw:
@@ -109,6 +175,33 @@ class ScaledLaw:
             shift=self.shift[:, columns],
             first=self.first[:, columns],
             second=self.second[:, columns][:, :, columns],
+            ellipse=tuple(one.select_sources(sources) for one in self.ellipse),
+        )
+
+    def beside(self, other: ScaledLaw) -> ScaledLaw:
+        """Return the law of the outputs of both, with a factor on all their sources.
+
+        A source of one alone adds nothing to the outputs of the other.
+        """
+        sources = tuple(dict.fromkeys((*self.sources, *other.sources)))
+        both = _over(self, sources), _over(other, sources)
+        first, second = both
+        bent = tuple(one.ellipse or (_nothing(one),) * 2 for one in both)
+        is_length = [
+            np.zeros(len(one.outputs), bool) if one.is_length is None else one.is_length
+            for one in both
+        ]
+        return ScaledLaw(
+            sources=sources,
+            outputs=(*self.outputs, *other.outputs),
+            value=np.concatenate([one.value for one in both]),
+            shift=np.concatenate([one.shift for one in both]),
+            first=np.concatenate([one.first for one in both]),
+            second=np.concatenate([one.second for one in both]),
+            ellipse=tuple(a.beside(b) for a, b in zip(*bent, strict=True))
+            if first.ellipse or second.ellipse
+            else (),
+            is_length=np.concatenate(is_length),
         )
 
     def resized(self, factors: Array) -> ScaledLaw:
@@ -119,6 +212,7 @@ class ScaledLaw:
             shift=self.shift * q,
             first=self.first * q,
             second=self.second * np.outer(q, q),
+            ellipse=tuple(one.resized(factors) for one in self.ellipse),
         )
 
     def centred(self) -> ScaledLaw:
@@ -147,9 +241,12 @@ def scaled_law(problem: Problem, law: Propagation | None = None) -> ScaledLaw:
         )
     law = propagate(problem) if law is None else law
     n_out, n_src = len(problem.outputs), len(problem.groups)
+    a, b = problem.legs
+    lengths = slice(n_out - a.size, None)
     shift = np.zeros((n_out, n_src))
     first = np.zeros((n_out, n_src))
     second = np.zeros((n_out, n_src, n_src))
+    between = np.zeros((n_out, n_src)), np.zeros((n_out, n_src, n_src))
     HU = np.concatenate(
         [
             np.zeros((n_out, problem.n_inputs, 0)),  # there may be no source at all
@@ -161,19 +258,68 @@ def scaled_law(problem: Problem, law: Propagation | None = None) -> ScaledLaw:
         axis=2,
     )
     pair = 0.5 * HU * HU.transpose(0, 2, 1)
+    mixed = 0.5 * HU[a] * HU[b].transpose(0, 2, 1)
     for g, (rows, group) in enumerate(zip(problem.slices, problem.groups, strict=True)):
         C = law.C[:, rows]
         curvature = np.einsum("kii->ki", law.H[:, rows, rows])
         first[:, g] = np.einsum("ki,ij,kj->k", C, group.covariance, C)
         shift[:, g] = 0.5 * np.einsum("kii->k", HU[:, rows, rows])
+        between[0][lengths, g] = np.einsum("ki,ij,kj->k", C[a], group.covariance, C[b])
         for h, others in enumerate(problem.slices):
             second[:, g, h] = pair[:, rows, others].sum(axis=(1, 2))
+            between[1][lengths, g, h] = mixed[:, rows, others].sum(axis=(1, 2))
         second[:, g, g] += curvature**2 @ excess[rows]
-    return ScaledLaw(
+        between[1][lengths, g, g] += (curvature[a] * curvature[b]) @ excess[rows]
+    first[lengths], second[lengths] = first[a] + first[b], second[a] + second[b]
+    found = ScaledLaw(
         sources=tuple(group.name for group in problem.groups),
         outputs=tuple(output.name for output in problem.outputs),
         value=law.value,
         shift=shift,
         first=first,
         second=second,
+    )
+    if not a.size:
+        return found
+    half = np.zeros_like(first), np.zeros_like(second)
+    for array, of in zip(half, (first, second), strict=True):
+        array[lengths] = (of[a] - of[b]) / 2.0
+    return replace(
+        found,
+        is_length=np.arange(n_out) >= n_out - a.size,
+        ellipse=tuple(
+            replace(found, value=0.0 * law.value, shift=0.0 * shift, first=x, second=y)
+            for x, y in (half, between)
+        ),
+    )
+
+
+def _over(law: ScaledLaw, sources: Sequence[Name]) -> ScaledLaw:
+    """Return a law as one of more sources, of which the others do nothing."""
+    columns = [sources.index(name) for name in law.sources]
+    n_out, n_src = len(law.outputs), len(sources)
+    shift, first = np.zeros((n_out, n_src)), np.zeros((n_out, n_src))
+    second = np.zeros((n_out, n_src, n_src))
+    shift[:, columns], first[:, columns] = law.shift, law.first
+    second[np.ix_(range(n_out), columns, columns)] = law.second
+    return replace(
+        law,
+        sources=tuple(sources),
+        shift=shift,
+        first=first,
+        second=second,
+        ellipse=tuple(_over(one, sources) for one in law.ellipse),
+    )
+
+
+def _nothing(law: ScaledLaw) -> ScaledLaw:
+    """Return the law of outputs that are 0."""
+    return replace(
+        law,
+        value=np.zeros_like(law.value),
+        shift=np.zeros_like(law.shift),
+        first=np.zeros_like(law.first),
+        second=np.zeros_like(law.second),
+        ellipse=(),
+        is_length=None,
     )

@@ -231,6 +231,7 @@ def _linear_part(problem: Problem, factors: tuple[_Factor, ...]) -> _LinearPart:
     law = propagate(problem)
     exact = np.diag(law.first_order)
     enough = exact > LINEAR_ENOUGH * np.diag(law.covariance)
+    enough[exact.size - problem.legs.shape[1] :] = False  # a length has no tangent
     C = np.where(enough[:, None], law.C, 0.0)
     U_x = np.zeros((problem.n_inputs, problem.n_inputs))
     for group, rows in zip(problem.groups, problem.slices, strict=True):
@@ -304,6 +305,12 @@ def _estimate(
             model = _quiet(kind, y_a, y_ab, y_b) * _variance(y_a, y_b)
             tangent = _tangent(kind, l_a, l_ab, l_b)
             out[f] = model - tangent + known[f]
+    for row, legs in enumerate(
+        problem.legs.T, start=len(problem.outputs) - len(problem.legs.T)
+    ):
+        # Of a vector: its parts over all its variance (Gamboa et al. 2014).
+        for values in (first.T, total.T, variance):
+            values[row] = (values[legs].T @ scale[legs] ** 2).T / scale[row] ** 2
     with np.errstate(invalid="ignore", divide="ignore"):
         still = spread == 0.0
         first, total = first / variance, total / variance

@@ -101,12 +101,18 @@ class Covered:
 
 
 def coverage_of(
-    problem: Problem, interval: Array, *, coverage: float, trials: int, seed: int
+    problem: Problem,
+    interval: Array,
+    *,
+    coverage: float | Array,
+    trials: int,
+    seed: int,
 ) -> Covered:
     """Count how many trials, in whole blocks, lie within intervals of shape (n_out, 2).
 
-    `coverage` is that of the interval that is taken from the trials [1]. The same seed
-    draws the same unit variates for every size of the sources.
+    `coverage` is that of the intervals that are taken from the trials, of all or of
+    each output [1]. The same seed draws the same unit variates for every size of the
+    sources.
     """
     whole = -(-trials // BLOCK) * BLOCK
     y = first_trials(problem, trials=whole, seed=seed)
