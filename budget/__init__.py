@@ -76,9 +76,11 @@ if TYPE_CHECKING:
         load_catalogue,
         load_costs,
         load_device,
+        load_mission,
         load_procedure,
         load_requirement,
         load_station,
+        uncalibrated,
     )
     from budget.spec.records import Device
     from budget.studies.allocation.allocate import allocate
@@ -87,6 +89,7 @@ if TYPE_CHECKING:
     from budget.studies.comparison.compare import compare
     from budget.studies.conformity import assess
     from budget.studies.export.study import export
+    from budget.studies.mission import growth
     from budget.studies.stations import qualify
     from budget.studies.sweep import sweep
 
@@ -114,9 +117,11 @@ _HOME = {
     "first_trials": "budget.methods.trials",
     "global_guard_band": "budget.methods.decisions",
     "global_risks": "budget.methods.decisions",
+    "growth": "budget.studies.mission",
     "load_catalogue": "budget.spec",
     "load_costs": "budget.spec",
     "load_device": "budget.spec",
+    "load_mission": "budget.spec",
     "load_procedure": "budget.spec",
     "load_requirement": "budget.spec",
     "load_station": "budget.spec",
@@ -128,6 +133,7 @@ _HOME = {
     "smallest_region": "budget.methods.regions",
     "specific_guard_band": "budget.methods.decisions",
     "sweep": "budget.studies.sweep",
+    "uncalibrated": "budget.spec",
 }
 
 __all__ = [
@@ -155,9 +161,11 @@ __all__ = [
     "first_trials",
     "global_guard_band",
     "global_risks",
+    "growth",
     "load_catalogue",
     "load_costs",
     "load_device",
+    "load_mission",
     "load_procedure",
     "load_requirement",
     "load_station",
@@ -169,6 +177,7 @@ __all__ = [
     "smallest_region",
     "specific_guard_band",
     "sweep",
+    "uncalibrated",
 ]
 
 

@@ -139,7 +139,16 @@ def words(name: str) -> str:
 
 
 def key_title(key: str) -> str:
-    """Write a key of a file as words, 'gyro bias stability'."""
+    """Write a key of a file as words, 'gyro bias stability'.
+
+    Of a mission what it is and when: 'horizontal position after 1 h'.
+    """
+    if isinstance(key, names.Name) and key.time is not None:
+        is_angle = key.quantity == "attitude"
+        what = key.axis if is_angle else f"{key.axis} {key.quantity}"
+        return say(
+            "{what} after {time}", what=say(what), time=names.time_text(key.time)
+        )
     title = names.key_title(key)
     known = _catalogue(spoken())
     if not known or title in known:
@@ -148,6 +157,13 @@ def key_title(key: str) -> str:
         return beside(words(key.owner), say(names.key_title(key.quantity)), key.axis)
     owner, *rest = names.keys_of(key)  # as a file or an assumption has it
     return beside(words(owner), words(" ".join(rest))) if rest else title
+
+
+def axis_title(name: names.Name) -> str:
+    """Name an output among those of its parameter: 'x'; with its time 'north, 1 h'."""
+    if name.time is None:
+        return name.axis
+    return say("{axis}, {time}", axis=say(name.axis), time=names.time_text(name.time))
 
 
 def beside(*texts: str) -> str:

@@ -24,7 +24,14 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.problem import Output
     from budget.spec.changes import Changed
-    from budget.spec.records import Costs, Device, Origin, Procedure, Requirement
+    from budget.spec.records import (
+        Costs,
+        Device,
+        Mission,
+        Origin,
+        Procedure,
+        Requirement,
+    )
 
 SCHEMA = "budget/1"
 # What draws a result stands above it, and is loaded when it is asked to.
@@ -33,6 +40,8 @@ INTERACTION = Name("interaction")  # the row of products of two sources
 TOTAL = Name("total")
 TINY = 1e-300  # in the place of a utilisation of 0 [1]
 KEY = ("sensor", "parameter", "axis", "unit")  # of an output in every record
+AT_A_TIME = "time"  # further key of what is of a mission, after the axis
+OF_A_LENGTH = ("cep", "r95", "drms")  # further numbers of a length
 COLUMNS = (  # of the flat records
     *KEY,
     *("source", "standard_uncertainty", "share", "mean"),
@@ -177,6 +186,17 @@ class InUnit:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Radii:
+    """Circles that the end of a vector in a plane lies in with a probability [SI]."""
+
+    cep: float  # of 50 %: circular error probable
+    r95: float  # of 95 %
+
+
+CEP, R95 = 0.5, 0.95  # coverages of these [1]
+
+
+@dataclass(frozen=True, kw_only=True)
 class OutputBudget:
     """Expected error, its uncertainty and the contributions, for one output [SI]."""
 
@@ -193,6 +213,8 @@ class OutputBudget:
     # Effective ones of u by the law, JCGM 100:2008, eq. (G.2b); None where u is of
     # trials or a lower bound, or a line of other devices is in it.
     degrees_of_freedom: float | None = inf
+    coverage: float | None = None  # of its interval; None: the settings' [1]
+    radii: Radii | None = None  # of a length
 
     @property
     def coverage_factor(self) -> float | None:
@@ -372,7 +394,8 @@ class InputFile:
 
 
 def input_files(
-    devices: Sequence[Device], **files: Device | Procedure | Requirement | Costs | None
+    devices: Sequence[Device],
+    **files: Device | Procedure | Mission | Requirement | Costs | None,
 ) -> tuple[InputFile, ...]:
     """Return the files that a result depends on; several devices are numbered.
 
@@ -385,24 +408,28 @@ def input_files(
             for place, device in enumerate(devices, start=1)
         ),
         *(input_file(role, file) for role, file in files.items() if file is not None),
-        *stations_of([*files.values()]),
+        *named_files([*files.values()]),
     )
 
 
-def stations_of(
-    files: Sequence[Device | Procedure | Requirement | Costs | None],
+def named_files(
+    files: Sequence[Device | Procedure | Mission | Requirement | Costs | None],
 ) -> tuple[InputFile, ...]:
-    """Return the station files that the procedures among them are done at."""
-    found: list[Origin | None] = [getattr(one, "station_origin", None) for one in files]
-    origins = {origin for origin in found if origin is not None}
+    """Return the files that files name: stations of procedures, trajectories."""
+    named: list[tuple[str, Origin | None]] = [
+        (role, getattr(one, key, None))
+        for role, key in (("station", "station_origin"), ("trajectory", "trajectory"))
+        for one in files
+    ]
+    found = {(role, origin) for role, origin in named if origin is not None}
     return tuple(
-        InputFile(role="station", name=origin.file, sha256=origin.sha256)
-        for origin in sorted(origins, key=lambda one: one.file)
+        InputFile(role=role, name=origin.file, sha256=origin.sha256)
+        for role, origin in sorted(found, key=lambda one: (one[0], one[1].file))
     )
 
 
 def input_file(
-    role: str, record: Device | Procedure | Requirement | Costs
+    role: str, record: Device | Procedure | Mission | Requirement | Costs
 ) -> InputFile:
     """Return the file that a record was read from."""
     origin = record.origin
@@ -496,9 +523,20 @@ class Compensation:
         }
 
 
+@dataclass(frozen=True, kw_only=True)
+class Calibrated:
+    """How far off a unit is on a mission after one calibration, or none."""
+
+    name: str  # of the procedure
+    cep: tuple[float, ...]  # of the horizontal position, time by time [m]
+    lower_bound: bool  # whether an expected line that is not given would widen it
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Budget:
     """The error budget of a calibration: every output, and how they go together.
+
+    Or of a mission after it, whose outputs are errors of navigation at some times.
 
     Attributes
     ----------
@@ -531,6 +569,9 @@ class Budget:
     filled: tuple[FilledLine, ...] = ()
     left: tuple[Name, ...] = ()
     readings: tuple[ReadingEffect, ...] = ()  # other ones than are taken, one by one
+    mission: Mission | None = None  # that it is of; None: of a calibration
+    # The same mission after no calibration, the maker's, and the one it is of.
+    bought: tuple[Calibrated, ...] = ()
     # What it is of (budget.studies.request.Analysis): results know nothing of files.
     analysis: object = field(default=None, repr=False)
 
@@ -559,6 +600,19 @@ class Budget:
         """Name it; `to_frame`, `to_markdown` and a notebook show its numbers."""
         return f"<budget of {self.title}, {len(self.outputs)} outputs>"
 
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Heads of the flat records: of a mission with the time, and what it adds."""
+        if self.mission is None:
+            return COLUMNS
+        place = COLUMNS.index("unit")
+        return (
+            *COLUMNS[:place],
+            AT_A_TIME,
+            *COLUMNS[place:],
+            *("coverage", *OF_A_LENGTH),
+        )
+
     def rows(self) -> Iterator[dict[str, Any]]:
         """Yield one flat record for each output and source, and one `total` each.
 
@@ -567,13 +621,13 @@ class Budget:
         """
         for row in self.outputs:
             total = _output_document(row, {})
-            key = {name: total[name] for name in KEY}
+            key = {name: total[name] for name in (*KEY, AT_A_TIME) if name in total}
             low, high = total["interval"]
             parts = total["contributions"]
             total |= {"source": TOTAL, "share": sum(part["share"] for part in parts)}
             total |= {"interval_low": low, "interval_high": high}
             for record in (*({**key, **part} for part in parts), total):
-                yield {name: record.get(name) for name in COLUMNS}
+                yield {name: record.get(name) for name in self.columns}
 
     def to_frame(self) -> pd.DataFrame:
         """Return `rows()` as a tidy pandas frame, in printed units."""
@@ -614,6 +668,31 @@ class Budget:
         table: str = import_module(SHOWN_BY).budget_html(self)
         return table
 
+    def _mission(self) -> dict[str, Any]:
+        """Return what documents say of the mission; {} of a calibration."""
+        if self.mission is None:
+            return {}
+        route = self.mission.route
+        return {
+            "mission": {
+                "name": self.mission.name,
+                "duration": route.duration,
+                "alignment": self.mission.alignment,
+                "aided": self.mission.aided,
+                "calibrations": [asdict(one) for one in self.bought],
+            }
+        }
+
+    def _covariance(self, scaled: Array) -> list[list[float | None]]:
+        """Return it for documents: of a length with other outputs none is known."""
+        found: list[list[float | None]] = scaled.tolist()
+        lengths = [k for k, one in enumerate(self.outputs) if one.output.length_of]
+        for k in lengths:
+            for other in range(len(found)):
+                if other != k:
+                    found[k][other] = found[other][k] = None
+        return found
+
     def _missing(self) -> dict[str, Any]:
         """Return what documents say of lines that are not given; {} to refuse."""
         if self.settings.missing == "refuse":
@@ -632,11 +711,12 @@ class Budget:
             "title": self.title,
             "inputs": inputs_document(self.inputs),
             "settings": self.settings.to_dict(),
+            **self._mission(),
             "outputs": [_output_document(row, quantities) for row in self.outputs],
             "quantities": {
                 name: quantity.to_dict() for name, quantity in quantities.items()
             },
-            "covariance": (self.covariance / np.outer(scale, scale)).tolist(),
+            "covariance": self._covariance(self.covariance / np.outer(scale, scale)),
             "not_given": list(self.not_given),
             **self._missing(),
             "assumptions": list(self.assumptions),
@@ -684,10 +764,7 @@ def _output_document(
             "reached": row.validation.reached / scale,
         }
     return {
-        "sensor": row.sensor,
-        "parameter": row.parameter,
-        "axis": row.axis,
-        "unit": row.output.unit,
+        **_key_document(row.output),
         "resolution": row.output.resolution / scale,
         "mean": row.mean / scale,
         "standard_uncertainty": row.standard_uncertainty / scale,
@@ -696,6 +773,8 @@ def _output_document(
         "lacks": list(row.lacks),
         "interval": [end / scale for end in row.interval],
         "interval_by": row.interval_by,
+        **({} if row.coverage is None else {"coverage": row.coverage}),
+        **_length_document(row, scale),
         "coverage_factor": row.coverage_factor,
         "degrees_of_freedom": _finite(row.degrees_of_freedom),
         "contributions": [
@@ -704,6 +783,26 @@ def _output_document(
         ],
         "validation": validation,
     }
+
+
+def _key_document(output: Output) -> dict[str, Any]:
+    """Return what names an output in documents, and the unit of its numbers."""
+    name = output.name
+    return {
+        "sensor": name.owner,
+        "parameter": name.quantity,
+        "axis": name.axis,
+        **({} if name.time is None else {AT_A_TIME: name.time}),
+        "unit": output.unit,
+    }
+
+
+def _length_document(row: OutputBudget, scale: float) -> dict[str, float]:
+    """Return the further numbers of a length; {} of all else."""
+    if row.radii is None:
+        return {}
+    sizes = (row.radii.cep, row.radii.r95, row.standard_uncertainty)
+    return {key: size / scale for key, size in zip(OF_A_LENGTH, sizes, strict=True)}
 
 
 def _contribution_document(
@@ -882,6 +981,7 @@ class OutputAssessment:
     conformance: float  # probability that the error is within the limit [1]
     lower_bound: bool = False  # a line that is not given would widen it
     is_unknown: bool = False  # and no line that is given reaches it
+    coverage: float | None = None  # of the interval; None: the requirement's [1]
 
     @property
     def largest_error(self) -> float:
@@ -907,10 +1007,8 @@ class OutputAssessment:
         """Return what documents say of it, in printed units."""
         scale = self.output.si_per_unit
         return {
-            "sensor": self.output.name.owner,
-            "parameter": self.output.name.quantity,
-            "axis": self.output.name.axis,
-            "unit": self.output.unit,
+            **_key_document(self.output),
+            **({} if self.coverage is None else {"coverage": self.coverage}),
             "resolution": self.output.resolution / scale,
             "limit": self.limit / scale,
             "standard_uncertainty": self.standard_uncertainty / scale,

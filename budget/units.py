@@ -123,9 +123,9 @@ KINDS = (
     Kind("a temperature coefficient of an acceleration", ("ug/degC", "mg/degC")),
     Kind("a ratio", ("ppm", "%")),
     Kind("an angle", ("arcsec", "arcmin", "deg", "mrad", "urad", "rad")),
-    Kind("a velocity", ("m/s", "mm/s", "um/s", "ft/s")),
+    Kind("a velocity", ("m/s", "mm/s", "um/s", "ft/s", "km/h", "kn")),
     Kind("a time", ("s", "min", "h", "day", "month", "year")),
-    Kind("a length", ("m", "ft")),
+    Kind("a length", ("m", "km", "nmi", "ft")),
     Kind("a frequency", ("Hz", "kHz")),
 )
 
@@ -148,6 +148,8 @@ _BASES: dict[str, tuple[float, dict[str, float]] | None] = {
     "degC": None,
     "K": (1.0, {"degC": 1.0}),
     "ft": (0.3048, {"m": 1.0}),
+    "nmi": (1852.0, {"m": 1.0}),  # exact by definition
+    "kn": (1.0, {"nmi": 1.0, "h": -1.0}),
     "dps": (1.0, {"deg": 1.0, "s": -1.0}),
     "dph": (1.0, {"deg": 1.0, "h": -1.0}),
     "fps": (1.0, {"ft": 1.0, "s": -1.0}),
@@ -160,7 +162,7 @@ _BASES: dict[str, tuple[float, dict[str, float]] | None] = {
 _PREFIXES = {"n": 1e-9, "u": 1e-6, "m": 1e-3, "c": 1e-2, "k": 1e3}
 _PREFIXED = {
     **dict.fromkeys(("rad", "deg", "dps", "s", "Gal", "g"), "mun"),
-    "m": "cmun",
+    "m": "kcmun",
     "dph": "m",
     "Hz": "k",
 }
@@ -180,6 +182,8 @@ ALIASES = {
     "months": "month",
     "years": "year",
     "yr": "year",
+    "kt": "kn",
+    "knots": "kn",
 }
 
 _SPELLINGS = str.maketrans(
@@ -306,6 +310,7 @@ def parse_quantity(
     )
 
 
+@lru_cache(maxsize=1024)
 def kind_of(like: str) -> Kind:
     """Return the kind of quantity that `like` is a unit of."""
     return next(k for k in KINDS if _dimension(k.units[0]) == _dimension(like))

@@ -33,23 +33,52 @@ function placeOf(factor) {
   return Math.min(HIGHEST, Math.max(LOWEST + 1, place));
 }
 
+// Squared sines at the middles of equal parts of a quarter turn.
+const TURN = Array.from({ length: 512 }, (_, i) => Math.sin((i + 0.5) * Math.PI / 1024) ** 2);
+
+/**
+ * The radius of the circle that a plane normal vector of principal variances a >= b lies in
+ * with a probability: 1 - P is the mean of exp(-R^2 / 2 (a cos^2 t + b sin^2 t)) over all
+ * directions t. To 1e-6 for every ellipse from a coverage of 10 % on; budget/methods/radius.py.
+ */
+function radiusOf(coverage, a, b) {
+  if (!(a > 0)) return 0;
+  const across = TURN.map((part) => 2 * (1 - part + part * b / a));
+  let [low, high] = [0, Math.sqrt(-2 * Math.log1p(-coverage))];
+  for (let i = 0; i < 45; i++) {
+    const middle = (low + high) / 2;
+    const outside = across.reduce((sum, part) => sum + Math.exp(-middle * middle / part), 0) / TURN.length;
+    if (outside > 1 - coverage) low = middle;
+    else high = middle;
+  }
+  return Math.sqrt(a) * (low + high) / 2;
+}
+
+/** A sum over sources and their products of one output: each source alone, and all together. */
+function addUp({ first, second, pairs }, k, squares, place) {
+  const alone = squares.map((square, g) => square * first[g][k] + square * square * second[g][k]);
+  let all = alone.reduce((sum, part) => sum + part, 0);
+  for (const pair of pairs) {
+    const [g, h] = pair.sources.map((name) => place.get(name));
+    all += squares[g] * squares[h] * pair.variance[k];
+  }
+  return { alone, all };
+}
+
 /** The budget with every source multiplied: a row for each output, a line a sensor. */
 function evaluate(model, factors) {
   const squares = factors.map((factor) => factor * factor);
   const place = new Map(model.sources.map((source, g) => [source.name, g]));
   const outputs = model.outputs.map((output, k) => {
-    let mean = output.value;
-    const alone = squares.map((square, g) => {
-      mean += square * model.mean[g][k];
-      return square * model.first[g][k] + square * square * model.second[g][k];
-    });
-    let variance = alone.reduce((sum, part) => sum + part, 0);
-    for (const pair of model.pairs) {
-      const [g, h] = pair.sources.map((name) => place.get(name));
-      variance += squares[g] * squares[h] * pair.variance[k];
-    }
+    const mean = squares.reduce((sum, square, g) => sum + square * model.mean[g][k], output.value);
+    const { alone, all: variance } = addUp(model, k, squares, place);
     const u = Math.sqrt(Math.max(variance, 0));
-    const expanded = output.factor * u;
+    let expanded = output.factor * u;
+    if (output.length !== null) {
+      const [x, y] = model.ellipse.map((part) => addUp(part, output.length, squares, place).all);
+      const half = Math.min(Math.hypot(x, y), variance / 2);
+      expanded = output.factor * radiusOf(output.coverage, variance / 2 + half, variance / 2 - half);
+    }
     const middle = mean + output.shift * u;
     const largest = Math.max(Math.abs(middle - expanded), Math.abs(middle + expanded));
     return {
@@ -68,15 +97,17 @@ function settled(value) {
   return Number(value.toPrecision(12));
 }
 
-/** Outputs of one sensor by name: 'gyro bias x, y, z'; all six axes are every axis. */
+/** Outputs of one sensor by name: 'gyro bias x, y, z'; all six axes are every axis; of a mission by their titles. */
 function joinOutputs(model, places) {
   const groups = new Map();
+  const titles = [];
   for (const k of places) {
-    const { group, axis } = model.outputs[k];
-    groups.set(group, [...(groups.get(group) || []), axis]);
+    const { group, axis, title, is_timed: isTimed } = model.outputs[k];
+    if (isTimed) titles.push(title);
+    else groups.set(group, [...(groups.get(group) || []), axis]);
   }
-  return [...groups].map(([group, axes]) =>
-    `${group} ${axes.length === 6 ? word("(every axis)") : axes.join(word(", "))}`).join(word("; "));
+  return [...[...groups].map(([group, axes]) =>
+    `${group} ${axes.length === 6 ? word("(every axis)") : axes.join(word(", "))}`), ...titles].join(word("; "));
 }
 
 /** The verdict on each sensor of which something is required; of ties all are named. */

@@ -103,7 +103,7 @@ def searched_once():
 def nothing_is_missing(monkeypatch):
     """Leave out which lines that are not given could widen an output: it is no number.
 
-    That takes four times as long as the numbers; test_lower_bounds asks it.
+    That takes as long as the numbers; test_lower_bounds asks it.
     """
     monkeypatch.setattr(analysis, "could_widen", lambda *_, **__: {})
     monkeypatch.setattr(request, "lacking", lambda *_, **__: defaultdict(tuple))

@@ -326,6 +326,8 @@ def make_model():
                 "value": 0.0,
                 "factor": 1.959963984540054,
                 "shift": 0.0,
+                "is_timed": False,
+                "length": None,
                 "limit": 0.15,
                 "resolution": 1e-12,
             }

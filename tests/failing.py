@@ -46,6 +46,10 @@ PRINTING = {
     "diff": ("diff", "hg4930#A", "hg4930#C"),
     "check": ("check", "zhao-2019-eq4-nominal"),
     "station": ("station", "zhao-2019", "--requirement", "tactical-grade"),
+    "mission": ("mission", "--mission", "outage-10-s", "--no-validate"),
+    "mission json": (
+        *("mission", "--mission", "outage-10-s", "--no-validate", "--json", "-"),
+    ),
     "export": ("export", "hg4930#A", "--to", "gtsam"),
     "export json": ("export", "hg4930#A", "--to", "gtsam", "--json", "-"),
     "new": ("new", "-"),
@@ -64,6 +68,10 @@ WRITING = {
     "station": (
         *("station", "zhao-2019", "--requirement", "tactical-grade"),
         *("--json", "a.json", "--write", "a.yaml"),
+    ),
+    "mission": (
+        *("mission", "--mission", "outage-10-s", "--no-validate"),
+        *("--json", "a.json", "--csv", "a.csv"),
     ),
     "new": ("new", "--force", "--line", "gyro.bias_stability=1 deg/h", "a.yaml"),
     "export": (

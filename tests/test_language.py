@@ -31,7 +31,7 @@ from budget.language import (
     words,
 )
 from budget.model.sources import SOURCES
-from budget.names import OUTPUTS, Name
+from budget.names import LENGTHS, MISSION, OUTPUTS, PLACES, Name
 from budget.names import words as plain_words
 from budget.report.analysis.groups import budget_answer
 from budget.report.blocks import Table
@@ -58,7 +58,8 @@ def messages_of(tree):
         if isinstance(node, ast.ImportFrom)
         and node.module in {"budget.language", "budget.report.wording"}
         for alias in node.names
-    } & SAYING
+    } | {node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
+    own &= SAYING
     calls = [
         node
         for node in ast.walk(tree)
@@ -141,7 +142,12 @@ def vocabulary():
     """Return the words of files that reports print: of sources, outputs, owners."""
     keys = {source.name.replace(".", " ") for source in SOURCES}
     owners = {owner for source in SOURCES for owner in source.units}
-    return {plain_words(key) for key in (*keys, *owners, *OUTPUTS)}
+    places = {
+        axis if quantity == "attitude" else f"{axis} {quantity}"
+        for quantity, axes in PLACES.items()
+        for axis in (*axes, *filter(None, [LENGTHS.get(quantity)]))
+    }
+    return {plain_words(key) for key in (*keys, *owners, *OUTPUTS, MISSION)} | places
 
 
 @pytest.mark.parametrize("language", CATALOGUES)
@@ -325,6 +331,7 @@ ANSWERS = {
         *("--requirement", TACTICAL, "--trials", "2000"),
     ],
     "allocation": ["allocate", "--requirement", NAVIGATION],
+    "mission": ["mission", "--mission", "bench", "--no-validate"],
     "station": ["station", "--requirement", NAVIGATION],
     "paper": ["paper"],
     "difference": ["diff", "zhao-2019-eq4-nominal", "zhao-2019-corrected-nominal"],
@@ -340,7 +347,7 @@ NAMES = (
         "tactical grade",
     ),
     *("Navigation grade", "Tactical grade", "granite plate and cube"),
-    *("good three-axis table", "ideal"),
+    *("good three-axis table", "ideal", "bench, 1 h"),
 )
 STAYING = re.compile(
     r"[\w.-]+\.yaml(?:#\w+)?|"
@@ -354,7 +361,7 @@ STAYING = re.compile(
     r"|[a-z_.]+\N{FULLWIDTH COLON}\S+ -> \S+|\bname(?=\N{FULLWIDTH COLON})"
     # Units and signs of formulas.
     r"|\bmean\(N\)|\bint(?= d_)"
-    r"|\b(?:deg|arcsec|ppm|dps|mGal|ug|mg|sqrt|\u03bcrad|min|inf|inv|EUR|kg|rad|sigma)\b"
+    r"|\b(?:deg|arcsec|arcmin|nmi|CEP|DRMS|ppm|dps|mGal|ug|mg|sqrt|\u03bcrad|min|inf|inv|EUR|kg|rad|sigma)\b"
     # What is called so in Chinese as well, and words that stand as a file has them:
     # how a data sheet means a figure, how missing lines are filled, two keys.
     r"|\b(?:JCGM|IEEE|GUM|IMU|JSON|CSV|max|typical|predict|worst|height|station)\b"

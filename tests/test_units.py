@@ -333,6 +333,12 @@ READ = [
     ("hour", TIME, 3600.0),
     ("Hz", FREQUENCY, 1.0),
     ("kHz", FREQUENCY, 1e3),
+    ("km", "m", 1e3),
+    ("ft", "m", 0.3048),
+    ("nmi", "m", 1852.0),
+    ("km/h", "m/s", 0.2777777777777778),
+    ("kn", "m/s", 0.5144444444444445),
+    ("kt", "m/s", 0.5144444444444445),
 ]
 
 # What is measured has a line, the spelling is another: spelling, kind, what to write.

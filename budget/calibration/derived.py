@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.calibration.schemes import estimated
+from budget.calibration.schemes import answered, estimated
 from budget.model.response import COLUMN, ROW, SIGN
 from budget.model.source import ACCELEROMETER, GYRO
 from budget.names import ANGLES, AXES, IMU, Name, every_output
@@ -81,9 +81,15 @@ def _angle(owner: str, row: int, column: int, factor: float) -> dict[Name, float
     return {name: factor * float(SIGN[k])}
 
 
-def known_outputs(kinds: Sequence[str], procedure: Procedure) -> tuple[Name, ...]:
-    """Return all that can be asked of triads, in order: all its parts are estimated."""
-    found = {name for kind in kinds for name in estimated(kind, procedure)}
+def known_outputs(
+    kinds: Sequence[str], procedure: Procedure, *, every: bool = False
+) -> tuple[Name, ...]:
+    """Return all that can be asked of triads, in order: all its parts are estimated.
+
+    With `every` parameters that are held have errors, too.
+    """
+    known = answered if every else estimated
+    found = {name for kind in kinds for name in known(kind, procedure)}
     return tuple(
         name
         for owner in (*kinds, IMU)

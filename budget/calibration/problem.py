@@ -15,16 +15,24 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.calibration.derived import combination
-from budget.calibration.schemes import estimated, schemes_of, with_accelerometers
+from budget.calibration.schemes import (
+    answered,
+    estimated,
+    initial_lines,
+    schemes_of,
+    with_accelerometers,
+)
 from budget.distributions import NORMAL
 from budget.earth import ROTATION_RATE
 from budget.errors import CallError
 from budget.model.response import STATISTICS, Truth
 from budget.model.rotation import RotationScheme
 from budget.model.source import (
+    SENSORS,
     TURN_ON,
     Change,
     Disturbance,
+    Initial,
     Noise,
     Offset,
     Statistics,
@@ -60,6 +68,7 @@ def calibration_problem(
     reference: str = "nominal",
     only: frozenset[str] | None = None,
     outputs: Sequence[Name] | None = None,
+    every: bool = False,
 ) -> Problem:
     """Set up the calibration of one or two triads.
 
@@ -76,12 +85,18 @@ def calibration_problem(
     outputs : sequence of Name, optional
         What is asked for, of budget.calibration.derived.known_outputs; all parameters
         that are estimated, and nothing derived from them, without it.
+    every : bool
+        Whether parameters that are held are outputs too, each in its place among those
+        of its triad, and triads that the procedure does not calibrate at all. Only then
+        does what a unit has from its making count: alone, a calibration is right about
+        the axes and values that it holds, which others are counted from.
 
     Returns
     -------
     Problem
         Sources as groups, an output for each parameter estimated: its error, calibrated
-        value minus reference [1, rad, rad/s, m/s^2]; of what is derived likewise.
+        value minus reference [1, rad, rad/s, m/s^2]; of what is derived likewise. Of a
+        parameter that is held the value of the design is the calibrated one.
 
     Raises
     ------
@@ -91,32 +106,46 @@ def calibration_problem(
     shared = {STATION: procedure.station, ENVIRONMENT: procedure.environment}
     there = with_accelerometers(sensors, procedure)
     rows = [
-        *(_Row.of(sensor.kind, line) for sensor in there for line in sensor.lines),
+        *(
+            _Row.of(sensor.kind, line)
+            for sensor in there
+            for line in (
+                *sensor.lines,
+                *(initial_lines(sensor, procedure) if every else ()),
+            )
+        ),
         *(_Row.of(owner, line) for owner, lines in shared.items() for line in lines),
     ]
-    schemes = schemes_of(there, procedure)
+    schemes = schemes_of(there, procedure, every=every)
     triads = {
         one.kind: _triad(one, schemes[one.kind], procedure, rows) for one in there
     }
-    every = tuple(triads.values())
     members = [
         (row, row.group(triads, procedure, reference, only=only))
         for row in rows
-        if row.is_input
+        if row.is_input(triads)
     ]
     groups = tuple(group for _, group in members)
     places = tuple(
         (row, place) for (row, _), place in zip(members, arguments(groups), strict=True)
     )
-    names = [name for sensor in sensors for name in estimated(sensor.kind, procedure)]
+    known = answered if every else estimated
+    names = [name for sensor in sensors for name in known(sensor.kind, procedure)]
     made = _outputs_of(sensors, procedure)
     problem = Problem(
         groups=groups,
         outputs=tuple(made[name] for name in names),
         function=Calibration(
             triads=tuple(
-                _calibration(sensor, every, place, places, reference)
-                for place, sensor in enumerate(there)
+                _calibration(
+                    sensor,
+                    tuple(triads.values()),
+                    number,
+                    places,
+                    reference,
+                    every=every,
+                )
+                for number, sensor in enumerate(there)
             ),
             kinds=tuple(sensor.kind for sensor in sensors),
         ),
@@ -140,9 +169,15 @@ class _Row:
         source = source_of(owner, given.name).meant(given)
         return cls(owner=owner, given=given, source=source)
 
-    @property
-    def is_input(self) -> bool:
-        """Whether it varies; a coefficient is fixed."""
+    def is_input(self, triads: Mapping[str, Triad]) -> bool:
+        """Whether it varies, and there is anything that it may reach.
+
+        A coefficient is fixed; what disturbs a test disturbs none where nothing is
+        tested.
+        """
+        effect = self.source.effect
+        if isinstance(effect, Disturbance) and self.owner not in SENSORS:
+            return any(_is_tested(triad) for triad in triads.values())
         return self.source.varies
 
     def acts_on(self, kind: str) -> bool:
@@ -188,7 +223,7 @@ class _Row:
                     covariance=joint * included,
                     distributions=(NORMAL,) * n,
                 )
-            own = triads.get(self.owner) or next(iter(triads.values()))
+            own = triads.get(self.owner) or next(filter(_is_tested, triads.values()))
             times = effect.size(given, own.scheme) // given.u.size
             if times > MOST_INPUTS:
                 raise CallError(
@@ -219,7 +254,7 @@ def _noise_covariance(
     weights = triad.statistics.weights
     order = _statistics_order(weights.shape[1])
     covariance = np.zeros((order.size, order.size))
-    for axis in range(3 if included else 0):
+    for axis in range(3 if included and _is_tested(triad) else 0):
         process = effect.process(given, axis, sample_rate)
         place = np.ix_(order[axis], order[axis])
         covariance[place] = process.reduce(triad.scheme.schedule, weights[axis])
@@ -250,6 +285,11 @@ def _statistics_order(k: int) -> Array:
     return np.concatenate([own.reshape(3, -1), more.reshape(3, -1)], axis=1)
 
 
+def _is_tested(triad: Triad) -> bool:
+    """Whether any window is of that triad; else the design is all that is known."""
+    return bool(triad.scheme.schedule.windows)
+
+
 def _triad(
     sensor: Sensor, scheme: Scheme, procedure: Procedure, rows: list[_Row]
 ) -> Triad:
@@ -258,6 +298,7 @@ def _triad(
         weights
         for row in rows
         if row.acts_on(sensor.kind)
+        and scheme.schedule.windows
         and isinstance(row.source.effect, Disturbance)
         and row.given.u.any()
         and (weights := row.source.effect.weights(scheme)) is not None
@@ -273,12 +314,22 @@ def _triad(
 class _Constant:
     """An Offset of one triad: its rows, those of a later turn-on, how it is counted.
 
-    Or a Change: what the parameter takes of the same rows, in the test and later.
+    Or a Change: what the parameter takes of the same rows, in the test and later; or
+    what a new unit has of parameters that are held.
     """
 
     now: slice
     later: slice | None = None
     gains: Gains | None = None
+
+    @classmethod
+    def of(cls, effect: Offset, place: slice, n: int, scheme: Scheme) -> _Constant:
+        """Return an Offset of n values, whose rows stand at that place."""
+        now, more = slice(place.start, place.start + n), place.stop - place.start > n
+        if isinstance(effect, Initial):
+            held = np.diag(scheme.held_of(effect.target))
+            return cls(now=now, gains=(held, held))
+        return cls(now=now, later=slice(now.stop, place.stop) if more else None)
 
     def deviation(self, x: Array, reference: str) -> Array | float:
         """Return true value minus what the reference holds.
@@ -292,6 +343,12 @@ class _Constant:
         if reference == "as_tested" or is_same:
             return 0.0
         return self.value(x) - self.next_value(x)
+
+    def held_value(self, x: Array, reference: str) -> Array | float:
+        """Return what the reference holds of it, where the design has 0."""
+        if reference == "nominal":
+            return 0.0
+        return self.value(x) if reference == "as_tested" else self.next_value(x)
 
     def value(self, x: Array) -> Array:
         """Return the value during the test."""
@@ -335,6 +392,8 @@ class TriadCalibration:
         Disturbances, with their rows.
     reference : str
         What the errors are counted from.
+    every : bool
+        Whether errors of what is held are outputs too.
     """
 
     scheme: Scheme
@@ -346,6 +405,7 @@ class TriadCalibration:
     own: Array | None
     acts: tuple[tuple[slice, Act], ...]
     reference: str
+    every: bool
 
     def read(self, x: Array, beside: Read | None) -> Read:
         """Return what is read off, for inputs x, (n, trials) [SI].
@@ -389,11 +449,26 @@ class TriadCalibration:
             ]
         )
         held = self.scheme.held
-        if held is not None:
+        if held is not None and self.every:
+            places = held.held
+            errors[places] = self._left_by_design(x)[places]
+        elif held is not None:
             errors = errors[held.estimated]
         if found.higher is None or not self.scheme.orders:
             return errors
         return np.concatenate([errors, found.higher - self._found_before(x)])
+
+    def _left_by_design(self, x: Array) -> Array:
+        """Return design values minus those of the reference, shape (12, trials).
+
+        Of a scale factor over that of the reference: 1/(1 + k) - 1.
+        """
+        k, angle, bias = (
+            np.zeros_like(x, shape=(n, x.shape[1]))
+            + sum((c.held_value(x, self.reference) for c in self.offsets[target]), 0.0)
+            for target, n in (("scale_factor", 3), ("mounting_angle", 6), ("bias", 3))
+        )
+        return np.concatenate([-1.0 * k / (1.0 + k), -1.0 * angle, -1.0 * bias])
 
     def _found_before(self, x: Array) -> Array:
         """Return the higher orders that the reference holds, shape (3 m, trials)."""
@@ -471,6 +546,8 @@ def _calibration(
     number: int,
     places: tuple[tuple[_Row, slice], ...],
     reference: str,
+    *,
+    every: bool,
 ) -> TriadCalibration:
     """Bind every source to one triad, that of this number."""
     triad = triads[number]
@@ -483,13 +560,7 @@ def _calibration(
     for row, place in own:
         effect = row.source.effect
         if isinstance(effect, Offset):
-            n = row.given.u.size
-            later = (
-                slice(place.start + n, place.stop)
-                if place.stop - place.start > n
-                else None
-            )
-            constant = _Constant(now=slice(place.start, place.start + n), later=later)
+            constant = _Constant.of(effect, place, row.given.u.size, triad.scheme)
             offsets[effect.target] += (constant,)
         elif isinstance(effect, Noise):
             noise = place
@@ -498,7 +569,8 @@ def _calibration(
                 if order == effect.order:
                     constant = _Constant(now=place, later=None)
                     offsets[quantity] = (*offsets.get(quantity, ()), constant)
-            act = effect.bind(row.given, triad) if row.given.u.any() else None
+            is_felt = row.given.u.any() and _is_tested(triad)
+            act = effect.bind(row.given, triad) if is_felt else None
             if act is not None:
                 part = effect.part(triads, number)
                 rows = range(place.start, place.stop)[part]
@@ -516,6 +588,7 @@ def _calibration(
         own=triad.statistics.own,
         acts=tuple(acts),
         reference=reference,
+        every=every,
     )
 
 

@@ -17,7 +17,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.calibration.schemes import schemes_of, with_accelerometers
+from budget.calibration.schemes import (
+    initial_lines,
+    schemes_of,
+    with_accelerometers,
+)
 from budget.distributions import LEAST
 from budget.errors import CallError
 from budget.model.rotation import RotationScheme
@@ -25,6 +29,7 @@ from budget.model.source import (
     TURN_ON,
     Change,
     Disturbance,
+    Initial,
     Moment,
     Noise,
     Offset,
@@ -77,6 +82,7 @@ def simulate(
     seed: int = 0,
     reference: str = "nominal",
     only: frozenset[str] | None = None,
+    every: bool = False,
 ) -> Array:
     """Simulate one run of the whole calibration.
 
@@ -92,6 +98,8 @@ def simulate(
         What errors are counted from: 'nominal', 'as_tested', 'next_turn_on'.
     only : frozenset of str, optional
         Full names of the sources that count; all others are left out.
+    every : bool
+        Whether parameters that are held are outputs too, as of `calibration_problem`.
 
     Returns
     -------
@@ -105,22 +113,29 @@ def simulate(
         A window holds too many samples to be made one by one.
     """
     there = with_accelerometers(sensors, procedure)
-    schemes = schemes_of(there, procedure)
+    schemes = schemes_of(there, procedure, every=every)
     for kind, scheme in schemes.items():
         _check_samples(kind, scheme, procedure.sample_rate)
+
+    # Any scheme with windows tells how many turns and stops there are.
+    tested = max(schemes.values(), key=lambda one: len(one.schedule.windows))
 
     def draw(owner: str, lines: tuple[ErrorLine, ...]) -> list[_Drawn]:
         return [
             _draw(
                 owner,
                 line,
-                schemes.get(owner) or next(iter(schemes.values())),
+                schemes.get(owner) or tested,
                 procedure.sample_rate,
                 partial(_generator, seed, run),
             )
             for line in lines
             if only is None or Name(line.name, owner=owner) in only
         ]
+
+    def draw_own(sensor: Sensor) -> list[_Drawn]:
+        made = initial_lines(sensor, procedure) if every else ()
+        return draw(sensor.kind, (*sensor.lines, *made))
 
     shared = [
         *draw(STATION, procedure.station),
@@ -132,11 +147,12 @@ def simulate(
         found, shown = _simulate_triad(
             sensor,
             schemes[sensor.kind],
-            [*draw(sensor.kind, sensor.lines), *shared],
+            [*draw_own(sensor), *shared],
             {line.name: line for line in (*procedure.environment, *sensor.lines)},
             sample_rate=procedure.sample_rate,
             reference=reference,
             beside=shown,
+            every=every,
         )
         if sensor in sensors:
             errors.insert(0, found)
@@ -145,7 +161,7 @@ def simulate(
 
 def _check_samples(kind: str, scheme: Scheme, sample_rate: float) -> None:
     """Refuse windows that would fill the memory."""
-    samples = scheme.schedule.lengths.max() * sample_rate
+    samples = scheme.schedule.lengths.max(initial=0.0) * sample_rate
     if samples > MOST_SAMPLES:
         raise CallError(
             f"a window of the {kind} procedure has {samples:.3g} samples "
@@ -176,6 +192,8 @@ def _draw(
         value = _values(line, rng, times) if drawn is None else drawn
     elif isinstance(effect, Offset | Change):
         value = later = _values(line, rng)
+        if isinstance(effect, Initial):
+            value = later = value * scheme.held_of(effect.target)
         if source.stays == TURN_ON:
             later = _values(line, rng_of(f"{name}, later"))
     return _Drawn(given=line, effect=effect, value=value, later=later, samples=samples)
@@ -198,11 +216,12 @@ def _simulate_triad(
     sample_rate: float,
     reference: str,
     beside: Array | None,
+    every: bool,
 ) -> tuple[Array, Array]:
     """Simulate one triad, a gyro beside what the accelerometers show.
 
-    Returns errors, shape (n_outputs,): 12 less those held; and what the calibrated
-    triad shows in its windows, shape (3, n) [unit of the input].
+    Returns errors, shape (n_outputs,): 12 less those held, unless `every` counts; and
+    what the calibrated triad shows in its windows, shape (3, n) [unit of the input].
     """
     tested = _turn_on(sensor, drawn, known)
     true = {
@@ -213,14 +232,14 @@ def _simulate_triad(
     found, shown = _calibrate(
         sensor, scheme, tested, drawn, known, sample_rate=sample_rate, beside=beside
     )
-    errors = np.concatenate(
-        [
-            (found.scale_factor - (1.0 + true.k)) / (1.0 + true.k),
-            found.mounting_angle - true.angle,
-            found.bias - true.bias,
-        ]
-    )
+    calibrated = np.concatenate([found.scale_factor, found.mounting_angle, found.bias])
+    design = _turn_on(sensor, [], known)
     if scheme.held is not None:
+        nominal = np.concatenate([1.0 + design.k, design.angle, design.bias])
+        calibrated[scheme.held.held] = nominal[scheme.held.held]
+    errors = calibrated - np.concatenate([1.0 + true.k, true.angle, true.bias])
+    errors[:3] /= 1.0 + true.k
+    if scheme.held is not None and not every:
         errors = errors[scheme.held.estimated]
     if found.higher is None or not scheme.orders:
         return errors, shown
@@ -289,7 +308,7 @@ def _calibrate(
         where = _At(place=place, samples=at, known=known)
         pulses = _count(sensor, scheme, tested, drawn, where)
         rates.append(pulses / window.length)
-    readings = np.array(rates).T
+    readings = np.array(rates).reshape(-1, 3).T
     if isinstance(scheme, RotationScheme) and beside is not None:
         found = scheme.estimate_beside(readings, beside)
     else:

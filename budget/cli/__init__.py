@@ -22,6 +22,7 @@ from budget.cli.compare import compare
 from budget.cli.devices import devices
 from budget.cli.diff import diff
 from budget.cli.export import export
+from budget.cli.mission import mission
 from budget.cli.new import new
 from budget.cli.paper import paper
 from budget.cli.report import report
@@ -71,7 +72,7 @@ app = typer.Typer(
     rich_markup_mode=None,  # plain help starts faster and reads well in any terminal
 )
 for command in (
-    *(analyze, allocate, station, export, report, compare, check, diff),
+    *(analyze, mission, allocate, station, export, report, compare, check, diff),
     *(devices, paper, new, validate, schema),
 ):
     # A short help that is given is printed whole; one that is found is cut.

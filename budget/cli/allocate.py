@@ -24,6 +24,8 @@ def allocate(
     changes: options.Changes = None,
     requirement: Annotated[Path, options.REQUIREMENT],
     procedure: options.ProcedureFile = None,
+    mission: Annotated[Path | None, options.MISSION] = None,
+    calibration: options.Calibration = None,
     station: options.StationFile = None,
     age: options.Age = None,
     strategy: Annotated[
@@ -95,7 +97,7 @@ def allocate(
     )
     from budget.report.allocation.page import allocation_answer
     from budget.report.document import json_text
-    from budget.spec import load_costs, load_procedure, load_requirement
+    from budget.spec import load_costs, load_requirement
     from budget.studies.allocation.allocate import allocate as run
     from budget.studies.allocation.cases import Bounds
     from budget.studies.request import find_sources, sensors_of, source_names
@@ -105,11 +107,12 @@ def allocate(
         json,
         csv,
         *others,
-        inputs=[*(devices or ()), procedure, station, requirement, costs],
+        inputs=[*(devices or ()), procedure, mission, station, requirement, costs],
     )
     check_yaml(write, "device")
     loaded = options.load_devices(devices, changes)
     wanted = load_requirement(requirement)
+    how = options.load_calibration(calibration, procedure, station=station, age=age)
     sensors = sensors_of(loaded)
     bounds = Bounds(
         held=frozenset(find_sources(fix or (), source_names(sensors), option="--fix")),
@@ -120,7 +123,8 @@ def allocate(
         allocation = run(
             *loaded,
             requirement=wanted,
-            procedure=load_procedure(procedure, station=station, age=age),
+            procedure=how,
+            mission=mission,
             strategy=strategy,
             costs=None if costs is None else load_costs(costs),
             bounds=bounds,

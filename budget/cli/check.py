@@ -24,7 +24,14 @@ EXIT_BAD_INPUT = 2
 SUFFIX = ".json"
 
 SchemaKind = Literal[
-    "device", "procedure", "station", "requirement", "costs", "reference", "results"
+    "device",
+    "procedure",
+    "station",
+    "mission",
+    "requirement",
+    "costs",
+    "reference",
+    "results",
 ]
 
 
@@ -354,6 +361,8 @@ def validate(
                 tell(f"  how values of data sheets are read: {MEANINGS}\n")
             if found.kind == "procedure":
                 _show_procedure(name)
+            if found.kind == "mission":
+                _show_mission(name)
     if issues:
         raise SpecError(tuple(issues))
 
@@ -375,6 +384,15 @@ def _show_procedure(name: str) -> None:
     print_page(
         [*blunders_sections(costs(procedure)), *schedule_sections(procedure, there)]
     )
+
+
+def _show_mission(name: str) -> None:
+    """Say where it leads."""
+    from budget.cli.output import print_page
+    from budget.report.route import route_section
+    from budget.spec import load_mission
+
+    print_page([route_section(load_mission(name))])
 
 
 def schema(

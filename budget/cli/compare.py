@@ -42,6 +42,8 @@ def compare(
             help="Procedure file (the paper's); may be given again.",
         ),
     ] = None,
+    mission: Annotated[Path | None, options.MISSION] = None,
+    calibration: options.Calibration = None,
     station: options.StationFile = None,
     age: options.Age = None,
     method: Annotated[
@@ -98,7 +100,7 @@ def compare(
     from budget.report.comparison.page import comparison_answer, comparison_document
     from budget.report.comparison.tables import find_column
     from budget.report.rendering import check_suffixes, document_date
-    from budget.spec import load_catalogue, load_procedure, load_requirement
+    from budget.spec import load_catalogue, load_requirement
     from budget.spec.load import shipped_path, try_changed
     from budget.studies.comparison.compare import compare as run
     from budget.studies.judgement import TRIALS
@@ -107,7 +109,13 @@ def compare(
         json,
         csv,
         *(output or ()),
-        inputs=[*(devices or ()), *(procedure or ()), station, requirement],
+        inputs=[
+            *(devices or ()),
+            *(procedure or ()),
+            mission,
+            station,
+            requirement,
+        ],
     )
     check_suffixes(output or [], paper)
     if not devices and not catalogue:
@@ -116,8 +124,13 @@ def compare(
         raise CallError("--kind and --grade choose from the catalogue; add --catalogue")
     column = None if sort is None else find_column(sort)
     wanted = load_requirement(requirement)
+    for path in procedure or ():
+        options.calibration_files(calibration, path)  # refuses what says it twice
     paths: list[Path | None] = [*procedure] if procedure else [None]
-    procedures = [load_procedure(path, station=station, age=age) for path in paths]
+    procedures = [
+        options.load_calibration(calibration, path, station=station, age=age)
+        for path in paths
+    ]
     every = load_catalogue()
     chosen = options.select_catalogue(kind, grade) if catalogue else ()
     loaded, issues = try_changed(
@@ -141,6 +154,7 @@ def compare(
             loaded,
             wanted,
             procedures,
+            mission=mission,
             catalogue=every,
             missing=missing,
             method=method,

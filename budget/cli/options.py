@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from decimal import Decimal
 from enum import StrEnum
-from functools import wraps
+from functools import partial, wraps
 from inspect import Parameter, signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_type_hints
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from budget.results import Settings
-    from budget.spec.records import Device, Requirement
+    from budget.spec.records import Device, Procedure, Requirement
 
 BUILT_IN_DEVICE = "zhao-2019"
 STDOUT = Path("-")
@@ -83,6 +83,20 @@ def _number_of_trials(text: str, *, or_else: str = "") -> int:
     return int(number)
 
 
+def _time(text: str) -> float:
+    """Read a time after the start of a mission, '10 min' [s]."""
+    from budget.errors import UnitError
+    from budget.units import parse_quantity
+
+    try:
+        time = parse_quantity(text, "s", bare="s").value
+    except UnitError as error:
+        raise typer.BadParameter(str(error)) from None
+    if not time > 0.0:
+        raise typer.BadParameter(f"{text!r} is not after the start; give one above 0 s")
+    return time
+
+
 def _processes(wanted: int) -> int:
     """Cut the number of processes to that of the processors, and say so.
 
@@ -141,6 +155,30 @@ StationFile = Annotated[
         metavar="FILE",
         help="Station file: what is not known of table, place and environment (an "
         "ideal one).",
+        show_default=False,
+    ),
+]
+MISSION: Any = typer.Option(
+    "--mission",
+    metavar="FILE",
+    help="Mission file, or the name of one that ships, as bench.",
+    show_default=False,
+)
+AT: Any = typer.Option(
+    "--at",
+    parser=_time,
+    metavar="TIME",
+    help="Time since the mission began, as '10 min'; may be given again (those of the "
+    "mission's file).",
+    show_default=False,
+)
+At = Annotated[list[float] | None, AT]
+Calibration = Annotated[
+    str | None,
+    typer.Option(
+        metavar="none|factory|PROCEDURE",
+        help="What calibrated the unit: nothing, its maker, or a procedure (the "
+        "paper's).",
         show_default=False,
     ),
 ]
@@ -417,11 +455,26 @@ def spell_out(command: Callable[..., None]) -> Callable[..., None]:
 
     typer reads the options of a command in its signature.
     """
+    return spell_out_but()(command)
+
+
+def spell_out_but(
+    *without: str,
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Return the same for a command in which some of these options mean nothing."""
+    return partial(_spelled_out, without=without)
+
+
+def _spelled_out(
+    command: Callable[..., None], *, without: tuple[str, ...]
+) -> Callable[..., None]:
+    """Return a command whose signature has the options of Asked."""
     hints = get_type_hints(Asked, include_extras=True)
     single = Parameter.KEYWORD_ONLY
     spelled = [
         Parameter(field.name, single, default=field.default, annotation=hints[name])
         for name, field in Asked.__dataclass_fields__.items()
+        if name not in without
     ]
     own = signature(command, eval_str=True)
     parameters = [
@@ -469,6 +522,50 @@ def select_catalogue(
             "`budget devices` lists kind and grade of all"
         )
     return found
+
+
+def calibration_files(
+    calibration: str | None, procedure: Path | None
+) -> tuple[str | Path | None, ...]:
+    """Return the file that a unit is calibrated by, where there is one.
+
+    Raises
+    ------
+    CallError
+        It is named by two options.
+    """
+    from budget.errors import CallError
+    from budget.spec.records import UNCALIBRATED
+
+    if calibration is not None and procedure is not None:
+        raise CallError(
+            f"--calibration {calibration} and --procedure {procedure} both say what "
+            "calibrated the unit; leave one out"
+        )
+    return (procedure if calibration in UNCALIBRATED else calibration or procedure,)
+
+
+def load_calibration(
+    calibration: str | None,
+    procedure: Path | None,
+    *,
+    station: Path | None,
+    age: str | None,
+) -> Procedure:
+    """Load what a unit is calibrated by: a procedure, or what stands for none.
+
+    Raises
+    ------
+    SpecError
+        As of load_procedure.
+    """
+    from budget.spec import load_procedure
+    from budget.spec.load import uncalibrated
+    from budget.spec.records import UNCALIBRATED
+
+    if calibration in UNCALIBRATED:
+        return uncalibrated(calibration, station=station, age=age)
+    return load_procedure(calibration or procedure, station=station, age=age)
 
 
 def load_devices(

@@ -16,6 +16,7 @@ from budget.cli.streams import console, in_line, say_written, talk
 from budget.errors import CallError
 from budget.journal import note_read
 from budget.language import ENGLISH, speaking
+from budget.names import time_text
 
 if TYPE_CHECKING:
     from collections.abc import (
@@ -133,7 +134,10 @@ def deliver(
 
     def sections() -> Iterable[Section]:
         from budget.report.analysis.groups import budget_answer
+        from budget.report.analysis.mission import mission_answer
 
+        if budget.mission is not None:
+            return mission_answer(budget)
         return budget_answer(budget, brief=brief)
 
     if csv == STDOUT:  # the only output that has no room for them
@@ -221,15 +225,19 @@ def command_parts(
             arguments += [_base_name(one) for one in values]
         elif isinstance(value, bool):
             words += [parameter.opts[0]] if value else []
-        elif name in LITERAL:
-            for one in values:
-                words += [parameter.opts[0], str(one)]
         else:
             for one in values:
-                words += [parameter.opts[0], _base_name(one)]
+                words += [parameter.opts[0], _spelled(name, one)]
     if any(one.startswith("-") and one != "-" for one in arguments):
         return shlex.join(words), f" -- {shlex.join(arguments)}"
     return shlex.join([*words[:2], *arguments, *words[2:]]), ""
+
+
+def _spelled(name: str, value: object) -> str:
+    """Write a value as one types it; a time in its unit."""
+    if name == "at" and isinstance(value, float):
+        return time_text(value)
+    return str(value) if name in LITERAL else _base_name(value)
 
 
 def _base_name(value: object) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,11 +14,15 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from budget.report.analysis.build import Extra
-    from budget.spec.records import Device, Procedure, Requirement
+    from budget.report.analysis.what_if import AnalyzeAgain
+    from budget.results import Budget
+    from budget.spec.records import Device, Mission, Procedure, Requirement
     from budget.studies.progress import Engine
 
 
-ONLY_HERE = frozenset({"compare", "allocate", "number"})  # not parameters of analyze
+REFERENCE = "next_turn_on"  # of a mission, which begins with a turn-on of its own
+BESIDE = frozenset({"compare", "allocate", "number"})  # the budget
+OF_MISSION = frozenset({"mission", "at"})  # not parameters of analyze
 
 
 @options.spell_out
@@ -33,6 +38,8 @@ def report(
     station: options.StationFile = None,
     age: options.Age = None,
     requirement: options.RequirementFile = None,
+    mission: Annotated[Path | None, options.MISSION] = None,
+    at: options.At = None,
     asked: options.Asked,
     compare: Annotated[
         list[str] | None,
@@ -69,20 +76,19 @@ def report(
     from budget.cli.output import (
         check_destinations,
         command_line,
-        command_parts,
         hand_out,
         pages_of,
     )
     from budget.errors import CallError
     from budget.language import speaking
+    from budget.names import MISSION
     from budget.report.analysis.build import report_document
-    from budget.report.analysis.what_if import CHANGED_FILE, AnalyzeAgain
     from budget.report.document import to_csv
     from budget.report.rendering import check_suffixes, document_date
-    from budget.spec import load_all, load_procedure, load_requirement
+    from budget.spec import load_all, load_mission, load_procedure, load_requirement
     from budget.studies.analysis import analyze_as
     from budget.studies.evidence import gather_evidence
-    from budget.studies.request import analysis_of
+    from budget.studies.request import analysis_of, choose_times, mission_for
 
     check_suffixes(output, paper)
     date = document_date()
@@ -90,11 +96,17 @@ def report(
         json,
         csv,
         *output,
-        inputs=[*(devices or ()), *(compare or ()), procedure, station, requirement],
+        inputs=[
+            *(devices or ()),
+            *(compare or ()),
+            *(procedure, station, requirement, mission),
+        ],
     )
     _check_extras(
         requirement, allocate=allocate, compare=bool(compare), only=bool(asked.only)
     )
+    if at and mission is None:
+        raise CallError("--at is a time of a mission: name one with --mission")
     if allocate and asked.missing != "refuse":
         raise CallError(
             "--allocate shares limits out among the lines that are given, --missing "
@@ -104,6 +116,10 @@ def report(
     loaded = options.load_devices(devices, changes)
     how = load_procedure(procedure, station=station, age=age)
     wanted = None if requirement is None else load_requirement(requirement)
+    route = None if mission is None else load_mission(mission)
+    times = () if route is None else choose_times(route, at or (), wanted)
+    if wanted is not None and route is None:
+        mission_for(wanted, None)
     others = load_all(compare or [])
     settings = asked.settings(wanted)
     with computing(workers=asked.workers, cluster=asked.cluster) as engine:
@@ -112,26 +128,38 @@ def report(
             *loaded,
             procedure=how,
             requirement=wanted,
+            mission=route,
             engine=engine,
             command="report",
         )
+        carried = None
+        if route is not None:
+            carried = analyze_as(
+                replace(settings, reference=REFERENCE, outputs=(), matrices=False),
+                *loaded,
+                procedure=how,
+                requirement=wanted if wanted and MISSION in wanted.kinds else None,
+                mission=route,
+                carried_to=times,
+                engine=engine,
+                command="mission",
+            )
         loaded, bare = analysis_of(budget).devices, loaded
-        options_of_same, operands = command_parts(
-            context, command="analyze", without=ONLY_HERE
-        )
         evidence = gather_evidence(analysis_of(budget), budget, budget.assessment)
         with speaking(language):
-            extras = tuple(
-                _extras(
+            extras = (
+                *(() if carried is None else (_mission_extra(carried),)),
+                *_extras(
                     bare,
                     others,
                     how,
                     wanted,
+                    route,
                     missing=asked.missing,
                     with_allocation=allocate,
                     seed=settings.seed,
                     engine=engine,
-                )
+                ),
             )
         show = engine.stage("figures and pages") or (lambda _, __: None)
         show(0, 1)
@@ -144,16 +172,11 @@ def report(
                 assessment=budget.assessment,
                 extras=extras,
                 command_line=command_line(context),
-                again=AnalyzeAgain(
-                    same=options_of_same,
-                    operands=operands,
-                    devices=bare,
-                    of_file=command_line(
-                        context,
-                        command="analyze",
-                        devices=[CHANGED_FILE],
-                        without={*ONLY_HERE, "changes"},
-                    ),
+                again=_again(
+                    context,
+                    bare,
+                    is_on_mission=carried is not None
+                    and carried.assessment is not None,
                 ),
                 date=date,
                 number=number,
@@ -162,6 +185,46 @@ def report(
         show(1, 1)
     documents = [(json, lambda: document.json), (csv, lambda: to_csv(budget))]
     hand_out(documents, pages=files)
+
+
+def _again(
+    context: typer.Context, devices: tuple[Device, ...], *, is_on_mission: bool
+) -> AnalyzeAgain:
+    """Return the commands of changed devices; limits on a mission take a report."""
+    from budget.cli.output import command_line, command_parts
+    from budget.report.analysis.what_if import CHANGED_FILE, AnalyzeAgain
+
+    command = "report" if is_on_mission else "analyze"
+    left = BESIDE if is_on_mission else BESIDE | OF_MISSION
+    page = " -o changed.html" if is_on_mission else ""
+    same, operands = command_parts(context, command=command, without=left)
+    of_file = command_line(
+        context, command=command, devices=[CHANGED_FILE], without={*left, "changes"}
+    )
+    return AnalyzeAgain(
+        same=same + page, operands=operands, devices=devices, of_file=of_file + page
+    )
+
+
+def _mission_extra(carried: Budget) -> Extra:
+    """Return a mission as a part of the report: its section and its document."""
+    from budget.report.analysis.build import Extra
+    from budget.report.analysis.mission import mission_section
+    from budget.studies.mission import curve, drawn_times
+    from budget.studies.request import analysis_of
+
+    analysis = analysis_of(carried)
+    asked = {row.output.name.time or 0.0 for row in carried.outputs}
+    duration = analysis.mission.route.duration if analysis.mission else max(asked)
+    found = curve(analysis, drawn_times(duration, sorted(asked)))
+    return Extra(
+        key="mission",
+        content=carried.to_dict(),
+        sections=(mission_section(carried, found),),
+        inputs=carried.inputs,
+        warnings=carried.warnings,
+        carried=carried,
+    )
 
 
 def _check_extras(
@@ -199,6 +262,7 @@ def _extras(
     others: tuple[Device, ...],
     procedure: Procedure,
     requirement: Requirement | None,
+    mission: Mission | None,
     *,
     missing: str,
     with_allocation: bool,
@@ -206,6 +270,7 @@ def _extras(
     engine: Engine,
 ) -> Iterator[Extra]:
     """Yield what was asked for besides: lines for the limits, other devices."""
+    from budget.names import MISSION
     from budget.report.allocation.page import allocation_section
     from budget.report.analysis.build import Extra
     from budget.report.comparison.page import comparison_sections
@@ -215,11 +280,13 @@ def _extras(
 
     if requirement is None:
         return
+    limited = mission if MISSION in requirement.kinds else None
     if with_allocation:
         allotted = allocate(
             *devices,
             requirement=requirement,
             procedure=procedure,
+            mission=limited,
             seed=seed,
             progress=engine.progress,
         )
@@ -229,6 +296,7 @@ def _extras(
             (*devices, *others),
             requirement,
             [procedure],
+            mission=limited,
             catalogue=load_catalogue(),
             missing=missing,
             seed=seed,

@@ -98,6 +98,11 @@ def tilt_matrix(angle: Array) -> Array:
     return statistics_of(nothing, (SIGN * angle.T).T, nothing)[:, :BIAS]
 
 
+def diagonal(values: Array) -> Array:
+    """Return matrices (..., 3, 3) with these values (..., 3) in their diagonals."""
+    return np.asarray(values[..., None] * np.eye(values.shape[-1]))
+
+
 def inverse(A: Array) -> Array:
     """Return the inverse of matrices, (3, 3, trials): adjugate over determinant."""
     adjugate = np.empty_like(A)

@@ -32,7 +32,7 @@ from budget.model.response import (
     tilt_transposed,
 )
 from budget.model.windows import Timing
-from budget.names import AXES
+from budget.names import AXES, parameters_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -97,6 +97,13 @@ class Scheme:
     def __post_init__(self) -> None:
         """Check W A = I: an estimator that misses it has errors without any source."""
         check_unbiased(self)
+
+    def held_of(self, quantity: str) -> Array:
+        """Return 1 of what is held of a quantity, 0 of what is estimated, by axis."""
+        here = np.array([one.quantity == quantity for one in parameters_of(self.owner)])
+        if self.held is None:
+            return np.zeros(here.sum())
+        return np.where(self.held.by_parameter[here], 1.0, 0.0)
 
     @property
     def earth(self) -> Array:
@@ -341,10 +348,18 @@ class Held:
     @property
     def estimated(self) -> NDArray[np.intp]:
         """Places of what is estimated, among scale factors, angles and biases."""
+        return np.flatnonzero(~self.by_parameter)
+
+    @property
+    def held(self) -> NDArray[np.intp]:
+        """Places of what is not, among them."""
+        return np.flatnonzero(self.by_parameter)
+
+    @property
+    def by_parameter(self) -> NDArray[np.bool_]:
+        """Which of scale factors, angles and biases are held, shape (12,)."""
         own = self.which[[0, 1, 2], [0, 1, 2]]
-        return np.flatnonzero(
-            ~np.concatenate([own, self.which[ROW, COLUMN], self.which[:, BIAS]])
-        )
+        return np.concatenate([own, self.which[ROW, COLUMN], self.which[:, BIAS]])
 
     def join(self, columns: Array) -> Array:
         """Add columns of held parameters to that of the own axis, which is (3, m, 4).

@@ -187,6 +187,16 @@ class Offset(Effect):
     target: str
 
 
+@dataclass(frozen=True)
+class Initial(Offset):
+    """What a unit has of it from its making, unknown until a calibration finds it.
+
+    A parameter that is estimated holds it, whatever its size, and so does what its
+    error is counted from: there it is part of the nominal value. It counts where the
+    parameter is held at the value of the design.
+    """
+
+
 class Noise(Effect):
     """A zero-mean Gaussian process of each axis."""
 
@@ -247,6 +257,23 @@ class Disturbance(Effect):
     def reading(self, value: Array, moment: Moment) -> Array:  # noqa: ARG002
         """Return what is added to the readings of a window's samples, (3, n)."""
         return np.zeros((3, 1))
+
+    def in_use(self, x: Array, force: Array) -> Array | None:  # noqa: ARG002
+        """Return what inputs of 1 add to the readings of their triad in later use.
+
+        Parameters
+        ----------
+        x : ndarray, shape (..., 3)
+            Nominal input of each axis itself, M u + b [unit of the input].
+        force : ndarray, shape (..., 3)
+            Specific force in body axes [m/s^2].
+
+        Returns
+        -------
+        ndarray, shape (..., 3, n), or None
+            None: nothing, it is one of the test alone.
+        """
+        return None
 
     def table(self, value: Array, table: Table) -> Table:  # noqa: ARG002
         """Return the table as it really stands during a window."""
@@ -424,7 +451,8 @@ class Source:
 
     def meant(self, given: Given) -> Source:
         """Return the source with the effect that a file means by it."""
-        return replace(self, effect=self.forms.get(given.form, self.effect))
+        effect = self.forms.get(given.form, self.effect)
+        return self if effect is self.effect else replace(self, effect=effect)
 
     def like(self, owner: str) -> str:
         """Return the most usual unit with that owner; '' where it has none."""
@@ -447,6 +475,11 @@ class Source:
     def varies(self) -> bool:
         """Whether it is an input of the budget; a coefficient is fixed."""
         return not isinstance(self.effect, Coefficient)
+
+    @property
+    def is_initial(self) -> bool:
+        """Whether every calibration finds it, so that it counts without one alone."""
+        return isinstance(self.effect, Initial)
 
     @property
     def own(self) -> str:

@@ -328,7 +328,7 @@ class Schedule:
     @cached_property
     def rates(self) -> Array:
         """Mean rates of the turns in body axes, shape (n_windows, 3) [rad/s]."""
-        return np.array([window.rate for window in self.windows])
+        return np.array([window.rate for window in self.windows]).reshape(-1, 3)
 
     @cached_property
     def turned(self) -> Array:
@@ -338,7 +338,8 @@ class Schedule:
     @cached_property
     def to_body(self) -> Array:
         """Mean matrices from east-north-up to body axes, shape (n_windows, 3, 3)."""
-        return np.array([window.setting.to_body for window in self.windows])
+        matrices = [window.setting.to_body for window in self.windows]
+        return np.array(matrices).reshape(-1, 3, 3)
 
     def spread(self, vector: Array) -> Array:
         """Return an east-north-up vector in body axes within each window, (n, p, 3).

@@ -34,6 +34,7 @@ TEXTS = {
     },
     "procedure": {"format", "name"},
     "station": {"format", "name"},
+    "mission": {"format", "name"},
     "requirement": {"format", "name", "caps"},
     "costs": {"format"},
 }

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from budget.errors import CallError
 from budget.methods.execution import small_blocks
 from budget.model.sources import STATION
+from budget.names import MISSION
 from budget.references.quantities import device_of, snapshot_of
 from budget.references.records import JOBS, Asked, files_fault
 from budget.references.sampling import standard_errors
@@ -87,6 +88,12 @@ def compute(
     devices = [read_device(one) for one in _told_apart(by_role.get("device", []))]
     procedures = _procedures(by_role.get("procedure", []), by_role.get(STATION, []))
     limits = [read_requirement(one) for one in by_role.get("requirement", [])]
+    if any(MISSION in one.kinds for one in limits):
+        raise CallError(
+            "the requirement has limits on a mission, and references are of "
+            "calibrations: what a mission gives is not stored; take those limits out, "
+            "or keep the JSON of `budget mission`"
+        )
     costs = [read_costs(one) for one in by_role.get("costs", [])]
     if job != "compare" and len(procedures) > 1:
         raise CallError(

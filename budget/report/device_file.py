@@ -80,11 +80,15 @@ def device_yaml(
         text.append(f"    bias: {_nominal(sensor.nominal_bias, AXES, unit, size)}")
         angles = _nominal(sensor.nominal_mounting_angle, ANGLES, "arcsec", ARCSEC)
         text.append(f"    mounting_angle: {angles}")
-        if sensor.lines:
+        if sensor.lines or sensor.initial:
             text.append("  errors:")
             text += [
                 f"    {line.name}: {_figure(line, gravity, mark)}"
                 for line in sensor.lines
+            ]
+            text += [
+                f"    {line.name}: {_figure(line, gravity, '')}"
+                for line in sensor.initial
             ]
     return "\n".join(text) + "\n"
 
@@ -211,8 +215,13 @@ def _is_same_sensor(one: Sensor, other: Sensor) -> bool:
         _is_near(one.nominal_bias, other.nominal_bias)
         and _is_near(one.nominal_mounting_angle, other.nominal_mounting_angle)
         and one.expected_missing == other.expected_missing
-        and len(one.lines) == len(other.lines)
-        and all(map(_is_same, one.lines, other.lines))
+        and all(
+            len(own) == len(others) and all(map(_is_same, own, others))
+            for own, others in (
+                (one.lines, other.lines),
+                (one.initial, other.initial),
+            )
+        )
     )
 
 

@@ -7,8 +7,6 @@ import io
 import json
 from typing import TYPE_CHECKING, Any
 
-from budget.results import COLUMNS
-
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
@@ -33,7 +31,7 @@ def json_text(document: Mapping[str, Any]) -> str:
 
 def to_csv(budget: Budget) -> str:
     """Write one row for each output and source and one `total`, in printed units."""
-    return csv_text(COLUMNS, budget.rows())
+    return csv_text(budget.columns, budget.rows())
 
 
 FORMULA = ("=", "+", "-", "@", "\t")  # what a spreadsheet takes for a formula

@@ -85,8 +85,8 @@ def sensor_blocks(sensor: Sensor, assumptions: Sequence[str]) -> Iterator[Block]
         nominal_mounting_angle=print_by_axis(sensor.nominal_mounting_angle / ARCSEC),
     )
     yield Paragraph(words=(nominal,), small=True)
-    if sensor.lines:
-        yield lines_table(sensor.kind, sensor.device, sensor.lines, assumptions)
+    if lines := (*sensor.lines, *sensor.initial):
+        yield lines_table(sensor.kind, sensor.device, lines, assumptions)
     else:
         text = say("The data sheet gives no line that the model uses.")
         yield Paragraph(words=(text,))

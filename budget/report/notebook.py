@@ -20,7 +20,7 @@ from budget.report.allocation.document import allocation_csv
 from budget.report.analysis.build import report_document
 from budget.report.analysis.verdict import headline
 from budget.report.comparison.document import to_csv as comparison_csv
-from budget.report.export import export_csv
+from budget.report.export import export_csv, write_export
 from budget.report.figures.contributions import (
     Critical,
     correlation_chart,
@@ -177,6 +177,11 @@ def budget_latex(budget: Budget) -> str:
         f"\\begin{{tabular}}{{llrrrll}}\n\\hline\n{heads} \\\\\n\\hline\n{body}"
         "\\hline\n\\end{tabular}\n"
     )
+
+
+def export_text(found: Export) -> str:
+    """Return the file that the target of an export reads."""
+    return write_export(found)
 
 
 def study_frame(found: Tabled) -> pd.DataFrame:

@@ -19,10 +19,13 @@ from budget.references.difference import Change, Difference, Move
 from budget.references.records import Item
 from budget.report.catalogue import REMARKS
 from budget.results import (
+    AT_A_TIME,
+    OF_A_LENGTH,
     SCHEMA,
     Ask,
     Assessment,
     Budget,
+    Calibrated,
     CapAssessment,
     Compensation,
     Contribution,
@@ -41,7 +44,7 @@ from budget.results import (
     Validation,
 )
 from budget.spec.changes import Changed
-from budget.spec.records import Device, ErrorLine, Sensor, UnusedValue
+from budget.spec.records import Device, ErrorLine, Mission, Sensor, UnusedValue
 from budget.spec.schema import DIALECT
 from budget.studies.allocation.records import (
     Allocation,
@@ -306,10 +309,19 @@ def _judged(schema: _Schema) -> Node:
         "limit standard_uncertainty interval interval_by largest_error utilisation "
         "conformance lower_bound nothing_known=is_unknown",
         **KEYS,
+        maybe={**WHEN, "coverage": float},
     )
     return _many(output)
 
 
+WHEN: Node = {AT_A_TIME: float}  # of what is of a mission
+# Of a length, which is a further output of a mission, with any other none is known.
+JOINT: Node = {
+    "description": "of all outputs; null between a horizontal length and another output"
+    ", of which no covariance is known",
+    "type": "array",
+    "items": {"type": "array", "items": {"type": ["number", "null"]}},
+}
 FROM: Node = {"from": str}  # no name in Python
 KEYS: Node = {
     "sensor": str,
@@ -348,6 +360,16 @@ def _budget(schema: _Schema) -> Node:
         degrees_of_freedom=float | None,
         contributions=_many(contribution),
         validation=_or_none(validation),
+        maybe={**WHEN, **dict.fromkeys(OF_A_LENGTH, float), "coverage": float},
+    )
+    schema.entry(
+        "mission_of_budget",
+        Mission,
+        "name alignment aided",
+        duration=float,
+        calibrations=_many(
+            schema.entry("calibrated", Calibrated, "name cep lower_bound")
+        ),
     )
     step = schema.entry(
         "step", Step, "factor expanded_uncertainty=expanded utilisation verdict"
@@ -367,15 +389,22 @@ def _budget(schema: _Schema) -> Node:
         "budget",
         Budget,
         own,
-        **_head(("analyze", "report")),
+        **_head(("analyze", "report", "mission")),
         inputs=_files(schema),
         settings=_settings(schema),
         outputs=_many(output),
         quantities={"type": "object", "additionalProperties": _quantity(schema)},
-        covariance=MATRIX,
+        covariance=JOINT,
         assessment=_or_none(_assessment(schema)),
         maybe={
             "missing": schema.entry("missing", FilledLine, **_filling(schema)),
+            # Of a report all that `budget mission` says.
+            "mission": _either(
+                [
+                    {"$ref": f"#/$defs/{name}"}
+                    for name in ("mission_of_budget", "budget")
+                ]
+            ),
             "readings": _many(_effect(schema)),
             "matrices": _matrices(schema),
             "one_at_a_time": _many(steps),
@@ -510,6 +539,7 @@ def _comparison(schema: _Schema) -> Node:
         nothing_known=_many(silent),
         imus=_many(imu),
         pairs=_many(pair),
+        maybe={"mission": str},
     )
 
 

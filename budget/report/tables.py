@@ -8,7 +8,7 @@ from itertools import groupby
 from math import ceil, floor, fsum, isfinite, log10, sqrt
 from typing import TYPE_CHECKING
 
-from budget.language import key_title, say, term
+from budget.language import axis_title, key_title, say, term
 from budget.names import Name, by_group
 from budget.results import BY_LAW, INTERACTION, Contribution
 from budget.spec.records import ANGLES
@@ -401,11 +401,19 @@ def join_outputs(names: Sequence[Name]) -> str:
     """Gather outputs of one parameter: 'gyro bias x, y, z'; of all six, every axis."""
     groups: dict[Name, list[str]] = {}
     for name in names:
-        groups.setdefault(name.group, []).append(name.axis)
+        if name.time is None:
+            groups.setdefault(name.group, []).append(name.axis)
     return say("; ").join(
-        f"{key_title(group)} "
-        + (say("(every axis)") if len(axes) == len(ANGLES) else say(", ").join(axes))
-        for group, axes in groups.items()
+        [
+            f"{key_title(group)} "
+            + (
+                say("(every axis)")
+                if len(axes) == len(ANGLES)
+                else say(", ").join(axes)
+            )
+            for group, axes in groups.items()
+        ]
+        + [key_title(name) for name in names if name.time is not None]
     )
 
 
@@ -495,7 +503,7 @@ def _group_table(
         sources=tuple(
             sources[k] for k in from_largest([row.share.exact for row in sources])
         ),
-        validation=_validation(outputs, settings.digits),
+        validation=validation_words(outputs, settings.digits),
     )
 
 
@@ -511,7 +519,7 @@ def _output_row(row: OutputBudget) -> OutputRow:
         )
 
     return OutputRow(
-        axis=row.axis,
+        axis=axis_title(row.output.name),
         mean=bound(value(row.mean), sign=""),
         u=bound(round_u(row.standard_uncertainty, row.output)),
         expanded=bound(value((row.interval[1] - row.interval[0]) / 2.0)),
@@ -579,7 +587,7 @@ def _source_cell(
     )
 
 
-def _validation(outputs: tuple[OutputBudget, ...], digits: int) -> str:
+def validation_words(outputs: Sequence[OutputBudget], digits: int) -> str:
     """Say in words how the law fared against Monte Carlo, JCGM 101:2008, 8.1."""
     checked = [(row, row.validation) for row in outputs if row.validation is not None]
     if not checked:
@@ -593,7 +601,9 @@ def _validation(outputs: tuple[OutputBudget, ...], digits: int) -> str:
             misses.append(
                 say(
                     "{axis} {word}: difference {worse} {unit}, tolerance {tolerance}",
-                    axis=row.axis,
+                    axis=row.axis
+                    if row.output.name.time is None
+                    else key_title(row.output.name),
                     word=say(check.word),
                     worse=round_uncertainty(worse),
                     unit=row.output.unit,

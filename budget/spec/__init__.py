@@ -8,13 +8,16 @@ from budget.spec.load import (
     load_costs,
     load_device,
     load_devices,
+    load_mission,
     load_procedure,
     load_requirement,
     load_station,
     load_stations,
     load_variants,
+    uncalibrated,
     validate,
     variants,
+    without_test,
 )
 from budget.spec.schema import json_schema
 
@@ -25,11 +28,14 @@ __all__ = [
     "load_costs",
     "load_device",
     "load_devices",
+    "load_mission",
     "load_procedure",
     "load_requirement",
     "load_station",
     "load_stations",
     "load_variants",
+    "uncalibrated",
     "validate",
     "variants",
+    "without_test",
 ]

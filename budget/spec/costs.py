@@ -53,7 +53,7 @@ _SOURCES = {
     Name(line.name, owner=sensor): line
     for sensor in SENSORS
     for line in lines_of(sensor)
-    if line.varies
+    if line.varies and not line.is_initial  # what a calibration finds costs nothing
 }
 _COSTS: Any = mapping_of(
     "costs by line",

@@ -224,6 +224,26 @@ def per_axis(like: str, axes: tuple[str, ...], sign: Sign) -> Any:  # noqa: ANN4
     return Annotated[mapping_of(f"by axis in {like}", fields), OrText(measured)]
 
 
+class OneOrMore:
+    """Beside the sequence it annotates, one of its items alone."""
+
+    def __get_pydantic_core_schema__(
+        self, source: object, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        """Tell pydantic how to read either."""
+        return core_schema.no_info_before_validator_function(
+            lambda value: (value,) if isinstance(value, dict) else value,
+            handler(source),
+        )
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Describe either."""
+        several = handler(schema)
+        return {"anyOf": [several["items"], several]}
+
+
 def by_axis(value: Quantity | Strict, axes: tuple[str, ...]) -> dict[str, Quantity]:
     """Return the quantity of each axis that a value names; a text names them all."""
     if isinstance(value, Quantity):

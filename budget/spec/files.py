@@ -26,6 +26,7 @@ FOLDERS = {
     "device": "devices",
     "procedure": "procedures",
     "station": "stations",
+    "mission": "missions",
     "requirement": "requirements",
     "costs": "costs",
 }
@@ -146,8 +147,8 @@ def open_file(file: NamedFile, kind: str | None = None) -> Document:
     else:
         message = (
             "is of no known kind, expected limits (in a requirement), costs (costs), "
-            "latitude or windows (procedure), station (station), gyro or "
-            "accelerometer (device)"
+            "mission (mission), latitude or windows (procedure), station (station), "
+            "gyro or accelerometer (device)"
         )
         issue = document.issue(root, message)
     raise all_of([*document.issues, issue])
@@ -221,6 +222,7 @@ def _signs(root: Node) -> Iterator[_Sign]:
     places = [
         ("requirement", root, ("limits",)),
         ("costs", root, ("costs",)),
+        ("mission", root, ("mission",)),
         (
             "procedure",
             root,

@@ -5,20 +5,33 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import partial
+from hashlib import sha256
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from budget.errors import SpecError
+from budget.errors import CallError, SpecError
+from budget.language import note
+from budget.model.source import Change as Changing
+from budget.model.source import Coefficient
+from budget.model.sources import ENVIRONMENT, SENSORS, source_of
+from budget.model.sources.later import TEST_VIBRATION
+from budget.names import Name, parameters_of
 from budget.resources import shipped
 from budget.spec.changes import check_used, read_change, texts_of
 from budget.spec.costs import read_costs
 from budget.spec.device import read_device, root_of, variant_names
 from budget.spec.files import FOLDERS, find, open_file
+from budget.spec.mission import read_mission
 from budget.spec.procedure import read_procedure
 from budget.spec.reader import refuse
 from budget.spec.records import (
+    FACTORY,
+    NONE,
+    UNCALIBRATED,
     Checked,
     Costs,
     Device,
+    Mission,
+    Origin,
     Procedure,
     Requirement,
     Station,
@@ -39,6 +52,20 @@ if TYPE_CHECKING:
 P = TypeVar("P")
 T = TypeVar("T")
 PAPER = "zhao-2019"  # the shipped procedure that stands in for none
+# What stands for a procedure where there is none: its name, and what is assumed.
+UNTESTED = {
+    NONE: (
+        "no calibration",
+        note("nobody calibrates it: each parameter is what the design says"),
+    ),
+    FACTORY: (
+        "calibration by the maker",
+        note(
+            "the maker has calibrated it ideally: what it has from its making counts "
+            "nothing, what is new since then counts once"
+        ),
+    ),
+}
 
 
 def load_device(path: Device | File, changes: Changes = ()) -> Device:
@@ -202,6 +229,66 @@ def load_procedure(
     return procedure if age is None else aged(procedure, age, shown)
 
 
+def uncalibrated(
+    word: str, *, station: Station | File | None = None, age: str | None = None
+) -> Procedure:
+    """Return what stands for a procedure where nobody calibrates: all is held.
+
+    Parameters
+    ----------
+    word : str
+        'none', a unit as it was made; 'factory', one that its maker has calibrated.
+    station : str, Path or mapping, optional
+        Whose environment it is used in; there is no test that the station disturbs.
+    age : str, optional
+        Time since the maker's calibration.
+
+    Raises
+    ------
+    CallError
+        It is another word.
+    SpecError
+        As of load_procedure.
+    """
+    if word not in UNCALIBRATED:
+        raise CallError(
+            f"found {word!r}, expected {' or '.join(UNCALIBRATED)}, or a procedure"
+        )
+    procedure = load_procedure()
+    if station is not None:
+        procedure = done_at(procedure, load_station(station), word)
+    found = without_test(procedure, word)
+    return found if age is None else aged(found, age, word)
+
+
+def without_test(procedure: Procedure, word: str) -> Procedure:
+    """Return a procedure as if nobody did it: 'none' or 'factory' (uncalibrated)."""
+    name, assumed = UNTESTED[word]
+    later = tuple(
+        line
+        for line in procedure.environment
+        if isinstance(source_of(ENVIRONMENT, line.name).effect, Changing | Coefficient)
+        and line.name != TEST_VIBRATION
+    )
+    at_all = tuple(f"{Name(line.name, owner=ENVIRONMENT)}:" for line in later)
+    return replace(
+        procedure,
+        name=name,
+        formulas=word,
+        held=tuple(name for kind in SENSORS for name in parameters_of(kind)),
+        windows=(),
+        orders=(),
+        station=(),
+        environment=later,
+        assumptions=(
+            assumed,
+            *(text for text in procedure.assumptions if text.startswith(at_all)),
+        ),
+        origin=Origin(file=word, sha256=sha256(word.encode()).hexdigest()),
+        station_origin=procedure.station_origin if later else None,
+    )
+
+
 def load_station(path: Station | File) -> Station:
     """Read a test station. Raises as load_device."""
     if isinstance(path, Station):
@@ -222,6 +309,13 @@ def load_stations() -> tuple[Station, ...]:
     if issues:
         raise SpecError(tuple(issues))
     return tuple(found)
+
+
+def load_mission(path: Mission | File) -> Mission:
+    """Read a mission. Raises as load_device."""
+    if isinstance(path, Mission):
+        return path
+    return read_mission(_open(path, "mission"))
 
 
 def load_requirement(path: Requirement | File) -> Requirement:
@@ -329,9 +423,12 @@ def _validate(path: File, changes: Sequence[Change]) -> Checked:
     )
 
 
-_READERS: dict[str, Callable[[Document], Procedure | Station | Requirement | Costs]] = {
+_READERS: dict[
+    str, Callable[[Document], Procedure | Station | Mission | Requirement | Costs]
+] = {
     "procedure": read_procedure,
     "station": read_station,
+    "mission": read_mission,
     "requirement": read_requirement,
     "costs": read_costs,
 }

@@ -232,6 +232,26 @@ READINGS = (
         says="per square of an rms vibration; a shift under one vibration, or one of a "
         "band, is not",
     ),
+    Reading(
+        anchor="initial-tolerances",
+        words={
+            "initial_bias": (
+                *("zero-rate output tolerance", "ZRO tolerance", "initial ZRO"),
+                *("zero-rate offset", "zero-rate level", "initial bias", "bias offset"),
+                *("zero-g tolerance", "zero-g offset", "zero-g level"),
+            ),
+            "initial_scale_factor": (
+                *("sensitivity tolerance", "sensitivity scale factor tolerance"),
+                *("scale factor tolerance", "initial sensitivity error"),
+            ),
+            "initial_mounting": (
+                *("cross-axis sensitivity", "cross-axis", "misalignment"),
+                *("alignment error", "axis misalignment"),
+            ),
+        },
+        says="what a new unit has before any calibration, at room temperature; of a "
+        "part that is calibrated it counts nothing, and 1 % across an axis is 10 mrad",
+    ),
 )
 
 

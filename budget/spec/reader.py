@@ -36,7 +36,7 @@ def read(path: Path, shown: str, content: bytes | None = None) -> Document:
     SpecError
         The file cannot be read on: missing, too large, no UTF-8, no YAML.
     """
-    data = _read_bytes(path, shown) if content is None else content
+    data = read_bytes(path, shown) if content is None else content
     # In any locale the characters of the name, not what stands for its bytes.
     base_name = os.fsencode(path.name).decode("utf-8", errors="replace")
     return parse(data, shown, base_name=base_name)
@@ -93,19 +93,25 @@ def refuse(shown: str, message: str, mark: Mark = START) -> SpecError:
     return SpecError((issue,))
 
 
-def _read_bytes(path: Path, shown: str) -> bytes:
-    """Return what is in the file, never much more than it may hold."""
+def read_bytes(
+    path: Path, shown: str, *, most: int = MOST_BYTES, what: str = "a YAML file"
+) -> bytes:
+    """Return what is in a file, never much more than it may hold.
+
+    Raises
+    ------
+    SpecError
+        It cannot be read.
+    """
     try:
         with path.open("rb") as stream:
             note_read(path)
-            return stream.read(MOST_BYTES + 1)
+            return stream.read(most + 1)
     except IsADirectoryError:
-        raise refuse(shown, "is a folder, expected a YAML file") from None
+        raise refuse(shown, f"is a folder, expected {what}") from None
     except (OSError, ValueError) as error:  # ValueError: a null byte in the name
         reason = getattr(error, "strerror", None) or str(error)
-        raise refuse(
-            shown, f"cannot be read ({reason}), expected a YAML file"
-        ) from None
+        raise refuse(shown, f"cannot be read ({reason}), expected {what}") from None
 
 
 def _decode(data: bytes, shown: str) -> str:

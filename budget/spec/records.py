@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.model.windows import Window
+    from budget.navigation.route import Route
     from budget.spec.changes import Changed, Changes
 
 __all__ = ["ANGLES", "AXES"]
@@ -113,6 +114,9 @@ class Sensor:
         What g means in values of the device [m/s^2].
     beside : Sensor or None
         Of a gyro: the accelerometers of the same unit.
+    initial : tuple of ErrorLine
+        Tolerances of a new unit, that every calibration finds; they count for what is
+        held at the design.
     """
 
     kind: str
@@ -124,23 +128,29 @@ class Sensor:
     expected_missing: tuple[Name, ...]
     gravity_unit: float = STANDARD_GRAVITY
     beside: Sensor | None = None
+    initial: tuple[ErrorLine, ...] = ()
 
     def line(self, name: str) -> ErrorLine | None:
         """Return the line of that name, or None where the data sheet has none."""
-        return next((line for line in self.lines if line.name == name), None)
+        every = (*self.lines, *self.initial)
+        return next((line for line in every if line.name == name), None)
 
     def with_lines(self, lines: Iterable[ErrorLine]) -> Sensor:
         """Return the sensor with these lines, in their order, and what it then lacks.
 
-        Of lines for one thing the second is no gap where the first is given.
+        Of lines for one thing the second is no gap where the first is given. What a new
+        unit has stays as it is where none of these says it.
         """
-        known = lines_of(self.kind)
+        known = [line for line in lines_of(self.kind) if not line.is_initial]
+        at_first = [line for line in lines_of(self.kind) if line.is_initial]
         given = {line.name: line for line in lines}
+        initial = tuple(given[one.name] for one in at_first if one.name in given)
         met = {line.expected for line in known if line.name in given} - {""}
         expected = dict.fromkeys(line.expected for line in known if line.expected)
         return replace(
             self,
             lines=tuple(given[line.name] for line in known if line.name in given),
+            initial=initial or self.initial,
             not_given=tuple(
                 Name(line.name, owner=self.kind)
                 for line in known
@@ -260,15 +270,20 @@ class AccelerometerProcedure:
     flip_axis: str = "inner"  # that z comes down by
 
 
+# In place of formulas, of a unit that nobody calibrates: as made, as it is sold.
+NONE, FACTORY = "none", "factory"
+UNCALIBRATED = (NONE, FACTORY)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Procedure:
-    """Where and how the calibration is done."""
+    """Where and how the calibration is done; or that none is."""
 
     name: str
     latitude: float  # [rad]
     gravity: float  # at the place [m/s^2]
     sample_rate: float  # [Hz]
-    formulas: str  # 'corrected', 'paper', 'least_squares' or 'weighted'
+    formulas: str  # 'corrected', 'paper', 'least_squares', ...; UNCALIBRATED
     gyro: GyroProcedure
     accelerometer: AccelerometerProcedure
     assumptions: tuple[str, ...]
@@ -294,6 +309,20 @@ class Procedure:
         )
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Mission:
+    """Where a calibrated unit goes by itself, and what it knows when it begins."""
+
+    name: str
+    route: Route
+    alignment: float  # how long it finds level and north by itself [s]; 0: it knows
+    aided: bool  # whether height and vertical velocity are known all the time
+    at: tuple[float, ...]  # times that are asked for, rising [s]
+    assumptions: tuple[str, ...]
+    origin: Origin
+    trajectory: Origin | None = None  # where the route was recorded
+
+
 @dataclass(frozen=True, kw_only=True)
 class Limit:
     """The largest absolute error allowed for one output."""
@@ -301,6 +330,7 @@ class Limit:
     output: Name
     limit: float  # [SI]
     printed: str
+    coverage: float | None = None  # of its interval; None: the requirement's [1]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -314,6 +344,10 @@ class Requirement:
     caps: tuple[tuple[str, str], ...]  # ('price', '50000 EUR'), ...
     assumptions: tuple[str, ...]
     origin: Origin
+
+    def coverage_of(self, limit: Limit) -> float:
+        """Return the coverage at which a limit is judged [1]."""
+        return self.coverage if limit.coverage is None else limit.coverage
 
     @property
     def outputs(self) -> tuple[Name, ...]:
@@ -350,7 +384,7 @@ class Checked:
     """What is said of a file in which nothing is wrong."""
 
     file: str  # as the user gave it
-    kind: str  # 'device', 'procedure', 'station', 'requirement' or 'costs'
+    kind: str  # as `budget schema` takes it
     variants: tuple[str, ...]  # of a device, '' for its base; () of the others
     assumptions: tuple[str, ...]  # of the base and every variant, each once
     changes: tuple[str, ...] = ()  # those of the call that it has

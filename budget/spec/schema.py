@@ -10,6 +10,7 @@ from pydantic.json_schema import GenerateJsonSchema
 from budget.errors import CallError
 from budget.spec.costs import CostsFile
 from budget.spec.device import DeviceFile
+from budget.spec.mission import MissionFile
 from budget.spec.procedure import ProcedureFile
 from budget.spec.requirement import RequirementFile
 from budget.spec.station import StationFile
@@ -25,6 +26,7 @@ _MODELS: dict[str, type[BaseModel]] = {
     "device": DeviceFile,
     "procedure": ProcedureFile,
     "station": StationFile,
+    "mission": MissionFile,
     "requirement": RequirementFile,
     "costs": CostsFile,
 }

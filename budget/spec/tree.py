@@ -47,9 +47,14 @@ class Node:
         return None
 
     def nearest(self, steps: Sequence[str | int]) -> Node:
-        """Return the deepest node there is on the way of those steps."""
+        """Return the deepest node there is on the way of those steps.
+
+        A mapping that stands for a sequence of one is its own first item.
+        """
         node = self
         for step in steps:
+            if step == 0 and isinstance(node.value, dict):
+                continue
             child = node.child(step)
             if child is None:
                 break

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,39 +19,47 @@ from budget.methods.monte_carlo import (
     least_trials,
     sample,
 )
+from budget.methods.radius import circles
 from budget.methods.sobol import SCRAMBLES, SobolResult, evaluations, sobol
 from budget.methods.validation import MAX_TRIALS as VALIDATION_TRIALS
 from budget.methods.validation import validate as validate_law
 from budget.model.sources import SENSORS
-from budget.names import IMU, Name
+from budget.names import IMU, MISSION, Name
 from budget.results import (
     BY_LAW,
     BY_TRIALS,
+    CEP,
     INTERACTION,
+    R95,
     Budget,
     Compensation,
     Contribution,
     OutputBudget,
+    Radii,
     Settings,
     SobolIndex,
     Validation,
     input_files,
 )
-from budget.spec import load_devices, load_procedure, load_requirement
+from budget.spec import load_devices, load_mission, load_procedure, load_requirement
 from budget.studies import blunders, cautions
 from budget.studies.compensation import compensations
 from budget.studies.conformity import assess
 from budget.studies.input_quantities import input_quantities, sensitivities
 from budget.studies.lower_bounds import could_widen, expecting_device
 from budget.studies.missing import REFUSE, Filling, fill_all
+from budget.studies.mission import bought
 from budget.studies.progress import Engine, describe_cost, seconds_per_trial
 from budget.studies.readings import effects
 from budget.studies.request import (
     Analysis,
+    after_a_turn_on,
     check_settings,
     choose_basis,
     choose_outputs,
     choose_sources,
+    choose_times,
+    navigating,
     not_calibrated,
     not_estimated,
     not_weighted,
@@ -64,9 +73,13 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.problem import Problem
     from budget.spec.files import File
-    from budget.spec.records import Device, Procedure, Requirement
+    from budget.spec.records import Device, Mission, Procedure, Requirement
     from budget.studies.progress import Progress
 
+NOT_OF_A_MISSION = note(
+    "the requirement has limits on a mission, which are not judged here: budget "
+    "mission --requirement judges them"
+)
 # An interaction below this is the rounding of the estimators [1].
 ROUNDING = 1e-9
 SIMULATED_RUNS = 200  # where no number is asked for
@@ -106,11 +119,13 @@ def analyze(
     matrices: bool = False,
     missing: str = REFUSE,
     catalogue: Sequence[Device] | None = None,
+    mission: Mission | File | None = None,
+    at: Sequence[float] = (),
     command: str = "analyze",
     progress: Progress | None = None,
     talk: Callable[[str], None] | None = None,
 ) -> Budget:
-    """Compute the error budget of a calibration.
+    """Compute the error budget of a calibration, or of a mission after it.
 
     Parameters
     ----------
@@ -160,6 +175,11 @@ def analyze(
         'refuse', 'worst', 'typical' or 'predict'.
     catalogue : sequence of Device, optional
         Where those lines are taken from; without it the devices that ship.
+    mission : Mission, optional
+        Whose errors are asked for, in place of those of the parameters; with a later
+        turn-on as error reference. `procedure` may be `budget.uncalibrated("none")`.
+    at : sequence of float
+        Times of the mission [s]; those of its file without it.
     command : str
         Name of the job in the result.
     progress : callable, optional
@@ -177,6 +197,13 @@ def analyze(
         Options or devices that do not fit together.
     """
     wanted = None if requirement is None else load_requirement(requirement)
+    route, carried_to = None, None
+    if mission is not None:
+        route = load_mission(mission)
+        carried_to = choose_times(route, at, wanted)
+        reference = after_a_turn_on(reference)
+    elif tuple(at):
+        raise CallError(f"at is {at!r}, the times of a mission; give mission=, too")
     basis = choose_basis(wanted, coverage=coverage, reference=reference)
     settings = Settings(
         method=method,
@@ -202,6 +229,8 @@ def analyze(
         catalogue=catalogue,
         engine=Engine(workers=workers, executor=executor, progress=progress, talk=talk),
         command=command,
+        mission=route,
+        carried_to=carried_to,
     )
 
 
@@ -230,23 +259,37 @@ def analyze_as(
     catalogue: Sequence[Device] | None = None,
     engine: Engine | None = None,
     command: str = "analyze",
+    mission: Mission | None = None,
+    carried_to: tuple[float, ...] | None = None,
 ) -> Budget:
-    """Compute the budget as `analyze` does, with the settings given as a whole."""
+    """Compute the budget as `analyze` does, with the settings given as a whole.
+
+    `carried_to` are times at which that of the mission after it is asked for, in its
+    place; the mission alone is for limits on it.
+    """
     engine = Engine() if engine is None else engine
     procedure = load_procedure(None) if procedure is None else procedure
-    sensors_of(devices, procedure)  # refuses what does not go together
+    of_test = carried_to is None
+    find = partial(sensors_of, procedure=procedure) if of_test else navigating
+    find(devices)  # refuses what does not go together
     filling = Filling()
     if settings.missing != REFUSE:
-        there = [expecting_device(x, procedure, settings.reference) for x in devices]
+        there = [
+            expecting_device(x, procedure, settings.reference, every=not of_test)
+            for x in devices
+        ]
         devices, filling = fill_all(there, settings.missing, catalogue)
-    sensors = sensors_of(devices, procedure)
+    sensors = find(devices)
     check_settings(settings, workers=engine.workers)
     chosen, warnings = choose_sources(sensors, procedure, settings.only)
-    warnings = (
-        *not_calibrated(devices, procedure),
-        *not_estimated(devices, procedure, requirement),
-        *warnings,
-    )
+    if of_test:
+        limited = requirement is not None and MISSION in requirement.kinds
+        warnings = (
+            *(NOT_OF_A_MISSION,) * (limited and mission is None),
+            *not_calibrated(devices, procedure),
+            *not_estimated(devices, procedure, requirement),
+            *warnings,
+        )
     analysis = Analysis(
         devices=devices,
         procedure=procedure,
@@ -255,7 +298,9 @@ def analyze_as(
         only=chosen,
         requirement=requirement,
         filling=filling,
-        asked=choose_outputs(devices, procedure, settings.outputs),
+        asked=choose_outputs(devices, procedure, settings.outputs) if of_test else None,
+        mission=mission,
+        carried_to=carried_to,
     )
     problem, law = analysis.problem, analysis.law
     if engine.talk is not None:
@@ -267,6 +312,8 @@ def analyze_as(
     warnings += cautions.age_that_counts_not(procedure, settings.reference)
     if chosen is None:
         warnings += cautions.unknown_zeros(problem, law)
+    warnings += cautions.beyond_first_order(problem, law)
+    if chosen is None and of_test:
         warnings += cautions.say_unfelt(cautions.unfelt(analysis))
         warnings += blunders.worth_saying(procedure, sensors, law, problem, requirement)
     estimate = ESTIMATORS[settings.method](analysis, settings, engine)
@@ -292,7 +339,9 @@ def analyze_as(
     budget = Budget(
         command=command,
         title=" + ".join(device.name for device in devices),
-        inputs=input_files(devices, procedure=procedure, requirement=requirement),
+        inputs=input_files(
+            devices, procedure=procedure, mission=mission, requirement=requirement
+        ),
         settings=replace(
             settings,
             trials=estimate.trials,
@@ -303,26 +352,35 @@ def analyze_as(
             sobol_samples=None if indices is None else indices.samples,
             sobol_scrambles=None if indices is None else indices.scrambles,
         ),
-        outputs=_output_budgets(
-            analysis, estimate, indices=indices, lacks=analysis.lacks
+        outputs=tuple(
+            _as_given(row, settings.coverage)
+            for row in _output_budgets(
+                analysis, estimate, indices=indices, lacks=analysis.lacks
+            )
         ),
         covariance=estimate.covariance,
         not_given=tuple(name for sensor in sensors for name in sensor.not_given),
         assumptions=(
             *(text for device in devices for text in device.assumptions),
             *procedure.assumptions,
+            *(() if mission is None else mission.assumptions),
+            *(() if of_test else cautions.left_behind(sensors, procedure)),
             *not_weighted(sensors, procedure),
-            *cautions.shared_constants(sensors, settings.reference),
+            *cautions.shared_constants(sensors, procedure, settings.reference),
         ),
         warnings=warnings,
-        could_widen=could_widen(sensors, procedure, reference=settings.reference),
+        could_widen=could_widen(sensors, procedure, reference=settings.reference)
+        if of_test
+        else {},
         matrices=matrices,
         quantities=input_quantities(analysis),
         filled=analysis.filled.lines,
         left=analysis.filled.left,
         readings=effects(analysis.sensors, procedure, reference=settings.reference)
-        if chosen is None
+        if chosen is None and of_test
         else (),
+        mission=analysis.journey,
+        bought=() if of_test or chosen is not None else bought(analysis),
         analysis=analysis,
     )
     return budget if requirement is None else _judge(budget, requirement)
@@ -436,7 +494,15 @@ def _judge(budget: Budget, requirement: Requirement) -> Budget:
         budget,
         assessment=assessment,
         outputs=tuple(
-            replace(row, interval=found.interval, interval_by=found.interval_by)
+            _as_given(
+                replace(
+                    row,
+                    interval=found.interval,
+                    interval_by=found.interval_by,
+                    coverage=found.coverage,
+                ),
+                budget.settings.coverage,
+            )
             if (found := judged.get(row.output.name)) is not None
             else row
             for row in budget.outputs
@@ -486,6 +552,7 @@ def _output_budgets(
     """Put the estimate and the law's contributions together, output by output."""
     problem, law = analysis.problem, analysis.law
     names = [group.name for group in problem.groups]
+    radii = _radii(problem, estimate)
     c = sensitivities(analysis)
     u = np.sqrt(np.diag(estimate.covariance))
     factor = law.coverage_factor(analysis.coverage)
@@ -497,7 +564,7 @@ def _output_budgets(
             (name, variance)
             for name, variance in zip(names, law.source_variance[:, k], strict=True)
             if name.owner not in SENSORS
-            or output.name.owner in {name.owner, IMU}
+            or output.name.owner in {name.owner, IMU, MISSION}
             or variance > 0.0
         ]
         is_known = not lacks[output.name] and not any(
@@ -532,6 +599,7 @@ def _output_budgets(
                 u_by=estimate.method,
                 law_factor=float(factor[k]),
                 validation=estimate.validations[k],
+                radii=radii.get(output.name),
                 lacks=lacks[output.name],
                 degrees_of_freedom=float(law.degrees_of_freedom[k])
                 if is_known and estimate.method == BY_LAW
@@ -539,6 +607,27 @@ def _output_budgets(
             )
         )
     return tuple(budgets)
+
+
+def _radii(problem: Problem, estimate: Estimate) -> dict[Name, Radii]:
+    """Return CEP and R95 of the lengths among the outputs, of the normal law."""
+    lengths = [output.name for output in problem.outputs if output.length_of]
+    if not lengths:
+        return {}
+    found = [circles(estimate.covariance, problem.legs, p) for p in (CEP, R95)]
+    return {
+        name: Radii(cep=float(cep), r95=float(r95))
+        for name, cep, r95 in zip(lengths, *found, strict=True)
+    }
+
+
+def _as_given(row: OutputBudget, coverage: float) -> OutputBudget:
+    """Return a row whose CEP and R95 are what its interval of that coverage says."""
+    p = coverage if row.coverage is None else row.coverage
+    if row.radii is None or p not in {CEP, R95}:
+        return row
+    key = "cep" if p == CEP else "r95"
+    return replace(row, radii=replace(row.radii, **{key: row.largest_error}))
 
 
 def _sobol_index(

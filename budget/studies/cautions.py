@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import degrees
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.calibration.mission import not_carried
 from budget.calibration.schemes import removal
 from budget.language import in_a_row, note, term
 from budget.model.source import Change, Coefficient, Disturbance
 from budget.model.sources import DEVICE, ENVIRONMENT, source_of
 from budget.model.sources.later import AGE, AGEING
-from budget.names import Name, key_title
+from budget.model.sources.processes import Quantization, SampleNoise
+from budget.names import Name, key_title, time_text
 from budget.spec.specification import time_of
 
 if TYPE_CHECKING:
@@ -259,10 +262,16 @@ def age_that_counts_not(procedure: Procedure, reference: str) -> tuple[str, ...]
     return (text,)
 
 
-def shared_constants(sensors: Sequence[Sensor], reference: str) -> tuple[str, ...]:
-    """Say which given lines count nothing because the reference shares their value."""
+def shared_constants(
+    sensors: Sequence[Sensor], procedure: Procedure, reference: str
+) -> tuple[str, ...]:
+    """Say which given lines count nothing because the reference shares their value.
+
+    Those of a parameter that is held count: its error is that of the design.
+    """
     if reference == "nominal":
         return ()
+    held = {name.group for name in procedure.held}
     return tuple(
         note(
             "{name}: a constant of the device, so it is also in the "
@@ -274,4 +283,60 @@ def shared_constants(sensors: Sequence[Sensor], reference: str) -> tuple[str, ..
         for line in sensor.lines
         for source in [source_of(sensor.kind, line.name).meant(line)]
         if source.own and source.stays == DEVICE
+        if Name(getattr(source.effect, "target", ""), owner=sensor.kind) not in held
     )
+
+
+def left_behind(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[str, ...]:
+    """Say what is taken for granted of given lines that act during a mission too."""
+    sampled = [
+        Name(line.name, owner=sensor.kind)
+        for sensor in sensors
+        for line in sensor.lines
+        if isinstance(
+            source_of(sensor.kind, line.name).effect, SampleNoise | Quantization
+        )
+    ]
+    said = []
+    if sampled:
+        said.append(
+            note(
+                "{names}: samples of the mission come at {rate:g} Hz, "
+                "the rate of the procedure",
+                names=", ".join(sampled),
+                rate=procedure.sample_rate,
+            )
+        )
+    if names := not_carried(sensors, procedure):
+        said.append(
+            note(
+                "{names}: the temperature during the mission is not modelled, so that "
+                "what these do on the way is not in its errors",
+                names=", ".join(names),
+            )
+        )
+    return tuple(said)
+
+
+SMALL = 0.1  # standard uncertainty of an attitude that first order is for [rad]
+
+
+def beyond_first_order(problem: Problem, law: Propagation) -> tuple[str, ...]:
+    """Warn of a mission whose attitude errors are too large for its equations."""
+    found = [
+        (u, output.name.time)
+        for output, u in zip(problem.outputs, law.standard_uncertainty, strict=True)
+        if output.name.quantity == "attitude" and u > SMALL
+    ]
+    if not found:
+        return ()
+    largest = max(u for u, _ in found)
+    first = min(time or 0.0 for _, time in found)
+    text = note(
+        "attitude errors reach {size} (1 sigma), from {time} on more than 6 deg: "
+        "the equations of navigation errors are of first order in them, so that what "
+        "is said of such times says that the unit is lost, not how far off it is",
+        size=f"{degrees(largest):.2g} deg",
+        time=time_text(first),
+    )
+    return (text,)

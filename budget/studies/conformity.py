@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from budget.calibration.derived import known_outputs
 from budget.errors import CallError
+from budget.names import MISSION
 from budget.results import INTERACTION, Assessment, CapAssessment, SensorAssessment
 from budget.spec import load_devices, load_requirement
 from budget.studies.doubt import doubt_of
@@ -25,7 +26,7 @@ from budget.studies.request import analysis_of
 from budget.ties import first_largest
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from budget.results import Budget, OutputAssessment, ReadingVerdicts
     from budget.spec.files import File
@@ -93,9 +94,7 @@ def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Asses
     found: list[Judged] = []
     verdicts: list[SensorAssessment] = []
     kinds = [sensor.kind for sensor in analysis.sensors]
-    limited = requirement.outputs
-    known = known_outputs(kinds, analysis.procedure)
-    for owner in dict.fromkeys(name.owner for name in known if name in limited):
+    for owner in _owners(analysis, requirement):
         own = replace(analysis, requirement=requirement).alone(owner)
         held = limit_problem(own.problem, requirement)
         if held is None:
@@ -104,7 +103,6 @@ def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Asses
         judged = judge(
             held,
             own.law,
-            coverage=requirement.coverage,
             seed=seed,
             # What missing lines leave open, no trial decides.
             max_trials=TRIALS if prediction else MAX_TRIALS,
@@ -135,6 +133,17 @@ def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Asses
             for device in analysis.devices
         ),
     )
+
+
+def _owners(analysis: Analysis, requirement: Requirement) -> Iterator[str]:
+    """Yield what has limits that can be judged: triads, both of them, the mission."""
+    limited = requirement.outputs
+    if analysis.carried_to is None:
+        kinds = [sensor.kind for sensor in analysis.sensors]
+        known = known_outputs(kinds, analysis.procedure)
+        yield from dict.fromkeys(name.owner for name in known if name in limited)
+    if analysis.mission is not None and MISSION in requirement.kinds:
+        yield MISSION
 
 
 def _readings(own: Analysis, seed: int) -> ReadingVerdicts | None:

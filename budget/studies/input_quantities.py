@@ -66,7 +66,12 @@ def sensitivities(analysis: Analysis) -> dict[Name, Sensitivity]:
     for group, rows, variance in zip(
         problem.groups, problem.slices, law.source_first_order, strict=True
     ):
-        of_inputs = line_u_of_inputs(group.name.owner, lines[group.name], group)
+        line = lines[group.name]
+        of_inputs = (
+            line_u_of_inputs(group.name.owner, line, group)
+            if analysis.journey is None
+            else np.full(group.size, line.u.max())
+        )
         each = np.abs(law.C[:, rows]) * np.sqrt(np.diag(group.covariance))
         # An output that nothing reaches has c = 0 of the largest axis.
         reached = each >= REACHES * each.max(axis=1, keepdims=True, initial=0.0)
@@ -79,7 +84,8 @@ def sensitivities(analysis: Analysis) -> dict[Name, Sensitivity]:
 def _lines(analysis: Analysis) -> dict[Name, ErrorLine]:
     """Return every line that is given, of all triads that are looked at."""
     there = with_accelerometers(analysis.sensors, analysis.procedure)
-    return given_lines(there, analysis.procedure)
+    is_mission = analysis.journey is not None
+    return given_lines(there, analysis.procedure, every=is_mission)
 
 
 def _quantity(name: Name, line: ErrorLine, origin: str) -> InputQuantity:

@@ -19,6 +19,7 @@ import numpy as np
 
 from budget.arrays import root_of_correlation
 from budget.calibration.derived import outputs_for
+from budget.calibration.mission import mission_problem
 from budget.calibration.problem import calibration_problem
 from budget.methods.execution import BLOCK, small_blocks, stream
 from budget.methods.intervals import interval_of_values
@@ -37,6 +38,7 @@ from budget.results import (
     OutputAssessment,
     Probability,
 )
+from budget.studies.request import on_mission
 from budget.ties import equal_to, first_largest, settle
 
 if TYPE_CHECKING:
@@ -48,7 +50,7 @@ if TYPE_CHECKING:
     from budget.methods.gum import Propagation
     from budget.names import Name
     from budget.problem import Output, Problem
-    from budget.spec.records import Procedure, Requirement, Sensor
+    from budget.spec.records import Mission, Procedure, Requirement, Sensor
 
 TRIALS = 100_000  # at first
 MAX_TRIALS = 1_600_000  # where more trials stop trying to settle a verdict
@@ -58,12 +60,14 @@ NORMAL_TRIALS = 16_384  # of the joint normal law, where there are no others
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Limited:
-    """What is judged: the Problem of one sensor, and limits on its outputs."""
+    """What is judged: the Problem of a sensor or a mission, and limits on outputs."""
 
     problem: Problem
     rows: Array  # required outputs among those of the Problem, shape (n_required,)
     limits: Array  # on their absolute errors, shape (n_required,) [SI]
+    coverage: Array  # probabilities of the intervals, shape (n_required,) [1]
     printed: tuple[str, ...]  # the limits as the requirement file gives them
+    usual: float  # the requirement's coverage, of limits without their own [1]
     # Parameters with a limit that the calibration does not estimate.
     absent: tuple[Name, ...] = ()
 
@@ -72,17 +76,37 @@ class Limited:
         """The required outputs."""
         return tuple(self.problem.outputs[row] for row in self.rows)
 
+    @property
+    def every_coverage(self) -> Array:
+        """Coverages of all outputs of the Problem, shape (n_out,) [1].
+
+        What is not required has that of the first that is.
+        """
+        found = np.full(len(self.problem.outputs), self.coverage[0])
+        found[self.rows] = self.coverage
+        return found
+
 
 def required_problem(
-    sensor: Sensor, procedure: Procedure, requirement: Requirement
+    sensors: tuple[Sensor, ...],
+    procedure: Procedure,
+    requirement: Requirement,
+    mission: Mission | None = None,
 ) -> Problem:
-    """Return the calibration of one sensor, with all that is limited of it."""
+    """Return the calibration of a sensor, with all that is limited of it.
+
+    Or the mission of a gyro and an accelerometer after it, with what is limited of
+    that.
+    """
     limited = requirement.outputs
+    if mission is not None:
+        wanted = on_mission(limited, mission)
+        return mission_problem(sensors, procedure, mission, wanted)
     return calibration_problem(
-        (sensor,),
+        sensors,
         procedure,
         reference=requirement.reference,
-        outputs=outputs_for((sensor.kind,), procedure, limited),
+        outputs=outputs_for([one.kind for one in sensors], procedure, limited),
     )
 
 
@@ -101,7 +125,9 @@ def limit_problem(
         problem=problem,
         rows=np.array([places[limit.output] for limit in required]),
         limits=np.array([limit.limit for limit in required]),
+        coverage=np.array([requirement.coverage_of(limit) for limit in required]),
         printed=tuple(limit.printed for limit in required),
+        usual=requirement.coverage,
         absent=tuple(
             limit.output
             for limit in requirement.limits
@@ -196,7 +222,6 @@ def judge(
     held: Limited,
     law: Propagation,
     *,
-    coverage: float,
     seed: int,
     trials: int = TRIALS,
     max_trials: int = MAX_TRIALS,
@@ -207,22 +232,20 @@ def judge(
     """
     number = trials
     while True:
-        judged = judge_with(held, law, coverage=coverage, seed=seed, trials=number)
+        judged = judge_with(held, law, seed=seed, trials=number)
         settles = judged.is_open and can_sharpen(judged, max_trials, above=1.0)
         if not settles or number >= max_trials:
             return judged
         number = min(STEP * number, max_trials)
 
 
-def judge_with(
-    held: Limited, law: Propagation, *, coverage: float, seed: int, trials: int
-) -> Judged:
+def judge_with(held: Limited, law: Propagation, *, seed: int, trials: int) -> Judged:
     """Judge with so many trials and no more; arguments as of `judge`."""
     limits = held.limits
     values = first_trials(held.problem, trials=trials, seed=seed, outputs=held.rows)
     ordered = np.sort(values, axis=1)
-    drawn = ends_of_trials(values, ordered, limits, coverage)
-    given = _ends_of_law(held, law, coverage)
+    drawn = ends_of_trials(values, ordered, limits, held.coverage)
+    given = _ends_of_law(held, law)
     sampled = half_widths(drawn).reshape(2, -1).max(axis=0)
     by_trials = given.bound.reshape(2, -1)[0] > sampled
     chosen = np.tile(by_trials, 2)
@@ -233,8 +256,8 @@ def judge_with(
         law,
         interval=np.where(
             by_trials[:, None],
-            interval_of_values(ordered, coverage, "symmetric"),
-            law.interval(coverage)[held.rows],
+            interval_of_values(ordered, held.coverage, "symmetric"),
+            interval_by_law(held, law),
         ),
         by_trials=by_trials,
         within=inside.mean(axis=1),
@@ -251,7 +274,7 @@ def judge_with(
     )
 
 
-def screen(held: Limited, law: Propagation, *, coverage: float, seed: int) -> Judged:
+def screen(held: Limited, law: Propagation, *, seed: int) -> Judged:
     """Judge by the law alone: fast, and undecided where the law is not sure enough.
 
     The joint probability of a box has no closed form; it is counted in draws of the
@@ -268,12 +291,15 @@ def screen(held: Limited, law: Propagation, *, coverage: float, seed: int) -> Ju
         ndtr((limits - mean) / safe) - ndtr((-limits - mean) / safe),
         np.abs(mean) <= limits,
     )
+    lengths = held.rows - law.value.size + law.legs.shape[1]
+    for k in np.flatnonzero(lengths >= 0):
+        within[k] = law.probability_of_length(lengths[k], limits[k])
     inside = _inside_normal(held, law, seed)
-    ends = _ends_of_law(held, law, coverage)
+    ends = _ends_of_law(held, law)
     return _judged(
         held,
         law,
-        interval=law.interval(coverage)[held.rows],
+        interval=interval_by_law(held, law),
         by_trials=np.zeros(held.rows.size, dtype=bool),
         within=within,
         conformance=Probability(value=float(inside.mean()), low=None, high=None),
@@ -318,6 +344,7 @@ def assess_outputs(
             conformance=float(judged.within[k]),
             lower_bound=bool(lacks[output.name]),
             is_unknown=bool(lacks[output.name] and judged.u[k] <= output.resolution),
+            coverage=p if (p := float(held.coverage[k])) != held.usual else None,
         )
         for k, output in enumerate(held.outputs)
     )
@@ -370,10 +397,15 @@ def _judged(
     )
 
 
-def _ends_of_law(held: Limited, law: Propagation, coverage: float) -> Ends:
+def interval_by_law(held: Limited, law: Propagation) -> Array:
+    """Return the law's intervals of the required outputs, (n_required, 2) [SI]."""
+    return np.asarray(law.interval(held.every_coverage)[held.rows])
+
+
+def _ends_of_law(held: Limited, law: Propagation) -> Ends:
     """Return the law's ends, which have a bound and no noise."""
-    low, high = law.interval(coverage)[held.rows].T
-    off = end_accuracy(held.problem, law, coverage)[held.rows]
+    low, high = interval_by_law(held, law).T
+    off = end_accuracy(held.problem, law, held.every_coverage)[held.rows]
     return Ends(
         value=np.concatenate([high / held.limits, -low / held.limits]),
         noise=np.zeros((1, 2 * held.rows.size)),
@@ -383,14 +415,14 @@ def _ends_of_law(held: Limited, law: Propagation, coverage: float) -> Ends:
 
 def _inside_normal(held: Limited, law: Propagation, seed: int) -> Array:
     """Return which of NORMAL_TRIALS draws of the law lie within all limits."""
-    rows, limits = held.rows, held.limits
+    rows, limits, ends = _components(held, law)
     sensor = held.outputs[0].name.owner
     normals = _unit_normals(seed, sensor, rows.size)
     # Scaled by the limits: the box becomes the unit cube.
     mean = law.mean[rows] / limits
     covariance = law.covariance[np.ix_(rows, rows)] / np.outer(limits, limits)
     reach = normals.longest * np.sqrt(np.diag(covariance))
-    if (np.abs(mean) + reach <= 1.0).all():  # no draw is long enough to get out
+    if not ends.size and (np.abs(mean) + reach <= 1.0).all():  # no draw gets out
         return np.ones(NORMAL_TRIALS, dtype=bool)
     u = np.sqrt(np.diag(covariance))
     safe = np.where(u > 0.0, u, 1.0)
@@ -400,8 +432,29 @@ def _inside_normal(held: Limited, law: Propagation, seed: int) -> Array:
         for start in range(0, NORMAL_TRIALS, BLOCK):  # blocks stay in the cache
             y = factor @ normals.z[:, start : start + BLOCK]
             y += mean[:, None]
+            for a, b in ends:
+                y[a] = np.hypot(y[a], y[b])
+                y[b] = 0.0
             inside[start : start + BLOCK] = np.abs(y, out=y).max(axis=0) <= 1.0
     return inside
+
+
+def _components(held: Limited, law: Propagation) -> tuple[Array, Array, Array]:
+    """Return rows and limits with two components in the place of each length.
+
+    And the places of these pairs among the rows, shape (n_lengths, 2).
+    """
+    first = law.value.size - law.legs.shape[1]
+    rows: list[int] = []
+    limits: list[float] = []
+    pairs: list[tuple[int, int]] = []
+    for row, limit in zip(held.rows.tolist(), held.limits.tolist(), strict=True):
+        own = [row] if row < first else law.legs[:, row - first].tolist()
+        if row >= first:
+            pairs.append((len(rows), len(rows) + 1))
+        rows += own
+        limits += [limit] * len(own)
+    return np.array(rows), np.array(limits), np.array(pairs).reshape(-1, 2)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -14,11 +14,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.calibration.derived import known_outputs, rotations_of
+from budget.calibration.mission import REFERENCE, mission_problem
 from budget.calibration.problem import calibration_problem
-from budget.calibration.schemes import is_beside, with_accelerometers
-from budget.methods.gum import propagate
-from budget.model.sources import lines_of, source_of
+from budget.calibration.schemes import (
+    WEIGHTED,
+    initial_lines,
+    is_beside,
+    with_accelerometers,
+)
+from budget.model.sources import SENSORS, lines_of, source_of
 from budget.model.sources.later import AGEING, age_in
+from budget.model.sources.processes import FlickerNoise
 from budget.names import IMU, Name, every_output
 from budget.spec.records import Sensor
 from budget.spec.specification import time_of
@@ -28,9 +34,22 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from budget.model.source import Source
-    from budget.spec.records import Device, ErrorLine, Procedure
+    from budget.spec.records import Device, ErrorLine, Mission, Procedure
 
 SAME_TIME = 0.01  # relative: 365 days are a year, of 365.25 [1]
+DRAWS = 8  # of each line alone
+# Lines that vary; those are apart whose numbers take longer to import than all others
+# to compute.
+_VARYING = {
+    Name(line.name, owner=kind): line
+    for kind in SENSORS
+    for line in lines_of(kind)
+    if line.varies
+}
+SELDOM = frozenset(
+    name for name, line in _VARYING.items() if isinstance(line.effect, FlickerNoise)
+)
+USUAL = frozenset(_VARYING) - SELDOM
 
 
 def lacking(
@@ -66,12 +85,39 @@ def lacking(
     return found
 
 
-def expecting(sensor: Sensor, procedure: Procedure, reference: str) -> Sensor:
-    """Return a sensor that is expected to say how it ages, where that counts.
+def lacking_of_mission(
+    sensors: Sequence[Sensor],
+    procedure: Procedure,
+    mission: Mission,
+    outputs: tuple[Name, ...],
+    *,
+    only: frozenset[Name] | None = None,
+) -> Mapping[Name, tuple[Name, ...]]:
+    """Return the same for outputs of a mission, by what a line does in run too."""
+    probes = {
+        name: line
+        for sensor in sensors
+        for name in sensor.expected_missing
+        if (line := _stand_in(name, only)) is not None
+    }
+    reached = _reached(sensors, probes, procedure, REFERENCE, on=(mission, outputs))
+    return {
+        output: tuple(name for name in probes if output in reached[name])
+        for output in outputs
+    }
+
+
+def expecting(
+    sensor: Sensor, procedure: Procedure, reference: str, *, every: bool = False
+) -> Sensor:
+    """Return a sensor that is expected to say what else counts: its age, its making.
 
     At a later turn-on after an age what a bias or a scale factor has gone is known by a
-    line of ageing, or by a repeatability that holds over that time at the least.
+    line of ageing, or by a repeatability that holds over that time at the least. Where
+    `every` parameter counts, what a new unit has of those that are held counts, too.
     """
+    if every:
+        sensor = _as_made(sensor, procedure)
     age = age_in({line.name: line for line in procedure.environment})
     if reference != "next_turn_on" or age == 0.0:
         return sensor
@@ -85,10 +131,26 @@ def expecting(sensor: Sensor, procedure: Procedure, reference: str) -> Sensor:
     return replace(sensor, expected_missing=(*there, *missing))
 
 
-def expecting_device(device: Device, procedure: Procedure, reference: str) -> Device:
-    """Return a device whose sensors are expected to say how they age."""
+def _as_made(sensor: Sensor, procedure: Procedure) -> Sensor:
+    """Return a sensor that is expected to say what it has from its making."""
+    known = [line for line in lines_of(sensor.kind) if line.is_initial]
+    probes = tuple(line_of(line, sensor.kind) for line in known)
+    given = {line.name for line in sensor.initial}
+    missing = (
+        Name(line.name, owner=sensor.kind)
+        for line in initial_lines(replace(sensor, initial=probes), procedure)
+        if line.name not in given
+    )
+    there = dict.fromkeys((*sensor.expected_missing, *missing))
+    return replace(sensor, expected_missing=tuple(there))
+
+
+def expecting_device(
+    device: Device, procedure: Procedure, reference: str, *, every: bool = False
+) -> Device:
+    """Return a device whose sensors are expected to say what else counts."""
     gyro, other = (
-        None if sensor is None else expecting(sensor, procedure, reference)
+        None if sensor is None else expecting(sensor, procedure, reference, every=every)
         for sensor in (device.gyro, device.accelerometer)
     )
     return replace(device, gyro=gyro, accelerometer=other)
@@ -134,61 +196,85 @@ def _reached(
     probes: Mapping[Name, Source],
     procedure: Procedure,
     reference: str,
+    *,
+    on: tuple[Mission, tuple[Name, ...]] | None = None,
 ) -> dict[Name, tuple[Name, ...]]:
     """Return for each probe the outputs that it alone reaches."""
-    reached = _reached_by(
-        tuple(
-            (one.kind, (*one.nominal_bias, *one.nominal_mounting_angle))
-            for one in triads
-        ),
-        tuple((name.owner, line.name) for name, line in probes.items()),
-        procedure,
-        reference,
+    asked = {name: Name(line.name, owner=name.owner) for name, line in probes.items()}
+    nominal = tuple(
+        (one.kind, (*one.nominal_bias, *one.nominal_mounting_angle)) for one in triads
     )
-    return dict(zip(probes, reached, strict=True))
+    # An estimator that weighs by noise lines is another one with more of them.
+    is_weighted = procedure.formulas == WEIGHTED
+    together = [frozenset(asked.values())] if is_weighted else [USUAL, SELDOM]
+    found: dict[Name, tuple[Name, ...]] = {}
+    for lines in together:
+        if not lines.isdisjoint(asked.values()):
+            found |= _reach(nominal, lines, procedure, reference, on)
+    return {name: found.get(line, ()) for name, line in asked.items()}
 
 
-# Devices of one design share it, and so do the runs of a study.
+# What one device lacks another does not: asked of all lines at once, it is the same for
+# all devices without nominal values, which are nearly all, and for the runs of a study.
 @lru_cache(maxsize=256)
-def _reached_by(
+def _reach(
     triads: tuple[tuple[str, tuple[float, ...]], ...],
-    probes: tuple[tuple[str, str], ...],
+    lines: frozenset[Name],
     procedure: Procedure,
     reference: str,
-) -> tuple[tuple[Name, ...], ...]:
-    """Return the outputs that each probe alone reaches in triads of nominal values."""
+    on: tuple[Mission, tuple[Name, ...]] | None,
+) -> Mapping[Name, tuple[Name, ...]]:
+    """Return the outputs that each line alone reaches in triads of nominal values.
+
+    The outputs of a mission that are named `on` it, else all of the calibration. A line
+    is drawn a few times, all others being 0: an output that it reaches moves.
+    """
     bare = [
         Sensor(
             kind=kind,
             device="",
             nominal_bias=np.array(nominal[:3]),
             nominal_mounting_angle=np.array(nominal[3:]),
-            lines=tuple(
-                line_of(source_of(kind, name), kind)
-                for owner, name in probes
-                if owner == kind
-            ),
+            lines=(),
             not_given=(),
             expected_missing=(),
+        ).with_lines(
+            line_of(source_of(kind, name.quantity), kind)
+            for name in sorted(lines)
+            if name.owner == kind
         )
         for kind, nominal in triads
     ]
     bare[0] = replace(bare[0], beside=bare[-1])
-    problem = calibration_problem(
-        tuple(bare),
-        procedure,
-        reference=reference,
-        outputs=known_outputs([one.kind for one in bare], procedure),
-    )
-    u = np.sqrt(propagate(problem).source_variance)
-    return tuple(
-        tuple(
+    if on is not None:
+        problem = mission_problem(tuple(bare), procedure, *on)
+    else:
+        problem = calibration_problem(
+            tuple(bare),
+            procedure,
+            reference=reference,
+            outputs=known_outputs([one.kind for one in bare], procedure),
+        )
+    probes = [
+        (group, rows)
+        for group, rows in zip(problem.groups, problem.slices, strict=True)
+        if group.name in lines
+    ]
+    rng = np.random.default_rng(0)  # of any numbers that are not equal
+    x = np.tile(problem.mean[:, None], (len(probes) + 1) * DRAWS)
+    for place, (group, rows) in enumerate(probes):
+        draws = group.factor @ rng.standard_normal((group.size, DRAWS))
+        x[rows, place * DRAWS : (place + 1) * DRAWS] += draws
+    y = problem.evaluate(x).reshape(len(problem.outputs), -1, DRAWS)
+    spread = np.sqrt(((y - y[:, -1:]) ** 2).mean(axis=2))  # from nominal values
+    return {
+        group.name: tuple(
             output.name
             for k, output in enumerate(problem.outputs)
-            if u[g, k] > output.resolution
+            if spread[k, place] > output.resolution
         )
-        for g in range(len(probes))
-    )
+        for place, (group, _) in enumerate(probes)
+    }
 
 
 def missing_of(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[Name, ...]:

@@ -97,13 +97,11 @@ def verdicts_by_reading(
     for choice in _combinations(sensor, lines, total):
         read = expecting(under(sensor, choice), procedure, requirement.reference)
         held = limit_problem(
-            required_problem(read, procedure, requirement), requirement
+            required_problem((read,), procedure, requirement), requirement
         )
         if held is None:
             return None
-        judged = (screen if by_law else judge)(
-            held, propagate(held.problem), coverage=requirement.coverage, seed=seed
-        )
+        judged = (screen if by_law else judge)(held, propagate(held.problem), seed=seed)
         missing = (*missing_of((read,), procedure), *held.absent)
         found.append(
             Reading(

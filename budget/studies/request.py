@@ -14,12 +14,15 @@ from budget.calibration.derived import (
     outputs_for,
     parts_of,
 )
+from budget.calibration.mission import DOWN, mission_outputs, mission_problem
+from budget.calibration.mission import REFERENCE as ON_MISSION
 from budget.calibration.problem import REFERENCES, calibration_problem
 from budget.calibration.schemes import (
     NORM,
     WEIGHTED,
     calibrates,
     estimated,
+    initial_lines,
     noise_of,
     with_accelerometers,
 )
@@ -29,10 +32,18 @@ from budget.language import note
 from budget.methods.gum import propagate
 from budget.methods.intervals import KINDS as INTERVALS
 from budget.model.sources import ACCELEROMETER, ENVIRONMENT, SENSORS, STATION, lines_of
-from budget.names import IMU, Name, by_group, every_output, meant
+from budget.names import (
+    IMU,
+    MISSION,
+    Name,
+    by_group,
+    every_output,
+    meant,
+    time_text,
+)
 from budget.spec import load_procedure
 from budget.spec.records import Device
-from budget.studies.lower_bounds import expecting, lacking
+from budget.studies.lower_bounds import expecting, lacking, lacking_of_mission
 from budget.studies.missing import Filling
 
 if TYPE_CHECKING:
@@ -42,12 +53,20 @@ if TYPE_CHECKING:
     from budget.methods.gum import Propagation
     from budget.problem import Problem
     from budget.results import Budget, Settings
-    from budget.spec.records import ErrorLine, Procedure, Requirement, Sensor
+    from budget.spec.records import (
+        ErrorLine,
+        Mission,
+        Procedure,
+        Requirement,
+        Sensor,
+    )
 
 METHODS = ("gum", "monte-carlo", "simulation")
 SHARED = (STATION, ENVIRONMENT)  # what all triads share
 DEFAULT_COVERAGE = 0.95  # [1]
 DEFAULT_REFERENCE = "nominal"
+SAME_TIME = 1e-9  # relative; of two times that are one [1]
+MOST_TIMES = 16  # of a mission: the law holds second derivatives of every output
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,6 +128,10 @@ class Analysis:
     filling: Filling = field(default_factory=Filling)
     # Triads that are looked at, of those that are there.
     kinds: tuple[str, ...] = SENSORS
+    mission: Mission | None = None  # that limits may be on
+    # Of what follows on it, and at which times besides those of limits [s]; None: the
+    # calibration is looked at.
+    carried_to: tuple[float, ...] | None = None
 
     @classmethod
     def of(
@@ -152,14 +175,30 @@ class Analysis:
             known = known_outputs([one.kind for one in self.sensors], self.procedure)
             of_both = tuple(name for name in known if name.owner == IMU)
             return replace(self, requirement=None, asked=of_both)
+        if owner == MISSION:
+            return replace(self, asked=None, carried_to=())
         return replace(self, kinds=(owner,), asked=None)
+
+    @property
+    def journey(self) -> Mission | None:
+        """The mission that it is of; None of a calibration."""
+        return None if self.carried_to is None else self.mission
 
     @cached_property
     def sensors(self) -> tuple[Sensor, ...]:
         """The triads, gyro first."""
+        if self.journey is not None:
+            found = navigating(self.devices)
+        else:
+            found = sensors_of(self.devices, self.procedure)
         return tuple(
-            expecting(sensor, self.procedure, self.reference)
-            for sensor in sensors_of(self.devices, self.procedure)
+            expecting(
+                sensor,
+                self.procedure,
+                self.reference,
+                every=self.journey is not None,
+            )
+            for sensor in found
             if sensor.kind in self.kinds
         )
 
@@ -173,7 +212,15 @@ class Analysis:
 
     @cached_property
     def problem(self) -> Problem:
-        """Inputs, measurement function and outputs of the calibration."""
+        """Inputs, measurement function and outputs of calibration or mission."""
+        if self.journey is not None:
+            return mission_problem(
+                self.sensors,
+                self.procedure,
+                self.journey,
+                self.outputs or (),
+                only=self.only,
+            )
         return calibration_problem(
             self.sensors,
             self.procedure,
@@ -186,6 +233,11 @@ class Analysis:
     def outputs(self) -> tuple[Name, ...] | None:
         """What is asked for and what is limited; None: all parameters, no others."""
         limited = () if self.requirement is None else self.requirement.outputs
+        if self.journey is not None:
+            every = mission_outputs(self.journey, self.carried_to or ())
+            asked = every if self.asked is None else self.asked
+            own = on_mission(limited, self.journey)
+            return tuple(dict.fromkeys((*asked, *own)))
         return outputs_for(
             [sensor.kind for sensor in self.sensors],
             self.procedure,
@@ -194,7 +246,18 @@ class Analysis:
         )
 
     def derive(self, errors: Array) -> Array:
-        """Return the outputs of errors of the parameters, shape (n, runs) [SI]."""
+        """Return the outputs of errors of the parameters, shape (n, runs) [SI].
+
+        Raises
+        ------
+        CallError
+            They are of a mission, in which errors of parameters are not all.
+        """
+        if self.journey is not None:
+            raise CallError(
+                "--method simulation simulates the calibration, and a mission takes "
+                "its noise in run besides; take gum or monte-carlo"
+            )
         if self.outputs is None:
             return errors
         kinds = [sensor.kind for sensor in self.sensors]
@@ -209,6 +272,14 @@ class Analysis:
     @cached_property
     def lacks(self) -> Mapping[Name, tuple[Name, ...]]:
         """Expected lines that are not given and would widen an output, by its name."""
+        if self.journey is not None:
+            return lacking_of_mission(
+                self.sensors,
+                self.procedure,
+                self.journey,
+                tuple(output.name for output in self.problem.outputs),
+                only=self.only,
+            )
         return lacking(
             self.sensors, self.procedure, reference=self.reference, only=self.only
         )
@@ -276,6 +347,134 @@ def sensors_of(
             "(use: both), or give another device"
         )
     return kept
+
+
+def navigating(devices: Sequence[Device]) -> tuple[Sensor, ...]:
+    """Return the gyro and the accelerometer that a mission takes.
+
+    Raises
+    ------
+    CallError
+        One of them is not there, or two of a kind are.
+    """
+    found = sensors_of(devices)
+    if len(found) == len(SENSORS):
+        return found
+    (there,) = found
+    absent = next(kind for kind in SENSORS if kind != there.kind)
+    raise CallError(
+        f"{there.device} has no {absent}, and a mission takes a gyro and an "
+        f"accelerometer; give a second device with {absent}s beside it"
+    )
+
+
+def on_mission(limited: Iterable[Name], mission: Mission) -> tuple[Name, ...]:
+    """Return what is limited of a mission.
+
+    Raises
+    ------
+    CallError
+        It ends before, or a limit is on height where that is known.
+    """
+    own = [name for name in limited if name.owner == MISSION]
+    faults = [
+        f"{name}: {mission.name} ends after {mission.route.duration:g} s"
+        for name in own
+        if (name.time or 0.0) > mission.route.duration * (1.0 + SAME_TIME)
+    ]
+    faults += [
+        f"{name}: on {mission.name} the altitude is aided, so that it has no error"
+        for name in own
+        if mission.aided and name.axis == DOWN
+    ]
+    if faults:
+        raise CallError(
+            "\n".join(faults) + "\nchange the limits, or take another mission"
+        )
+    return tuple(own)
+
+
+def after_a_turn_on(reference: str | None) -> str:
+    """Return the error reference of a mission.
+
+    Raises
+    ------
+    CallError
+        Another one is asked for.
+    """
+    if reference not in {None, ON_MISSION}:
+        raise CallError(
+            f"reference is {reference!r}, and a mission begins with a turn-on of its "
+            f"own: allowed is {ON_MISSION}"
+        )
+    return ON_MISSION
+
+
+def limits_on_mission(requirement: Requirement) -> None:
+    """Refuse a requirement that says nothing of a mission.
+
+    Raises
+    ------
+    CallError
+        It has no limit on one.
+    """
+    if MISSION not in requirement.kinds:
+        raise CallError(
+            f"{requirement.origin.file}: {requirement.name} has no limit on a "
+            "mission; add one, as limits: {mission: {position: {horizontal: 1 nmi, "
+            "at: 1 h, probability: 50 %}}}, or leave the requirement or the mission out"
+        )
+
+
+def mission_for(requirement: Requirement, mission: Mission | None) -> None:
+    """Refuse limits on a mission without one, and one without limits on it.
+
+    Raises
+    ------
+    CallError
+        With the limits that nothing can be said of.
+    """
+    if mission is not None:
+        limits_on_mission(requirement)
+    elif limited := [name for name in requirement.outputs if name.owner == MISSION]:
+        raise CallError(
+            f"{requirement.name} limits {', '.join(limited)}, which depends on the "
+            "mission; give one with --mission FILE, or a requirement without "
+            "these limits"
+        )
+
+
+def choose_times(
+    mission: Mission,
+    asked: Sequence[float] = (),
+    requirement: Requirement | None = None,
+) -> tuple[float, ...]:
+    """Return the times at which errors of a mission are looked at, rising [s].
+
+    Those that are asked for, else those of its file; and those that have limits.
+
+    Raises
+    ------
+    CallError
+        The mission ends before one of them, or they are too many.
+    """
+    limited = () if requirement is None else requirement.outputs
+    own = [name.time for name in limited if name.time is not None]
+    found = tuple(sorted({*(asked or mission.at), *own}))
+    late = [t for t in found if t > mission.route.duration * (1.0 + SAME_TIME)]
+    if late or found[0] <= 0.0:
+        wrong = time_text(late[-1] if late else found[0])
+        raise CallError(
+            f"--at {wrong}: {mission.name} lasts {time_text(mission.route.duration)}; "
+            "expected a time above 0 s within it"
+        )
+    if len(found) > MOST_TIMES:
+        raise CallError(
+            f"--at: {len(found)} times are asked for, those of the mission's file and "
+            f"of limits among them; {MOST_TIMES} at the most, as memory and time grow "
+            "with their cube: choose some with --at"
+        )
+    return found
 
 
 def not_calibrated(devices: Sequence[Device], procedure: Procedure) -> tuple[str, ...]:
@@ -452,10 +651,16 @@ def source_names(
 
 
 def given_lines(
-    sensors: Sequence[Sensor], procedure: Procedure
+    sensors: Sequence[Sensor], procedure: Procedure, *, every: bool = False
 ) -> dict[Name, ErrorLine]:
-    """Return every line that is given: those of the sensors, then the shared ones."""
-    owned = [(sensor.kind, sensor.lines) for sensor in sensors]
+    """Return every line that counts: those of the sensors, then the shared ones.
+
+    Where `every` parameter counts, those of what is held from its making, too.
+    """
+    owned = [
+        (one.kind, (*one.lines, *(initial_lines(one, procedure) if every else ())))
+        for one in sensors
+    ]
     owned += [(STATION, procedure.station), (ENVIRONMENT, procedure.environment)]
     return {
         Name(line.name, owner=owner): line for owner, lines in owned for line in lines

@@ -14,22 +14,25 @@ moves. Multiplying a value of the device file by f_g and analysing again by gum 
 the same numbers. Where the interval of the budget is not the law's, k and d are those
 of that interval, (U_p/u, JCGM 100:2008, annex G): its shape is kept, which is exact
 at factors of 1 and an approximation elsewhere.
+
+Outputs of a mission that have limits stand beside those of the calibration, of the
+same sources. k of a length goes with its ellipse, and so with the factors.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.optimize import brentq
 
+from budget.distributions import normal_coverage_factor
 from budget.errors import CallError
-from budget.language import key_title
+from budget.language import axis_title, key_title
 from budget.methods.scaling import scaled_law
 from budget.model.sources import SENSORS
-from budget.names import IMU
+from budget.names import IMU, MISSION
 from budget.results import BY_LAW
 from budget.studies.request import given_lines, limited_but_held
 from budget.ties import first_largest, settle
@@ -103,12 +106,15 @@ class WhatIf:
     # Those that are not 0 in this run; a factor on 0 changes nothing.
     sources: tuple[WhatIfSource, ...]
     outputs: tuple[Output, ...]
-    # Coverage factors k: half an interval over u, shape (n_out,) [1].
+    # Coverage factors k: half an interval over u, shape (n_out,) [1]. Of a length over
+    # its roundness, as if it lay along one axis.
     coverage_factor: Array = field(repr=False)
     # d: the middle of an interval less the mean, over u, shape (n_out,) [1].
     shift: Array = field(repr=False)
     # On the absolute error of each output; None where there is none [SI].
     limit: tuple[float | None, ...]
+    # Probability of each interval, that of its limit, shape (n_out,) [1].
+    coverages: Array = field(repr=False)
     # Of each output: whether a line that is not given would widen it.
     lower_bound: tuple[bool, ...]
     law: ScaledLaw = field(repr=False)  # in the order of `sources` and `outputs` [SI]
@@ -124,7 +130,8 @@ class WhatIf:
         s = self._factors(factors)
         mean, variance = self.law.mean(s), self.law.variance(s)
         u = np.sqrt(variance)
-        ends = [self.shift - self.coverage_factor, self.shift + self.coverage_factor]
+        k = self.coverage_factor * self.law.roundness(s, self.coverages)
+        ends = [self.shift - k, self.shift + k]
         interval = np.stack([mean + end * u for end in ends], axis=1)
         share = (
             self.law.variance_alone(s)
@@ -149,19 +156,27 @@ class WhatIf:
 
         Titles are in the language of the context, names are names.
         `mean`, `first` and `second` are m, A and Q by source, then by output; `pairs`
-        has P of two sources, where it reaches one output at least.
+        has P of two sources, where it reaches one output at least. `ellipse` has the
+        same of D/2 and W (budget.methods.scaling) in the place of the variance, of
+        lengths alone: an output's `length` is its place there, and its `factor` is on
+        the radius of the circle of its `coverage`.
         """
         unit = np.array([output.si_per_unit for output in self.outputs])
-        law, n = self.law, len(self.sources)
-        products = 2.0 * law.second / unit[:, None, None] ** 2  # P_gh and P_hg are one
-        names = [source.name for source in self.sources]
+        law = self.law
+        lengths = (
+            [] if law.is_length is None else np.flatnonzero(law.is_length).tolist()
+        )
+        along = normal_coverage_factor(self.coverages)
         return {
             "coverage": self.coverage,
             "sensors": [
                 {
                     "name": sensor.name,
                     "title": key_title(sensor.name),
-                    "missing": [key_title(name.quantity) for name in sensor.missing],
+                    "missing": [
+                        key_title(name.quantity if name.owner == sensor.name else name)
+                        for name in sensor.missing
+                    ],
                     "doubt": list(sensor.doubt),
                 }
                 for sensor in self.sensors
@@ -184,10 +199,15 @@ class WhatIf:
                     "sensor": output.name.owner,
                     "title": key_title(output.name),
                     "group": key_title(output.name.group),
-                    "axis": output.name.axis,
+                    "axis": self._axis(k),
+                    "is_timed": output.name.time is not None,
                     "unit": output.unit,
                     "value": float(law.value[k] / unit[k]),
-                    "factor": float(self.coverage_factor[k]),
+                    "coverage": float(self.coverages[k]),
+                    "length": lengths.index(k) if k in lengths else None,
+                    "factor": float(
+                        self.coverage_factor[k] / (along[k] if k in lengths else 1.0)
+                    ),
                     "shift": float(self.shift[k]),
                     "limit": _in_unit(self.limit[k], output),
                     "lower_bound": self.lower_bound[k],
@@ -196,18 +216,19 @@ class WhatIf:
                 for k, output in enumerate(self.outputs)
             ],
             "mean": (law.shift / unit[:, None]).T.tolist(),
-            "first": (law.first / unit[:, None] ** 2).T.tolist(),
-            "second": (np.einsum("kgg->gk", law.second) / unit**2).tolist(),
-            "pairs": [
-                {
-                    "sources": [names[g], names[h]],
-                    "variance": products[:, g, h].tolist(),
-                }
-                for g in range(n)
-                for h in range(g + 1, n)
-                if products[:, g, h].any()
+            **_sums(law, unit),
+            "ellipse": [
+                _sums(one.select([law.outputs[k] for k in lengths]), unit[lengths])
+                for one in law.ellipse
             ],
         }
+
+    def _axis(self, k: int) -> str:
+        """Name an output among its like; with the coverage of its own that it has."""
+        axis = axis_title(self.outputs[k].name)
+        if self.coverages[k] == self.coverage:
+            return axis
+        return f"{axis} ({100.0 * self.coverages[k]:.6g}\N{NO-BREAK SPACE}%)"
 
     def _factors(self, factors: Mapping[str, float]) -> Array:
         """Return one factor a source, 1 where none is named."""
@@ -261,16 +282,64 @@ def what_if(analysis: Analysis, *, budget: Budget | None = None) -> WhatIf:
 
     With a budget of the same analysis its intervals and verdicts are those at factors
     of 1; without one it is the budget by the law alone. Limits are those of the
-    analysis.
+    analysis, also those on its mission.
     """
+    found, required = _what_if(analysis, budget), analysis.requirement
+    is_carried = analysis.mission is not None and analysis.journey is None
+    if not is_carried or required is None or MISSION not in required.kinds:
+        return found
+    return _beside(found, _what_if(analysis.alone(MISSION), budget))
+
+
+def _beside(calibration: WhatIf, mission: WhatIf) -> WhatIf:
+    """Put the outputs of a mission beside those of the calibration before it."""
+    both = calibration, mission
+    law = calibration.law.beside(mission.law)
+    sources = {one.name: one for model in both for one in model.sources}
+    owners = list(dict.fromkeys(name.owner for name in law.sources))
+    names = sorted(law.sources, key=lambda name: owners.index(name.owner))
+    return replace(
+        calibration,
+        sensors=(
+            *calibration.sensors,
+            *(one for one in mission.sensors if one.name == MISSION),
+        ),
+        sources=tuple(sources[name] for name in names),
+        outputs=(*calibration.outputs, *mission.outputs),
+        coverage_factor=np.concatenate([one.coverage_factor for one in both]),
+        shift=np.concatenate([one.shift for one in both]),
+        limit=(*calibration.limit, *mission.limit),
+        coverages=np.concatenate([one.coverages for one in both]),
+        lower_bound=(*calibration.lower_bound, *mission.lower_bound),
+        law=law.select_sources(names),
+    )
+
+
+def _what_if(analysis: Analysis, budget: Budget | None) -> WhatIf:
+    """Set it up for a calibration or a mission alone."""
     problem, law, required = analysis.problem, analysis.law, analysis.requirement
     varying = [group.name for group in problem.groups if not group.is_constant]
-    given = given_lines(analysis.sensors, analysis.procedure)
+    given = given_lines(
+        analysis.sensors, analysis.procedure, every=analysis.journey is not None
+    )
     limits = {} if required is None else {r.output: r.limit for r in required.limits}
-    factor, shift = _shape(law, analysis.coverage, budget)
+    own = (
+        {}
+        if required is None
+        else {r.output: required.coverage_of(r) for r in required.limits}
+    )
+    names = [output.name for output in problem.outputs]
+    coverages = np.array([own.get(name, analysis.coverage) for name in names])
+    scaled = scaled_law(problem, law).select_sources(varying)
+    factor, shift = _shape(law, coverages, budget)
+    factor /= scaled.roundness(np.ones(len(varying)), coverages)
+    # The components of a length need not have been asked for.
+    asked = names if analysis.outputs is None else analysis.outputs
+    rows = [k for k, name in enumerate(names) if name in asked]
+    outputs = tuple(problem.outputs[k] for k in rows)
     doubts = {} if budget is None else _doubts(budget)
     triads = {sensor.kind: (sensor,) for sensor in analysis.sensors}
-    owners = dict.fromkeys((*triads, *(one.name.owner for one in problem.outputs)))
+    owners = dict.fromkeys((*triads, *(name.owner for name in names)))
     held = limited_but_held(triads, analysis.procedure, limits)
     prediction = analysis.filling.prediction
     predicted = () if prediction is None else prediction.names
@@ -286,7 +355,11 @@ def what_if(analysis: Analysis, *, budget: Budget | None = None) -> WhatIf:
                         for sensor in triads.get(owner, analysis.sensors)
                         for name in sensor.expected_missing
                     ),
-                    *(name for name in predicted if owner in {name.owner, IMU}),
+                    *(
+                        name
+                        for name in predicted
+                        if owner in {name.owner, IMU, MISSION}
+                    ),
                     *(name for name in held if name.owner == owner),
                 ),
                 doubt=doubts.get(owner, (1.0, 1.0)),
@@ -294,29 +367,55 @@ def what_if(analysis: Analysis, *, budget: Budget | None = None) -> WhatIf:
             for owner in owners
         ),
         sources=tuple(_source(name, given[name]) for name in varying),
-        outputs=problem.outputs,
-        coverage_factor=factor,
-        shift=shift,
-        limit=tuple(limits.get(output.name) for output in problem.outputs),
-        lower_bound=tuple(
-            bool(analysis.lacks[output.name]) for output in problem.outputs
-        ),
-        law=scaled_law(problem, law).select_sources(varying),
+        outputs=outputs,
+        coverage_factor=factor[rows],
+        shift=shift[rows],
+        limit=tuple(limits.get(output.name) for output in outputs),
+        coverages=coverages[rows],
+        lower_bound=tuple(bool(analysis.lacks[output.name]) for output in outputs),
+        law=scaled.select([output.name for output in outputs]),
     )
 
 
 def _shape(
-    law: Propagation, coverage: float, budget: Budget | None
+    law: Propagation, coverages: Array, budget: Budget | None
 ) -> tuple[Array, Array]:
     """Return k and d of every output, shape (n_out,) each [1]."""
-    factor = law.coverage_factor(coverage)
+    factor = law.coverage_factor(coverages)
     shift = np.zeros_like(factor)
-    for k, row in enumerate(() if budget is None else budget.outputs):
+    if budget is None:
+        return factor, shift
+    judged = () if budget.assessment is None else budget.assessment.outputs
+    found = {row.output.name: (row.interval_by, row.interval) for row in judged}
+    found |= {
+        row.output.name: (row.interval_by, row.interval) for row in budget.outputs
+    }
+    for k, output in enumerate(law.outputs):
+        by, interval = found.get(output.name, (BY_LAW, (0.0, 0.0)))
         u = law.standard_uncertainty[k]
-        if row.interval_by != BY_LAW and u > 0.0:
-            low, high = ((end - law.mean[k]) / u for end in row.interval)
+        if by != BY_LAW and u > 0.0:
+            low, high = ((end - law.mean[k]) / u for end in interval)
             factor[k], shift[k] = (high - low) / 2.0, (high + low) / 2.0
     return factor, shift
+
+
+def _sums(law: ScaledLaw, unit: Array) -> dict[str, Any]:
+    """Return A, Q and P of a law as JSON, in squared units, shape (n_out,)."""
+    products = 2.0 * law.second / unit[:, None, None] ** 2  # P_gh and P_hg are one
+    n = len(law.sources)
+    return {
+        "first": (law.first / unit[:, None] ** 2).T.tolist(),
+        "second": (np.einsum("kgg->gk", law.second) / unit**2).tolist(),
+        "pairs": [
+            {
+                "sources": [law.sources[g], law.sources[h]],
+                "variance": products[:, g, h].tolist(),
+            }
+            for g in range(n)
+            for h in range(g + 1, n)
+            if products[:, g, h].any()
+        ],
+    }
 
 
 def _doubts(budget: Budget) -> dict[str, tuple[float, float]]:
@@ -406,11 +505,18 @@ class SourceSteps:
 
 
 def one_at_a_time(what_if: WhatIf) -> tuple[SourceSteps, ...]:
-    """Change one source after another, each to nothing, half and twice its size."""
+    """Change one source after another, each to nothing, half and twice its size.
+
+    Of the calibration; what changes nothing but its mission has no row.
+    """
     present = what_if.evaluate({})
+    is_found = np.array([one.name.owner != MISSION for one in what_if.outputs])
     rows = []
     for g, source in enumerate(what_if.sources):
-        k = first_largest(present.share[:, g].tolist())
+        share = present.share[is_found, g]
+        if present.share[:, g].any() and not share.any():
+            continue
+        k = first_largest(share.tolist())  # outputs of a mission are the last
         output = what_if.outputs[k]
         owner = source.name.owner
         own = owner in SENSORS and output.name.owner != IMU
@@ -449,6 +555,8 @@ def _most(what_if: WhatIf, source: Name, sensor: str) -> float | None:
         return None
     if beyond(LARGEST) <= 0.0:
         return inf
+    from scipy.optimize import brentq
+
     return float(brentq(beyond, 0.0, LARGEST))
 
 

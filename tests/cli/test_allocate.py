@@ -355,3 +355,25 @@ def test_report_has_a_section_on_the_allocation(tmp_path):
     assert without.code == 2
     assert "--requirement" in without.err
     assert not (tmp_path / "other.html").exists()
+
+
+def test_what_is_written_for_a_mission_does_not_fail(tmp_path, monkeypatch):
+    """How good the gyro must be for three miles an hour: by compare it is enough."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mile.yaml").write_text(
+        "name: three miles an hour\n"
+        "limits: {mission: {position: {horizontal: 3 nmi, at: 1 h, "
+        "probability: 50 %}}}\n",
+        encoding="utf-8",
+    )
+    limits = ("--requirement", "mile.yaml", "--mission", "bench")
+
+    run = call("allocate", *limits, "--no-validate", "--write", "new.yaml")
+    before = call("compare", "zhao-2019", *limits, "--method", "gum", "--json", "-")
+    after = call("compare", "new.yaml", *limits, "--method", "gum", "--json", "-")
+
+    assert run.code == 0
+    (old,), (new,) = before.document["devices"], after.document["devices"]
+    assert old["verdict"] == "fails"
+    assert new["verdict"] in {"meets", "undecided"}
+    assert_allclose(new["utilisation"], 1.0, rtol=1e-4)

@@ -13,11 +13,12 @@ REQUIREMENT = shipped("specs") / "requirements" / "navigation-grade.yaml"
 SHIPPED = sorted(shipped("specs").glob("*/*.yaml"))
 FOLDERS = {
     "devices": "device",
+    "missions": "mission",
     "procedures": "procedure",
     "requirements": "requirement",
     "stations": "station",
 }
-KINDS = ("device", "procedure", "station", "requirement", "costs")
+KINDS = ("device", "procedure", "station", "mission", "requirement", "costs")
 GYRO = "name: g\ngyro: {errors: {bias_repeatability: 1 deg/h}}\n"
 
 

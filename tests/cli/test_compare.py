@@ -286,3 +286,63 @@ def test_the_example_of_the_library_runs_as_printed(capsys):
     assert len(lines) == 3
     assert lines[0].startswith("gyro ")
     assert "meets" in lines[0]
+
+
+ON_MISSION = """\
+name: a mile an hour
+limits:
+  mission: {position: {horizontal: 3 nmi, at: 1 h, probability: 50 %}}
+"""
+
+
+@pytest.mark.usefixtures("folder")
+class TestMission:
+    """Limits on a mission: devices of both sensors in a list of their own."""
+
+    @pytest.fixture(autouse=True)
+    def _mile(self, folder):
+        (folder / "mile.yaml").write_text(ON_MISSION, encoding="utf-8")
+
+    def test_document_names_the_mission(self):
+        """Beside the verdict by mission stand its name and its file."""
+        limits = ("--requirement", "mile.yaml", "--mission", "bench")
+        run = call("compare", "zhao-2019", "good.yaml", *limits, *LAW, "--json", "-")
+
+        (row,) = run.document["devices"]
+        assert (row["sensor"], row["verdict"]) == ("mission", "fails")
+        assert row["worst_output"] == "mission.position.horizontal.3600"
+        assert run.document["mission"] == "bench, 1 h"
+        assert any(file["role"] == "mission" for file in run.document["inputs"])
+        assert "Good has no accelerometer" in " ".join(run.document["warnings"])
+
+    def test_limits_without_a_mission_are_refused(self):
+        """Exit code 2, the limit named, and what to do."""
+        run = call("compare", "zhao-2019", "--requirement", "mile.yaml", *LAW)
+
+        assert run.code == 2
+        assert "mission.position.horizontal.3600" in run.err
+        assert "--mission" in run.err
+
+    @pytest.mark.parametrize("calibration", ["none", "factory", "six-positions"])
+    def test_verdict_is_that_of_the_mission(self, calibration):
+        """Whatever calibrated the unit, `budget mission` says the same of it."""
+        same = ("--requirement", "mile.yaml", "--mission", "bench")
+        same += ("--calibration", calibration, "--json", "-")
+
+        (row,) = call("compare", "zhao-2019", *same).document["devices"]
+        budget = call("mission", "zhao-2019", *same, "--no-validate").document
+
+        (found,) = budget["assessment"]["sensors"]
+        assert row["verdict"] == found["verdict"]
+        assert row["utilisation"] == found["utilisation"]
+
+    def test_calibration_named_twice_is_refused(self):
+        """A procedure and --calibration both say what calibrated the unit."""
+        twice = ("--calibration", "none", "--procedure", "zhao-2019")
+        run = call(
+            *("compare", "zhao-2019", "--requirement", "mile.yaml"),
+            *("--mission", "bench", *twice),
+        )
+
+        assert run.code == 2
+        assert "leave one out" in run.err

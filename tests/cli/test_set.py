@@ -31,6 +31,7 @@ CALLS = {
     "export": ("export", "zhao-2019", "--to", "gtsam", "--rate", "100"),
     "devices": ("devices", "zhao-2019"),
     "report": ("report", "zhao-2019", "--no-validate", "-o", "a.html"),
+    "mission": ("mission", "zhao-2019", "--mission", "bench", "--no-validate"),
 }
 # What has documents of its own: stored budgets, two sides, words on files.
 OTHERS = {"check", "diff", "validate"}

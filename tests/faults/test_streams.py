@@ -173,6 +173,7 @@ NAMED = {
     "analyze csv": ("analyze", "{}", "--no-validate", "--csv", "-"),
     "allocate": ("allocate", "{}", *GRADE, "--no-validate"),
     "station": ("station", "{}", "--requirement", "catalogue-edge"),
+    "mission": ("mission", "{}", "adxl357", "--mission", "bench", "--no-validate"),
     "export": ("export", "{}", "adxl357", "--to", "ros", "--rate", "100"),
     "compare": ("compare", "{}", *GRADE, *GUM),
     "compare json": ("compare", "{}", *GRADE, *GUM, "--json", "-"),

@@ -232,7 +232,70 @@ def _keep_station(tree):
     return tree
 
 
-MENDED = {"procedure": _keep_windows, "station": _keep_station}
+# A segment of a vehicle that stands before and after, by its first key.
+_SEGMENTS = {
+    "stand": {"stand": "60 s"},
+    "straight": {"straight": "60 s", "speed": "0 m/s"},
+    "turn": {"turn": "-30 deg", "rate": "3 deg/s"},
+    "climb": {"climb": "1 min", "rate": "-2 m/s"},
+    "accelerate": {"accelerate": "9 s", "to": "0 km/h"},
+}
+
+
+def _segment(one):
+    """Return a segment that is one thing, or a group of such."""
+    if "segments" in one:
+        return {"segments": [_segment(line) for line in one["segments"]]}
+    own = next((key for key in one if key in _SEGMENTS), "stand")
+    return {key: one[key] for key in ("repeat",) if key in one} | _SEGMENTS[own]
+
+
+def _keep_mission(tree):
+    """Mend a mission: segments that follow, of a vehicle that stands."""
+    part = tree["mission"]
+    fixed = {"longitude": "-100 deg", "height": "120 m", "speed": "0 m/s"}
+    fixed |= {"at": ["1 s", "2 s"], "alignment_time": "5 min"}
+    part |= {key: value for key, value in fixed.items() if key in part}
+    part.pop("trajectory", None)
+    part |= {"latitude": "-12.5 deg"}
+    part["segments"] = [_segment(one) for one in part.get("segments", [{}])]
+    if part.get("alignment") == "self":
+        part["alignment_time"] = "5 min"
+    else:
+        part.pop("alignment_time", None)
+    return tree
+
+
+# A limit on each quantity of a mission, in what is wanted of it.
+_LIMITS = {
+    "position": {"horizontal": "1 nmi"},
+    "velocity": {"north": "2 m/s"},
+    **{axis: {"limit": "6 arcmin"} for axis in ("roll", "pitch", "heading")},
+}
+
+
+def _keep_requirement(tree):
+    """Mend a requirement: limits on a mission at one time, after a later turn-on."""
+    limits = tree.get("limits")
+    on = limits.get("mission") if isinstance(limits, dict) else None
+    if not isinstance(on, dict):
+        return tree
+    for quantity, said in on.items():
+        one = said[0] if isinstance(said, list) and said else said
+        kept = one if isinstance(one, dict) else {}
+        own = _LIMITS[quantity] | kept | {"at": "60 s"}
+        on[quantity] = [own] if isinstance(said, list) else own
+    if on:
+        tree.pop("reference", None)
+    return tree
+
+
+MENDED = {
+    "requirement": _keep_requirement,
+    "procedure": _keep_windows,
+    "station": _keep_station,
+    "mission": _keep_mission,
+}
 
 
 def _keep_test(tree):

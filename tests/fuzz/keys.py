@@ -87,9 +87,13 @@ def silent(kind, path):
             "an asymmetry of an accelerometer": path[0] == "accelerometer"
             and path[-1] in keys,
             "an ageing": is_ageing and path[-1] in keys,
+            "a limit on a mission": path[:2] == ("limits", "mission")
+            and path[-1] in keys,
             "g sensitivity by axis": "g_sensitivity" in path
             and any(axis in keys for axis in path),
-        }.get(where, where == kind and path[0] in keys)
+        }.get(
+            where, where == kind and path[kind == "mission" and len(path) > 1] in keys
+        )
         if applies:
             return True
     return False
@@ -97,5 +101,5 @@ def silent(kind, path):
 
 KEYS = {
     kind: keys_of(kind)
-    for kind in ("device", "procedure", "station", "requirement", "costs")
+    for kind in ("device", "procedure", "station", "mission", "requirement", "costs")
 }

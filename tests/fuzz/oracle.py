@@ -13,6 +13,7 @@ from budget.errors import SpecError, UnitError
 from budget.spec import (
     load_costs,
     load_device,
+    load_mission,
     load_procedure,
     load_requirement,
     load_station,
@@ -25,6 +26,7 @@ LOADERS = {
     "device": load_device,
     "procedure": load_procedure,
     "station": load_station,
+    "mission": load_mission,
     "requirement": load_requirement,
     "costs": load_costs,
 }

@@ -176,6 +176,8 @@ def cases():
             for i in range(50)
         ),
         "costs": "costs: {" + ", ".join(f"k{i}: {{a: 1}}" for i in range(1_600)) + "}",
+        "a mission of 10,000 segments": "mission: {latitude: 45 deg, segments: "
+        "[{repeat: 100, segments: [{turn: 5 deg, rate: 1 deg/s, repeat: 100}]}]}",
         "limits": "name: x\nlimits: {"
         + ", ".join(f"k{i}: {{bias: 1 deg/h}}" for i in range(1_600))
         + "}",

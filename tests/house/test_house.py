@@ -19,7 +19,7 @@ FLOORS = (
     ("units", "language"),
     ("distributions",),
     ("copula",),
-    ("problem", "model"),
+    ("problem", "model", "navigation"),
     ("spec",),
     ("results",),
     ("calibration", "methods"),

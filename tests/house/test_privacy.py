@@ -45,6 +45,7 @@ CALLS = {
         *("report", "--no-validate", *GRADE),
         *("-o", "a.html", "-o", "a.pdf"),
     ),
+    "mission": ("mission", "--mission", "bench", "--no-validate", "--json", "a.json"),
     "validate": ("validate", "zhao-2019"),
     "schema": ("schema", "device"),
     "check": ("check", "zhao-2019-eq4-nominal"),

@@ -199,6 +199,7 @@ def test_texts_are_those_of_the_docs():
         "device": named | rows["device"],
         "procedure": named,
         "station": named,
+        "mission": named,
         "requirement": named | rows["requirement"],
         "costs": every,
     } == TEXTS

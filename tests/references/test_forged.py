@@ -119,13 +119,13 @@ def test_trials_beyond_the_command_line_are_refused(project, name):
 @pytest.mark.usefixtures("project")
 def test_a_file_is_read_once(monkeypatch):
     """The text that is stored is that whose hash is, though the file changes."""
-    read = reader._read_bytes  # noqa: SLF001 - between reading and hashing
+    read = reader.read_bytes  # between reading and hashing
 
     def then_change(path, shown):
         data = read(path, shown)
         path.write_text(DEVICE.replace("0.1", "0.9"), encoding="utf-8")
         return data
 
-    monkeypatch.setattr(reader, "_read_bytes", then_change)
+    monkeypatch.setattr(reader, "read_bytes", then_change)
     one = take("device", "one.yaml")
     assert digest(one.text) == one.sha256 == sha256(DEVICE.encode()).hexdigest()

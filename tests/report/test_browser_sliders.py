@@ -9,6 +9,7 @@ import shutil
 from functools import cache
 from math import floor, log10
 
+import numpy as np
 import pytest
 from browsing import chromium, opened, written
 from command_line import call
@@ -17,11 +18,12 @@ from numpy.testing import assert_allclose
 from pdf_reading import pages_of
 from report.test_page import example
 from saying import assert_says
-from studies.test_what_if import scaled
+from studies.test_what_if import oblong, on_outage, scaled
 from test_language import left_in
 
 from budget import analyze, load_device, load_requirement
 from budget.language import LANGUAGES, speaking, template
+from budget.methods.radius import radius_of
 from budget.report.analysis.what_if import AnalyzeAgain, what_if_section
 from budget.report.blocks import Section, Sliders
 from budget.report.tables import print_utilisation
@@ -82,14 +84,17 @@ def move(page, source, keys):
 
 
 def read(page, cell):
-    """Return text and exact value of one column of the what-if table, by output."""
+    """Return text and exact value of one column of the what-if table, by output.
+
+    Where it has one: of what has no limit no part is used.
+    """
     found = page.evaluate(
         "(cell) => [...document.querySelectorAll('.what-if tr[data-output]')].map("
         "(row) => { const c = row.querySelector(`[data-cell=${cell}]`);"
         " return [row.dataset.output, c.textContent, c.dataset.exact]; })",
         cell,
     )
-    return {name: (text, float(exact)) for name, text, exact in found}
+    return {name: (text, float(exact)) for name, text, exact in found if exact}
 
 
 def as_number(text):
@@ -302,6 +307,71 @@ def test_sliders_without_a_requirement_show_uncertainties(browser, tmp_path):
         assert "No requirement" in page.locator(".outlook").inner_text()
         assert not [head for head in heads if "limit" in head]
         assert record.complaints == []
+
+
+# ---- limits on a mission -------------------------------------------------------------
+
+
+@cache
+def carried():
+    """Return the budget of a device against limits on a mission."""
+    return on_outage(oblong())
+
+
+@pytest.mark.parametrize(
+    ("source", "key", "factor"),
+    [
+        ("gyro.bias_repeatability", "End", 10.0),
+        ("accelerometer.bias_repeatability", "Home", 0.0),
+    ],
+)
+def test_limits_on_a_mission_follow_the_sliders(browser, tmp_path, source, key, factor):
+    """Verdict, radius of the circle, utilisation and shares are those in Python."""
+    model = what_if(carried().analysis, budget=carried())
+    outlook = model.evaluate({source: factor})
+    with opened(browser, page_with(tmp_path, model.to_dict())) as (page, record):
+        first = page.locator(".outlook").inner_text()
+        move(page, source, [key])
+        expanded, used = read(page, "expanded"), read(page, "used")
+        said = page.locator(".outlook").inner_text()
+        heads = page.locator(".what-if tr[data-output^=mission] th").all_inner_texts()
+        shares = page.locator(
+            ".what-if tr[data-output='mission.position.horizontal.60'] td:last-child"
+        ).inner_text()
+
+    verdict = next(one for one in outlook.sensors if one.sensor == "mission")
+    place = "mission.position.horizontal.60"
+    k = [output.name for output in model.outputs].index(place)
+    assert record.complaints == []
+    assert_allclose(expanded[place][1], outlook.interval[k, 1], rtol=1e-6)
+    assert used[place][0] == print_utilisation(outlook.utilisation[k])
+    heading = "mission.attitude.heading.10"
+    row = [output.name for output in model.outputs].index(heading)
+    assert_allclose(used[heading][1], outlook.utilisation[row], rtol=AGREES)
+    assert "Mission: FAILS. horizontal position after 1 min at 115 %" in first
+    part = print_utilisation(verdict.utilisation)
+    worst = {place: "horizontal position after 1 min", heading: "heading after 10 s"}
+    assert (
+        f"Mission: {verdict.verdict.upper()}. {worst[verdict.worst_output]} at {part}"
+        in said
+    )
+    largest = model.sources[int(outlook.share[k].argmax())].name
+    assert shares.startswith(largest.replace(".", " ").replace("_", " "))
+    assert heads == ["heading, 10 s", "horizontal, 1 min (50\N{NO-BREAK SPACE}%)"]
+
+
+def test_radius_of_the_page_is_that_of_the_law(browser, path):
+    """Circles and lines and all between, at the coverages that limits are set at."""
+    ratios = [0.0, 1e-8, 1e-4, 1e-2, 0.1, 0.5, 1.0]
+    coverages = [0.1, 0.5, 0.9, 0.95, 0.99, 0.9999]
+    with opened(browser, path) as (page, _):
+        found = page.evaluate(
+            "([ps, bs]) => ps.map((p) => bs.map((b) => radiusOf(p, 4, 4 * b)))",
+            [coverages, ratios],
+        )
+    variances = np.array([np.full(len(ratios), 4.0), 4.0 * np.array(ratios)])
+    for p, row in zip(coverages, found, strict=True):
+        assert_allclose(row, radius_of(p, variances), rtol=1e-6)
 
 
 # ---- what is changed: as a file, in the address, against another, on paper -----------

@@ -7,7 +7,9 @@ import re
 from dataclasses import fields, is_dataclass, replace
 from functools import reduce
 from operator import getitem
+from pathlib import Path
 from string import ascii_lowercase
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
@@ -16,13 +18,17 @@ from command_line import call
 from fuzz.grammar import replaced
 from fuzz.keys import KEYS, TABLE, Key, silent
 from jsonschema import Draft202012Validator
+from places import ROOT
 
 import budget
+from budget.calibration.problem import calibration_problem
 from budget.errors import SpecError
+from budget.methods.gum import propagate
 from budget.model.sources import SENSORS, lines_of, walk_of
 from budget.model.sources.later import AGEING
 from budget.names import ORDERS
-from budget.spec import load_costs, load_device, validate
+from budget.navigation.growth import AxisNoise, Growth, Markov
+from budget.spec import load_costs, load_device, uncalibrated, validate
 from budget.spec.device import read_device
 from budget.spec.files import find, open_file
 from budget.spec.records import ANGLES, AXES
@@ -61,6 +67,7 @@ def example(key):
             "azimuths": ["10 deg", "100 deg"],
             "soak_points": ["70 s"],
             "reading": ["2 sigma", "3 sigma"],
+            "at": ["7 s"],
         }
         return lists.get(key.path[-1], ["scale_factor"])  # of what is estimated
     if key.path[-1] == "distribution" and "arcsine" in schema.get("enum", ()):
@@ -142,18 +149,6 @@ def device(key):
     return tree, replaced(tree, steps_of(key), example(key))
 
 
-@pytest.fixture
-def load(tmp_path):
-    """Return a function that writes a tree as a file and loads it."""
-
-    def loaded(loader, tree, variant=""):
-        path = tmp_path / "file.yaml"
-        path.write_text(json.dumps(tree), encoding="utf-8")
-        return loader(f"{path}#{variant}" if variant else path)
-
-    return loaded
-
-
 def numbers(value):
     """Return all numbers and verdicts in a document, in their order."""
     if isinstance(value, dict):
@@ -228,37 +223,51 @@ def by_file(keys):
 FOUND: dict = {}  # many keys share a file without them: what it gives is asked once
 
 
-@pytest.fixture
-def once(load):
-    """Return a function that asks a question of a file, once for each content."""
-
-    def asked(question, tree):
-        key = question, json.dumps(tree)
-        if key not in FOUND:
-            FOUND[key] = load(question, tree)
-        return FOUND[key]
-
-    return asked
+def once(question, tree):
+    """Return the answer to a question of a file, asked once for each content."""
+    key = question, json.dumps(tree)
+    if key not in FOUND:
+        FOUND[key] = question(tree)
+    return FOUND[key]
 
 
-def analyzed_file(path):
+def analyzed_file(tree):
     """Return the numbers of `budget analyze` of a device file."""
-    return analyzed(load_device(path))
+    return analyzed(load_device(tree))
 
 
-def printed(path):
+def untested_file(tree):
+    """Return how well a device is known that nobody calibrates."""
+    problem = calibration_problem(
+        load_device(tree).sensors,
+        uncalibrated("none"),
+        reference="next_turn_on",
+        every=True,
+    )
+    return propagate(problem).standard_uncertainty.tolist()
+
+
+def printed(tree):
     """Return what `budget devices` shows of a file."""
-    return call("devices", path).out
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "file.yaml"
+        path.write_text(json.dumps(tree), encoding="utf-8")
+        return call("devices", path).out
 
 
 @pytest.mark.parametrize("key", DEVICE, ids=str)
-def test_a_key_of_a_device_moves_a_number(key, once):
-    """Some output of the budget is another one with the key."""
-    assert differ(*(once(analyzed_file, tree) for tree in device(key)))
+def test_a_key_of_a_device_moves_a_number(key):
+    """Some output of the budget is another one with the key.
+
+    What every calibration finds moves what nobody calibrates.
+    """
+    is_initial = len(key.path) > 2 and key.path[2].startswith("initial_")
+    asked = untested_file if is_initial else analyzed_file
+    assert differ(*(once(asked, tree) for tree in device(key)))
 
 
 @pytest.mark.parametrize("keys", by_file(QUIET), ids=lambda keys: str(keys[0]))
-def test_keys_of_the_table_move_no_number_and_are_printed(keys, once):
+def test_keys_of_the_table_move_no_number_and_are_printed(keys):
     """No output changes with such keys, and `budget devices` shows what they say.
 
     All that one file may have at once, each with a word of its own.
@@ -276,14 +285,15 @@ def test_keys_of_the_table_move_no_number_and_are_printed(keys, once):
     ] == []
 
 
-def test_an_abstract_base_is_hidden(load, tmp_path):
+def test_an_abstract_base_is_hidden():
     """`abstract` takes the base from the list of what a file holds."""
     before, _ = device(Key(("name",), {}))
     before["variants"] = {"A": {}}
-    assert load(validate, before).variants == ("", "A")
-    assert "\nx (A) (gyro)" in call("devices", tmp_path / "file.yaml").out
-    assert load(validate, {**before, "abstract": True}).variants == ("A",)
-    assert "\nx (gyro)" not in "\n" + call("devices", tmp_path / "file.yaml").out
+    assert validate(before).variants == ("", "A")
+    assert "\nx (A) (gyro)" in printed(before)
+    hidden = {**before, "abstract": True}
+    assert validate(hidden).variants == ("A",)
+    assert "\nx (gyro)" not in "\n" + printed(hidden)
 
 
 def facts(value):
@@ -301,11 +311,11 @@ def facts(value):
 
 
 @pytest.mark.parametrize("place", VARIED)
-def test_a_key_of_a_variant_does_what_it_does_in_the_base(place, load):
+def test_a_key_of_a_variant_does_what_it_does_in_the_base(place):
     """A variant that overrides one key is the device whose base says so itself."""
     inner = [Key(base_of(key.path), key.schema) for key in VARIED[place]]
     for keys in by_file(inner):
-        assert_varied(keys, load)
+        assert_varied(keys)
 
 
 def override_by(key):
@@ -322,16 +332,16 @@ def override_by(key):
     return value
 
 
-def assert_varied(keys, load):
+def assert_varied(keys):
     """Assert that keys of variants of one file do what they do in its base."""
     before, _ = device(keys[0])
     variants = {f"V{n}": override_by(key) for n, key in enumerate(keys)}
-    document = load(opened, {**before, "variants": variants})
+    document = opened({**before, "variants": variants})
     unchanged = facts(read_device(document))
     unchanged.pop("name")
     for variant, key in zip(variants, keys, strict=True):
         chosen = facts(read_device(document, variant))
-        direct = facts(load(load_device, device(key)[1]))
+        direct = facts(load_device(device(key)[1]))
         assert chosen.pop("name") == f"{direct.pop('name')} ({variant})", str(key)
         assert chosen == direct, str(key)
         assert chosen != unchanged or key.path == ("name",), str(key)
@@ -433,7 +443,7 @@ def place_of(key):
 
 
 @pytest.mark.parametrize("key", choices("procedure", moving=True), ids=str)
-def test_a_key_of_a_procedure_moves_a_number(key, load):
+def test_a_key_of_a_procedure_moves_a_number(key):
     """Some output of a device with noise of every kind is another one with the key.
 
     What a station does it does to a device with a bias alone.
@@ -462,16 +472,51 @@ def test_a_key_of_a_procedure_moves_a_number(key, load):
     for said in (place, own):
         both = json.dumps([tree, said])
         if both not in FOUND:
-            one = load(load_device, tree)
-            FOUND[both] = analyzed(one, load(budget.load_procedure, said))
+            one = load_device(tree)
+            FOUND[both] = analyzed(one, budget.load_procedure(said))
         found.append(FOUND[both])
     assert differ(*found)
 
 
-def compared(requirement, load):
+# What limits on a mission are judged on: an altitude that is not known has errors.
+FLIGHT = {
+    "mission": {
+        "latitude": "45 deg",
+        "altitude": "free",
+        "segments": [{"stand": "120 s"}],
+    }
+}
+
+
+def limited_flight(key):
+    """Return a requirement on a mission without a key, and with it."""
+    kinds = {"position": "50 m", "velocity": "5 m/s"}
+    quantity, word = key.path[2], key.path[-1]
+    size = kinds.get(quantity, "50 arcsec")
+    own = {"horizontal" if quantity in kinds else "limit": size, "at": "60 s"}
+    other = own | {word: {"at": "70 s", "probability": "80 %"}.get(word, f"1{size}")}
+    if word not in {"at", "probability"}:
+        own, other = (
+            {word: one[word], "at": "60 s"} for one in (own | {word: size}, other)
+        )
+    return tuple(
+        {"limits": {"mission": {quantity: [one] if "[]" in key.path else one}}}
+        for one in (own, other)
+    )
+
+
+def compared(requirement):
     """Return the document of `budget compare` by the law; of `report` for both."""
+    if "mission" in requirement["limits"]:
+        judged = budget.analyze(
+            budget.load_device("zhao-2019"),
+            requirement=budget.load_requirement({"name": "x", **requirement}),
+            mission=FLIGHT,
+            validate=False,
+        )
+        return {"devices": judged.assessment.to_dict()}
     if "misalignment" in requirement["limits"]:
-        wanted = load(budget.load_requirement, {"name": "x", **requirement})
+        wanted = budget.load_requirement({"name": "x", **requirement})
         judged = budget.analyze(
             budget.load_device("zhao-2019"),
             requirement=wanted,
@@ -488,36 +533,40 @@ def compared(requirement, load):
             if line.name in {"bias_stability", "bias_repeatability"}
         }
         tree[sensor] = {"errors": errors}
-    one = load(load_device, tree)
-    wanted = load(budget.load_requirement, {"name": "x", **requirement})
+    one = load_device(tree)
+    wanted = budget.load_requirement({"name": "x", **requirement})
     tumbled = any(limit.output.quantity in ORDERS for limit in wanted.limits)
     plan = budget.load_procedure("dividing-head") if tumbled else PAPER
     return budget.compare([one], wanted, [plan], method="gum").to_dict()
 
 
 @pytest.mark.parametrize("key", choices("requirement", moving=True), ids=str)
-def test_a_key_of_a_requirement_moves_a_number(key, load):
+def test_a_key_of_a_requirement_moves_a_number(key):
     """Utilisation, verdict or probability is another one with the key."""
     tree = {"limits": {"gyro": {"bias": "30 deg/h"}}}
-    if key.path[0] == "limits":
+    if key.path[0] == "limits" and key.path[1] != "mission":
         tree = replaced({}, key.path, example(key).replace("7", "9", 1))
-    before = numbers(compared(tree, load)["devices"])
+    if key.path[:2] == ("limits", "mission"):
+        trees = limited_flight(key)
+        assert differ(*(numbers(compared(one)["devices"]) for one in trees))
+        return
+    before = numbers(compared(tree)["devices"])
     # One of the words is what an unset key stands for.
     after = [
-        numbers(compared(replaced(tree, key.path, value), load)["devices"])
+        numbers(compared(replaced(tree, key.path, value))["devices"])
         for value in key.schema.get("enum", [example(key)])
     ]
     assert any(differ(before, one) for one in after)
 
 
 @pytest.mark.parametrize("key", choices("requirement", moving=False), ids=str)
-def test_a_key_of_a_requirement_in_the_table_is_printed(key, load):
+def test_a_key_of_a_requirement_in_the_table_is_printed(key):
     """No number moves, and the document of a comparison says what the key does."""
     tree = {"limits": {"gyro": {"bias": "30 deg/h"}}}
     caps = {"price": "2 EUR", "mass": "2 kg", "power": "2 W"}
     value = caps.get(key.path[-1], MARK)
-    before = compared(tree, load)
-    after = compared(replaced(tree, key.path, value), load)
+    before = compared(tree)
+    after = compared(replaced(tree, key.path, value))
     assert not differ(numbers(before["devices"]), numbers(after["devices"]))
     for document, shown in ((before, False), (after, True)):
         said = json.dumps([document["requirement"], document["devices"]])
@@ -525,14 +574,14 @@ def test_a_key_of_a_requirement_in_the_table_is_printed(key, load):
 
 
 @pytest.mark.parametrize("key", choices("procedure", moving=False), ids=str)
-def test_a_key_of_a_procedure_in_the_table_is_printed(key, load):
+def test_a_key_of_a_procedure_in_the_table_is_printed(key):
     """The name of a procedure stands in the document of a comparison."""
-    one = load(load_device, device(Key(("name",), {}))[0])
-    wanted = load(
-        budget.load_requirement, {"name": "x", "limits": {"gyro": {"bias": "1 deg/h"}}}
+    one = load_device(device(Key(("name",), {}))[0])
+    wanted = budget.load_requirement(
+        {"name": "x", "limits": {"gyro": {"bias": "1 deg/h"}}}
     )
     tree = replaced(place_of(key), key.path, example(key))
-    procedure = load(budget.load_procedure, tree)
+    procedure = budget.load_procedure(tree)
     if key.path == ("name",):
         document = budget.compare([one], wanted, [procedure], method="gum").to_dict()
         assert document["procedures"] == [MARK]
@@ -541,8 +590,69 @@ def test_a_key_of_a_procedure_in_the_table_is_printed(key, load):
         assert any(MARK in text for text in document["assumptions"])
 
 
+# The segment that a key of a mission is tried in, where it needs others beside it.
+SEGMENTS = {
+    "stand": {"stand": "60 s"},
+    "straight": {"straight": "60 s", "speed": "20 m/s", "heading": "0 deg"},
+    "turn": {"turn": "90 deg", "rate": "3 deg/s"},
+    "climb": {"climb": "60 s", "rate": "5 m/s"},
+    "accelerate": {"accelerate": "60 s", "to": "20 m/s"},
+}
+OF_SEGMENTS = {
+    **dict.fromkeys(("speed", "heading"), "straight"),
+    "rate": "climb",
+    "to": "accelerate",
+    "repeat": "stand",
+}
+
+
+def going(key):
+    """Return a mission without a key, and with it."""
+    part = {"latitude": "45 deg", "segments": [SEGMENTS["turn"]]}
+    if key.path[1:2] == ("segments",):
+        own = SEGMENTS[OF_SEGMENTS.get(key.path[-1], key.path[-1])]
+        part["segments"] = [{"segments": [own]} if len(key.path) > 4 else own]
+    if key.path[-1] == "alignment_time":
+        part |= {"alignment": "self", "alignment_time": "300 s"}
+    tree = {"mission": part}
+    after = replaced(tree, steps_of(key), example(key))
+    if key.path[-1] == "trajectory":
+        after = {"mission": {"trajectory": str(ROOT / "tests" / "data" / "flight.csv")}}
+    if key.path[-1] == "alignment":
+        after["mission"]["alignment_time"] = "300 s"
+    return tree, after
+
+
+def carried(one):
+    """Return what constants and noise of the gyros and accelerometers become."""
+    journey = Growth(
+        first=one.route.first,
+        alignment=one.alignment,
+        steps=one.route.steps(one.at),
+        aided=one.aided,
+    )
+    noise = AxisNoise(row=0, noise=Markov(times=(300.0,)), u=1.0)
+    found = journey.of_constants(lambda _: np.eye(6)), journey.of_noise([noise])
+    return [number for part in found for number in part.ravel().tolist()]
+
+
+@pytest.mark.parametrize("key", choices("mission", moving=True), ids=str)
+def test_a_key_of_a_mission_moves_a_number(key):
+    """Errors of position, velocity or attitude are other ones with the key."""
+    before, after = map(budget.load_mission, going(key))
+    assert differ(carried(before), carried(after))
+
+
+@pytest.mark.parametrize("key", choices("mission", moving=False), ids=str)
+def test_a_key_of_a_mission_in_the_table_moves_none(key):
+    """The name is another one, the longitude is taken; the rest is what it was."""
+    before, after = map(budget.load_mission, going(key))
+    assert (after.name == MARK) == (key.path == ("name",))
+    assert facts(replace(before, name="")) == facts(replace(after, name=""))
+
+
 @pytest.mark.parametrize("key", choices("costs", moving=True), ids=str)
-def test_a_key_of_costs_moves_a_number(key, load, monkeypatch):
+def test_a_key_of_costs_moves_a_number(key, monkeypatch):
     """What the lines may be, or what they cost, is another one with the key."""
     # A longer procedure is searched for with a hundred trials, and not asked for here.
     module = "budget.studies.allocation.allocate"
@@ -553,20 +663,20 @@ def test_a_key_of_costs_moves_a_number(key, load, monkeypatch):
     errors: dict = {one: f"10 {lines[one]}" for one in (name, other)}
     if name in AGEING.values():
         errors[name] = {"value": errors[name], "horizon": "1 year"}
-    one = load(load_device, {"name": "x", sensor: {"errors": errors}})
+    one = load_device({"name": "x", sensor: {"errors": errors}})
     bias = lines["bias_repeatability"]
     limits = {
         "scale_factor": "5 ppm",
         "mounting_angle": "5 arcsec",
         "bias": f"5 {bias}",
     }
-    wanted = load(budget.load_requirement, {"name": "x", "limits": {sensor: limits}})
+    wanted = budget.load_requirement({"name": "x", "limits": {sensor: limits}})
     documents = [
         allocate(
             one,
             requirement=wanted,
             procedure=PAPER,
-            costs=load(load_costs, {"costs": {key.path[1]: part}}),
+            costs=load_costs({"costs": {key.path[1]: part}}),
             catalogue=(),
             validate=False,
         ).to_dict()
@@ -592,13 +702,13 @@ def test_the_walk_finds_the_keys_it_is_there_for():
     assert "costs.gyro.bias_stability.u_ref" in found["costs"]
 
 
-def test_a_key_that_did_nothing_would_be_found(load):
+def test_a_key_that_did_nothing_would_be_found():
     """Control: the measure sees no change where there is none."""
     tree, _ = device(Key(("gyro", "errors", "sample_noise", "value"), {"type": ""}))
-    one, same = load(load_device, tree), load(load_device, {**tree, "notes": "n"})
+    one, same = load_device(tree), load_device({**tree, "notes": "n"})
     assert not differ(analyzed(one), analyzed(same))
     with pytest.raises(SpecError, match="unknown key"):
-        load(load_device, {**tree, "bias": "1 deg/h"})
+        load_device({**tree, "bias": "1 deg/h"})
 
 
 def test_the_table_of_the_docs_has_no_key_that_is_not_there():

@@ -72,7 +72,7 @@ BAD = {
     "line of one sensor only": (
         "name: x\naccelerometer: {errors: {g_sensitivity: 1 deg/h/g}}\n",
         "2:26",
-        "vibration_rectification$",
+        "initial_mounting$",
     ),
     "another number of sigmas": (
         GYRO + "    sample_noise: {value: 1 deg/h, meaning: 4 sigma}\n",

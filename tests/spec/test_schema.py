@@ -15,7 +15,7 @@ from budget.spec.reader import read
 from budget.spec.tree import plain
 
 FILES = sorted(shipped("specs").rglob("*.yaml"))
-KINDS = ("device", "procedure", "station", "requirement", "costs")
+KINDS = ("device", "procedure", "station", "mission", "requirement", "costs")
 
 
 def values(node):
@@ -94,5 +94,5 @@ def test_the_schema_stops_bad_devices(case, tmp_path):
 
 def test_there_is_no_schema_of_an_unknown_kind():
     """The kinds there are stand in the message."""
-    with pytest.raises(CallError, match="device, procedure, station, requirement"):
+    with pytest.raises(CallError, match=", ".join(KINDS)):
         json_schema("devices")

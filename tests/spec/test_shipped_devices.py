@@ -35,6 +35,7 @@ LIKE["gravity_unit"] = "m/s^2"
 CONSTANTS = (
     *("repeatability", "nonlinearity", "asymmetry", "quadratic", "g_sensitivity"),
     *("temperature_coefficient", "over_temperature"),
+    *("initial_bias", "initial_scale_factor", "initial_mounting"),
 )
 SIGMA = "\N{GREEK SMALL LETTER SIGMA}"
 
@@ -123,7 +124,12 @@ def said_by_makers(rows):
             elif place == "gravity_unit":
                 yield place, measured(place, figure)
             elif place in LIKE:
-                yield place, measured(place, figure), row["words"], title
+                words = row["words"]
+                if place.endswith("initial_mounting") and row["unit"] == "%":
+                    # What crosses an axis is the sine of an angle: 1 % of 10 mrad.
+                    words = f"{figure}, {words}" if words else figure
+                    figure = f"{10.0 * float(row['value']):g} mrad"
+                yield place, measured(place, figure), words, title
             else:
                 text = f"{WHERE.get(row['parameter'], '')} {figure}".strip()
                 words = f" ({row['words']})" if row["words"] else ""

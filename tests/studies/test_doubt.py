@@ -104,7 +104,7 @@ def test_points_are_of_the_distribution():
 
 def held_of(device):
     """Return the gyro of a device against the requirement, with its law."""
-    problem = required_problem(device.gyro, load_procedure(), REQUIREMENT)
+    problem = required_problem((device.gyro,), load_procedure(), REQUIREMENT)
     return limit_problem(problem, REQUIREMENT), propagate(problem)
 
 
@@ -115,7 +115,7 @@ def test_contributions_stand_for_the_law_of_every_draw():
     prediction = filling.prediction.of(
         [name for name in filling.prediction.names if name.owner == "gyro"]
     )
-    judged = judge_with(held, law, coverage=0.95, seed=0, trials=2_000)
+    judged = judge_with(held, law, seed=0, trials=2_000)
     unit, room = rooms(prediction, held, law, judged)
     rng = np.random.default_rng(0)
     seen = set()
@@ -157,5 +157,5 @@ def test_what_fails_by_given_lines_is_in_no_doubt():
     )
     for one, is_open in ((device, True), (big, False)):
         held, law = held_of(one)
-        judged = judge_with(held, law, coverage=0.95, seed=0, trials=2_000)
+        judged = judge_with(held, law, seed=0, trials=2_000)
         assert (doubt_of(filling.prediction, held, law, judged) is not None) == is_open

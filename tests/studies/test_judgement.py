@@ -65,7 +65,9 @@ def held(problem, limit):
         problem=problem,
         rows=np.arange(n),
         limits=np.full(n, limit),
+        coverage=np.full(n, 0.95),
         printed=("limit",) * n,
+        usual=0.95,
     )
 
 
@@ -159,9 +161,7 @@ def test_the_law_is_off_by_less_than_it_says_beyond_the_second_order():
 def test_a_linear_normal_law_is_exact():
     """Nothing but rounding is left to doubt, so 0.999999999 of a limit meets."""
     problem = several(3, distribution=NORMAL)
-    found = judge(
-        held(problem, K95 / 0.999999999), propagate(problem), coverage=0.95, seed=0
-    )
+    found = judge(held(problem, K95 / 0.999999999), propagate(problem), seed=0)
 
     assert off(one_output(Group.independent("x", u=1.0)))[0] < 1e-11
     assert found.verdict() == "meets"
@@ -188,7 +188,7 @@ def test_a_uniform_output_is_judged_by_trials_and_a_normal_one_by_the_law():
         outputs=(Output(name="a.y.x"), Output(name="a.y.y")),
         function=lambda x: x,
     )
-    found = judge(held(problem, 3.0), propagate(problem), coverage=0.95, seed=0)
+    found = judge(held(problem, 3.0), propagate(problem), seed=0)
 
     assert found.by_trials.tolist() == [False, True]
     assert_allclose(found.interval[0], [-K95, K95], rtol=1e-12)
@@ -204,8 +204,8 @@ def test_a_margin_smaller_than_the_laws_error_is_not_decided_by_the_law():
     """A bound of 2 against 2.1: the law says 108 %, what is true is 90.5 %."""
     problem = several(1, u=2.0 / sqrt(3.0))
     law = propagate(problem)
-    fast = screen(held(problem, 2.1), law, coverage=0.95, seed=0)
-    sure = judge(held(problem, 2.1), law, coverage=0.95, seed=0)
+    fast = screen(held(problem, 2.1), law, seed=0)
+    sure = judge(held(problem, 2.1), law, seed=0)
 
     assert fast.utilisation > 1.07
     assert fast.verdict() == "undecided"
@@ -220,7 +220,7 @@ def test_no_trials_are_made_where_they_cannot_be_surer_than_the_law():
     problem = one_output(
         Group.independent("a.x", u=1.0), function=lambda x: x + 2e-5 * x * x
     )
-    found = judge(held(problem, K95), propagate(problem), coverage=0.95, seed=0)
+    found = judge(held(problem, K95), propagate(problem), seed=0)
 
     assert found.verdict() == "undecided"
     assert found.trials == 100_000
@@ -356,7 +356,7 @@ def test_joint_conformity_is_counted_in_the_same_trials():
     """Two problems of one source are within together, not with the product."""
     problem = several(1, distribution=NORMAL)
     one = held(problem, 1.0)
-    found = [judge(one, propagate(problem), coverage=0.95, seed=0) for _ in range(2)]
+    found = [judge(one, propagate(problem), seed=0) for _ in range(2)]
     p = erf(1.0 / sqrt(2.0))
 
     both = together(found)
@@ -476,7 +476,6 @@ def test_what_is_kept_of_a_judgement_is_a_bit_a_trial():
     found = judge_with(
         held(problem, 1.6),
         propagate(problem),
-        coverage=0.95,
         seed=0,
         trials=trials,
     )

@@ -10,6 +10,9 @@ from document_text import on_terminal
 from places import DOCS
 
 from budget import load_device, load_procedure, load_requirement
+from budget.calibration.problem import calibration_problem
+from budget.methods.gum import propagate
+from budget.model.sources import lines_of
 from budget.names import DERIVED, IMU, Name
 from budget.report.allocation.page import allocation_answer, allocation_section
 from budget.report.analysis.verdict import rank_contributions
@@ -26,7 +29,8 @@ from budget.studies.comparison.compare import compare
 from budget.studies.coupling import coupling
 from budget.studies.densities import critical_densities
 from budget.studies.grades import grade
-from budget.studies.lower_bounds import lacking
+from budget.studies.lower_bounds import could_widen, lacking
+from budget.studies.missing import line_of
 from budget.studies.request import analysis_of
 from budget.studies.what_if import one_at_a_time, what_if
 
@@ -70,6 +74,48 @@ def test_a_missing_line_reaches_what_it_reaches_when_given(kind, reference, form
             given |= {Name(quantity, owner=kind) for quantity in DERIVED}
             given.add(Name("misalignment", owner=IMU))
         assert reached == given, line.name
+
+
+@pytest.mark.parametrize("reference", REFERENCES)
+@pytest.mark.parametrize("name", ["zhao-2019", "six-positions-and-turns"])
+def test_every_line_could_widen_what_the_law_says_it_reaches(name, reference):
+    """Drawn alone or by the law: the same outputs, of a sensor that gives nothing."""
+    procedure = load_procedure(name)
+    for whole in (ZHAO.gyro, ZHAO.accelerometer):
+        varying = [
+            line for line in lines_of(whole.kind) if line.varies and not line.is_initial
+        ]
+        bare = whole.with_lines(())
+        given = bare.with_lines(line_of(line, whole.kind) for line in varying)
+        found = could_widen((bare,), procedure, reference=reference)
+        law = propagate(calibration_problem((given,), procedure, reference=reference))
+        known = {output.name for output in law.outputs}
+        assert {name.quantity for name in found} == {line.name for line in varying}
+        for source, variance in zip(law.sources, law.source_variance, strict=True):
+            if source in found:
+                assert {*found[source]} & known == {
+                    output.name
+                    for output, part in zip(law.outputs, variance, strict=True)
+                    if part > output.resolution**2
+                }, source
+
+
+def test_an_estimator_that_weighs_is_asked_of_the_missing_lines_alone():
+    """Noise lines that a sheet does not lack give it no other weights."""
+    procedure = replace(load_procedure("one-axis-rate-table"), formulas="weighted")
+    gyro = load_device("ltm210#S1B").gyro
+    found = lacking((gyro,), procedure, reference="nominal")
+    missing = {name.quantity for name in gyro.expected_missing}
+    given = gyro.with_lines(
+        line_of(line, "gyro") for line in lines_of("gyro") if line.name in missing
+    )
+    law = propagate(calibration_problem((given,), procedure, reference="nominal"))
+
+    for k, output in enumerate(law.outputs):
+        reached = law.source_variance[:, k] > output.resolution**2
+        assert {*found[output.name]} == {
+            name for name, is_so in zip(law.sources, reached, strict=True) if is_so
+        } & {*gyro.expected_missing}, output.name
 
 
 def test_a_bias_that_lacks_its_line_is_this_or_more():

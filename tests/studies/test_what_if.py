@@ -11,11 +11,13 @@ import pytest
 from numpy.testing import assert_allclose
 from report_examples import make_device
 
-from budget import analyze, load_device, load_requirement
+from budget import analyze, load_device, load_mission, load_requirement
 from budget.distributions import ARCSINE, TRIANGULAR, UNIFORM
 from budget.errors import CallError
-from budget.names import Name
+from budget.names import MISSION, Name
+from budget.results import Settings
 from budget.spec.records import Limit, Origin, Requirement
+from budget.studies.analysis import analyze_as
 from budget.studies.conformity import assess
 from budget.studies.request import Analysis
 from budget.studies.what_if import one_at_a_time, what_if
@@ -339,3 +341,136 @@ def test_no_size_meets_where_others_are_beyond():
     rows = one_at_a_time(what_if(analysis))
     assert {row.most for row in rows} == {None}
     assert {row.to_dict()["meets_up_to"] for row in rows} == {None}
+
+
+# ---- limits on a mission -------------------------------------------------------------
+
+MILE = {
+    "name": "a mile",
+    "coverage": "90 %",
+    "limits": {
+        "gyro": {"bias": "1 deg/h"},
+        "mission": {
+            "position": {"horizontal": "0.8 m", "at": "60 s", "probability": "50 %"},
+            "heading": {"limit": "20 arcsec", "at": "10 s"},
+        },
+    },
+}
+
+
+def oblong():
+    """Return the paper's device with one accelerometer better than the others.
+
+    So that the errors of position lie in an ellipse, which no source leaves as it is.
+    """
+    device = load_device("zhao-2019")
+    lines = tuple(
+        replace(one, u=one.u * np.array([1.0, 0.1, 1.0]))
+        if one.name == "bias_repeatability"
+        else one
+        for one in device.accelerometer.lines
+    )
+    return replace(device, accelerometer=replace(device.accelerometer, lines=lines))
+
+
+def on_outage(device):
+    """Return the budget of a device against limits on a mission of a minute."""
+    wanted = load_requirement(MILE)
+    return analyze_as(
+        Settings(validate=False, coverage=wanted.coverage, reference=wanted.reference),
+        device,
+        requirement=wanted,
+        mission=load_mission("outage-60-s"),
+    )
+
+
+@pytest.mark.parametrize(
+    ("changes", "verdict"),
+    [
+        ({}, "fails"),
+        ({"gyro.bias_repeatability": 7.0}, "fails"),
+        ({"accelerometer.bias_repeatability": 0.5}, "meets"),
+        (
+            {"gyro.bias_repeatability": 0.0, "accelerometer.bias_repeatability": 2.0},
+            "fails",
+        ),
+    ],
+)
+def test_limits_on_a_mission_follow_the_sources(changes, verdict):
+    """Verdict, largest error and shares are those of the changed device.
+
+    The circle too, whose coverage factor changes with the shape of the ellipse.
+    """
+    device = oblong()
+    budget = on_outage(device)
+    model = what_if(budget.analysis, budget=budget)
+    outlook = model.evaluate(changes)
+    truth = on_outage(scaled(device, changes)).assessment
+    ours = {one.sensor: one for one in outlook.sensors}
+
+    assert [*ours] == [one.sensor for one in truth.sensors] == ["gyro", MISSION]
+    for one in truth.sensors:
+        assert ours[one.sensor].verdict == one.verdict
+    assert ours[MISSION].verdict == verdict
+    assert ours[MISSION].worst_output == truth.sensors[1].worst_output
+    judged = {row.output.name: row for row in truth.outputs}
+    own = [k for k, one in enumerate(model.outputs) if one.name.owner == MISSION]
+    assert {model.outputs[k].name for k in own} == {
+        name for name in judged if name.owner == MISSION
+    }
+    for k in own:
+        row = judged[model.outputs[k].name]
+        assert_allclose(outlook.interval[k], row.interval, rtol=1e-9)
+        assert_allclose(outlook.utilisation[k], row.utilisation, rtol=1e-9)
+        assert_allclose(outlook.u[k], row.standard_uncertainty, rtol=1e-9)
+
+
+def test_the_circle_changes_its_shape():
+    """Control: its factor k is not that of the sources as they are."""
+    model = what_if(on_outage(oblong()).analysis)
+    k = [one.name.axis for one in model.outputs].index("horizontal")
+    now, then = (
+        model.evaluate(changes)
+        for changes in ({}, {"accelerometer.bias_repeatability": 0.0})
+    )
+    factors = [one.interval[k, 1] / one.u[k] for one in (now, then)]
+    assert abs(factors[1] / factors[0] - 1.0) > 1e-3
+    assert_allclose(now.share[k].sum(), 1.0, rtol=0, atol=1e-6)
+
+
+def test_trials_of_a_mission_keep_their_ratio_to_the_law():
+    """At factors of 1 the interval that was judged, elsewhere in its shape."""
+    device = oblong()
+    lines = tuple(
+        replace(one, distributions=(UNIFORM,) * 3)
+        if one.name == "bias_repeatability"
+        else one
+        for one in device.accelerometer.lines
+    )
+    device = replace(device, accelerometer=replace(device.accelerometer, lines=lines))
+    budget = on_outage(device)
+    (row,) = (one for one in budget.assessment.outputs if one.by_monte_carlo)
+    model, law = what_if(budget.analysis, budget=budget), what_if(budget.analysis)
+    k = [one.name for one in model.outputs].index(row.output.name)
+    changes = {"gyro.bias_repeatability": 7.0}
+
+    assert row.output.name.axis == "horizontal"
+    assert_allclose(model.evaluate({}).interval[k], row.interval, rtol=1e-9)
+    half = [
+        np.ptp(one.evaluate(factors).interval[k])
+        for factors in ({}, changes)
+        for one in (model, law)
+    ]
+    assert abs(half[0] / half[1] - 1.0) > 1e-3
+    assert_allclose(half[2] / half[3], half[0] / half[1], rtol=1e-12)
+
+
+def test_one_at_a_time_is_of_the_calibration():
+    """Its U is of one coverage: limits of a mission have their own."""
+    budget = on_outage(oblong())
+    rows = one_at_a_time(what_if(budget.analysis, budget=budget))
+    before = one_at_a_time(
+        what_if(replace(budget.analysis, mission=None), budget=budget)
+    )
+    assert rows
+    assert [row.to_dict() for row in rows] == [row.to_dict() for row in before]

@@ -14,29 +14,39 @@ from budget.calibration.schemes.norm import scheme_by_norm
 from budget.calibration.schemes.rotation import scheme_by_rotation
 from budget.errors import CallError
 from budget.model.norm import NormScheme
-from budget.model.response import SIGN, statistics_of
+from budget.model.response import SIGN, STATISTICS, statistics_of
 from budget.model.rotation import RotationScheme
-from budget.model.scheme import Held
+from budget.model.scheme import Held, Scheme
 from budget.model.source import ACCELEROMETER, GYRO, Noise
 from budget.model.sources import source_of
 from budget.model.windows import Schedule
 from budget.names import ORDERS, PARAMETERS, Name, every_output, parameters_of
+from budget.spec.records import FACTORY, UNCALIBRATED
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.arrays import Array
-    from budget.model.scheme import Scheme
     from budget.model.source import Given
-    from budget.spec.records import Procedure, Sensor
+    from budget.spec.records import ErrorLine, Procedure, Sensor
 
 WEIGHTED, PLAIN = "weighted", "least_squares"  # estimators of any windows
 NORM = "norm"  # of dwells at unknown attitudes
 
 
-def schemes_of(sensors: Sequence[Sensor], procedure: Procedure) -> dict[str, Scheme]:
-    """Return windows and weights of triads by kind, with what each needs of another."""
-    found = {one.kind: scheme_of(one.kind, procedure, one) for one in sensors}
+def schemes_of(
+    sensors: Sequence[Sensor], procedure: Procedure, *, every: bool = False
+) -> dict[str, Scheme]:
+    """Return windows and weights of triads by kind, with what each needs of another.
+
+    With `every` those of triads that the procedure does not calibrate, too: none.
+    """
+    found = {
+        one.kind: scheme_of(one.kind, procedure, one)
+        if calibrates(one.kind, procedure) or not every
+        else _of_design(one, procedure)
+        for one in sensors
+    }
     gyro, norm = found.get(GYRO), found.get(ACCELEROMETER)
     if isinstance(gyro, RotationScheme) and isinstance(norm, NormScheme):
         found[ACCELEROMETER] = norm.beside(gyro.directions)
@@ -178,6 +188,26 @@ def estimated(owner: str, procedure: Procedure) -> tuple[Name, ...]:
     )
 
 
+def initial_lines(sensor: Sensor, procedure: Procedure) -> tuple[ErrorLine, ...]:
+    """Return what a new unit has of parameters that are held at the design.
+
+    A maker who has calibrated it has found that.
+    """
+    if procedure.formulas == FACTORY:
+        return ()
+    found = {*estimated(sensor.kind, procedure)}
+    held = {one.quantity for one in parameters_of(sensor.kind) if one not in found}
+    return tuple(
+        line for line in sensor.initial if source_of(sensor.kind, line.name).own in held
+    )
+
+
+def answered(owner: str, procedure: Procedure) -> tuple[Name, ...]:
+    """Return the parameters of a triad whose errors are known: held ones too."""
+    found = estimated(owner, procedure)
+    return (*parameters_of(owner), *(one for one in found if one.quantity in ORDERS))
+
+
 def orders_of(owner: str, procedure: Procedure) -> tuple[int, ...]:
     """Return the higher orders that a procedure estimates of a triad."""
     return procedure.orders if owner == "accelerometer" else ()
@@ -185,16 +215,30 @@ def orders_of(owner: str, procedure: Procedure) -> tuple[int, ...]:
 
 def calibrates(owner: str, procedure: Procedure) -> bool:
     """Whether any window is of that triad; the paper's tests are of both."""
+    if procedure.formulas in UNCALIBRATED:
+        return False
     own = [one for one in procedure.windows if one.use in {owner, "both"}]
     if procedure.formulas == NORM and owner == GYRO:
         return any(one.sense for one in own)  # no norm of the earth rate is that large
     return not procedure.windows or bool(own)
 
 
+def _of_design(sensor: Sensor, procedure: Procedure) -> Scheme:
+    """Return what is known of a triad without any test: all is held, W is empty."""
+    return Scheme(
+        owner=sensor.kind,
+        schedule=Schedule(windows=()),
+        place=procedure.place,
+        weights=np.zeros((3, STATISTICS, 0)),
+        held=_held(sensor.kind, procedure, sensor),
+    )
+
+
 def _held(owner: str, procedure: Procedure, sensor: Sensor | None) -> Held:
     """Return what a procedure holds of a triad, at the nominal values of a sensor."""
     names = parameters_of(owner)
-    held = np.array([name in procedure.held for name in names])
+    found = estimated(owner, procedure)
+    held = np.array([name not in found for name in names])
     angle = np.zeros(6) if sensor is None else sensor.nominal_mounting_angle
     bias = np.zeros(3) if sensor is None else sensor.nominal_bias
     return Held(
@@ -221,8 +265,10 @@ def _covariance(
 
 
 __all__ = [
+    "answered",
     "calibrates",
     "estimated",
+    "initial_lines",
     "is_beside",
     "noise_of",
     "schedule_of",

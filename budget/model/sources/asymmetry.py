@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.language import note
+from budget.model.response import diagonal
 from budget.model.source import Disturbance, Given, Moment, Triad
 
 if TYPE_CHECKING:
@@ -45,6 +46,13 @@ class TurnAsymmetry(Disturbance):
 
         return partial(_signed, seen=seen, constant=constant, R=R)
 
+    def in_use(self, x: Array, force: Array) -> Array:  # noqa: ARG002
+        """Return |x|/2 of each axis: in use no table says what the sense of a turn is.
+
+        In a turn of the table about the axis s (Ka/2) x is the same.
+        """
+        return diagonal(0.5 * np.abs(x))
+
     def reading(self, value: Array, moment: Moment) -> Array:
         """Return s (Ka/2) times the reading."""
         return moment.window.sense * 0.5 * value[:, None] * moment.reading
@@ -80,6 +88,10 @@ class InputAsymmetry(Disturbance):
         """Return Ka/2 times the weighed means of |x| over the windows."""
         scheme = triad.scheme
         return partial(_folded, weights=scheme.weights, harmonics=scheme.harmonics)
+
+    def in_use(self, x: Array, force: Array) -> Array:  # noqa: ARG002
+        """Return |x|/2 of each axis."""
+        return diagonal(0.5 * np.abs(x))
 
     def reading(self, value: Array, moment: Moment) -> Array:
         """Return (Ka/2) |x| of every sample's input."""

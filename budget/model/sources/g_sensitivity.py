@@ -33,6 +33,11 @@ class GSensitivity(Disturbance):
 
         return partial(_sensed, force=force)
 
+    def in_use(self, x: Array, force: Array) -> Array:  # noqa: ARG002
+        """Return the force in the rows of its elements."""
+        rows = np.eye(3)[:, :, None] * force[..., None, None, :]
+        return np.asarray(rows.reshape(*force.shape, len(ELEMENTS)))
+
     def reading(self, value: Array, moment: Moment) -> Array:
         """Return G f of every sample."""
         return np.asarray(value.reshape(3, 3) @ moment.force)

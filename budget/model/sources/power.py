@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.language import note
+from budget.model.response import diagonal
 from budget.model.source import Disturbance, Given, Moment, Triad
 
 if TYPE_CHECKING:
@@ -50,6 +51,10 @@ class Power(Disturbance):
             tensors.append(scheme.weigh(tensor.mean(axis=1)))
             tensor = (tensor[..., None] * u[:, :, None]).reshape(*u.shape[:2], -1)
         return partial(_powered, tensors=tuple(tensors))
+
+    def in_use(self, x: Array, force: Array) -> Array:  # noqa: ARG002
+        """Return x^p of each axis."""
+        return diagonal(x**self.order)
 
     def reading(self, value: Array, moment: Moment) -> Array:
         """Return K_p x^p of every sample's input."""

@@ -312,9 +312,10 @@ def _all_rows(triad: Triad) -> Array:
 
 def _rows(triad: Triad) -> Array:
     """Return those that differ, shape (k, 2, n); none without coefficients."""
+    n = len(triad.scheme.schedule.windows)
+    if _coefficients(triad.given) is None or n == 0:
+        return np.zeros((0, 2, n))
     rows = _all_rows(triad)
-    if _coefficients(triad.given) is None:
-        return np.zeros((0, *rows.shape[3:]))
     flat = rows.reshape(-1, rows.shape[3] * rows.shape[4])
     return np.unique(flat, axis=0).reshape(-1, *rows.shape[3:])
 

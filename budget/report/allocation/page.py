@@ -7,6 +7,7 @@ from operator import attrgetter
 from typing import TYPE_CHECKING
 
 from budget.language import key_title, say, term, words
+from budget.names import MISSION
 from budget.report.allocation.figures import (
     after_word,
     headroom_chart,
@@ -108,6 +109,9 @@ def allocation_section(allocation: Allocation) -> Section:
         if limits:
             tables.append(_parts_table(sensor, limits))
         blocks.append(Panel(title=capital(say(sensor)), blocks=tuple(tables)))
+    if on_mission := _limits(allocation, MISSION):  # of the lines of both triads
+        table = _parts_table(MISSION, on_mission)
+        blocks.append(Panel(title=capital(say(MISSION)), blocks=(table,)))
     blocks.append(Abreast(blocks=(ForPages(lambda: _pictures(allocation)),)))
     corrected = (row for row in allocation.sources if row.uncorrected is not None)
     blocks += _points(say("Corrected by Monte Carlo"), map(_correction, corrected))

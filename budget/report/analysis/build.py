@@ -15,6 +15,7 @@ from budget.report.analysis.groups import (
     readings_section,
 )
 from budget.report.analysis.method import Trials, method_section
+from budget.report.analysis.mission import mission_card
 from budget.report.analysis.station import station_section
 from budget.report.analysis.verdict import (
     group_cards,
@@ -82,6 +83,7 @@ class Extra:
     # What it depends on; the device of the report is called so, others by the key.
     inputs: tuple[InputFile, ...]
     warnings: tuple[str, ...] = ()  # what a reader of page one must know of it
+    carried: Budget | None = None  # of a mission, whose limits are judged with the rest
 
     @classmethod
     def of(
@@ -119,9 +121,14 @@ def report_document(
     groups = group_tables(budget)
     owners = tuple(dict.fromkeys(group.sensor for group in groups))
     sensors = tuple(sensor.kind for sensor in sensors_of(devices, procedure))
+    carried = next((one.carried for one in extras if one.carried is not None), None)
     cards = (
-        group_cards(groups) if assessment is None else verdict_cards(budget, assessment)
+        group_cards(groups)
+        if assessment is None
+        else verdict_cards(budget, assessment, carried)
     )
+    if carried is not None and carried.assessment is None:
+        cards = (*cards, mission_card(carried))
     rows = one_at_a_time(evidence.what_if)
     latitude = print_degrees(procedure.latitude)
     found: list[Section | None] = [

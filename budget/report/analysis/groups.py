@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
-from budget.language import key_title, say, term
+from budget.language import key_title, say, term, words
 from budget.names import AXES
 from budget.report.analysis.budget_table import (
     READ,
@@ -61,6 +61,7 @@ from budget.results import CONVENTION
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
+    from budget.names import Name
     from budget.report.blocks import Block, Table
     from budget.report.tables import GroupTable, Number
     from budget.results import Assessment, Budget, Compensation
@@ -75,7 +76,7 @@ def budget_answer(budget: Budget, *, brief: bool = False) -> tuple[Section, ...]
     warnings = _listed(say("Warnings"), budget.warnings)
     if brief:
         return (
-            *_verdict_sections(budget),
+            *verdict_sections(budget, _cards),
             _worst_axes(budget, groups),
             *filled_sections(budget),
             Section(
@@ -91,26 +92,38 @@ def budget_answer(budget: Budget, *, brief: bool = False) -> tuple[Section, ...]
             ),
             *((warnings,) if budget.warnings else ()),
         )
-    checks = list({group.validation for group in groups})
-    tested = ("procedure", "station")
-    settings = [
-        *((file.role, file.name) for file in budget.inputs if file.role in tested),
-        *settings_lines(budget.settings),
-    ]
-    if len(checks) == 1 and checks[0]:
-        settings.append((term("checked"), checks[0]))
+    checks = {group.validation for group in groups}
     return (
-        *_verdict_sections(budget),
+        *verdict_sections(budget, _cards),
         _worst_axes(budget, groups),
         *((limits_section(budget, budget.assessment),) if budget.assessment else ()),
         *(_group_section(group, checked=len(checks) > 1) for group in groups),
         *matrices_sections(budget),
-        *_indices(budget, dict.fromkeys(group.sensor for group in groups)),
+        *rest_sections(budget, checked=checks.pop() if len(checks) == 1 else ""),
+    )
+
+
+def rest_sections(budget: Budget, *, checked: str) -> tuple[Section, ...]:
+    """Return what the numbers of a budget rest on, and how the law was checked."""
+    tested = ("procedure", "station", "mission", "trajectory")
+    settings = [
+        *((file.role, file.name) for file in budget.inputs if file.role in tested),
+        *settings_lines(budget.settings),
+    ]
+    if checked:
+        settings.append((term("checked"), checked))
+    not_given = (
+        _listed(say("Not given"), not_given_lines(budget.could_widen))
+        if budget.mission is None
+        else _named(say("Not given"), budget.not_given)
+    )
+    return (
+        *_indices(budget, dict.fromkeys(row.sensor for row in budget.outputs)),
         *filled_sections(budget),
         *readings_section(budget, budget.assessment),
-        _listed(say("Not given"), not_given_lines(budget.could_widen)),
+        not_given,
         _listed(say("Assumptions"), budget.assumptions),
-        warnings,
+        _listed(say("Warnings"), budget.warnings),
         Section(
             name="settings",
             title=say("Settings"),
@@ -121,8 +134,10 @@ def budget_answer(budget: Budget, *, brief: bool = False) -> tuple[Section, ...]
     )
 
 
-def _verdict_sections(budget: Budget) -> Iterator[Section]:
-    """Yield the verdict and why, as page one of a report has it; none without one."""
+def verdict_sections(
+    budget: Budget, why: Callable[[Budget, Assessment], Iterable[Block]]
+) -> Iterator[Section]:
+    """Yield the verdict, as page one of a report has it, and why; none without one."""
     assessment = budget.assessment
     if assessment is None:
         return
@@ -131,15 +146,16 @@ def _verdict_sections(budget: Budget) -> Iterator[Section]:
         title=headline(budget, assessment),
         blocks=(
             Paragraph(words=summary(budget, assessment)),
-            *(
-                Panel(
-                    title=card.title,
-                    blocks=tuple(Paragraph(words=line) for line in card.lines),
-                )
-                for card in verdict_cards(budget, assessment)
-            ),
+            *why(budget, assessment),
         ),
     )
+
+
+def _cards(budget: Budget, assessment: Assessment) -> Iterator[Block]:
+    """Yield why, sensor by sensor."""
+    for card in verdict_cards(budget, assessment):
+        blocks = tuple(Paragraph(words=line) for line in card.lines)
+        yield Panel(title=card.title, blocks=blocks)
 
 
 def _worst_axes(budget: Budget, groups: Sequence[GroupTable]) -> Section:
@@ -280,6 +296,18 @@ def _listed(title: str, lines: Sequence[str]) -> Section:
         blocks=(Listing(items=points(map(say, lines)), empty=""),),
         in_brief=None if lines else say("{title}: none", title=title),
     )
+
+
+def _named(title: str, names: Sequence[Name]) -> Section:
+    """Return names under a heading, those of one owner in a line."""
+    owners: dict[str, list[str]] = {}
+    for name in names:
+        owners.setdefault(name.owner, []).append(words(name.quantity))
+    lines = [
+        say("{owner}: {lines}", owner=say(owner), lines=say(", ").join(own))
+        for owner, own in owners.items()
+    ]
+    return _listed(title, lines)
 
 
 def _group_section(group: GroupTable, *, checked: bool) -> Section:

@@ -315,9 +315,11 @@ class _Judged:
 
 def _judged(budget: Budget, assessment: Assessment) -> list[_Judged]:
     """Return the required outputs that have any spread."""
+    rows = {row.output.name: row for row in budget.outputs}
     found = [
-        _Judged(row=budget.output(one.output.name), limit=one)
+        _Judged(row=rows[one.output.name], limit=one)
         for one in assessment.judged
+        if one.output.name in rows  # not those of a mission
     ]
     return [one for one in found if one.row.is_resolved]
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from budget.language import beside, key_title, say, term, words
-from budget.names import IMU, by_group
+from budget.names import IMU, MISSION, by_group
 from budget.report.blocks import (
     Abreast,
     Card,
@@ -18,6 +18,7 @@ from budget.report.blocks import (
     Section,
     table_of,
 )
+from budget.report.mission import limits_table
 from budget.report.readings import verdict_line
 from budget.report.tables import (
     SMALL_SHARE,
@@ -109,8 +110,24 @@ def headline(budget: Budget, assessment: Assessment | None) -> str:
 def summary(budget: Budget, assessment: Assessment | None) -> Words:
     """Return the answer in a sentence or two: margin, and what errors are."""
     not_there = () if assessment is None else assessment.not_there
-    triads = [owner for owner in not_there if owner != IMU]
+    triads = [owner for owner in not_there if owner not in {IMU, MISSION}]
     absent: list[str] = []
+    if budget.mission is not None and not_there:
+        absent.append(
+            say(
+                "Limits on {triads} are on the calibration, which this does not judge: "
+                "`budget analyze --requirement` does. ",
+                triads=say(" and ").join(map(key_title, not_there)),
+            )
+        )
+        triads, not_there = [], ()
+    if MISSION in not_there:
+        absent.append(
+            say(
+                "Nothing is said of the mission, which the requirement limits too: "
+                "`budget mission` and `budget report --mission` do. "
+            )
+        )
     if triads:
         absent.append(
             say(
@@ -136,11 +153,17 @@ def summary(budget: Budget, assessment: Assessment | None) -> Words:
     )
 
 
-def verdict_cards(budget: Budget, assessment: Assessment) -> tuple[Card, ...]:
-    """Return the verdict on each sensor."""
+def verdict_cards(
+    budget: Budget, assessment: Assessment, carried: Budget | None = None
+) -> tuple[Card, ...]:
+    """Return the verdict on each sensor; on a mission by its own budget."""
     rows = {row.output.name: row for row in assessment.outputs}
     return tuple(
-        _verdict_card(budget, sensor, rows[sensor.worst_output])
+        _verdict_card(
+            carried if carried and sensor.sensor == MISSION else budget,
+            sensor,
+            rows[sensor.worst_output],
+        )
         for sensor in assessment.sensors
     )
 
@@ -161,7 +184,16 @@ def limits_section(budget: Budget, assessment: Assessment) -> Section:
         jointly=_jointly(assessment),
     ).rstrip()
     sensors = dict.fromkeys(row.output.name.owner for row in assessment.outputs)
-    tables = {sensor: _limits_table(assessment, sensor) for sensor in sensors}
+    tables = {
+        sensor: limits_table(
+            budget.settings.coverage,
+            assessment,
+            [row for row in assessment.outputs if row.output.name.owner == sensor],
+        )
+        if sensor == MISSION
+        else _limits_table(assessment, sensor)
+        for sensor in sensors
+    }
     blocks: tuple[Block, ...] = (Paragraph(words=(text,)),)
     if len(tables) > 1:
         panels = (
@@ -281,7 +313,7 @@ def _left_out(settings: Settings) -> Words:
 
 def _margin(budget: Budget, assessment: Assessment | None) -> Words:
     """Return by how much limits are held or exceeded, and what errors are."""
-    basis = _basis(budget.settings)
+    basis = _basis(budget.settings, assessment)
     if assessment is None:
         counted = capital(say(ERROR_REFERENCES[budget.settings.reference]))
         left = say("No requirement was given: this is what the calibration leaves.")
@@ -507,11 +539,15 @@ def _group_card(group: GroupTable) -> Card:
     return Card(title=capital(group.title), lines=tuple(lines))
 
 
-def _basis(settings: Settings) -> str:
+def _basis(settings: Settings, assessment: Assessment | None) -> str:
     """Say at which coverage errors are given, and from what they are counted."""
     coverage = print_coverage(settings.coverage)
+    rows = () if assessment is None else assessment.outputs
     return say(
-        "Errors at {coverage} % coverage; {error_references}.",
+        "Errors at the probability that a limit names, else at {coverage} % coverage; "
+        "{error_references}."
+        if any(row.coverage is not None for row in rows)
+        else "Errors at {coverage} % coverage; {error_references}.",
         coverage=coverage,
         error_references=say(ERROR_REFERENCES[settings.reference]),
     )
@@ -601,7 +637,8 @@ def _weights(
     weight = dict.fromkeys((group.title for group in groups), idle)
     for required in assessment.outputs if assessment else ():
         title = key_title(required.output.name.group)
-        weight[title] = max(weight[title], required.utilisation)
+        if title in weight:  # not those of a mission
+            weight[title] = max(weight[title], required.utilisation)
     return weight
 
 

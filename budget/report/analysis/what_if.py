@@ -8,6 +8,7 @@ from math import floor, inf, log10
 from typing import TYPE_CHECKING
 
 from budget.language import key_title, say, term
+from budget.names import MISSION
 from budget.report.blocks import (
     Cell,
     Field,
@@ -75,7 +76,10 @@ def what_if_section(
     device.
     """
     coverage = print_coverage(model.coverage)
-    required = any(limit is not None for limit in model.limit)
+    required = any(
+        limit is not None and output.name.owner != MISSION
+        for limit, output in zip(model.limit, model.outputs, strict=True)
+    )
     text = say(
         "One source at a time, the others as they are, by the law "
         "with its second-order terms. U{coverage} is of the output "
@@ -89,6 +93,11 @@ def what_if_section(
         if required
         else ""
     )
+    if any(output.name.owner == MISSION for output in model.outputs):
+        text += say(
+            " The table is of the calibration; limits on the mission follow the "
+            "sliders of the HTML page."
+        )
     text += _not_by_law(budget, required=required)
     device = _device_file(budget, (again and again.devices) or devices)
     return Section(
@@ -153,11 +162,14 @@ def _not_by_law(budget: Budget, *, required: bool) -> str:
         return say(
             " The budget itself is by {method}.", method=say(budget.settings.method)
         )
-    overruled = [
-        key_title(row.output.name)
-        for row in budget.outputs
-        if row.interval_by != BY_LAW
+    judged = () if budget.assessment is None else budget.assessment.outputs
+    found = [(row.output.name, row.interval_by) for row in budget.outputs]
+    found += [
+        (row.output.name, row.interval_by)
+        for row in judged
+        if row.output.name.owner == MISSION
     ]
+    overruled = [key_title(name) for name, by in found if by != BY_LAW]
     refused = [
         key_title(row.output.name)
         for row in budget.outputs

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from budget.language import counted, say, term, words
-from budget.names import IMU
+from budget.names import IMU, MISSION
 from budget.report.comparison.tables import MissingEffect
 from budget.report.readings import verdict_line
 from budget.report.tables import print_count, print_coverage, source_title
@@ -43,12 +43,30 @@ def headline(comparison: Comparison) -> str:
     )
 
 
+# By whether the mission alone has limits, and whether there is one.
+ANSWERS = {
+    (False, False): (
+        term("Each required sensor has a device that meets."),
+        term("A required sensor has no device that meets."),
+    ),
+    (False, True): (
+        term("Each required sensor and the mission have a device that meets."),
+        term("A required sensor or the mission has no device that meets."),
+    ),
+    (True, True): (
+        term("A device meets on the mission."),
+        term("No device meets on the mission."),
+    ),
+}
+
+
 def answer(comparison: Comparison) -> str:
     """State the answer in a sentence."""
     if not comparison.not_compared:
-        if comparison.is_met:
-            return say("Each required sensor has a device that meets.")
-        return say("A required sensor has no device that meets.")
+        met, not_met = ANSWERS[
+            comparison.required == (MISSION,), bool(comparison.mission)
+        ]
+        return say(met if comparison.is_met else not_met)
     if len(comparison.required) == 1:
         has = say("has a") if comparison.is_met else say("has no")
     else:
@@ -73,6 +91,12 @@ def basis(comparison: Comparison) -> str:
         coverage=coverage,
         error_references=say(ERROR_REFERENCES[settings.reference]),
     )
+    if comparison.mission:
+        said += say(
+            " On the mission {mission}: at the probability that a limit gives, where "
+            "it gives one.",
+            mission=comparison.mission,
+        )
     if sentence := mode_sentence(settings):
         said += say(
             " {sentence} The exit code goes by given lines alone.", sentence=sentence
@@ -175,6 +199,8 @@ def _why_not_compared(sensor: str) -> str:
     """Say why limits are judged for no device."""
     if sensor == IMU:
         return say("sensors are taken one by one")
+    if sensor == MISSION:
+        return say("no device here has gyro and accelerometer")
     return say("no device here has one")
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from budget.language import key_title, say, term, words
+from budget.language import axis_title, key_title, say, term, words
 from budget.report.blocks import Cell, Field, table_of
 from budget.report.figures.rows import (
     Chart,
@@ -149,7 +149,7 @@ MOST_LINEAR = 4.0  # utilisations beyond need a logarithmic axis [1]
 
 USED = (
     Field["OutputAssessment"](
-        head=term("output"), cell=lambda row: row.output.name.axis
+        head=term("output"), cell=lambda row: axis_title(row.output.name)
     ),
     Field["OutputAssessment"](
         head=term("largest error [% of the limit]"),
@@ -280,7 +280,7 @@ def _limit_groups(
 def _limit_row(output: OutputAssessment, start: float) -> Row:
     """Return a thin line to a dot, filled where it is beyond the limit."""
     x = max(100.0 * output.utilisation, start)
-    used, axis = used_part(output).text, output.output.name.axis
+    used, axis = used_part(output).text, axis_title(output.output.name)
     return Row(
         label=axis,
         marks=(

@@ -43,6 +43,7 @@ TICKS, LABEL = 14.0, 14.0  # height of the numbers of an axis, and of its name [
 LINE = 12.0  # height of a line of small text [pt]
 BETWEEN = 12.0  # sides [pt]
 LEAST_NAMES = 24.0  # room for names on the left, also where they are 'x' [pt]
+LEAST_PANEL = 36.0  # between names and numbers [pt]
 MOST_BESIDE = 0.72  # part of the width that names and numbers may take together [1]
 TICK_ROOM, DECADE_ROOM = 30.0, 24.0  # of a number, of a power of ten on an axis [pt]
 LAST_TICK = 9.0  # air beside a panel without texts, for half a number [pt]
@@ -305,6 +306,9 @@ def _room(chart: Chart, width: float) -> _Room:
         for k in range(max(len(row.beside) for row in rows))
     ]
     spare = MOST_BESIDE * width - left
+    labels = any(p.scale.label for side in chart.sides for p in side.panels)
+    if chart.flush == "right" and not labels:  # numbers are whole or wrong
+        spare = max(spare, width - left - LEAST_PANEL)
     if sum(columns) > spare:  # the last column is cut
         columns[-1] = max(spare - sum(columns[:-1]), 0.0)
     return _Room(left=left, beside=columns)

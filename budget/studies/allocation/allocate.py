@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -14,9 +15,15 @@ from budget.language import note
 from budget.methods.allocation import TOUCHES
 from budget.methods.gum import propagate
 from budget.methods.trials import coverage_of
-from budget.names import IMU, Name
+from budget.names import IMU, MISSION, Name
 from budget.results import input_files
-from budget.spec import load_costs, load_devices, load_procedure, load_requirement
+from budget.spec import (
+    load_costs,
+    load_devices,
+    load_mission,
+    load_procedure,
+    load_requirement,
+)
 from budget.studies.allocation.cases import (
     NO_BOUNDS,
     STRATEGIES,
@@ -44,6 +51,8 @@ from budget.studies.judgement import judge, limit_problem
 from budget.studies.lower_bounds import expecting
 from budget.studies.request import (
     limited_but_held,
+    mission_for,
+    navigating,
     not_estimated,
     not_of_one_sensor,
     not_weighted,
@@ -54,7 +63,14 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from budget.spec.files import File
-    from budget.spec.records import Costs, Device, Procedure, Requirement, Sensor
+    from budget.spec.records import (
+        Costs,
+        Device,
+        Mission,
+        Procedure,
+        Requirement,
+        Sensor,
+    )
     from budget.studies.allocation.cases import Bounds, SensorCase
     from budget.studies.allocation.records import LongerTest
     from budget.studies.progress import Progress
@@ -71,6 +87,7 @@ def allocate(
     *devices: Device | File,
     requirement: Requirement | File,
     procedure: Procedure | File | None = None,
+    mission: Mission | File | None = None,
     strategy: str | None = None,
     costs: Costs | File | None = None,
     bounds: Bounds = NO_BOUNDS,
@@ -90,6 +107,9 @@ def allocate(
         Limits, coverage and reference.
     procedure : Procedure, optional
         The paper's, if none is given.
+    mission : Mission, optional
+        What limits on a mission are on. Limits on sensors are shared out first; a line
+        is then at most what they allow.
     strategy : str, optional
         'proportional' (default), 'equal' or 'cost' (default where there are costs).
     costs : Costs, optional
@@ -116,24 +136,33 @@ def allocate(
     Raises
     ------
     CallError
-        Options that do not fit together, or no limit for any sensor that is there.
+        Options that do not fit together, limits on a mission without one, or no limit
+        for any sensor that is there.
     """
     imus, wanted = load_devices(devices), load_requirement(requirement)
     how = load_procedure(procedure)
+    journey = None if mission is None else load_mission(mission)
+    mission_for(wanted, journey)
     prices = None if costs is None else load_costs(costs)
     strategy = _choose_strategy(strategy, prices)
     sensors = tuple(
-        expecting(sensor, how, wanted.reference) for sensor in sensors_of(imus, how)
+        expecting(sensor, how, wanted.reference)
+        for sensor in (sensors_of(imus, how) if journey is None else navigating(imus))
     )
     warnings: tuple[str, ...] = ()
     if catalogue is None:
         catalogue, warnings = load_catalogue()
     offered = best_offered(catalogue, sensors)
+    least = offered if market else {}
+    # What the limits on sensors allow is the most that those on a mission may take.
+    subjects: list[tuple[tuple[Sensor, ...], Mission | None]] = [
+        ((one,), None) for one in sensors if calibrates(one.kind, how)
+    ]
+    subjects += [] if journey is None else [(sensors, journey)]
     cases = [
         case
-        for sensor in sensors
-        if (case := set_up(sensor, how, wanted, bounds, offered if market else {}))
-        is not None
+        for several, on in subjects
+        if (case := set_up(several, how, wanted, bounds, least, mission=on)) is not None
     ]
     if not cases:
         raise CallError(
@@ -144,7 +173,9 @@ def allocate(
     feasible = all(case.task.is_feasible for case in cases)
     longer_tests = tuple(test for case in cases for test in _longer_tests(case))
     share_out = partial(solve, strategy=strategy, costs=prices)
-    for place, case in enumerate(cases):
+    for place, one in enumerate(cases):
+        case = one if one.mission is None else one.at_most(_allowed(cases))
+        feasible = feasible and case.task.is_feasible
         if case.task.is_feasible:
             solved = share_out(case)
             if validate:
@@ -153,13 +184,17 @@ def allocate(
             cases[place] = solved
         if progress is not None:
             progress("error allocation", place + 1, len(cases))
-    there = {sensor.kind for sensor in sensors}
+    if journey is not None:
+        cases = _together(cases)
+    there = {sensor.kind for sensor in sensors} | {case.owner for case in cases}
     missing = tuple(kind for kind in wanted.kinds if kind not in there)
     allotted = tuple(_resized(sensor, cases) for sensor in sensors)
-    solved_kinds = {case.sensor.kind for case in cases if case.s is not None}
+    solved_kinds = {kind for case in cases if case.s is not None for kind in case.kinds}
     return Allocation(
         title=" + ".join(device.name for device in imus),
-        inputs=input_files(imus, procedure=how, requirement=wanted, costs=prices),
+        inputs=input_files(
+            imus, procedure=how, mission=journey, requirement=wanted, costs=prices
+        ),
         strategy=strategy,
         requirement=wanted.name,
         procedure=how.name,
@@ -174,11 +209,7 @@ def allocate(
             *(
                 row
                 for sensor in sensors
-                for row in source_allotments(
-                    sensor,
-                    next((c for c in cases if c.sensor.kind == sensor.kind), None),
-                    offered,
-                )
+                for row in source_allotments(sensor, cases, offered)
             ),
             *shared_allotments(cases),
         ),
@@ -200,7 +231,7 @@ def allocate(
         assumptions=(
             *(
                 text
-                for record in (*imus, how, wanted, prices)
+                for record in (*imus, how, journey, wanted, prices)
                 if record is not None
                 for text in record.assumptions
             ),
@@ -222,7 +253,7 @@ def allocate(
                     kind=note(kind),
                 )
                 for kind in missing
-                if kind != IMU
+                if kind not in {IMU, MISSION}
             ),
             *_warnings(sensors, cases, bounds, prices),
         ),
@@ -252,8 +283,7 @@ def _correct(
     that their largest interval end is |m| + k u, and a little more. Allocating again
     moves the mixture of shapes, so this goes on until k has settled.
     """
-    law_factor = case.task.coverage_factor
-    by_law, coverage = case.s, case.requirement.coverage
+    law_factor, by_law = case.task.coverage_factor, case.s
     for _ in range(CORRECTIONS):
         task, s = case.task, case.factors
         problem = case.allocated_problem()
@@ -261,24 +291,28 @@ def _correct(
             [output.name for output in problem.outputs].index(name)
             for name in task.law.outputs
         ]
-        law = propagate(problem)
+        held = limit_problem(problem, case.requirement)
+        if held is None:
+            break
+        law, every = propagate(problem), held.every_coverage
+        coverage = every[rows]
         found = coverage_of(
             problem,
-            law.interval(coverage),
-            coverage=coverage,
+            law.interval(every),
+            coverage=every,
             trials=TRIALS,
             seed=seed,
         )
         u = law.standard_uncertainty[rows]
         ends = np.abs(found.interval[rows]).max(axis=1)
-        inside = found.inside[rows]
+        inside, shape = found.inside[rows], task.roundness(s)
         checks = tuple(
             CoverageCheck(
                 output=name,
                 trials=found.trials,
                 covered=float(inside[k]),
-                factor_before=float(law_factor[k]),
-                factor=float(task.coverage_factor[k]),
+                factor_before=float(law_factor[k] * shape[k]),
+                factor=float(task.coverage_factor[k] * shape[k]),
                 reached=float(ends[k] / task.limit[k]),
             )
             for k, name in enumerate(task.law.outputs)
@@ -289,7 +323,7 @@ def _correct(
             u > np.array([problem.outputs[row].resolution for row in rows])
         )
         needed = (ends - np.abs(law.mean[rows])) / np.where(u > 0.0, u, np.inf)
-        k_next = np.where(off, needed * (1.0 + MARGIN), law_factor)
+        k_next = np.where(off, needed / shape * (1.0 + MARGIN), law_factor)
         moved = np.abs(k_next / task.coverage_factor - 1.0)
         if not (task.binding(s) & (moved > SETTLED)).any():
             break
@@ -316,7 +350,7 @@ def _assure(
         if held is None:
             break
         law = propagate(problem)
-        judged = judge(held, law, coverage=case.requirement.coverage, seed=seed)
+        judged = judge(held, law, seed=seed)
         verdict, over = judged.verdict(), judged.utilisation_interval[1]
         if verdict == "meets" or (verdict == "undecided" and judged.by_trials.any()):
             break
@@ -340,10 +374,49 @@ def _longer_tests(case: SensorCase) -> tuple[LongerTest, ...]:
 
 def _resized(sensor: Sensor, cases: Sequence[SensorCase]) -> Sensor:
     """Return a sensor with its allocated values, as it is where there are none."""
-    for case in cases:
-        if case.sensor.kind == sensor.kind and case.s is not None:
-            return resize(sensor, case.task.law.sources, case.s)
-    return sensor
+    case = _last(cases, sensor.kind)
+    if case is None or case.s is None:
+        return sensor
+    return resize(sensor, case.task.law.sources, case.s)
+
+
+def _last(cases: Sequence[SensorCase], kind: str) -> SensorCase | None:
+    """Return the case that says what the lines of a triad may be; None: none does."""
+    return next((case for case in reversed(cases) if kind in case.kinds), None)
+
+
+def _allowed(cases: Sequence[SensorCase]) -> dict[Name, float]:
+    """Return the factors that limits on sensors allow their lines."""
+    return {
+        name: float(factor)
+        for case in cases
+        if case.mission is None and case.s is not None
+        for name, factor, free in zip(
+            case.task.law.sources, case.s, case.task.free, strict=True
+        )
+        if free
+    }
+
+
+def _together(cases: Sequence[SensorCase]) -> list[SensorCase]:
+    """Return the cases of sensors with the lines that the mission allows them.
+
+    Less than their own limits do, so that these are met; what Monte Carlo found at
+    limits that are not reached any more is left out. Without a solution for all of
+    them there is none.
+    """
+    last = cases[-1]
+    if last.s is None or any(case.s is None for case in cases):
+        return [replace(case, s=None, by_law=None, checks=()) for case in cases]
+    by_name = dict(zip(last.task.law.sources, last.s.tolist(), strict=True))
+    found = []
+    for case in cases[:-1]:
+        s = np.array([by_name[name] for name in case.task.law.sources])
+        bound = itertools.compress(case.task.law.outputs, case.task.binding(s))
+        kept = {*bound}
+        checks = tuple(check for check in case.checks if check.output in kept)
+        found.append(replace(case, s=s, checks=checks))
+    return [*found, last]
 
 
 def _warnings(
@@ -370,7 +443,7 @@ def _warnings(
             for name in names
             if name not in given
         )
-    required = {case.sensor.kind for case in cases}
+    required = {kind for case in cases for kind in case.kinds}
     texts.extend(
         note(
             "the requirement has no limit for the {kind}: left as it is",
@@ -380,7 +453,7 @@ def _warnings(
         if sensor.kind not in required
     )
     for case in cases:
-        kind = case.sensor.kind
+        kind = case.owner
         if not case.task.free.any():
             texts.append(
                 note(
@@ -413,11 +486,12 @@ def _warnings(
                 note(
                     "the {kind} was allocated by what Monte Carlo found: "
                     "analyze the result with --method monte-carlo",
-                    kind=note(case.sensor.kind),
+                    kind=note(kind),
                 )
             )
-        if case.sensor.expected_missing:
-            lines = ", ".join(case.sensor.expected_missing)
+        missing = [name for one in case.sensors for name in one.expected_missing]
+        if missing and (case.mission is None or case is cases[0]):  # said once
+            lines = ", ".join(missing)
             texts.append(
                 note(
                     "{lines}: not given, so nothing was allotted to it; a "

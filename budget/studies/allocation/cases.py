@@ -1,9 +1,9 @@
-"""One sensor's part of an allocation: its limits, bounds and costs as a task."""
+"""A sensor's or a mission's part of an allocation: limits, bounds, costs as a task."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import log10
+from math import inf, log10
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,10 +15,10 @@ from budget.errors import CallError
 from budget.methods.allocation import Task, equal, proportional
 from budget.methods.least_cost import LeastCost, Prices, least_cost
 from budget.methods.scaling import scaled_law
-from budget.names import Name
+from budget.names import MISSION, Name
 from budget.studies.allocation.records import FREE, HELD, SHARED, ZERO, CoverageCheck
 from budget.studies.judgement import required_problem
-from budget.studies.lower_bounds import lacking
+from budget.studies.lower_bounds import lacking, lacking_of_mission
 from budget.studies.request import given_lines
 from budget.units import DEGREE
 
@@ -27,7 +27,14 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.problem import Output, Problem
-    from budget.spec.records import Costs, ErrorLine, Procedure, Requirement, Sensor
+    from budget.spec.records import (
+        Costs,
+        ErrorLine,
+        Mission,
+        Procedure,
+        Requirement,
+        Sensor,
+    )
 
 STRATEGIES = ("proportional", "equal", "cost")
 
@@ -52,17 +59,18 @@ NO_BOUNDS = Bounds(held=frozenset(), most={}, least={})
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SensorCase:
-    """One required sensor: its task, and what became of it."""
+    """One required sensor, or both by a mission: the task, and what became of it."""
 
-    sensor: Sensor
+    sensors: tuple[Sensor, ...]
+    mission: Mission | None
     procedure: Procedure
     requirement: Requirement
-    # The lines of the sensor, then those that all triads share.
+    # The lines of the sensors, then those that all triads share.
     given: Mapping[Name, ErrorLine]
     # Expected lines that are not given and would widen an output.
     lacks: Mapping[Name, tuple[Name, ...]]
     task: Task  # with the coverage factors that were allocated with in the end
-    outputs: Mapping[Name, Output]  # of this sensor, by name
+    outputs: Mapping[Name, Output]  # of its owner, by name
     statuses: tuple[str, ...]  # of each source
     # Factors; None where the limits cannot be met, shape (n_src,).
     s: Array | None = None
@@ -73,51 +81,88 @@ class SensorCase:
     checks: tuple[CoverageCheck, ...] = ()
 
     @property
+    def owner(self) -> str:
+        """Owner of the limits: the triad, or the mission."""
+        return self.sensors[0].kind if self.mission is None else MISSION
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """The triads whose lines are shared out."""
+        return tuple(sensor.kind for sensor in self.sensors)
+
+    @property
     def factors(self) -> Array:
         """The allocated factors, of the present state where there are none."""
         return self.task.now if self.s is None else self.s
 
     def allocated_problem(self) -> Problem:
-        """Return the calibration of the sensor with its lines as allocated."""
-        resized = resize(self.sensor, self.task.law.sources, self.factors)
-        return required_problem(resized, self.procedure, self.requirement)
+        """Return the calibration, or the mission, with the lines as allocated."""
+        resized = tuple(
+            resize(sensor, self.task.law.sources, self.factors)
+            for sensor in self.sensors
+        )
+        return required_problem(resized, self.procedure, self.requirement, self.mission)
+
+    def at_most(self, ceilings: Mapping[Name, float]) -> SensorCase:
+        """Return the case with no line above these factors, by the name of its line."""
+        task = self.task
+        most = [ceilings.get(name, inf) for name in task.law.sources]
+        high = np.where(task.free, np.minimum(task.high, most), task.high)
+        return replace(
+            self, task=replace(task, high=high, low=np.minimum(task.low, high))
+        )
 
 
 def set_up(
-    sensor: Sensor,
+    sensors: tuple[Sensor, ...],
     procedure: Procedure,
     requirement: Requirement,
     bounds: Bounds,
     market: Mapping[Name, float],
+    *,
+    mission: Mission | None = None,
 ) -> SensorCase | None:
-    """Return the task of one sensor, None where nothing is required of it."""
-    names = known_outputs((sensor.kind,), procedure)
-    limits = [limit for limit in requirement.limits if limit.output in names]
+    """Return the task of one sensor, None where nothing is required of it.
+
+    Or of a gyro and an accelerometer by a mission.
+    """
+    kinds = [sensor.kind for sensor in sensors]
+    names = known_outputs(kinds, procedure)
+    limits = [
+        limit
+        for limit in requirement.limits
+        if (limit.output in names if mission is None else limit.output.owner == MISSION)
+    ]
     if not limits:
         return None
-    problem = required_problem(sensor, procedure, requirement)
-    given = given_lines(with_accelerometers((sensor,), procedure), procedure)
+    problem = required_problem(sensors, procedure, requirement, mission)
+    given = given_lines(with_accelerometers(sensors, procedure), procedure)
     law = scaled_law(problem)
     statuses, low, high = [], [], []
     for name in law.sources:
         now = float(given[name].u.max())
-        statuses.append(_status(name, now, bounds, sensor.kind))
+        statuses.append(_status(name, now, bounds, kinds))
         least, most = _bounds_of(name, now, bounds, market)
         low.append(least)
         high.append(most)
-    k = normal_coverage_factor(requirement.coverage)
+    required = tuple(limit.output for limit in limits)
+    coverage = [requirement.coverage_of(limit) for limit in limits]
     return SensorCase(
-        sensor=sensor,
+        sensors=sensors,
+        mission=mission,
         procedure=procedure,
         requirement=requirement,
         given=given,
-        lacks=lacking((sensor,), procedure, reference=requirement.reference),
+        lacks=lacking(sensors, procedure, reference=requirement.reference)
+        if mission is None
+        else lacking_of_mission(sensors, procedure, mission, required),
         outputs={output.name: output for output in problem.outputs},
         statuses=tuple(statuses),
         task=Task(
-            law=law.select([limit.output for limit in limits]),
+            law=law.select(required),
             limit=np.array([limit.limit for limit in limits]),
-            coverage_factor=np.full(len(limits), k),
+            coverage_factor=np.array([normal_coverage_factor(p) for p in coverage]),
+            coverage=None if mission is None else np.array(coverage),
             free=np.array([status == FREE for status in statuses], dtype=bool),
             low=np.array(low),
             high=np.array(high),
@@ -149,11 +194,11 @@ def resize(sensor: Sensor, sources: Sequence[Name], factors: Array) -> Sensor:
     )
 
 
-def _status(name: Name, now: float, bounds: Bounds, kind: str) -> str:
+def _status(name: Name, now: float, bounds: Bounds, kinds: Sequence[str]) -> str:
     """Say whether a source of a triad may change; what is not its own does not."""
     if now == 0.0:
         return ZERO
-    if name.owner != kind:
+    if name.owner not in kinds:
         return SHARED
     return HELD if name in bounds.held else FREE
 

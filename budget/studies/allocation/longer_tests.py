@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from math import ceil, floor, log10, pi
 from typing import TYPE_CHECKING
 
+from budget.calibration.schemes import calibrates
 from budget.methods.scaling import scaled_law
 from budget.studies.allocation.records import LongerTest
 from budget.studies.judgement import required_problem
@@ -53,10 +54,12 @@ def find_longer_tests(
         _grow(
             setting,
             lambda changed: utilisation_of(case, changed, s),
-            case.sensor.kind,
+            sensor.kind,
             goal,
         )
-        for setting in _growing(case.sensor, case.procedure)
+        for sensor in case.sensors
+        if calibrates(sensor.kind, case.procedure)
+        for setting in _growing(sensor, case.procedure)
     )
 
 
@@ -65,7 +68,7 @@ def utilisation_of(case: SensorCase, changed: Procedure, s: Array) -> float:
 
     The sources have the factors `s`, shape (n_src,).
     """
-    problem = required_problem(case.sensor, changed, case.requirement)
+    problem = required_problem(case.sensors, changed, case.requirement, case.mission)
     law = scaled_law(problem).select(case.task.law.outputs)
     return float(replace(case.task, law=law).utilisation(s).max())
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from scipy.optimize import brentq
-
 from budget.model.sources.later import AGEING
 from budget.spec.station import with_age
 from budget.studies.allocation.longer_tests import AS_THEY_ARE, utilisation_of
@@ -29,7 +27,9 @@ def find_recalibrations(case: SensorCase) -> tuple[Recalibration, ...]:
     by the law of propagation. () where errors are not counted from a later turn-on, or
     nothing that is given ages.
     """
-    ages = [name for name in AGEING.values() if case.sensor.line(name)]
+    ages = [
+        name for name in AGEING.values() for sensor in case.sensors if sensor.line(name)
+    ]
     if case.requirement.reference != "next_turn_on" or not ages:
         return ()
     states = [(AS_THEY_ARE, case.task.now)]
@@ -51,13 +51,16 @@ def _find(case: SensorCase, s: Array, goal: str) -> Recalibration:
     if utilisation <= 1.0:
         utilisation = used(LATEST)
         if utilisation > 1.0:
+            from scipy.optimize import brentq
+
             age = float(brentq(lambda age: used(age) - 1.0, SOONEST, LATEST))
             utilisation = 1.0
-    oldest = expecting(case.sensor, aged(LATEST), case.requirement.reference)
+    reference = case.requirement.reference
+    oldest = [expecting(one, aged(LATEST), reference) for one in case.sensors]
     return Recalibration(
-        sensor=case.sensor.kind,
+        sensor=case.owner,
         goal=goal,
         age=age,
         utilisation=utilisation,
-        not_given=oldest.expected_missing,
+        not_given=tuple(name for one in oldest for name in one.expected_missing),
     )

@@ -73,10 +73,11 @@ def limited_outputs(case: SensorCase) -> tuple[LimitedOutput, ...]:
 
 
 def source_allotments(
-    sensor: Sensor, case: SensorCase | None, offered: Mapping[Name, float]
+    sensor: Sensor, cases: Sequence[SensorCase], offered: Mapping[Name, float]
 ) -> tuple[SourceAllotment, ...]:
     """Say of each line of one sensor what it is and what it may be."""
-    if case is None:
+    own = [case for case in cases if sensor.kind in case.kinds]
+    if not own:
         return tuple(
             SourceAllotment(
                 source=Name(line.name, owner=sensor.kind),
@@ -89,7 +90,28 @@ def source_allotments(
             )
             for line in sensor.lines
         )
-    return _allotments(case, offered, shared=False)
+    rows = [_allotments(case, offered, owners={sensor.kind}) for case in own]
+    by_name = {row.source: row for row in rows[0]}
+    return tuple(_both(by_name.get(row.source), row) for row in rows[-1])
+
+
+def _both(first: SourceAllotment | None, last: SourceAllotment) -> SourceAllotment:
+    """Put together what limits on the sensor and on the mission say of one line.
+
+    Its ceiling by the mission is what the sensor's limits allow.
+    """
+    if first is None or first is last:
+        return last
+    rooms = [row.headroom for row in (first, last) if row.headroom is not None]
+    by_sensor = last.at_ceiling  # which is what the sensor allows
+    return replace(
+        last,
+        ceiling=first.ceiling,
+        at_ceiling=first.at_ceiling and last.at_ceiling,
+        binding_outputs=first.binding_outputs if by_sensor else last.binding_outputs,
+        is_significant=first.is_significant or last.is_significant,
+        headroom=min(rooms, key=lambda room: room.value, default=None),
+    )
 
 
 def shared_allotments(cases: Sequence[SensorCase]) -> tuple[SourceAllotment, ...]:
@@ -100,7 +122,7 @@ def shared_allotments(cases: Sequence[SensorCase]) -> tuple[SourceAllotment, ...
     """
     found: dict[Name, list[SourceAllotment]] = {}
     for case in cases:
-        for row in _allotments(case, {}, shared=True):
+        for row in _allotments(case, {}, owners={STATION, ENVIRONMENT}):
             found.setdefault(row.source, []).append(row)
     merged = []
     for rows in found.values():
@@ -123,14 +145,14 @@ def shared_allotments(cases: Sequence[SensorCase]) -> tuple[SourceAllotment, ...
 
 
 def _allotments(
-    case: SensorCase, offered: Mapping[Name, float], *, shared: bool
+    case: SensorCase, offered: Mapping[Name, float], *, owners: set[str]
 ) -> tuple[SourceAllotment, ...]:
-    """Say it of the lines of the triad itself, or of those that all triads share."""
+    """Say it of the lines of some owners."""
     task, s = case.task, case.s
     room = headroom(task, task.now)
     rows = []
     for g, name in enumerate(task.law.sources):
-        if name.owner not in ({STATION, ENVIRONMENT} if shared else {case.sensor.kind}):
+        if name.owner not in owners:
             continue
         line = case.given[name]
         now = float(line.u.max())
@@ -172,7 +194,7 @@ def cost_report(case: SensorCase) -> CostReport:
     """Say what the cheapest allocation of one sensor costs and what limits cost."""
     solution, prices = case.solution, case.prices
     if solution is None or prices is None:
-        raise ValueError(f"the {case.sensor.kind} was not allocated by cost")
+        raise ValueError(f"the {case.owner} was not allocated by cost")
     task = case.task
     bound = task.binding(solution.s)
     groups: dict[Name, list[int]] = {}
@@ -189,7 +211,7 @@ def cost_report(case: SensorCase) -> CostReport:
             )
         )
     return CostReport(
-        sensor=case.sensor.kind,
+        sensor=case.owner,
         now=float(prices.each(task.now)[task.free].sum()),
         cost=solution.cost,
         residual=solution.residual,
@@ -209,7 +231,7 @@ def _parts(task: Task, s: Array) -> Array:
     to the square of the utilisation.
     """
     alone = task.part(s)
-    scale = (task.coverage_factor / task.limit) ** 2
+    scale = (task.factor(s) / task.limit) ** 2
     spread = scale * task.law.variance(s)
     mean = task.utilisation(s) ** 2 - spread
     return np.column_stack([alone, spread - alone.sum(axis=1), np.maximum(mean, 0.0)])
@@ -226,7 +248,7 @@ def _counts(task: Task, g: int) -> bool:
     spread = q * (
         law.first[:, g] + law.second[:, g, g] * q + 2.0 * law.second[:, g] @ others
     )
-    part = (task.coverage_factor / task.limit) ** 2 * spread
+    part = (task.factor(task.now) / task.limit) ** 2 * spread
     shift = np.abs(law.shift[:, g]) * q / task.limit
     return bool((np.maximum(part, shift) >= COUNTS).any())
 

@@ -1,4 +1,4 @@
-"""Candidates of a comparison: a sensor under a procedure, and its remedy."""
+"""Candidates of a comparison: triads under a procedure, and their remedy."""
 
 from __future__ import annotations
 
@@ -10,52 +10,79 @@ import numpy as np
 from budget.calibration.derived import known_outputs
 from budget.calibration.schemes import is_beside
 from budget.errors import CallError
-from budget.methods.gum import propagate
+from budget.methods.gum import covariance_by_source, propagate
+from budget.methods.radius import principal_variances, probability_within
 from budget.model.sources import GYRO
-from budget.names import IMU, Name
+from budget.names import IMU, MISSION, Name
 from budget.studies.comparison.records import MissingLines, Remedy
-from budget.studies.judgement import Limited, limit_problem, required_problem
-from budget.studies.lower_bounds import expecting_device, missing_of
+from budget.studies.judgement import (
+    Limited,
+    interval_by_law,
+    limit_problem,
+    required_problem,
+)
+from budget.studies.lower_bounds import (
+    expecting_device,
+    lacking,
+    lacking_of_mission,
+    missing_of,
+)
 from budget.studies.missing import REFUSE, WORST, Filling, fill
 from budget.ties import first_largest
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from budget.methods.gum import Propagation
-    from budget.spec.records import Device, Procedure, Requirement, Sensor
+    from budget.spec.records import Device, Mission, Procedure, Requirement, Sensor
     from budget.studies.judgement import Judged
+
+
+GROWTH = 4.0  # of a variance, from one try of a bracket to the next [1]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Candidate:
-    """What is judged: one sensor of a device under a procedure.
+    """What is judged: one triad of a device under a procedure, or both on a mission.
 
     Its Problem is made where it is judged and not kept: there may be thousands.
     """
 
     device: Device
     place: int  # of the device among those compared
-    given: Sensor  # as the data sheet leaves it
-    sensor: Sensor  # with what stands for lines that are not given
+    given: tuple[Sensor, ...]  # as the data sheet leaves them
+    sensors: tuple[Sensor, ...]  # with what stands for lines that are not given
     procedure: Procedure
     requirement: Requirement
+    mission: Mission | None = None  # that both are judged by; None: one by its errors
     # What stands in the device for expected lines that are not given.
     filling: Filling = field(default_factory=Filling)
 
     @property
+    def owner(self) -> str:
+        """Owner of the outputs: the triad, or the mission."""
+        return self.sensors[0].kind if self.mission is None else MISSION
+
+    @property
+    def has_lines(self) -> bool:
+        """Whether any error line is given."""
+        return any(sensor.lines for sensor in self.sensors)
+
+    @property
     def is_limited(self) -> bool:
         """Whether anything is required of what is estimated of it."""
-        is_alone = self.sensor.kind == GYRO and self.sensor.beside is None
-        if is_beside(self.procedure) and is_alone:
+        if self.mission is not None:
+            return MISSION in self.requirement.kinds
+        (sensor,) = self.sensors
+        if is_beside(self.procedure) and sensor.kind == GYRO and sensor.beside is None:
             return False  # a gyro is found beside accelerometers
-        names = known_outputs((self.sensor.kind,), self.procedure)
+        names = known_outputs((sensor.kind,), self.procedure)
         return any(limit.output in names for limit in self.requirement.limits)
 
     @property
     def missing(self) -> tuple[Name, ...]:
         """Expected lines that nothing stands for, and that its verdict rests on."""
-        return missing_of((self.sensor,), self.procedure)
+        return missing_of(self.sensors, self.procedure)
 
     def limited(self) -> Limited:
         """Return its Problem with the limits on it.
@@ -65,14 +92,26 @@ class Candidate:
         CallError
             Nothing is required of it.
         """
-        problem = required_problem(self.sensor, self.procedure, self.requirement)
-        held = limit_problem(problem, self.requirement, apart=IMU)
+        problem = required_problem(
+            self.sensors, self.procedure, self.requirement, self.mission
+        )
+        apart = IMU if self.mission is None else ""
+        held = limit_problem(problem, self.requirement, apart=apart)
         if held is None:
             raise CallError(
-                f"{self.requirement.name} limits nothing of the {self.sensor.kind}; "
+                f"{self.requirement.name} limits nothing of the {self.owner}; "
                 "add limits for it, or leave it out"
             )
         return held
+
+    def lacks(self, held: Limited) -> Mapping[Name, tuple[Name, ...]]:
+        """Return the missing lines that would widen an output, by its name."""
+        if self.mission is None:
+            return lacking(
+                self.sensors, self.procedure, reference=self.requirement.reference
+            )
+        names = tuple(output.name for output in held.outputs)
+        return lacking_of_mission(self.sensors, self.procedure, self.mission, names)
 
 
 def find_remedy(held: Limited, law: Propagation, judged: Judged) -> Remedy:
@@ -81,7 +120,7 @@ def find_remedy(held: Limited, law: Propagation, judged: Judged) -> Remedy:
     With the other sources as they are, k^2 (V - V_s + f^2 V_s) = (limit - |mean|)^2
     gives the factor f on its standard uncertainty, by the law and with the k of the
     interval that was judged; its small part in products with other sources is left as
-    it is.
+    it is. Of a length, the circle that was judged goes as the law's does.
     """
     worst = judged.worst
     row = held.rows[worst]
@@ -91,6 +130,9 @@ def find_remedy(held: Limited, law: Propagation, judged: Judged) -> Remedy:
     name = held.problem.groups[source].name
     if total == 0.0:
         return Remedy(source=name, share=0.0, factor=None)
+    if row >= law.value.size - law.legs.shape[1]:
+        factor = _of_length(held, law, judged, source)
+        return Remedy(source=name, share=float(parts[source]) / total, factor=factor)
     k = float(judged.factor[worst])
     allowed = (max(held.limits[worst] - abs(law.mean[row]), 0.0) / k) ** 2
     rest = total - float(parts[source])
@@ -102,6 +144,36 @@ def find_remedy(held: Limited, law: Propagation, judged: Judged) -> Remedy:
     )
 
 
+def _of_length(
+    held: Limited, law: Propagation, judged: Judged, source: int
+) -> float | None:
+    """Return the factor on a source that brings a length to its limit; None: none does.
+
+    The ellipse of U - (1 - f^2) U_s gives a circle of the limit's radius, times what
+    the law's circle is to that which was judged, its coverage.
+    """
+    from scipy.optimize import brentq
+
+    row = held.rows[judged.worst]
+    legs = law.legs[:, row - (law.value.size - law.legs.shape[1])]
+    part = covariance_by_source(held.problem, law)[source][np.ix_(legs, legs)]
+    rest = law.covariance[np.ix_(legs, legs)] - part
+    by_law = law.interval(held.every_coverage)[row, 1]
+    radius = np.array([by_law / judged.utilisation])
+
+    def excess(squared: float) -> float:
+        (a, between), (_, b) = (rest + squared * part)[:, :, None]
+        within = probability_within(radius, principal_variances(a, b, between))
+        return float(within[0] - held.coverage[judged.worst])
+
+    if excess(0.0) <= 0.0:
+        return None
+    most = 1.0
+    while excess(most) > 0.0:
+        most *= GROWTH
+    return float(np.sqrt(brentq(excess, 0.0, most, xtol=1e-15 * most)))
+
+
 def bound_missing(
     one: Candidate, bare: Device, catalogue: Sequence[Device] | None
 ) -> MissingLines | None:
@@ -109,7 +181,7 @@ def bound_missing(
 
     `bare` is its device as the file gives it.
     """
-    missing = missing_of((one.given,), one.procedure)
+    missing = missing_of(one.given, one.procedure)
     if not missing:
         return None
     if one.filling.mode != REFUSE:
@@ -126,10 +198,10 @@ def bound_missing(
     filling = filling.of(missing)
     utilisation = None
     if len(filling.lines) == len(missing):
-        kind = one.sensor.kind
-        sensor = next(each for each in completed.sensors if each.kind == kind)
-        held = replace(one, sensor=sensor).limited()
-        ends = propagate(held.problem).interval(one.requirement.coverage)[held.rows]
+        kinds = [sensor.kind for sensor in one.sensors]
+        sensors = tuple(each for each in completed.sensors if each.kind in kinds)
+        held = replace(one, sensors=sensors).limited()
+        ends = interval_by_law(held, propagate(held.problem))
         utilisation = float((np.abs(ends).max(axis=1) / held.limits).max())
     return MissingLines(
         lines=missing,

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 from budget.errors import CallError
 from budget.language import note
 from budget.methods.execution import local_executor
-from budget.model.sources import ENVIRONMENT
+from budget.model.sources import ENVIRONMENT, SENSORS
 from budget.model.sources.later import AGE
-from budget.names import IMU
-from budget.results import Settings, input_file, stations_of
-from budget.spec import load_devices, load_procedure, load_requirement
+from budget.names import IMU, MISSION
+from budget.results import Settings, input_file, named_files
+from budget.spec import load_devices, load_mission, load_procedure, load_requirement
 from budget.spec.load import several
 from budget.studies.blunders import against_limits
 from budget.studies.cautions import age_that_counts_not
@@ -32,6 +32,7 @@ from budget.studies.lower_bounds import expecting_device, missing_of
 from budget.studies.missing import REFUSE, fill
 from budget.studies.progress import stage
 from budget.studies.request import (
+    mission_for,
     not_calibrated,
     not_estimated,
     not_of_one_sensor,
@@ -39,11 +40,11 @@ from budget.studies.request import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
     from concurrent.futures import Executor
 
     from budget.spec.files import File
-    from budget.spec.records import Device, Procedure, Requirement
+    from budget.spec.records import Device, Mission, Procedure, Requirement, Sensor
     from budget.studies.progress import Progress
 
 LEAST_TRIALS = 2
@@ -58,6 +59,7 @@ def compare(
     requirement: Requirement | File,
     procedures: Procedure | File | Sequence[Procedure | File] = (),
     *,
+    mission: Mission | File | None = None,
     catalogue: Sequence[Device] | None = None,
     missing: str = REFUSE,
     method: str = "monte-carlo",
@@ -81,6 +83,8 @@ def compare(
         Limits, coverage and reference.
     procedures : sequence of Procedure
         The paper's, if none is given.
+    mission : Mission, optional
+        What limits on a mission are on; devices of both sensors are ranked by it too.
     catalogue : sequence of Device, optional
         Where lines that are not given are taken from; without it the devices that ship.
     missing : str
@@ -111,11 +115,13 @@ def compare(
     Raises
     ------
     CallError
-        Options that do not fit together, or no device has a sensor that the
-        requirement limits.
+        Options that do not fit together, limits on a mission without one, or no
+        device has a sensor that the requirement limits.
     """
     imus = load_devices(devices, variants=True)
     wanted = load_requirement(requirement)
+    journey = None if mission is None else load_mission(mission)
+    mission_for(wanted, journey)
     tests = tuple(map(load_procedure, several(procedures) or (None,)))
     most = max(trials, MAX_TRIALS) if max_trials is None else max_trials
     _check(method, trials=trials, max_trials=most, validate=validate)
@@ -126,24 +132,25 @@ def compare(
         for place, device in enumerate(imus)
         for bare in [expecting_device(device, procedure, wanted.reference)]
         for filled in [fill(bare, missing, catalogue)]
-        for given, sensor in zip(bare.sensors, filled[0].sensors, strict=True)
+        for given, sensors, on in _subjects(bare, filled[0], journey)
         if (
             one := Candidate(
                 device=filled[0],
                 place=place,
                 given=given,
-                sensor=sensor,
+                sensors=sensors,
                 procedure=procedure,
                 requirement=wanted,
+                mission=on,
                 filling=filled[1],
             )
         ).is_limited
     ]
     candidates = [
-        replace(one, filling=one.filling.of(missing_of((one.given,), one.procedure)))
+        replace(one, filling=one.filling.of(missing_of(one.given, one.procedure)))
         for one in candidates
     ]
-    judged = [one for one in candidates if one.sensor.lines]
+    judged = [one for one in candidates if one.has_lines]
     if not candidates:
         raise CallError(
             f"{wanted.name} limits no sensor that these devices have, or nothing "
@@ -173,12 +180,14 @@ def compare(
     ranked = rank(verdicts)
     return Comparison(
         requirement=wanted.name,
+        mission="" if journey is None else journey.name,
         procedures=tuple(procedure.name for procedure in tests),
         inputs=(
             *(input_file("device", device) for device in imus),
             *(input_file("procedure", procedure) for procedure in tests),
+            *(() if journey is None else (input_file("mission", journey),)),
             input_file("requirement", wanted),
-            *stations_of(tests),
+            *named_files(tests),
         ),
         settings=Settings(
             method=method,
@@ -197,11 +206,12 @@ def compare(
         nothing_known=tuple(
             _entrant(one, imus[one.place], catalogue)
             for one in candidates
-            if not one.sensor.lines
+            if not one.has_lines
         ),
         imus=rank_imus(ranked),
         pairs=pair_up(ranked) if pairs else (),
-        assumptions=tuple(
+        assumptions=(() if journey is None else journey.assumptions)
+        + tuple(
             note(
                 "{name}: {environment}.{age}: {line}",
                 name=procedure.name,
@@ -245,6 +255,19 @@ def compare(
             *_warnings(imus, wanted, judged, findings),
         ),
     )
+
+
+def _subjects(
+    given: Device, filled: Device, mission: Mission | None
+) -> Iterator[tuple[tuple[Sensor, ...], tuple[Sensor, ...], Mission | None]]:
+    """Yield what is judged of a device: each triad, and both on a mission.
+
+    As the file gives them, and with what stands for lines that are not given.
+    """
+    for one, sensor in zip(given.sensors, filled.sensors, strict=True):
+        yield (one,), (sensor,), None
+    if mission is not None and len(filled.sensors) == len(SENSORS):
+        yield given.sensors, filled.sensors, mission
 
 
 def _check(method: str, *, trials: int, max_trials: int, validate: bool) -> None:
@@ -319,11 +342,11 @@ def _entrant(
     return Entrant(
         name=device.name,
         place=one.place,
-        sensor=one.sensor.kind,
+        sensor=one.owner,
         procedure=one.procedure.name,
         file=device.origin.file,
         technology=device.technology,
-        not_given=one.sensor.not_given,
+        not_given=tuple(name for one in one.sensors for name in one.not_given),
         missing=bound_missing(one, bare, catalogue),
         price=device.price,
         mass=device.mass,
@@ -356,7 +379,7 @@ def _warnings(
         found.append(
             note("devices of the same name: {twice}", twice=", ".join(sorted(twice)))
         )
-    present = {sensor.kind for device in devices for sensor in device.sensors}
+    present = _present(devices) - {MISSION}
     found += [
         note(
             "the requirement has no limit for the {kind}, which some "
@@ -364,6 +387,7 @@ def _warnings(
             kind=note(kind),
         )
         for kind in sorted(present - set(requirement.kinds))
+        if MISSION not in requirement.kinds  # by which both are compared
     ]
     found += [
         note(
@@ -372,8 +396,20 @@ def _warnings(
             kind=note(kind),
         )
         for kind in _not_compared(devices, requirement)
-        if kind != IMU
+        if kind not in {IMU, MISSION}
     ]
+    if MISSION in requirement.kinds:
+        found += [
+            note(
+                "{device} has no {kind}, and a mission takes gyro and accelerometer: "
+                "it is not compared by it",
+                device=device.name,
+                kind=note(kind),
+            )
+            for device in devices
+            for kind in SENSORS
+            if len(device.sensors) == 1 and kind != device.sensors[0].kind
+        ]
     impossible = {name for finding in findings for name in finding.impossible}
     found += [
         note(
@@ -404,5 +440,11 @@ def _not_compared(
     devices: Sequence[Device], requirement: Requirement
 ) -> tuple[str, ...]:
     """Return the sensors that have limits, and that no device has."""
-    present = {sensor.kind for device in devices for sensor in device.sensors}
-    return tuple(kind for kind in requirement.kinds if kind not in present)
+    return tuple(kind for kind in requirement.kinds if kind not in _present(devices))
+
+
+def _present(devices: Sequence[Device]) -> set[str]:
+    """Return the sensors that some device has; and the mission, where one has both."""
+    found = {sensor.kind for device in devices for sensor in device.sensors}
+    both = any(len(device.sensors) == len(SENSORS) for device in devices)
+    return found | ({MISSION} if both else set())

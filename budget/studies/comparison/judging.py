@@ -25,7 +25,6 @@ from budget.studies.judgement import (
     judge_with,
     screen,
 )
-from budget.studies.lower_bounds import lacking
 from budget.studies.readings import verdict_of, verdicts_by_reading
 
 if TYPE_CHECKING:
@@ -116,12 +115,11 @@ def _judge(task: tuple[Candidate, None], *, judging: Judging) -> JudgedCandidate
     prediction = one.filling.prediction
     doubtful: tuple[str, ...] = ()
     if judging.method == "gum" and not judging.validate:
-        judged = screen(held, law, coverage=judging.coverage, seed=judging.seed)
+        judged = screen(held, law, seed=judging.seed)
     else:
         judged = judge(
             held,
             law,
-            coverage=judging.coverage,
             seed=judging.seed,
             trials=judging.trials,
             # What missing lines leave open, no trial decides.
@@ -135,16 +133,15 @@ def _judge(task: tuple[Candidate, None], *, judging: Judging) -> JudgedCandidate
             held.problem.outputs[row].name for row in held.rows if not checks[row].holds
         )
     beyond = np.abs(law.value[held.rows]) >= held.limits
-    lacks = lacking((one.sensor,), one.procedure, reference=one.requirement.reference)
     names = [output.name for output in held.outputs]
     missing = (*one.missing, *held.absent)
     doubt = None
     if prediction is not None and not missing:
         doubt = doubt_of(prediction, held, law, judged)
     readings = None
-    if prediction is None:
+    if prediction is None and one.mission is None:
         readings = verdicts_by_reading(
-            one.sensor,
+            one.sensors[0],
             one.procedure,
             one.requirement,
             seed=judging.seed,
@@ -154,7 +151,7 @@ def _judge(task: tuple[Candidate, None], *, judging: Judging) -> JudgedCandidate
         judged=judged,
         closer=judged,
         verdict=verdict_of(judged, missing, doubt=doubt, readings=readings),
-        outputs=assess_outputs(held, judged, lacks),
+        outputs=assess_outputs(held, judged, one.lacks(held)),
         worst=names[judged.worst],
         all_worst=tuple(names[place] for place in judged.all_worst),
         remedy=find_remedy(held, law, judged),
@@ -177,7 +174,6 @@ def _look_closer(
     closer = judge_with(
         held,
         propagate(held.problem),
-        coverage=judging.coverage,
         seed=judging.seed,
         trials=trials,
     )
@@ -201,7 +197,7 @@ def _tied(
             continue  # no trial says how a line that is not given would rank it
         if findings[place].verdict == "fails":
             continue
-        key = (one.sensor.kind, one.procedure.name, findings[place].verdict)
+        key = (one.owner, one.procedure.name, findings[place].verdict)
         lists.setdefault(key, []).append(place)
     for places in lists.values():
         order = sorted(places, key=lambda p: findings[p].judged.utilisation)

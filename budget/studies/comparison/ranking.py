@@ -7,6 +7,7 @@ from math import inf, prod
 from typing import TYPE_CHECKING
 
 from budget.methods.largest import joined, probability_smaller
+from budget.model.sources import SENSORS
 from budget.studies.comparison.records import (
     VERDICTS,
     DeviceVerdict,
@@ -142,7 +143,8 @@ def rank_imus(rows: Sequence[DeviceVerdict]) -> tuple[Pair, ...]:
     """
     both: dict[tuple[str, int], dict[str, DeviceVerdict]] = {}
     for row in rows:
-        both.setdefault((row.procedure, row.place), {})[row.sensor] = row
+        if row.sensor in SENSORS:
+            both.setdefault((row.procedure, row.place), {})[row.sensor] = row
     lists: dict[str, list[_Imu]] = {}
     for (procedure, _), parts in both.items():
         if len(parts) > 1:

@@ -94,6 +94,8 @@ class UnknownCap:
 class Entrant:
     """One sensor of one device under one procedure, and what its data sheet says.
 
+    Of a mission it is both sensors, and `sensor` is 'mission'.
+
     On its own it is a sensor of which no error line is given: nothing is computed for
     it, as 0 would look like the best of all, and its verdict is 'undecidable'.
     """
@@ -265,6 +267,7 @@ class Comparison(Tabled):
     """All devices, best first within each sensor and procedure."""
 
     requirement: str
+    mission: str = ""  # on which devices with both sensors are judged; '' without one
     procedures: tuple[str, ...]
     inputs: tuple[InputFile, ...]
     settings: Settings
@@ -333,6 +336,7 @@ class Comparison(Tabled):
             "schema": SCHEMA,
             "command": "compare",
             "requirement": self.requirement,
+            **({"mission": self.mission} if self.mission else {}),
             "procedures": list(self.procedures),
             "met": self.is_met,
             "caps": dict(self.caps),

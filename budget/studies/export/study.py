@@ -13,7 +13,14 @@ import numpy as np
 from budget.errors import CallError
 from budget.model.sources import ACCELEROMETER, GYRO, SENSORS
 from budget.names import Name
-from budget.results import SCHEMA, InputFile, Tabled, input_files, inputs_document
+from budget.results import (
+    SCHEMA,
+    SHOWN_BY,
+    InputFile,
+    Tabled,
+    input_files,
+    inputs_document,
+)
 from budget.spec import load_devices, load_procedure
 from budget.studies.analysis import analyze
 from budget.studies.export.figures import Figure, Known, Missing, print_number
@@ -112,7 +119,7 @@ class Export(Tabled):
 
     def to_text(self) -> str:
         """Return the file that the target reads."""
-        text: str = import_module("budget.report.export").write_export(self)
+        text: str = import_module(SHOWN_BY).export_text(self)
         return text
 
     def rows(self) -> Iterator[dict[str, Any]]:

@@ -45,7 +45,7 @@ def test_remedy_brings_the_worst_output_to_its_limit():
     one = limit_problem(calibration_problem((bad.gyro,), procedure()), requirement())
     law = propagate(one.problem)
     ends = np.abs(law.interval(0.95)).max(axis=1) / one.limits
-    judged = screen(one, law, coverage=0.95, seed=0)
+    judged = screen(one, law, seed=0)
     worst = judged.worst
     remedy = find_remedy(one, law, judged)
     mended = replace(

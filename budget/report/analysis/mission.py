@@ -1,0 +1,204 @@
+"""A mission on a terminal: the finding, errors by time, which line is to blame."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from budget.language import key_title, say, term
+from budget.names import MISSION, time_text
+from budget.report.analysis.groups import rest_sections, verdict_sections
+from budget.report.blocks import Abreast, Card, ForPages, Paragraph, Section
+from budget.report.figures.growth import growth_pictures
+from budget.report.mission import (
+    CIRCLES,
+    bought_table,
+    by_time,
+    contributions_table,
+    full_title,
+    leading,
+    limits_table,
+    motion_table,
+    position_table,
+    rate_per_hour,
+    size,
+)
+from budget.report.tables import (
+    AT_LEAST,
+    Number,
+    bound_number,
+    print_contributions,
+    print_share,
+    round_uncertainty,
+    validation_words,
+)
+from budget.report.wording import capital
+from budget.spec.records import UNCALIBRATED
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from budget.report.blocks import Block
+    from budget.report.mission import AtTime
+    from budget.results import Assessment, Budget
+    from budget.studies.mission import Curve
+
+
+BUYS = term(
+    "What the calibration buys: the CEP of a unit as it was made, of one that its "
+    "maker alone has calibrated, and after this test, which adds its noise and finds "
+    "what is new at each turn-on only once."
+)
+UNTESTED = term(
+    "What a calibration by the maker buys: the CEP of a unit as it was made, and of "
+    "one that its maker has calibrated."
+)
+METHOD = term(
+    "Errors of position, velocity and attitude follow x' = F x + G e along the "
+    "nominal route: the modified phi-angle equations (Scherzinger and Reid 1994) with"
+    " all terms of first order in position, e being the joint errors of all "
+    "parameters at a later turn-on, and the noise in run. They are solved by matrix "
+    "exponentials over short pieces of the route, which noise enters by its moments, "
+    "in closed form for any correlation time. The map is linear, so contributions add"
+    " up, and the law, Monte Carlo and validation are those of the calibration."
+)
+
+
+def mission_answer(budget: Budget) -> tuple[Section, ...]:
+    """Return what stands on a terminal: finding, tables, what they rest on."""
+    moments = by_time(budget)
+    return (
+        *verdict_sections(budget, mission_limits),
+        Section(
+            name="mission",
+            title=mission_title(budget),
+            blocks=tuple(mission_blocks(budget, moments)),
+        ),
+        *rest_sections(
+            budget, checked=validation_words(budget.outputs, budget.settings.digits)
+        ),
+    )
+
+
+def mission_title(budget: Budget) -> str:
+    """Name the mission."""
+    mission = budget.mission
+    return "" if mission is None else say("Mission: {name}", name=mission.name)
+
+
+def mission_section(budget: Budget, found: Curve | None = None) -> Section:
+    """Return a mission in a report: finding, tables, figures, method."""
+    moments = by_time(budget)
+    limits = () if budget.assessment is None else budget.assessment.outputs
+    drawn = ForPages(lambda: () if found is None else growth_pictures(found, limits))
+    return Section(
+        name="mission",
+        title=mission_title(budget),
+        blocks=(
+            *mission_blocks(budget, moments),
+            Abreast(blocks=(drawn,)),
+            Paragraph(words=(say(METHOD),), small=True),
+        ),
+    )
+
+
+def mission_card(budget: Budget) -> Card:
+    """Return the finding on page one, where no limit is on the mission."""
+    lines = (*finding(by_time(budget)), lower_bounds(budget))
+    return Card(
+        title=mission_title(budget),
+        lines=tuple((line,) for line in lines if line),
+    )
+
+
+def mission_blocks(budget: Budget, moments: Sequence[AtTime]) -> Iterator[Block]:
+    """Yield the finding and the tables of a mission."""
+    for text in finding(moments):
+        yield Paragraph(words=(text,))
+    yield position_table(moments)
+    yield Paragraph(words=(say(CIRCLES),), small=True)
+    yield motion_table(moments)
+    if gaps := lower_bounds(budget):
+        yield Paragraph(words=(gaps,), small=True)
+    if said := leading(moments):
+        yield Paragraph(words=(said,))
+    yield contributions_table(moments)
+    table = bought_table(budget, moments)
+    if table is not None:
+        is_tested = len(budget.bought) > len(UNCALIBRATED)
+        yield Paragraph(words=(say(BUYS if is_tested else UNTESTED),))
+        yield table
+
+
+def finding(moments: Sequence[AtTime]) -> Iterator[str]:
+    """Say how far off it is at the end, because of what; and the rate in an hour."""
+    at = next((one for one in reversed(moments) if one.horizontal is not None), None)
+    if at is None or at.horizontal is None or at.horizontal.radii is None:
+        return
+    row, radii = at.horizontal, at.horizontal.radii
+    unit = at.unit_of("position")[0]
+    cep, r95, drms = (
+        size(at, row, value).text
+        for value in (radii.cep, radii.r95, row.standard_uncertainty)
+    )
+    top = row.ranked[0]
+    yield say(
+        "After {time} the horizontal position is off by {cep} {unit} CEP ({r95} {unit} "
+        "R95, {drms} {unit} DRMS); {share} of the variance is {source}.",
+        time=time_text(at.time),
+        cep=cep,
+        r95=r95,
+        drms=drms,
+        unit=unit,
+        share=print_share(top.share),
+        source=full_title(top.source),
+    )
+    if (found := rate_per_hour(moments)) is not None:
+        yield rate_sentence(*found)
+
+
+def rate_sentence(at: AtTime, rate: float) -> str:
+    """Say the rate, and how it is defined."""
+    row = at.horizontal
+    number = Number(text=round_uncertainty(rate), exact=rate)
+    if row is not None:
+        number = bound_number(
+            number, lower_bound=row.lower_bound, unknown=row.is_unknown
+        )
+    return say(
+        "That is {rate} nmi/h: the CEP after {time}, divided by {time}.",
+        rate=number.text,
+        time=time_text(at.time),
+    )
+
+
+def lower_bounds(budget: Budget) -> str:
+    """Say which lines the numbers lack; '' where none."""
+    lacks = dict.fromkeys(name for row in budget.outputs for name in row.lacks)
+    if not lacks:
+        return ""
+    return say(
+        "{at_least} this or more: {lacks} not given.",
+        at_least=AT_LEAST,
+        lacks=say(", ").join(map(full_title, lacks)),
+    )
+
+
+def mission_limits(budget: Budget, assessment: Assessment) -> Iterator[Block]:
+    """Yield the limits on a mission as a table, and what uses most of one."""
+    rows = [r for r in assessment.outputs if r.output.name.owner == MISSION]
+    yield limits_table(budget.settings.coverage, assessment, rows)
+    for sensor in assessment.sensors:
+        if sensor.sensor != MISSION:
+            continue
+        parts = budget.output(sensor.worst_output).contributions
+        yield Paragraph(
+            words=(
+                say(
+                    "{output}: {because} of the variance.",
+                    output=capital(key_title(sensor.worst_output)),
+                    because=print_contributions(
+                        [(full_title(part.source), part.share) for part in parts]
+                    ),
+                ),
+            )
+        )

@@ -1,0 +1,450 @@
+"""How the horizontal error of a mission grows, and which source makes it when."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from math import ceil, floor, log, log10
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.language import say
+from budget.names import LENGTHS, SPANS, time_text
+from budget.report.blocks import Cell, Field, table_of
+from budget.report.figures.style import (
+    INK,
+    PAPER,
+    SMALL,
+    as_picture,
+    house_style,
+    look_of,
+    plane,
+    write,
+)
+from budget.report.mission import full_title, unit_for
+from budget.report.tables import print_share, round_uncertainty
+from budget.results import CEP, R95
+from budget.ties import from_largest
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from budget.arrays import Array
+    from budget.names import Name
+    from budget.report.blocks import Picture, Table
+    from budget.results import OutputAssessment
+    from budget.studies.mission import Curve
+
+HEIGHT = 230.0  # [pt]
+SHOWN = 4  # sources with a line or an area of their own
+LEAST = 0.02  # of the variance at any time, to be one of them [1]
+REACH = 1e7  # of the vertical axis: below the largest by more nothing is seen [1]
+AREA = 0.12  # of the variance, for a name within its area [1]
+HOUR, MINUTE = 3600.0, 60.0  # [s]
+TICKS = (  # [s]
+    *(1.0, 2.0, 5.0, 10.0, 30.0),
+    *(MINUTE * n for n in (1.0, 2.0, 5.0, 10.0, 30.0)),
+    *(HOUR * n for n in (1.0, 2.0, 5.0, 10.0, 24.0)),
+)
+TICK_ROOM = 0.18  # of the axis of times, for one of them [1]
+APART = 0.11  # of the axis, between two names beside it [1]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Growth:
+    """A curve with what is drawn of it."""
+
+    curve: Curve
+    cep: Array  # shape (n_times,) [m]
+    r95: Array  # shape (n_times,) [m]
+    sources: tuple[Name, ...]  # those with a line of their own
+    shares: Array  # of them, then of all others together, (n + 1, n_times) [1]
+
+    @classmethod
+    def of(cls, curve: Curve) -> Growth | None:
+        """Choose the sources that are largest at some time; None if nothing varies."""
+        variance = curve.horizontal_variance()
+        total = variance.sum(axis=0)
+        if not (total > 0.0).all():
+            return None
+        shares = variance / total
+        most = shares.max(axis=1)
+        order = [k for k in from_largest(most.tolist()) if most[k] >= LEAST][:SHOWN]
+        own = shares[order]
+        return cls(
+            curve=curve,
+            cep=curve.radius(CEP),
+            r95=curve.radius(R95),
+            sources=tuple(curve.sources[k] for k in order),
+            shares=np.vstack([own, 1.0 - own.sum(axis=0)]),
+        )
+
+    @property
+    def leaders(self) -> tuple[tuple[Name, float], ...]:
+        """Who contributes most, each with the time from which it does [s]."""
+        found: list[tuple[Name, float]] = []
+        for name, time in zip(self.curve.dominant, self.curve.times, strict=True):
+            if not found or found[-1][0] != name:
+                found.append((name, time))
+        return tuple(found)
+
+
+def growth_pictures(
+    curve: Curve, limits: Sequence[OutputAssessment] = ()
+) -> tuple[Picture, ...]:
+    """Return both figures of a mission; () where nothing varies."""
+    growth = Growth.of(curve)
+    if growth is None:
+        return ()
+    return (growth_picture(growth, limits), shares_picture(growth))
+
+
+def growth_picture(growth: Growth, limits: Sequence[OutputAssessment] = ()) -> Picture:
+    """Show CEP, R95, limits and the parts of the largest sources over time."""
+    end = growth.curve.times[-1]
+    title = say(
+        "Off by {cep} CEP after {time}",
+        cep=_length(float(growth.cep[-1])),
+        time=time_text(end),
+    )
+    lines = _lines(growth)
+    return as_picture(
+        _draw_growth(growth, limits, title),
+        name="mission-growth",
+        title=title,
+        alt=say(
+            "{title}. From {first} to {time}: {lines}.",
+            title=title,
+            first=_around(growth.curve.times[0]),
+            time=time_text(end),
+            lines=say("; ").join(lines.values()),
+        ),
+        tips=lines,
+        caption=say(
+            "Lines of sources: CEP times the root of their share of the variance, so "
+            "that their squares add up to that of CEP. Diamonds: limits, each to be "
+            "held at its own probability."
+            if _horizontal(limits)
+            else "Lines of sources: CEP times the root of their share of the variance, "
+            "so that their squares add up to that of CEP."
+        ),
+        data=_data(growth),
+        data_on_paper=False,
+    )
+
+
+def shares_picture(growth: Growth) -> Picture:
+    """Show the shares of the variance over time, one upon the other."""
+    leaders = growth.leaders
+    last = full_title(leaders[-1][0])
+    title = (
+        say("All the time {source} contributes most", source=last)
+        if len(leaders) == 1
+        else say(
+            "From {time} on {source} contributes most",
+            time=_around(leaders[-1][1]),
+            source=last,
+        )
+    )
+    parts = {
+        f"area-{k}": say(
+            "{name}: {first} of the variance at first, {last} at the end",
+            name=name,
+            first=print_share(float(shares[0])),
+            last=print_share(float(shares[-1])),
+        )
+        for k, (name, shares) in enumerate(
+            zip(_names(growth), growth.shares, strict=True)
+        )
+    }
+    return as_picture(
+        _draw_shares(growth, title),
+        name="mission-shares",
+        title=title,
+        alt=say("{title}. {parts}.", title=title, parts=say("; ").join(parts.values())),
+        tips=parts,
+    )
+
+
+def _names(growth: Growth) -> tuple[str, ...]:
+    """Return the titles of the sources, and of all others together."""
+    return (*map(full_title, growth.sources), say("all others"))
+
+
+def _lines(growth: Growth) -> dict[str, str]:
+    """Say where each line begins and ends."""
+    named = {
+        "line-r95": (say("R95"), growth.r95),
+        "line-cep": (say("CEP"), growth.cep),
+        **{
+            f"line-{k}": (name, growth.cep * np.sqrt(growth.shares[k]))
+            for k, name in enumerate(_names(growth)[:-1])
+        },
+    }
+    return {
+        key: say(
+            "{name}: {low} to {high}",
+            name=name,
+            low=_length(float(values[0])),
+            high=_length(float(values[-1])),
+        )
+        for key, (name, values) in named.items()
+    }
+
+
+def _length(size: float) -> str:
+    """Print a length in the unit that it is read in."""
+    unit, scale = unit_for("position", size)
+    return f"{round_uncertainty(size / scale)} {unit}"
+
+
+def _around(time: float) -> str:
+    """Print a time of a curve to two digits."""
+    unit, size = next(
+        (unit, size) for unit, size, _ in SPANS if time >= size or size == 1.0
+    )
+    return f"{float(f'{time / size:.2g}'):g} {unit}"
+
+
+def _horizontal(limits: Sequence[OutputAssessment]) -> list[OutputAssessment]:
+    """Return the limits on the horizontal position."""
+    return [
+        row
+        for row in limits
+        if (row.output.name.quantity, row.output.name.axis)
+        == ("position", LENGTHS["position"])
+    ]
+
+
+@house_style()
+def _draw_growth(
+    growth: Growth, limits: Sequence[OutputAssessment], title: str
+) -> Figure:
+    """Draw all lines on two logarithmic axes."""
+    own = _horizontal(limits)
+    largest = max(float(growth.r95.max()), *(row.limit for row in own), 0.0)
+    figure, axes = plane(
+        title, say("time since the mission began"), say("horizontal error"), HEIGHT
+    )
+    figure.axes[0].set_position((0.16, 0.15, 0.52, 0.79))
+    x = np.array(growth.curve.times)
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    low = max(float(growth.cep.min()) / 3.0, largest / REACH)
+    axes.set_xlim(x[0], x[-1])
+    axes.set_ylim(low, 2.0 * largest)
+    names: list[tuple[float, str, str]] = []
+    for key, values, width, text in (
+        ("line-r95", growth.r95, 1.0, "R95"),
+        ("line-cep", growth.cep, 1.8, "CEP"),
+    ):
+        axes.plot(x, values, color=INK, linewidth=width, gid=key)
+        names.append((float(values[-1]), text, INK))
+    for k, source in enumerate(growth.sources):
+        values = growth.cep * np.sqrt(growth.shares[k])
+        colour = look_of(source)[0]
+        axes.plot(
+            x,
+            values,
+            color=colour,
+            linewidth=1.4,
+            linestyle="-" if source.owner == "gyro" else "--",
+            gid=f"line-{k}",
+        )
+        names.append((float(values[-1]), full_title(source), INK))
+    for row in own:
+        at = (row.output.name.time or 0.0, row.limit)
+        axes.plot(*at, marker="D", color=PAPER, markeredgecolor=INK, markersize=5.5)
+        _on_paper(axes, row.printed_limit, at, (-8.0, 0.0), ha="right")
+    _name_lines(axes, names)
+    _time_ticks(axes)
+    _length_ticks(axes)
+    return figure
+
+
+@house_style()
+def _draw_shares(growth: Growth, title: str) -> Figure:
+    """Draw areas one upon the other, the largest source at the bottom."""
+    figure, axes = plane(
+        title,
+        say("time since the mission began"),
+        say("share of the variance [%]"),
+        HEIGHT,
+    )
+    figure.axes[0].set_position((0.16, 0.15, 0.52, 0.79))
+    x = np.array(growth.curve.times)
+    axes.set_xscale("log")
+    axes.set_xlim(x[0], x[-1])
+    axes.set_ylim(0.0, 100.0)
+    below = np.zeros(x.size)
+    names: list[tuple[float, str, str]] = []
+    for k, name in enumerate(_names(growth)):
+        shares = 100.0 * np.maximum(growth.shares[k], 0.0)
+        is_other = k == len(growth.sources)
+        source = None if is_other else growth.sources[k]
+        axes.fill_between(
+            x,
+            below,
+            below + shares,
+            facecolor="#c3c7cc" if source is None else look_of(source)[0],
+            edgecolor=PAPER,
+            linewidth=0.8,
+            hatch="" if source is None or source.owner == "gyro" else "////",
+            gid=f"area-{k}",
+        )
+        peak = int(np.argmax(shares))
+        if shares[-1] >= 100.0 * LEAST:
+            names.append((float(below[-1] + shares[-1] / 2.0), name, INK))
+        elif shares[peak] >= 100.0 * AREA:
+            inner = max(peak, x.size // 8)
+            place, middle = float(x[inner]), float((below + shares / 2.0)[inner])
+            _on_paper(axes, name, (place, middle), (0.0, 0.0))
+        below = below + shares
+    _name_lines(axes, names)
+    _time_ticks(axes)
+    return figure
+
+
+def _name_lines(axes: Axes, names: Sequence[tuple[float, str, str]]) -> None:
+    """Write names beside the ends of lines, apart from one another."""
+    low, high = axes.get_ylim()
+    is_log = axes.get_yscale() == "log"
+
+    def place(value: float) -> float:
+        if is_log:
+            return float(np.log(max(value, low) / low) / np.log(high / low))
+        return (value - low) / (high - low)
+
+    ranked = sorted(((place(v), text, ink) for v, text, ink in names), reverse=True)
+    at = [min(y, 1.0) for y, _, _ in ranked]
+    for k in range(1, len(at)):
+        at[k] = min(at[k], at[k - 1] - APART * _rows_of(ranked[k - 1][1]))
+    if at and at[-1] < 0.0:  # push up from below
+        at[-1] = 0.0
+        for k in range(len(at) - 2, -1, -1):
+            at[k] = max(at[k], at[k + 1] + APART * _rows_of(ranked[k][1]))
+    for y, (_, text, ink) in zip(at, ranked, strict=True):
+        write(
+            axes,
+            _folded(text),
+            (1.0, y),
+            (5.0, 0.0),
+            colour=ink,
+            coords=("axes fraction", "axes fraction"),
+        )
+
+
+FOLD = 18  # characters of a name in a line beside a figure
+
+
+def _folded(text: str) -> str:
+    """Break a long name in two lines."""
+    if len(text) <= FOLD or " " not in text:
+        return text
+    words = text.split(" ")
+    cuts = range(1, len(words))
+    best = min(
+        cuts, key=lambda k: max(len(" ".join(words[:k])), len(" ".join(words[k:])))
+    )
+    return "\n".join((" ".join(words[:best]), " ".join(words[best:])))
+
+
+def _rows_of(text: str) -> float:
+    """Return how much room a name takes, in single lines over two [1]."""
+    return 1.0 if "\n" in _folded(text) else 0.6
+
+
+def _time_ticks(axes: Axes) -> None:
+    """Tick a logarithmic axis of times at round ones."""
+    low, high = axes.get_xlim()
+    ticks: list[float] = []
+    for time in reversed([t for t in TICKS if low <= t <= high]):
+        if not ticks or log(ticks[-1] / time) >= TICK_ROOM * log(high / low):
+            ticks.append(time)
+    axes.set_xticks(ticks, list(map(time_text, ticks)))
+    axes.minorticks_off()
+
+
+def _length_ticks(axes: Axes) -> None:
+    """Tick a logarithmic axis of lengths at powers of ten, in units that one reads."""
+    low, high = axes.get_ylim()
+    powers = range(ceil(log10(low)), floor(log10(high)) + 1)
+    step = ceil(len(powers) / MOST_POWERS)
+    sizes = [10.0**power for power in powers[::step]]
+    axes.set_yticks(sizes, [_decade(size) for size in sizes])
+    axes.minorticks_off()
+
+
+MOST_POWERS = 7  # on an axis
+
+
+def _decade(size: float) -> str:
+    """Print a power of ten as a length: '1 cm', '10 m', '1 km'."""
+    unit, scale = next(
+        ((unit, scale) for unit, scale in DECADES if size >= 0.999 * scale), DECADES[-1]
+    )
+    return f"{size / scale:g} {unit}"
+
+
+DECADES = (("km", 1e3), ("m", 1.0), ("cm", 1e-2), ("mm", 1e-3))
+
+
+def _on_paper(
+    axes: Axes,
+    text: str,
+    at: tuple[float, float],
+    shift: tuple[float, float],
+    *,
+    ha: str = "left",
+) -> None:
+    """Write a text over lines or areas, on paper of its own."""
+    axes.annotate(
+        text,
+        at,
+        xytext=shift,
+        textcoords="offset points",
+        fontsize=SMALL,
+        color=INK,
+        ha=ha,
+        va="center",
+        bbox={"facecolor": PAPER, "edgecolor": "none", "alpha": 0.85, "pad": 1.5},
+    )
+
+
+def _data(growth: Growth) -> Table:
+    """Return the numbers behind both figures."""
+    names = _names(growth)
+    rows = range(len(growth.curve.times))
+
+    def size(values: Array, place: int) -> Cell:
+        value = float(values[place])
+        return Cell(text=round_uncertainty(value), exact=value)
+
+    def share(k: int, place: int) -> Cell:
+        value = float(growth.shares[k][place])
+        return Cell(text=print_share(max(value, 0.0)).removesuffix(" %"), exact=value)
+
+    return table_of(
+        rows,
+        (
+            Field(
+                head=say("after"), cell=lambda place: _around(growth.curve.times[place])
+            ),
+            Field(head="CEP [m]", kind="number", cell=partial(size, growth.cep)),
+            Field(head="R95 [m]", kind="number", cell=partial(size, growth.r95)),
+            *(
+                Field(
+                    head=say("{name} [%]", name=name),
+                    kind="number",
+                    cell=partial(share, k),
+                )
+                for k, name in enumerate(names)
+            ),
+        ),
+        name="mission-growth-data",
+        caption=say("Horizontal error over time and shares of its variance"),
+    )

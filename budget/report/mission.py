@@ -1,0 +1,412 @@
+"""Errors of a mission for people: times, units that one reads, which line dominates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import groupby
+from typing import TYPE_CHECKING
+
+from budget.language import beside, key_title, say, term
+from budget.names import LENGTHS, Name, time_text
+from budget.report.blocks import Cell, Field, table_of
+from budget.report.tables import (
+    SMALL_SHARE,
+    bound_number,
+    largest_error,
+    print_coverage,
+    print_share,
+    round_u,
+    source_title,
+    used_part,
+)
+from budget.report.wording import capital, cell
+from budget.ties import from_largest, settle
+from budget.units import ARCSEC, parse_quantity
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
+    from budget.report.blocks import Table
+    from budget.report.tables import Number
+    from budget.results import (
+        Assessment,
+        Budget,
+        Calibrated,
+        OutputAssessment,
+        OutputBudget,
+    )
+
+# Units that an error is read in, the first one up to the next [SI].
+UNITS = {
+    "position": (("m", 1.0), ("km", 1000.0)),
+    "velocity": (("m/s", 1.0),),
+    "attitude": (("arcsec", ARCSEC), ("arcmin", 60.0 * ARCSEC), ("deg", 3600 * ARCSEC)),
+}
+HOUR = 3600.0  # [s]
+NAUTICAL_MILE = 1852.0  # [m]
+CIRCLES = term(
+    "CEP and R95: radii of the circles about the true place that the unit is in with "
+    "50 % and with 95 % probability; DRMS: root of the sum of the squared standard "
+    "uncertainties north and east. All other numbers are standard uncertainties."
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class AtTime:
+    """The errors at one time of a mission."""
+
+    time: float  # since it began [s]
+    rows: tuple[OutputBudget, ...]
+
+    def row(self, quantity: str, axis: str) -> OutputBudget | None:
+        """Return one of them; None where it was not asked for."""
+        for row in self.rows:
+            if (row.parameter, row.axis) == (quantity, axis):
+                return row
+        return None
+
+    @property
+    def horizontal(self) -> OutputBudget | None:
+        """The horizontal error of position."""
+        return self.row("position", LENGTHS["position"])
+
+    def unit_of(self, quantity: str) -> tuple[str, float]:
+        """Return the unit that all errors of a quantity are read in, and its size."""
+        own = [row for row in self.rows if row.parameter == quantity]
+        return unit_for(
+            quantity, max(max(one.standard_uncertainty, *_radii(one)) for one in own)
+        )
+
+
+def unit_for(quantity: str, largest: float) -> tuple[str, float]:
+    """Return the unit that errors up to one [SI] are read in, and its size [SI]."""
+    units = UNITS[quantity]
+    fitting = [unit for unit in units if settle(largest / unit[1]) >= 1.0]
+    return fitting[-1] if fitting else units[0]
+
+
+def _radii(row: OutputBudget) -> tuple[float, float]:
+    """Return CEP and R95; 0 of what is no length."""
+    return (0.0, 0.0) if row.radii is None else (row.radii.cep, row.radii.r95)
+
+
+def by_time(budget: Budget) -> tuple[AtTime, ...]:
+    """Gather the outputs of a mission by their times, rising."""
+
+    def time_of(row: OutputBudget) -> float:
+        return row.output.name.time or 0.0
+
+    rows = sorted(budget.outputs, key=time_of)
+    return tuple(
+        AtTime(time=time, rows=tuple(own)) for time, own in groupby(rows, key=time_of)
+    )
+
+
+def size(at: AtTime, row: OutputBudget, value: float) -> Number:
+    """Round a size of an error, in the unit that its like have at that time."""
+    unit, si_per_unit = at.unit_of(row.parameter)
+    output = replace(row.output, unit=unit, si_per_unit=si_per_unit)
+    return bound_number(
+        round_u(value, output), lower_bound=row.lower_bound, unknown=row.is_unknown
+    )
+
+
+def _sized(
+    quantity: str, axis: str, pick: Callable[[OutputBudget], float]
+) -> Callable[[AtTime], Cell | str]:
+    """Return what stands in a column of one error."""
+
+    def found(at: AtTime) -> Cell | str:
+        row = at.row(quantity, axis)
+        return "" if row is None else cell(size(at, row, pick(row)))
+
+    return found
+
+
+def _u(row: OutputBudget) -> float:
+    return row.standard_uncertainty
+
+
+def _columns(
+    quantity: str, heads: Iterable[tuple[str, str, Callable[[OutputBudget], float]]]
+) -> tuple[Field[AtTime], ...]:
+    """Return the columns of a quantity, and that of its unit."""
+    return (
+        *(
+            Field(
+                head=head,
+                kind="number",
+                cell=_sized(quantity, axis, pick),
+                optional=True,
+            )
+            for head, axis, pick in heads
+        ),
+        Field(
+            head="", kind="unit", cell=lambda at: at.unit_of(quantity)[0], optional=True
+        ),
+    )
+
+
+def _after() -> Field[AtTime]:
+    return Field(head=say("after"), cell=lambda at: time_text(at.time))
+
+
+def position_table(moments: Sequence[AtTime]) -> Table:
+    """Return the errors of position at every time."""
+    plane = LENGTHS["position"]
+    heads = (
+        ("CEP", plane, lambda row: _radii(row)[0]),
+        ("R95", plane, lambda row: _radii(row)[1]),
+        ("DRMS", plane, _u),
+        *((say(axis), axis, _u) for axis in ("north", "east", "down")),
+    )
+    return table_of(
+        moments,
+        (_after(), *_columns("position", heads)),
+        name="mission-position",
+        caption=say("Errors of position at each time"),
+    )
+
+
+def motion_table(moments: Sequence[AtTime]) -> Table:
+    """Return the errors of velocity and attitude at every time."""
+    velocity = (
+        (say("velocity CEP"), LENGTHS["velocity"], lambda row: _radii(row)[0]),
+        (say("DRMS"), LENGTHS["velocity"], _u),
+        (say("down"), "down", _u),
+    )
+    attitude = ((say(axis), axis, _u) for axis in ("roll", "pitch", "heading"))
+    return table_of(
+        moments,
+        (
+            _after(),
+            *_columns("velocity", velocity),
+            *_columns("attitude", attitude),
+        ),
+        name="mission-motion",
+        caption=say("Errors of velocity and attitude at each time"),
+    )
+
+
+def bought_table(budget: Budget, moments: Sequence[AtTime]) -> Table | None:
+    """Return the CEP at every time after each calibration; None of one alone."""
+    tests = budget.bought
+    places = {at.time: place for place, at in enumerate(moments)}
+    if not tests or len(tests[0].cep) != len(moments):
+        return None
+
+    def unit_at(at: AtTime) -> tuple[str, float]:
+        """Return the unit that a row is read in."""
+        return unit_for("position", max(one.cep[places[at.time]] for one in tests))
+
+    def radius(one: Calibrated) -> Callable[[AtTime], Cell | str]:
+        """Return what stands in the column of a calibration."""
+
+        def found(at: AtTime) -> Cell | str:
+            if at.horizontal is None:
+                return ""
+            unit, si_per_unit = unit_at(at)
+            output = replace(at.horizontal.output, unit=unit, si_per_unit=si_per_unit)
+            number = round_u(one.cep[places[at.time]], output)
+            return cell(
+                bound_number(number, lower_bound=one.lower_bound, unknown=False)
+            )
+
+        return found
+
+    return table_of(
+        moments,
+        (
+            _after(),
+            *(
+                Field(head=head, kind="number", cell=radius(one))
+                for head, one in zip(
+                    (say("uncalibrated"), say("by the maker"), say("by this test")),
+                    tests,
+                    strict=False,
+                )
+            ),
+            Field(head="", kind="unit", cell=lambda at: unit_at(at)[0]),
+        ),
+        name="mission-calibrations",
+        caption=say("CEP after each calibration"),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Blamed:
+    """What one source contributes to the horizontal position, time by time."""
+
+    source: Name
+    shares: tuple[float, ...]  # of the variance, in the order of the times [1]
+
+    @property
+    def title(self) -> str:
+        """'gyro bias repeatability'."""
+        return full_title(self.source)
+
+
+def full_title(source: Name) -> str:
+    """Name a source with its owner, as it stands among those of all."""
+    title = source_title(source)
+    return beside(say(source.owner), title) if source.owner else title
+
+
+def blamed(moments: Sequence[AtTime]) -> tuple[Blamed, ...]:
+    """Return sources by their largest share of the horizontal variance at any time."""
+    rows = [row for at in moments if (row := at.horizontal) is not None]
+    found: dict[Name, list[float]] = {}
+    for place, row in enumerate(rows):
+        for part in row.contributions:
+            shares = found.setdefault(part.source, [0.0] * len(rows))
+            shares[place] = part.share if row.is_resolved else 0.0
+    sources = [
+        Blamed(source=source, shares=tuple(shares)) for source, shares in found.items()
+    ]
+    order = from_largest([max(one.shares) for one in sources])
+    return tuple(sources[k] for k in order)
+
+
+def contributions_table(moments: Sequence[AtTime]) -> Table:
+    """Return who contributes how much to the horizontal position at every time."""
+    sources = blamed(moments)
+    major = [one for one in sources if max(one.shares) >= SMALL_SHARE]
+    minor = [one for one in sources if 0.0 < max(one.shares) < SMALL_SHARE]
+    lines = [(one.title, one.shares) for one in major]
+    if minor:
+        together = tuple(map(sum, zip(*(one.shares for one in minor), strict=True)))
+        lines.append((say("{minor} others together", minor=len(minor)), together))
+
+    def share(place: int) -> Callable[[tuple[str, tuple[float, ...]]], Cell]:
+        def found(line: tuple[str, tuple[float, ...]]) -> Cell:
+            value = line[1][place]
+            text = print_share(value).removesuffix(" %")
+            return Cell(text=text, exact=value, share=value)
+
+        return found
+
+    times = [at.time for at in moments if at.horizontal is not None]
+    return table_of(
+        lines,
+        (
+            Field(head=say("share of the variance [%]"), cell=lambda line: line[0]),
+            *(
+                Field(head=time_text(time), kind="number", cell=share(place))
+                for place, time in enumerate(times)
+            ),
+        ),
+        name="mission-contributions",
+        caption=say("Contributions to the horizontal position at each time"),
+    )
+
+
+def leading(moments: Sequence[AtTime]) -> str:
+    """Say which source contributes most, and until when: '' of a single time."""
+    sources = blamed(moments)
+    times = [at.time for at in moments if at.horizontal is not None]
+    first: list[tuple[Name, float, float, float]] = []
+    for place, time in enumerate(times):
+        shares = [one.shares[place] for one in sources]
+        if not any(shares):
+            continue
+        top = sources[from_largest(shares)[0]].source
+        share = max(shares)
+        if first and first[-1][0] == top:
+            first[-1] = (top, first[-1][1], time, share)
+        else:
+            first.append((top, time, time, share))
+    if not first or len(times) == 1:  # which the finding has said
+        return ""
+    if len(first) == 1:
+        source, _, last, share = first[0]
+        return say(
+            "At every time {source} contributes most, {share} of the variance after "
+            "{time}.",
+            source=full_title(source),
+            share=print_share(share),
+            time=time_text(last),
+        )
+    parts = []
+    for source, begun, last, share in first:
+        template = (
+            say(
+                "{source} after {time} ({share})",
+                source=full_title(source),
+                time=time_text(last),
+                share=print_share(share),
+            )
+            if begun == last
+            else say(
+                "{source} from {begun} to {time} ({share})",
+                source=full_title(source),
+                begun=time_text(begun),
+                time=time_text(last),
+                share=print_share(share),
+            )
+        )
+        parts.append(template)
+    return say("Which line contributes most: {parts}.", parts=say("; ").join(parts))
+
+
+def rate_per_hour(moments: Sequence[AtTime]) -> tuple[AtTime, float] | None:
+    """Return CEP over time at 1 h, or at the first later time [nmi/h], else None."""
+    for at in moments:
+        row = at.horizontal
+        if at.time >= HOUR and row is not None and row.radii is not None:
+            return at, row.radii.cep / NAUTICAL_MILE / (at.time / HOUR)
+    return None
+
+
+def limits_table(
+    usual: float, assessment: Assessment, rows: Sequence[OutputAssessment]
+) -> Table:
+    """Return each limit on a mission, with its own probability, else the usual one."""
+
+    def error(row: OutputAssessment) -> OutputAssessment:
+        """Return the row in the unit of its limit."""
+        limit = parse_quantity(row.printed_limit, row.output.unit)
+        output = replace(row.output, unit=limit.unit, si_per_unit=limit.si_per_unit)
+        return replace(row, output=output)
+
+    def used(row: OutputAssessment) -> Cell:
+        number = used_part(row)
+        return Cell(
+            text=number.text.removesuffix(" %"),
+            exact=number.exact,
+            strong=not row.is_within,
+        )
+
+    return table_of(
+        rows,
+        (
+            Field(
+                head="",
+                cell=lambda row: capital(key_title(row.output.name)),
+            ),
+            Field(
+                head=say("P [%]"),
+                kind="number",
+                cell=lambda row: print_coverage(
+                    usual if row.coverage is None else row.coverage
+                ),
+            ),
+            Field(
+                head=say("error"),
+                kind="number",
+                cell=lambda row: cell(
+                    largest_error(error(row)), strong=not row.is_within
+                ),
+            ),
+            Field(head="", kind="unit", cell=lambda row: error(row).output.unit),
+            Field(head=say("limit"), cell=lambda row: row.printed_limit),
+            Field(head=say("used [%]"), kind="number", cell=used),
+            Field(
+                head=say("verdict"),
+                cell=lambda row: Cell(
+                    text=say(assessment.outcome(row)), strong=not row.is_within
+                ),
+            ),
+        ),
+        name="mission-limits",
+        caption=say("Errors of the mission against their limits"),
+    )

@@ -1,0 +1,645 @@
+"""Mission files: where a calibrated unit goes by itself, and what it knows of that."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+from math import ceil, degrees, pi, remainder
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from budget.language import note
+from budget.navigation.route import STEP, TURN_STEP, Leg, Legs, Start, Track, moved
+from budget.spec.checking import check
+from budget.spec.fields import Measured, ShortText, Sign, Strict, fault, faults
+from budget.spec.files import exists
+from budget.spec.procedure import MOST_HEIGHT
+from budget.spec.records import Mission, Origin
+from budget.spec.trajectory import (
+    LEAST_SPEED,
+    LONGEST,
+    MOST_LATITUDE,
+    MOST_SPEED,
+    read_trajectory,
+)
+from budget.spec.tree import all_of, describe
+from budget.units import Quantity
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from pydantic import GetJsonSchemaHandler
+    from pydantic.json_schema import JsonSchemaValue
+    from pydantic_core import CoreSchema, core_schema
+
+    from budget.spec.trajectory import Recorded
+    from budget.spec.tree import Document
+
+PERFECT, SELF = "perfect", "self"
+AIDED, FREE = "aided", "free"
+LEVEL = note(
+    "mission.segments: the vehicle stays level, without bank in turns or pitch in "
+    "climbs"
+)
+SHORTEST = 1e-3  # of a segment [s]
+MOST_SEGMENTS = 10_000
+MOST_STEPS = 10_000  # in which errors are carried along: 160 turns, 83 h of level
+MOST_TIMES = 100  # that are asked for
+DECADES = (10.0, 60.0, 600.0, 3600.0)  # asked for where nothing is said [s]
+_ROUNDING = 1e-9  # of a time, relative
+_SAME = 1e-6  # of a heading [rad], and of a speed, relative
+
+Faults = dict[tuple[str | int, ...], str]  # what is wrong, by the way to it
+
+# What a segment may be, and which keys say more of it.
+MOVES = {
+    "stand": (),
+    "straight": ("speed", "heading"),
+    "turn": ("rate",),
+    "climb": ("rate",),
+    "accelerate": ("to",),
+}
+# What a trajectory says in their place.
+PLACED = ("latitude", "longitude", "height", "speed", "heading", "segments")
+NEEDED = {"turn": "3 deg/s", "climb": "5 m/s", "accelerate": "100 m/s"}
+
+
+@dataclass(frozen=True)
+class RateOf(Measured):
+    """A rate: a velocity beside a climb, an angular rate beside anything else."""
+
+    def read(self, value: object, info: core_schema.ValidationInfo) -> object:
+        """Return the rate that a text says."""
+        climbs = info.data.get("climb") is not None and info.data.get("turn") is None
+        return (CLIMB_RATE if climbs else TURN_RATE).read(value, info)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Tell pydantic how to describe either."""
+        return {"anyOf": [TURN_RATE.json_schema, CLIMB_RATE.json_schema]}
+
+
+TURN_RATE = Measured("deg/s", Sign.POSITIVE)
+CLIMB_RATE = Measured("m/s", Sign.ANY)
+Span = Annotated[Quantity, Measured("s", Sign.POSITIVE, bare=True)]
+Speed = Annotated[Quantity, Measured("m/s", bare=True)]
+Angle = Annotated[Quantity, Measured("deg", Sign.ANY, bare=True)]
+Height = Annotated[Quantity, Measured("m", Sign.ANY, bare=True)]
+Count = Annotated[int, Field(ge=1, le=MOST_SEGMENTS)]
+
+
+class SegmentLine(Strict):
+    """What a level vehicle does for a while."""
+
+    stand: Span | None = Field(default=None, description="how long it stands still")
+    straight: Span | None = Field(
+        default=None, description="how long it goes on as it does"
+    )
+    turn: Angle | None = Field(
+        default=None, description="of the heading; positive to the right, as headings"
+    )
+    climb: Span | None = Field(default=None, description="how long it climbs or sinks")
+    accelerate: Span | None = Field(
+        default=None, description="how long its speed changes, evenly"
+    )
+    speed: Speed | None = Field(
+        default=None,
+        description="beside straight: of the first segment how fast the mission "
+        "begins, of others the speed that is reached by then",
+    )
+    heading: Angle | None = Field(
+        default=None, description="beside straight: likewise, from north to east"
+    )
+    rate: Annotated[Quantity, RateOf("deg/s")] | None = Field(
+        default=None, description="beside turn: deg/s; beside climb: m/s, upwards"
+    )
+    to: Speed | None = Field(
+        default=None, description="beside accelerate: the speed at its end"
+    )
+    repeat: Count = Field(default=1, description="times one after the other")
+
+    @model_validator(mode="after")
+    def _check_parts(self) -> Self:
+        if messages := self._faults():
+            raise faults(messages)
+        return self
+
+    def _faults(self) -> Faults:
+        """Return what is wrong with it."""
+        given = [key for key in MOVES if getattr(self, key) is not None]
+        if not given:
+            words = ", ".join(MOVES)
+            return {
+                ("stand",): f"says not what the vehicle does, expected one of {words}, "
+                "such as 'stand: 60 s'"
+            }
+        own, *others = given
+        found: Faults = {
+            (key,): f"stands beside {own}, and a segment is one thing; give each a "
+            "segment of its own"
+            for key in others
+        }
+        for key in ("speed", "heading", "rate", "to"):
+            if getattr(self, key) is not None and key not in MOVES[own]:
+                owners = " or ".join(
+                    move for move, keys in MOVES.items() if key in keys
+                )
+                found[key,] = f"is of {owners}, and this is {own}; remove it"
+        for key in ("speed", "to", "rate"):
+            one = getattr(self, key)
+            if one is not None and abs(one.value) > MOST_SPEED and own != "turn":
+                found.setdefault((key,), _too_fast(one.printed))
+        if own in NEEDED and getattr(self, MOVES[own][0]) is None:
+            key = MOVES[own][0]
+            found[own,] = f"stands without {key}, expected '{key}: {NEEDED[own]}' there"
+        if not found and not SHORTEST <= self.length <= LONGEST * (1.0 + _ROUNDING):
+            found[own,] = f"takes {self.length:.6g} s, expected {SHORTEST:g} s to 24 h"
+        return found
+
+    @property
+    def move(self) -> str:
+        """What it is: 'stand', 'turn', ..."""
+        return next(key for key in MOVES if getattr(self, key) is not None)
+
+    @property
+    def length(self) -> float:
+        """How long it takes once [s]."""
+        if self.turn is not None and self.rate is not None:
+            return abs(self.turn.value) / self.rate.value
+        span: Quantity = getattr(self, self.move)
+        return span.value
+
+    @property
+    def steps(self) -> int:
+        """In how many steps errors are carried along it once, at the least."""
+        turned = abs(self.turn.value) if self.turn is not None else 0.0
+        return ceil(max(self.length / STEP, turned / TURN_STEP, 1.0) - _ROUNDING)
+
+    def leg(self, speed: float) -> Leg:
+        """Return it, begun at a forward speed [m/s]."""
+        climb_rate = turn_rate = acceleration = 0.0
+        if self.turn is not None and self.rate is not None:
+            sense = 1.0 if self.turn.value > 0.0 else -1.0
+            turn_rate = sense * self.rate.value
+        elif self.climb is not None and self.rate is not None:
+            climb_rate = self.rate.value
+        elif self.accelerate is not None and self.to is not None:
+            acceleration = (self.to.value - speed) / self.length
+        return Leg(
+            duration=self.length,
+            turn_rate=turn_rate,
+            acceleration=acceleration,
+            climb_rate=climb_rate,
+        )
+
+    @property
+    def number(self) -> int:
+        """How many segments it stands for."""
+        return self.repeat
+
+    def each(self) -> Iterator[tuple[tuple[str | int, ...], SegmentLine]]:
+        """Yield each segment with its place in this item, those of a repetition too."""
+        for _ in range(self.repeat):
+            yield (), self
+
+
+class SegmentItem(SegmentLine):
+    """A segment, or a group of segments that is repeated as a whole."""
+
+    segments: tuple[SegmentLine, ...] | None = Field(
+        default=None, description="a group; repeat beside it is of the whole"
+    )
+
+    def _faults(self) -> Faults:
+        """Return what is wrong with it."""
+        if self.segments is None:
+            return super()._faults()
+        found: Faults = {
+            (key,): "stands beside a group of segments; say it in its lines"
+            for key in sorted(self.model_fields_set - {"segments", "repeat"})
+        }
+        if not self.segments:
+            found["segments",] = "names no segment, expected one at least"
+        return found
+
+    @property
+    def number(self) -> int:
+        """How many segments it stands for."""
+        lines = (self,) if self.segments is None else self.segments
+        times = 1 if self.segments is None else self.repeat
+        return times * sum(line.repeat for line in lines)
+
+    def each(self) -> Iterator[tuple[tuple[str | int, ...], SegmentLine]]:
+        """Yield each segment with its place in this item, those of a repetition too."""
+        if self.segments is None:
+            yield from super().each()
+            return
+        for _ in range(self.repeat):
+            for place, line in enumerate(self.segments):
+                for _, one in line.each():
+                    yield ("segments", place), one
+
+
+def _no_mapping(value: object) -> object:
+    """Refuse a mapping in the place of the word that says how it was aligned."""
+    if isinstance(value, dict):
+        raise fault(
+            f"found {describe(value)}, expected perfect or self, which has its "
+            "duration beside it, as 'alignment_time: 300 s'"
+        )
+    return value
+
+
+class MissionPart(Strict):
+    """Where the unit is when it navigates by itself, and how that begins."""
+
+    latitude: Angle | None = Field(default=None, description="geodetic, of the start")
+    longitude: Angle | None = Field(
+        default=None, description="of the start; nothing depends on it"
+    )
+    height: Height | None = Field(
+        default=None, description="of the start, above the ellipsoid; unset: 0 m"
+    )
+    speed: Speed | None = Field(
+        default=None,
+        description="of the start, forward; unset: that of a first segment straight, "
+        "else 0 m/s",
+    )
+    heading: Angle | None = Field(
+        default=None,
+        description="of the start, from north to east; unset: that of a first segment "
+        "straight, else 0 deg",
+    )
+    alignment: (
+        Annotated[Literal["perfect", "self"], BeforeValidator(_no_mapping)] | None
+    ) = Field(
+        default=None,
+        description="what is known when it begins: perfect (unset), all; self: what "
+        "the unit finds of level and north, standing",
+    )
+    alignment_time: Span | None = Field(
+        default=None, description="beside alignment self: how long it stands before"
+    )
+    altitude: Literal["aided", "free"] | None = Field(
+        default=None,
+        description="aided (unset): height and vertical velocity are known all the "
+        "time; free: by the accelerometers alone",
+    )
+    segments: tuple[SegmentItem, ...] | None = Field(
+        default=None, description="what the vehicle does, one after the other"
+    )
+    trajectory: ShortText | None = Field(
+        default=None,
+        description="a recording in place of place, start and segments: a CSV file "
+        "beside this one",
+    )
+    at: tuple[Span, ...] | None = Field(
+        default=None,
+        description="times from the start that are asked for, rising; unset: 10 s, 60 "
+        "s, 600 s, 3600 s that lie within, and the end",
+    )
+
+    @model_validator(mode="after")
+    def _check_parts(self) -> Self:
+        messages = {
+            **self._place_faults(),
+            **self._alignment_faults(),
+            **self._time_faults(),
+        }
+        if not messages and self.trajectory is None:
+            messages = self.late(self.laid_out.duration)
+        if messages:
+            raise faults(messages)
+        return self
+
+    def _place_faults(self) -> Faults:
+        """Return what is wrong with where it begins."""
+        found: Faults = {}
+        if self.trajectory is not None:
+            given = [key for key in PLACED if getattr(self, key) is not None]
+            text = "stands beside a trajectory, which says it; remove one of them"
+            return {(key,): text for key in given}
+        if self.segments is None:
+            found["segments",] = (
+                "says not what the vehicle does, expected segments, such as "
+                "'segments: [{stand: 3600 s}]', or a trajectory"
+            )
+        elif not self.segments:
+            found["segments",] = "names no segment, expected one at least"
+        if self.latitude is None:
+            found["latitude",] = (
+                "says not where it begins, expected such as 'latitude: 45 deg'"
+            )
+        elif abs(self.latitude.value) >= MOST_LATITUDE * (1.0 - _ROUNDING):
+            found["latitude",] = (
+                f"found {self.latitude.printed!r}, expected between -89.9 deg and 89.9 "
+                "deg; at a pole north is no direction"
+            )
+        if self.longitude and abs(self.longitude.value) > 2.0 * pi * (1.0 + _ROUNDING):
+            found["longitude",] = (
+                f"found {self.longitude.printed!r}, expected -180 deg to 360 deg"
+            )
+        if self.height is not None and abs(self.height.value) > MOST_HEIGHT:
+            found["height",] = (
+                f"found {self.height.printed!r}, expected {-MOST_HEIGHT / 1e3:g} km to "
+                f"{MOST_HEIGHT / 1e3:g} km"
+            )
+        if self.speed is not None and self.speed.value > MOST_SPEED:
+            found["speed",] = _too_fast(self.speed.printed)
+        return found
+
+    def _alignment_faults(self) -> Faults:
+        """Return what is wrong with how it is aligned."""
+        found: Faults = {}
+        if self.alignment != SELF:
+            if self.alignment_time is not None:
+                found["alignment_time",] = (
+                    "is of 'alignment: self', which is not there; add it, or remove "
+                    "this"
+                )
+            return found
+        if self.alignment_time is None:
+            found["alignment",] = (
+                "stands without alignment_time, expected that beside it, as "
+                "'alignment_time: 300 s'"
+            )
+        elif not 1.0 <= self.alignment_time.value <= LONGEST * (1.0 + _ROUNDING):
+            found["alignment_time",] = (
+                f"found {self.alignment_time.printed!r}, expected 1 s to 24 h"
+            )
+        if self.start.speed > 0.0:
+            found["alignment",] = _moving(self.start.speed)
+        return found
+
+    def _time_faults(self) -> Faults:
+        """Return what is wrong with the times that are asked for."""
+        if self.at is not None and not 1 <= len(self.at) <= MOST_TIMES:
+            return {("at",): f"names {len(self.at)} times, expected 1 to {MOST_TIMES}"}
+        return {
+            ("at", place): f"found {after.printed!r} after {one.printed!r}, expected "
+            "times that rise"
+            for place, (one, after) in enumerate(pairwise(self.at or ()), start=1)
+            if after.value <= one.value * (1.0 + _ROUNDING)
+        }
+
+    def late(self, end: float) -> Faults:
+        """Return what is asked for when the mission is over, at that time [s]."""
+        return {
+            ("at", place): f"found {one.printed!r}, and the mission ends at {end:.6g} "
+            "s; expected times within it"
+            for place, one in enumerate(self.at or ())
+            if one.value > end * (1.0 + _ROUNDING)
+        }
+
+    @property
+    def first(self) -> SegmentLine | None:
+        """The first segment."""
+        item = self.segments[0] if self.segments else None
+        return item.segments[0] if item is not None and item.segments else item
+
+    @cached_property
+    def start(self) -> Start:
+        """Where it begins, and how."""
+        first = self.first or self
+        speed, heading = self.speed or first.speed, self.heading or first.heading
+        return Start(
+            latitude=self.latitude.value if self.latitude else 0.0,
+            height=self.height.value if self.height else 0.0,
+            speed=speed.value if speed else 0.0,
+            heading=heading.value if heading else 0.0,
+        )
+
+    @cached_property
+    def laid_out(self) -> Legs:
+        """The segments one after the other.
+
+        Raises
+        ------
+        pydantic_core.ValidationError
+            They do not follow, are too many or too long, or lead where none can go.
+        """
+        return lay_out(self.start, self.segments or ())
+
+    def times(self, end: float) -> tuple[float, ...]:
+        """Return the times that are asked for, of a mission that ends then [s]."""
+        if self.at is not None:
+            return tuple(min(one.value, end) for one in self.at)
+        return (*(time for time in DECADES if time < end * (1.0 - _ROUNDING)), end)
+
+    def assumptions(self, end: float) -> tuple[str, ...]:
+        """Return what a mission that ends then leaves open, and how it is taken."""
+        taken = {"alignment": PERFECT, "altitude": AIDED}
+        taken["at"] = ", ".join(f"{time:.12g} s" for time in self.times(end))
+        if self.first is not None:
+            taken["height"] = "0 m"
+            if not self.first.heading:
+                taken["heading"] = "0 deg"
+            if self.first.move in NEEDED:
+                taken["speed"] = "0 m/s"
+        return tuple(
+            note("mission.{key}: not given, {usual} assumed", key=key, usual=usual)
+            for key, usual in taken.items()
+            if getattr(self, key) is None
+        )
+
+
+class MissionFile(Strict):
+    """A mission: where a calibrated unit navigates by itself."""
+
+    format: Literal["budget-mission/1"] = "budget-mission/1"
+    name: ShortText | None = Field(default=None, description="unset: the file's name")
+    mission: MissionPart = Field(description="place, alignment, what the vehicle does")
+
+
+def read_mission(document: Document) -> Mission:
+    """Turn a mission file into a record, in SI.
+
+    Raises
+    ------
+    SpecError
+        Every issue of the file.
+    """
+    model = check(document, MissionFile)
+    part = model.mission
+    recorded = None
+    route: Legs | Track
+    said: tuple[str, ...]
+    if part.trajectory is None:
+        route = part.laid_out
+        said = (LEVEL,) if leans(route) else ()
+    else:
+        recorded = _recorded(document, part)
+        said = recorded.assumptions
+        route = Track(
+            time=recorded.time,
+            latitude=recorded.latitude,
+            longitude=recorded.longitude,
+            height=recorded.height,
+            attitude=recorded.attitude,
+        )
+    return Mission(
+        name=model.name or document.base_name.partition(".")[0],
+        route=route,
+        alignment=part.alignment_time.value if part.alignment_time else 0.0,
+        aided=part.altitude != FREE,
+        at=part.times(route.duration),
+        assumptions=(*part.assumptions(route.duration), *said),
+        origin=Origin(file=document.base_name, sha256=document.sha256),
+        trajectory=recorded.origin if recorded else None,
+    )
+
+
+def _recorded(document: Document, part: MissionPart) -> Recorded:
+    """Read the recording that a mission names, beside it.
+
+    Raises
+    ------
+    SpecError
+        There is none, something is wrong with it, or it does not fit the mission.
+    """
+    node = document.root.nearest(("mission", "trajectory"))
+    path = Path(document.file).parent / str(part.trajectory)
+    if not (exists(path) and path.is_file()):
+        message = (
+            f"found {describe(part.trajectory)}, expected a CSV file, by its place "
+            "from this file"
+        )
+        raise all_of([document.issue(node, message)])
+    recorded = read_trajectory(path, str(path))
+    end = float(recorded.time[-1])
+    messages: Faults = part.late(end)
+    if part.alignment == SELF and recorded.first_speed > LEAST_SPEED:
+        messages["alignment",] = _moving(recorded.first_speed)
+    if messages:
+        places = ((("mission", *steps), text) for steps, text in messages.items())
+        root = document.root
+        raise all_of(document.issue(root.nearest(at), text) for at, text in places)
+    return recorded
+
+
+def leans(route: Legs) -> bool:
+    """Say whether a vehicle would bank or pitch there that is taken as level."""
+    moves = route.start.speed > 0.0 or any(leg.acceleration for leg in route.legs)
+    return moves and any(leg.turn_rate or leg.climb_rate for leg in route.legs)
+
+
+def lay_out(start: Start, items: Sequence[SegmentItem]) -> Legs:
+    """Put segments one after the other, each begun as the one before has ended.
+
+    Raises
+    ------
+    pydantic_core.ValidationError
+        They do not follow, are too many or too long, or lead where none can go: which,
+        all at once.
+    """
+    number = sum(item.number for item in items)
+    if number > MOST_SEGMENTS:
+        message = f"are {number}, expected {MOST_SEGMENTS} at the most"
+        raise faults({("segments",): message})
+    segments = [
+        (("segments", place, *inside), line)
+        for place, item in enumerate(items)
+        for inside, line in item.each()
+    ]
+    _check_size([line for _, line in segments])
+    messages: Faults = {}
+    here, legs = start, []
+    for path, line in segments:
+        for key, message in _faults_at(here, line).items():
+            messages.setdefault((*path, key), message)
+        # From there on as it says, so that one slip is not said of all that follow.
+        speed = 0.0 if line.stand else here.speed
+        here = replace(
+            here,
+            speed=line.speed.value if line.speed else speed,
+            heading=line.heading.value if line.heading else here.heading,
+        )
+        legs.append(line.leg(here.speed))
+        here, message = _led(here, legs[-1], line.steps)
+        if line.to is not None:
+            here = replace(here, speed=line.to.value)  # to the last bit
+        if message:
+            messages.setdefault((*path, line.move), message)
+            break
+    if messages:
+        raise faults(messages)
+    return Legs(start=start, legs=tuple(legs))
+
+
+def _check_size(lines: Sequence[SegmentLine]) -> None:
+    """Refuse segments that take too long, or too long to be computed."""
+    length = sum(line.length for line in lines)
+    steps = sum(line.steps for line in lines)
+    if length > LONGEST * (1.0 + _ROUNDING):
+        message = f"take {length:.6g} s, expected 24 h at the most"
+        raise faults({("segments",): message})
+    if steps > MOST_STEPS:
+        message = (
+            f"need {steps} steps, of {STEP:g} s at the most and {TURN_STEP:g} rad of a "
+            f"turn, expected {MOST_STEPS}; turn less"
+        )
+        raise faults({("segments",): message})
+
+
+def _led(here: Start, leg: Leg, steps: int) -> tuple[Start, str]:
+    """Return where a leg leads, and what is wrong with that."""
+    for _ in range(steps):
+        here = moved(here, leg, leg.duration / steps)
+        if abs(here.latitude) >= MOST_LATITUDE:
+            return here, (
+                "leads to a pole, where north is no direction; expected latitudes "
+                "between -89.9 deg and 89.9 deg"
+            )
+    if abs(here.height) > MOST_HEIGHT:
+        return here, (
+            f"leads to a height of {here.height / 1e3:.6g} km, expected "
+            f"{-MOST_HEIGHT / 1e3:g} km to {MOST_HEIGHT / 1e3:g} km"
+        )
+    return here, ""
+
+
+def _faults_at(here: Start, line: SegmentLine) -> dict[str, str]:
+    """Return what is wrong with a segment that begins there."""
+    found: dict[str, str] = {}
+    if line.stand is not None and here.speed > 0.0:
+        found["stand"] = (
+            f"stands still, and the vehicle is at {here.speed:.6g} m/s by then; "
+            "accelerate to 0 m/s first"
+        )
+    if line.straight is not None and line.speed is None and here.speed == 0.0:
+        found["straight"] = (
+            "goes on, and the vehicle stands by then; say its speed, accelerate "
+            "first, or let it stand"
+        )
+    if line.speed is not None:
+        off = line.speed.value - here.speed
+        if abs(off) > _SAME * max(1.0, here.speed):
+            found["speed"] = (
+                f"found {line.speed.printed!r}, and the vehicle is at {here.speed:.6g} "
+                "m/s by then; accelerate first"
+            )
+    if line.heading is not None:
+        off = remainder(line.heading.value - here.heading, 2.0 * pi)
+        if abs(off) > _SAME:
+            found["heading"] = (
+                f"found {line.heading.printed!r}, and the vehicle heads "
+                f"{degrees(here.heading) % 360.0:.6g} deg by then; turn first"
+            )
+    return found
+
+
+def _moving(speed: float) -> str:
+    """Say that what moves cannot align itself."""
+    return (
+        f"is by the unit itself, and the mission begins at {speed:.6g} m/s; level and "
+        "north are found standing: begin with a stand, or align it perfectly"
+    )
+
+
+def _too_fast(printed: str) -> str:
+    """Say that a speed is too high."""
+    return f"found {printed!r}, expected {MOST_SPEED / 1e3:g} km/s at the most"

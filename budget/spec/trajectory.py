@@ -1,0 +1,331 @@
+"""A recorded trajectory: the CSV file that a mission names, read strictly."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from hashlib import sha256
+from math import pi, radians
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.earth import meridian_radius, normal_radius
+from budget.errors import Issue, UnitError
+from budget.language import note
+from budget.spec.checking import nearest
+from budget.spec.procedure import MOST_HEIGHT
+from budget.spec.reader import read_bytes, refuse
+from budget.spec.records import Origin
+from budget.spec.tree import MOST_ISSUES, all_of, describe
+from budget.units import DAY, parse_quantity
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from budget.arrays import Array
+
+# The columns there may be, and a unit of each; the first four must be there.
+COLUMNS = {
+    "time": "s",
+    "latitude": "deg",
+    "longitude": "deg",
+    "height": "m",
+    "roll": "deg",
+    "pitch": "deg",
+    "heading": "deg",
+}
+NEEDED = ("time", "latitude", "longitude", "height")
+EXAMPLE = ",".join(f"{name} [{unit}]" for name, unit in COLUMNS.items())
+MOST_BYTES = 32 * 1024 * 1024
+# Noise in a record makes each row a step of the growth: 50,000 take 90 s and 0.7 GB.
+LEAST_ROWS, MOST_ROWS = 4, 50_000
+LONGEST = DAY  # from the first row to the last [s]
+MOST_LATITUDE = radians(89.9)  # north is no direction at a pole [rad]
+MOST_SPEED = 10_000.0  # [m/s]
+LEAST_SPEED = 0.1  # below which a track has no direction [m/s]
+# What is within bounds of each column [SI], and the bounds in words.
+BOUNDS = {
+    "latitude": (MOST_LATITUDE * (1.0 - 1e-9), "between -89.9 deg and 89.9 deg"),
+    "longitude": (2.0 * pi * (1.0 + 1e-9), "-360 deg to 360 deg"),
+    "height": (MOST_HEIGHT, "-100 km to 100 km"),
+    "roll": (pi * (1.0 + 1e-9), "-180 deg to 180 deg"),
+    "pitch": (0.5 * pi * (1.0 + 1e-9), "-90 deg to 90 deg"),
+    "heading": (200.0 * pi * (1.0 + 1e-9), "-36000 deg to 36000 deg"),
+}
+_HEAD = re.compile(r"([^\[\]]*?)\s*\[([^\[\]]*)\]")
+_ODD = re.compile("[^0-9eE.+ \t,\r-]")  # what a row of numbers has not
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Recorded:
+    """What a trajectory file holds, in SI, its time from the first row on.
+
+    Attributes
+    ----------
+    time : ndarray, shape (n,)
+        Rising from 0 [s].
+    latitude, longitude, height : ndarray, shape (n,)
+        Geodetic, and above the ellipsoid; a longitude that does not jump [rad, m].
+    attitude : ndarray, shape (n, 3)
+        Roll, pitch and heading, which does not jump [rad].
+    first_speed : float
+        Mean speed from the first row to the second [m/s].
+    assumptions : tuple of str
+    origin : Origin
+    """
+
+    time: Array
+    latitude: Array
+    longitude: Array
+    height: Array
+    attitude: Array
+    first_speed: float
+    assumptions: tuple[str, ...]
+    origin: Origin
+
+
+def ground(latitude: Array, longitude: Array, height: Array) -> tuple[Array, Array]:
+    """Return coordinates whose differences from row to row are those on the ground.
+
+    To the north and to the east [m], each element at the radii of its middle.
+    """
+
+    def along(angle: Array, radius: Array) -> Array:
+        steps = np.diff(angle) * 0.5 * (radius[1:] + radius[:-1])
+        return np.concatenate([[0.0], np.cumsum(steps)])
+
+    north = np.vectorize(meridian_radius)(latitude) + height
+    east = (np.vectorize(normal_radius)(latitude) + height) * np.cos(latitude)
+    return along(latitude, north), along(longitude, east)
+
+
+def read_trajectory(path: Path, shown: str) -> Recorded:
+    """Read a recorded trajectory, which messages name `shown`.
+
+    Raises
+    ------
+    SpecError
+        Everything that is wrong with the file, each at its row.
+    """
+    data = read_bytes(path, shown, most=MOST_BYTES, what="a CSV file")
+    if len(data) > MOST_BYTES:
+        raise refuse(shown, f"is larger than {MOST_BYTES} bytes, the most allowed")
+    table = _Table(shown, _lines(data, shown))
+    values = table.numbers()
+    values["time"] = values["time"] - values["time"][0]
+    for name in {"longitude", "heading"} & values.keys():
+        values[name] = np.unwrap(values[name])
+    place = values["latitude"], values["longitude"], values["height"]
+    track = (*ground(*place), place[2])
+    steps = np.diff(track)
+    speed = np.sqrt(np.sum(steps**2, axis=0)) / np.diff(values["time"])
+    table.check_speed(speed)
+    heading = values.get("heading")
+    if heading is None:
+        heading = table.along_track(values["time"], track[0], track[1])
+    zero = np.zeros_like(values["time"])
+    taken = {"roll": "0 deg", "pitch": "0 deg", "heading": "that of the track"}
+    return Recorded(
+        time=values["time"],
+        latitude=place[0],
+        longitude=place[1],
+        height=place[2],
+        attitude=np.column_stack(
+            [values.get("roll", zero), values.get("pitch", zero), heading]
+        ),
+        first_speed=float(speed[0]),
+        assumptions=tuple(
+            note("trajectory.{key}: not given, {usual} assumed", key=key, usual=usual)
+            for key, usual in taken.items()
+            if key not in values
+        ),
+        origin=Origin(file=path.name, sha256=sha256(data).hexdigest()),
+    )
+
+
+def _lines(data: bytes, shown: str) -> list[str]:
+    """Return the lines of the file; blank ones at its end are none."""
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        message = f"byte 0x{data[error.start]:02x} is not UTF-8; save the file as UTF-8"
+        raise refuse(shown, message) from None
+    text = text.rstrip().replace("\r\n", "\n").replace("\r", "\n")
+    if not text:
+        raise refuse(shown, f"the file is empty, expected a header, as {EXAMPLE}")
+    rows = text.count("\n")
+    if not LEAST_ROWS <= rows <= MOST_ROWS:
+        message = f"has {rows} rows, expected {LEAST_ROWS} to {MOST_ROWS}"
+        if rows > MOST_ROWS:
+            message += "; leave rows out, ten a second show what a vehicle does"
+        else:
+            message += f" after a header, as {EXAMPLE}"
+        raise refuse(shown, message)
+    return text.split("\n")
+
+
+class _Table:
+    """The rows of a file with their places in it, and what is wrong with them."""
+
+    def __init__(self, shown: str, lines: list[str]) -> None:
+        """Read the header.
+
+        Raises
+        ------
+        SpecError
+            It is none of a trajectory.
+        """
+        self.shown = shown
+        self.lines = lines
+        self.issues: list[Issue] = []
+        self.names: list[str] = []
+        self.factors: list[float] = []
+        for place, head in enumerate(lines[0].split(",", len(COLUMNS))):
+            self._read_head(place, head)
+        if missing := [name for name in NEEDED if name not in self.names]:
+            message = f"the header has no {', '.join(missing)}, expected as {EXAMPLE}"
+            self._add(0, 0, "", message)
+        self._raise()
+
+    def _read_head(self, place: int, head: str) -> None:
+        """Read one head of the header."""
+        match = _HEAD.fullmatch(head.strip())
+        name, unit = match.groups() if match else (head.strip(), "")
+        known = name in COLUMNS and name not in self.names
+        self.names.append(name)
+        self.factors.append(1.0)
+        if not known:
+            why = "stands twice" if name in COLUMNS else "is no column of a trajectory"
+            message = f"{describe(name)} {why}, expected {', '.join(COLUMNS)}"
+            self._add(0, place, "", f"{message}{nearest(name, tuple(COLUMNS))}")
+        elif not match:
+            message = f"has no unit, expected '{name} [{COLUMNS[name]}]'"
+            self._add(0, place, name, message)
+        else:
+            try:
+                self.factors[-1] = parse_quantity(f"1 {unit}", COLUMNS[name]).value
+            except UnitError as error:
+                self._add(0, place, name, f"{error}")
+
+    def numbers(self) -> dict[str, Array]:
+        """Return the columns [SI].
+
+        Raises
+        ------
+        SpecError
+            A row is not of numbers, or they are not within bounds.
+        """
+        rows: list[list[float]] = []
+        for number, line in enumerate(self.lines[1:], start=1):
+            row = self._read_row(number, line)
+            if len(self.issues) > MOST_ISSUES:
+                break
+            rows.append(row)
+        self._raise()
+        with np.errstate(over="ignore"):
+            columns = np.array(rows).T * np.array(self.factors)[:, None]
+        values = dict(zip(self.names, columns, strict=True))
+        for place, name in enumerate(self.names):
+            if name in BOUNDS:
+                most, words = BOUNDS[name]
+                for after in np.flatnonzero(~(np.abs(values[name]) <= most)):
+                    self._refuse(int(after) + 1, place, f"expected {words}")
+        self._check_time(values["time"])
+        self._raise()
+        return values
+
+    def _read_row(self, number: int, line: str) -> list[float]:
+        """Return the numbers of a row."""
+        count = line.count(",") + 1
+        if count != len(self.names):
+            message = f"has {count} values, expected {len(self.names)} as the header"
+            self._add(number, 0, "", message)
+            return []
+        cells = line.split(",")
+        try:
+            if not _ODD.search(line):
+                return [float(cell) for cell in cells]
+        except ValueError:
+            pass
+        for place, cell in enumerate(cells):
+            try:
+                sound = not _ODD.search(cell) and np.isfinite(float(cell))
+            except ValueError:
+                sound = False
+            if not sound:
+                self._refuse(number, place, "expected a number")
+        return []
+
+    def _check_time(self, time: Array) -> None:
+        """Refuse times that do not rise, or for too long."""
+        place = self.names.index("time")
+        with np.errstate(invalid="ignore"):
+            falls = ~(np.diff(time) > 0.0)
+            length = time[-1] - time[0]
+        for row in np.flatnonzero(falls):
+            self._refuse(
+                int(row) + 2, place, "expected a time after that of the row before"
+            )
+        if not length <= LONGEST * (1.0 + 1e-9):
+            message = f"lasts {length:.6g} s, expected 24 h at the most"
+            self._add(len(time), place, "time", message)
+
+    def along_track(self, time: Array, north: Array, east: Array) -> Array:
+        """Return the heading of the track, shape (n,) [rad].
+
+        Raises
+        ------
+        SpecError
+            It stands somewhere, and has none there.
+        """
+        v_north, v_east = (np.gradient(x, time, edge_order=2) for x in (north, east))
+        for row in np.flatnonzero(np.hypot(v_north, v_east) < LEAST_SPEED):
+            message = (
+                f"moves at less than {LEAST_SPEED:g} m/s here, and a track that stands "
+                "has no heading; give a column 'heading [deg]'"
+            )
+            self._add(int(row) + 1, 0, "", message)
+        self._raise()
+        return np.asarray(np.unwrap(np.arctan2(v_east, v_north)))
+
+    def check_speed(self, speed: Array) -> None:
+        """Refuse rows that are too far apart.
+
+        Raises
+        ------
+        SpecError
+            There are some.
+        """
+        for row in np.flatnonzero(~(speed <= MOST_SPEED)):
+            message = (
+                f"is {speed[row] / 1e3:.6g} km/s from the row before, expected "
+                f"{MOST_SPEED / 1e3:g} km/s at the most; see to the units of the header"
+            )
+            self._add(int(row) + 2, 0, "", message)
+        self._raise()
+
+    def _refuse(self, number: int, place: int, expected: str) -> None:
+        """Add an issue of one value."""
+        found = self.lines[number].split(",")[place].strip()
+        name = self.names[place]
+        self._add(number, place, name, f"found {describe(found)}, {expected}")
+
+    def _add(self, number: int, place: int, name: str, message: str) -> None:
+        """Add an issue at a value of a row; row 0 is the header."""
+        before = self.lines[number].split(",", place)[:place]
+        column = 1 + sum(len(cell) + 1 for cell in before)
+        self.issues.append(
+            Issue(
+                file=self.shown,
+                line=number + 1,
+                column=column,
+                field=name,
+                message=message,
+            )
+        )
+
+    def _raise(self) -> None:
+        """Raise the issues, if there are any."""
+        if self.issues:
+            raise all_of(self.issues)

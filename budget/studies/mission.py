@@ -1,0 +1,213 @@
+"""Growth of the errors of a mission over time, and which source makes them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.calibration.mission import (
+    SEEN,
+    constants_problem,
+    growth_of,
+    map_of,
+    noise_in_run,
+)
+from budget.errors import CallError
+from budget.methods.gum import covariance_by_source, propagate
+from budget.methods.radius import plane_variances, radius_of
+from budget.names import HORIZONTAL, LENGTHS, MISSION, Name
+from budget.results import CEP, INTERACTION, R95, Calibrated
+from budget.spec import without_test
+from budget.spec.records import UNCALIBRATED
+from budget.studies.request import analysis_of
+from budget.ties import first_largest
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    import pandas as pd
+    from numpy.typing import NDArray
+
+    from budget.arrays import Array
+    from budget.results import Budget
+    from budget.studies.request import Analysis
+
+POINTS = 100  # of a curve, where nobody asks for more
+DRAWN = 32  # of a figure
+LEAST_SPAN, MOST_SPAN = 100.0, 1000.0  # of its axis, end over start [1]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Curve:
+    """Errors of a mission at many times, by source.
+
+    Attributes
+    ----------
+    times : tuple of float
+        [s], rising.
+    sources : tuple of Name
+        The lines, then products of two: `interaction`.
+    covariance : ndarray, shape (n_sources, n_times, 9, 9)
+        Of position, velocity, attitude at one time, in the order of SEEN [SI squared].
+    """
+
+    times: tuple[float, ...]
+    sources: tuple[Name, ...]
+    covariance: Array
+
+    def standard_uncertainty(self, quantity: str, axis: str) -> Array:
+        """Return that of one error at all times, shape (n_times,) [SI]."""
+        row = SEEN.index((quantity, axis))
+        return np.asarray(np.sqrt(self.covariance[:, :, row, row].sum(axis=0)))
+
+    def horizontal_variance(self, quantity: str = "position") -> Array:
+        """Return what each source adds to DRMS squared, (n_sources, n_times) [SI]."""
+        rows = _plane(quantity)
+        return np.asarray(self.covariance[..., rows, rows].sum(axis=-1))
+
+    def radius(self, coverage: float, quantity: str = "position") -> Array:
+        """Return the radii of circles of a coverage, shape (n_times,) [SI]."""
+        legs = _plane(quantity)[:, None]
+        variances = plane_variances(self.covariance.sum(axis=0), legs)
+        return radius_of(coverage, variances[..., 0])
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a pandas table, a row for each time [s, m, m/s].
+
+        CEP, R95 and DRMS of position, DRMS of velocity, what makes most of position.
+        """
+        import pandas as pd
+
+        return pd.DataFrame(
+            {
+                "time": self.times,
+                "cep": self.radius(CEP),
+                "r95": self.radius(R95),
+                "drms": np.sqrt(self.horizontal_variance().sum(axis=0)),
+                "velocity_drms": np.sqrt(
+                    self.horizontal_variance("velocity").sum(axis=0)
+                ),
+                "dominant": self.dominant,
+            }
+        )
+
+    @property
+    def dominant(self) -> tuple[Name, ...]:
+        """Return the source that makes most of the horizontal position each time."""
+        parts = self.horizontal_variance().T.tolist()
+        return tuple(self.sources[first_largest(one)] for one in parts)
+
+
+def _plane(quantity: str) -> NDArray[np.intp]:
+    """Return the rows of the two horizontal errors of a quantity in SEEN."""
+    return np.array([SEEN.index((quantity, axis)) for axis in HORIZONTAL])
+
+
+def growth(budget: Budget, times: Iterable[float] | None = None) -> Curve:
+    """Return how the errors of a mission grow, of what `analyze` says of it.
+
+    Parameters
+    ----------
+    budget : Budget
+        Of a mission.
+    times : iterable of float, optional
+        [s], above 0, to its end; 100 of them evenly without it.
+
+    Raises
+    ------
+    CallError
+        It is of no mission, which also ends before one of the times.
+    """
+    analysis = analysis_of(budget)
+    if times is None or analysis.journey is None:
+        return curve(analysis)
+    found = tuple(sorted(times))
+    last = analysis.journey.route.duration
+    if not found or not (found[0] > 0.0 and found[-1] <= last):
+        raise CallError(f"times are {found}, expected some above 0 s and to {last:g} s")
+    return curve(analysis, found)
+
+
+def curve(analysis: Analysis, times: Sequence[float] | None = None) -> Curve:
+    """Carry the law of a calibration along a mission, exactly, without its Problem.
+
+    The map is linear: at each time S U S^T of every source's covariance U, and what its
+    noise in run adds. So at the times of a Problem it is the law of that.
+
+    Parameters
+    ----------
+    analysis : Analysis
+        Of a mission.
+    times : sequence of float, optional
+        [s], rising, above 0, to its end; POINTS of them evenly without it.
+
+    Raises
+    ------
+    CallError
+        It is of no mission.
+    """
+    mission = analysis.journey
+    if mission is None:
+        raise CallError("this is of a calibration alone; give a mission")
+    if times is None:
+        times = np.linspace(0.0, mission.route.duration, POINTS + 1)[1:].tolist()
+    journey = growth_of(mission, tuple(times))
+    constants = constants_problem(
+        analysis.sensors, analysis.procedure, only=analysis.only
+    )
+    S = map_of(journey, constants, analysis.sensors)
+    each = covariance_by_source(constants, propagate(constants))
+    C = S @ each[:, None] @ S.swapaxes(1, 2)
+    sources = (*(group.name for group in constants.groups), INTERACTION)
+    here = np.arange(len(times))
+    rate = analysis.procedure.sample_rate
+    for name, noise in noise_in_run(
+        analysis.sensors, journey, sample_rate=rate, only=analysis.only
+    ):
+        C[sources.index(name)] += noise[here, :, here]
+    return Curve(times=tuple(times), sources=sources, covariance=C)
+
+
+def drawn_times(duration: float, asked: Sequence[float]) -> tuple[float, ...]:
+    """Return times that show the growth of errors on a logarithmic axis [s].
+
+    From the first that is asked for to the end of the mission, over two decades at the
+    least and three at the most; those that are asked for and lie there among them.
+    """
+    first = max(min(*asked, duration / LEAST_SPAN), duration / MOST_SPAN)
+    even = np.geomspace(first, duration, DRAWN)[:-1].tolist()
+    own = (time for time in asked if first <= time < duration)
+    return tuple(sorted({*even, *own, duration}))
+
+
+def bought(analysis: Analysis) -> tuple[Calibrated, ...]:
+    """Return how far off a unit is after no calibration, its maker's, and this one.
+
+    CEP at the times that the mission is looked at; each by the law.
+    """
+    times = analysis.carried_to or ()
+    if not times:
+        return ()
+    own = analysis.procedure
+    tests = {word: without_test(own, word) for word in UNCALIBRATED}
+    tests[own.formulas if own.formulas in tests else ""] = own
+    found = []
+    for procedure in tests.values():
+        one = replace(analysis, procedure=procedure, requirement=None)
+        names = [
+            Name("position", owner=MISSION, axis=LENGTHS["position"], time=time)
+            for time in times
+        ]
+        found.append(
+            Calibrated(
+                name=procedure.name,
+                cep=tuple(curve(one, times).radius(CEP).tolist()),
+                lower_bound=any(one.lacks[name] for name in names),
+            )
+        )
+    return tuple(found)
+
+
+__all__ = ["POINTS", "Curve", "bought", "curve", "drawn_times", "growth"]

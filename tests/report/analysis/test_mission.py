@@ -1,0 +1,218 @@
+"""A mission in a report: its finding, its figures, its limits on page one."""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+from dataclasses import replace
+from functools import cache
+from html import unescape
+
+import numpy as np
+import pytest
+from command_line import call, checked
+from document_text import find
+from numpy.testing import assert_allclose
+from saying import assert_says
+
+from budget.language import speaking
+from budget.report.analysis.mission import mission_section
+from budget.report.blocks import Picture, Table
+from budget.report.device_file import MARK
+from budget.report.figures.growth import Growth, growth_pictures
+from budget.report.mission import by_time, contributions_table, unit_for
+from budget.results import Settings
+from budget.spec import load_device, load_mission, load_procedure, load_requirement
+from budget.studies.analysis import analyze_as
+from budget.studies.mission import curve, drawn_times
+from budget.studies.request import Analysis
+from budget.studies.what_if import what_if
+from budget.units import ARCSEC
+
+LIMITS = {
+    "name": "a mile",
+    "limits": {
+        "gyro": {"bias": "1 deg/h"},
+        "mission": {
+            "position": [{"horizontal": "1 m", "at": "60 s", "probability": "50 %"}]
+        },
+    },
+}
+
+
+@cache
+def carried(*, limited=False):
+    """Return the budget of an outage, with a limit or without."""
+    return analyze_as(
+        Settings(reference="next_turn_on", validate=False),
+        load_device("zhao-2019"),
+        procedure=load_procedure(None),
+        requirement=load_requirement(LIMITS) if limited else None,
+        mission=load_mission("outage-60-s"),
+        carried_to=(10.0, 60.0),
+        command="mission",
+    )
+
+
+@cache
+def grown():
+    """Return how its error grows."""
+    return curve(carried().analysis, drawn_times(60.0, (10.0, 60.0)))
+
+
+def test_the_figure_ends_where_the_table_does():
+    """The curve has at its end the CEP, R95 and shares of the law."""
+    growth = Growth.of(grown())
+    row = by_time(carried())[-1].horizontal
+    assert growth.curve.times[-1] == 60.0
+    assert_allclose(growth.cep[-1], row.radii.cep, rtol=1e-9)
+    assert_allclose(growth.r95[-1], row.radii.r95, rtol=1e-9)
+    shares = {part.source: part.share for part in row.contributions}
+    for k, source in enumerate(growth.sources):
+        assert_allclose(growth.shares[k, -1], shares[source], rtol=1e-6)
+
+
+def test_lines_of_sources_add_up_to_the_circle():
+    """Their squares, with that of all others, are the square of CEP."""
+    growth = Growth.of(grown())
+    parts = growth.cep * np.sqrt(np.maximum(growth.shares, 0.0))
+    assert_allclose((parts**2).sum(axis=0), growth.cep**2, rtol=1e-9)
+
+
+def test_figures_say_their_finding_and_their_numbers():
+    """Titles are findings; every line and area is in the alternative text."""
+    first, second = growth_pictures(grown())
+    assert_says(first.title, "1.2 m CEP after 1 min")
+    assert_says(first.alt, "R95", "accelerometer bias repeatability")
+    assert_says(second.alt, "all others", "of the variance at first")
+    assert {"line-cep", "line-r95", "line-0"} <= set(first.tips)
+    for name in ("mission-growth-line-cep", "mission-growth-line-0"):
+        assert f'id="{name}"' in first.svg
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+def test_the_section_has_tables_and_both_figures(language):
+    """Position, motion, contributions; and what a page alone shows."""
+    with speaking(language):
+        section = mission_section(carried(), grown())
+        names = [table.name for table in find(section, Table)]
+        pictures = find(section, Picture)
+    assert names[:3] == [
+        "mission-position",
+        "mission-motion",
+        "mission-contributions",
+    ]
+    assert [one.name for one in pictures] == ["mission-growth", "mission-shares"]
+
+
+def test_shares_of_the_table_are_those_of_the_law():
+    """Of each time all rows, small ones gathered, make up the whole."""
+    table = contributions_table(by_time(carried()))
+    cells = np.array([[c.exact for c in row[1:]] for row in table.groups[0].rows])
+    assert_allclose(cells.sum(axis=0), 1.0, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "size", "unit"),
+    [
+        ("position", 999.0, "m"),
+        ("position", 1000.0, "km"),
+        ("position", 0.0, "m"),
+        ("velocity", 5000.0, "m/s"),
+        ("attitude", 59.0 * ARCSEC, "arcsec"),
+        ("attitude", 60.0 * ARCSEC, "arcmin"),
+        ("attitude", 3600.0 * ARCSEC, "deg"),
+    ],
+)
+def test_units_are_those_that_one_reads(quantity, size, unit):
+    """The next one begins where it is 1."""
+    assert unit_for(quantity, size)[0] == unit
+
+
+@pytest.mark.parametrize(
+    ("duration", "asked", "first"),
+    [(3600.0, (10.0, 60.0), 10.0), (3600.0, (3600.0,), 36.0), (86400.0, (1.0,), 86.4)],
+)
+def test_the_axis_has_two_decades_or_three(duration, asked, first):
+    """It begins with what is asked for; it ends with the mission."""
+    times = drawn_times(duration, asked)
+    assert times[0] == first
+    assert times[-1] == duration
+    assert list(times) == sorted(set(times))
+    assert {one for one in asked if one >= first} <= set(times)
+
+
+def test_a_report_judges_mission_and_calibration_together(tmp_path):
+    """One conformance of both; the page and the document have the same numbers."""
+    wanted = tmp_path / "mile.json.yaml"
+    wanted.write_text(json.dumps(LIMITS), encoding="utf-8")
+    page, numbers = tmp_path / "a.html", tmp_path / "a.json"
+    run = call(
+        *("report", "zhao-2019", "--mission", "outage-60-s", "--no-validate"),
+        *("--requirement", wanted, "-o", page, "--json", numbers),
+    )
+    assert run.code == 0, run.err
+    found = checked(json.loads(numbers.read_text(encoding="utf-8")))
+    sensors = [one["sensor"] for one in found["assessment"]["sensors"]]
+    assert sensors == ["gyro", "mission"]
+    own = found["mission"]
+    assert own["command"] == "mission"
+    (far,) = (
+        one
+        for one in own["outputs"]
+        if (one["parameter"], one["axis"], one["time"])
+        == ("position", "horizontal", 60.0)
+    )
+    (judged,) = (
+        one for one in found["assessment"]["outputs"] if one["sensor"] == "mission"
+    )
+    assert judged["largest_error"] == far["cep"]
+    assert judged["coverage"] == 0.5
+    text = page.read_text(encoding="utf-8")
+    assert_says(text, f"{far['cep']:.2g} m CEP")
+    assert_says(text, "Mission: outage of 60 s")
+    assert 'id="mission-growth-line-cep"' in text
+
+
+def test_the_command_of_the_sliders_judges_the_mission(tmp_path, monkeypatch):
+    """What the page hands out is a report, and says of a changed line what it says."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mile.yaml").write_text(json.dumps(LIMITS), encoding="utf-8")
+    run = call(
+        *("report", "zhao-2019", "--mission", "outage-60-s", "--no-validate"),
+        *("--at", "10 s", "--requirement", "mile.yaml", "-o", "a.html"),
+    )
+    assert run.code == 0, run.err
+    text = (tmp_path / "a.html").read_text(encoding="utf-8")
+    (found,) = re.findall(r'class="what-if-model">(.*?)</script>', text)
+    model = json.loads(unescape(found))
+    (tmp_path / "changed.yaml").write_text(
+        model["device"].replace(MARK, ""), encoding="utf-8"
+    )
+    change = ("--set", "accelerometer.bias_repeatability=74 ug", "--json", "a.json")
+    run = call(*shlex.split(model["command_of_file"])[1:], *change)
+    assert run.code == 0, run.err
+    assert model["command"] == (
+        "budget report zhao-2019 --requirement mile.yaml --mission outage-60-s "
+        "--at '10 s' --no-validate -o changed.html"
+    )
+    told = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
+    wanted = load_requirement(LIMITS)
+    analysis = replace(
+        Analysis.of(load_device("zhao-2019"), requirement=wanted),
+        mission=load_mission("outage-60-s"),
+    )
+    outlook = what_if(analysis).evaluate({"accelerometer.bias_repeatability": 2.0})
+    for ours, theirs in zip(
+        outlook.sensors, told["assessment"]["sensors"], strict=True
+    ):
+        assert (ours.sensor, ours.verdict) == (theirs["sensor"], theirs["verdict"])
+        assert_allclose(ours.utilisation, theirs["utilisation"], rtol=1e-6)
+
+
+def test_a_time_takes_a_mission(tmp_path):
+    """--at alone is refused in words."""
+    run = call("report", "--at", "10 s", "-o", tmp_path / "a.html")
+    assert run.code == 2
+    assert_says(run.err, "--mission")

@@ -1,0 +1,394 @@
+"""Mission files: what a vehicle does, one segment after the other, in SI."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import shutil
+from math import radians
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from places import ROOT
+
+from budget.errors import SpecError
+from budget.navigation.growth import Growth
+from budget.resources import shipped
+from budget.spec import load_mission, validate
+from budget.spec.mission import MOST_SEGMENTS, MOST_STEPS
+
+STAND = {"stand": "60 s"}
+FAST = {"straight": "60 s", "speed": "250 m/s", "heading": "90 deg"}
+FILES = sorted((shipped("specs") / "missions").glob("*.yaml"))
+
+
+def mission(segments=(STAND,), **keys):
+    """Return what a file with those segments says; one of None is not there."""
+    part = {"latitude": "45 deg", "segments": segments and list(segments), **keys}
+    return load_mission({"mission": {k: v for k, v in part.items() if v is not None}})
+
+
+def issues(segments=(STAND,), **keys):
+    """Return what is wrong with such a file: field and words of each issue."""
+    with pytest.raises(SpecError) as caught:
+        mission(**{"segments": segments, **keys})
+    return [(issue.field, issue.message) for issue in caught.value.issues]
+
+
+def assert_refused(found, *expected):
+    """Assert that these are all issues, by their field and a pattern each."""
+    assert [field for field, _ in found] == [
+        f"mission.{field}" if field else "mission" for field, _ in expected
+    ], found
+    for (_, message), (_, pattern) in zip(found, expected, strict=True):
+        assert re.search(pattern, message), message
+
+
+def test_a_file_says_all_of_a_mission():
+    """Place, start, alignment, altitude and times in SI, and nothing is assumed."""
+    one = mission(
+        longitude="11 deg",
+        height="500 m",
+        heading="30 deg",
+        alignment="self",
+        alignment_time="5 min",
+        altitude="free",
+        at=["10 s", "1 min"],
+    )
+    start = one.route.start
+    assert_allclose(
+        [start.latitude, start.height, start.heading],
+        [radians(45.0), 500.0, radians(30.0)],
+        rtol=1e-15,
+    )
+    assert start.speed == 0.0
+    assert (one.alignment, one.aided, one.at) == (300.0, False, (10.0, 60.0))
+    assert one.assumptions == ()
+
+
+def test_what_is_not_said_is_assumed_and_said():
+    """Height, heading, alignment, altitude, times; speed where it might be another."""
+    one = mission([{"stand": "30 min"}])
+    assert (one.alignment, one.aided) == (0.0, True)
+    assert one.at == (10.0, 60.0, 600.0, 1800.0)
+    said = " ".join(one.assumptions)
+    for key in ("height", "heading", "alignment", "altitude"):
+        assert f"mission.{key}: not given" in said
+    assert "10 s, 60 s, 600 s, 1800 s assumed" in said
+    assert "mission.speed" not in said  # it stands
+    assert "stays level" not in said
+    turns = " ".join(mission([{"turn": "90 deg", "rate": "3 deg/s"}]).assumptions)
+    assert "mission.speed: not given, 0 m/s" in turns
+    assert "stays level" not in turns  # it turns on the spot
+    banked = [FAST, {"turn": "90 deg", "rate": "3 deg/s"}]
+    assert any("stays level" in text for text in mission(banked).assumptions)
+    flight = " ".join(mission([FAST]).assumptions)
+    assert "mission.speed" not in flight
+    assert "mission.heading" not in flight
+
+
+def test_segments_become_legs():
+    """Each begins as the one before has ended; rates are constant in each."""
+    one = mission(
+        [
+            STAND,
+            {"accelerate": "20 s", "to": "30 m/s"},
+            {"turn": "-90 deg", "rate": "3 deg/s"},
+            {"straight": "10 s", "speed": "30 m/s", "heading": "270 deg"},
+            {"climb": "100 s", "rate": "-2 m/s"},
+            {"straight": "5 s"},
+            {"accelerate": "15 s", "to": "0 m/s"},
+            STAND,
+        ]
+    )
+    legs = one.route.legs
+    assert_allclose(
+        [leg.duration for leg in legs],
+        [60.0, 20.0, 30.0, 10.0, 100.0, 5.0, 15.0, 60.0],
+        rtol=1e-12,
+    )
+    assert_allclose(
+        [leg.acceleration for leg in legs], [0, 1.5, 0, 0, 0, 0, -2.0, 0], rtol=1e-12
+    )
+    assert_allclose(
+        [leg.turn_rate for leg in legs],
+        [0, 0, -radians(3.0), 0, 0, 0, 0, 0],
+        rtol=1e-12,
+    )
+    assert [leg.climb_rate for leg in legs] == [0, 0, 0, 0, -2.0, 0, 0, 0]
+    assert_allclose(one.route.duration, 300.0, rtol=1e-12)
+
+
+def test_a_first_straight_says_how_the_mission_begins():
+    """An outage begins in flight; the mission may say the same, or more."""
+    start = mission([FAST]).route.start
+    assert_allclose([start.speed, start.heading], [250.0, radians(90.0)], rtol=1e-15)
+    grouped = mission([{"repeat": 2, "segments": [FAST]}]).route.start
+    assert grouped == start
+    said = mission([{"straight": "1 s"}], speed="250 m/s", heading="90 deg")
+    assert said.route.start == start
+    assert mission([FAST], speed="250 m/s", heading="450 deg").route.duration == 60.0
+
+
+@pytest.mark.parametrize(
+    ("segments", "where", "what"),
+    [
+        (
+            [STAND, {**FAST, "heading": "0 deg"}],
+            "segments[1].speed",
+            "accelerate first",
+        ),
+        ([FAST, STAND], "segments[1].stand", "accelerate to 0 m/s first"),
+        ([STAND, {"straight": "9 s"}], "segments[1].straight", "accelerate first"),
+        (
+            [FAST, {"straight": "9 s", "heading": "80 deg"}],
+            "segments[1].heading",
+            "heads 90 deg by then; turn first",
+        ),
+        (
+            [{"repeat": 2, "segments": [FAST, {"turn": "9 deg", "rate": "1 deg/s"}]}],
+            "segments[0].segments[0].heading",
+            "heads 99 deg",
+        ),
+    ],
+)
+def test_a_segment_that_does_not_follow_is_refused(segments, where, what):
+    """Nothing jumps in speed or heading; one slip is said once."""
+    assert_refused(issues(segments), (where, what))
+
+
+def test_a_group_is_repeated():
+    """A figure of eight is two turns, repeated; a line has its own repeat."""
+    turns = [{"turn": f"{sense}360 deg", "rate": "10 deg/s"} for sense in ("", "-")]
+    one = mission([{"repeat": 3, "segments": turns}, {**turns[0], "repeat": 2}])
+    senses = [leg.turn_rate > 0.0 for leg in one.route.legs]
+    assert senses == [True, False] * 3 + [True] * 2
+
+
+@pytest.mark.parametrize(
+    ("segment", "where", "what"),
+    [
+        ({}, "", "expected one of stand, straight, turn, climb, accelerate"),
+        ({**STAND, "turn": "9 deg"}, ".turn", "stands beside stand"),
+        ({**STAND, "speed": "1 m/s"}, ".speed", "is of straight, and this is stand"),
+        ({**STAND, "rate": "1 deg/s"}, ".rate", "is of turn or climb"),
+        ({**STAND, "to": "1 m/s"}, ".to", "is of accelerate"),
+        ({"turn": "9 deg"}, ".turn", "'rate: 3 deg/s'"),
+        ({"climb": "9 s"}, ".climb", "'rate: 5 m/s'"),
+        ({"accelerate": "9 s"}, ".accelerate", "'to: 100 m/s'"),
+        ({"turn": "9 deg", "rate": "1 m/s"}, ".rate", "expected an angular rate"),
+        ({"climb": "9 s", "rate": "1 deg/s"}, ".rate", "expected a velocity"),
+        ({"turn": "9 deg", "rate": "-1 deg/s"}, ".rate", "positive"),
+        ({"turn": "0 deg", "rate": "1 deg/s"}, ".turn", "takes 0 s"),
+        ({"stand": "0 s"}, ".stand", "positive"),
+        ({"stand": "1 us"}, ".stand", "expected 0.001 s"),
+        ({"stand": "25 h"}, ".stand", "to 24 h"),
+        ({"stand": "9"}, ".stand", "did you mean '9 s'"),
+        ({**FAST, "speed": "-9 m/s"}, ".speed", "not negative"),
+        ({**FAST, "speed": "11000 m/s"}, ".speed", "10 km/s"),
+        ({"accelerate": "9 s", "to": "11000 m/s"}, ".to", "10 km/s"),
+        ({"climb": "9 s", "rate": "-11000 m/s"}, ".rate", "10 km/s"),
+        ({"climb": "1 h", "rate": "30 m/s"}, ".climb", "108 km, expected"),
+        ({"climb": "1 h", "rate": "-30 m/s"}, ".climb", "-108 km, expected"),
+        ({**STAND, "segments": [STAND]}, ".stand", "beside a group"),
+        ({"segments": []}, ".segments", "at least"),
+        ({**STAND, "repeat": 0}, ".repeat", "greater"),
+    ],
+)
+def test_a_segment_is_one_thing_within_bounds(segment, where, what):
+    """What it lacks, what is too much in it and what cannot be are said at the key."""
+    assert_refused(issues([segment]), (f"segments[0]{where}", what))
+
+
+@pytest.mark.parametrize(
+    ("segments", "what"),
+    [
+        ([], "names no segment"),
+        ([{"repeat": 25, "stand": "1 h"}], "90000 s, expected 24 h"),
+        ([{"turn": "1e7 deg", "rate": "1e7 deg/s"}], f"expected {MOST_STEPS}"),
+        (
+            [{"repeat": MOST_SEGMENTS, "segments": [{**STAND, "repeat": 9}]}],
+            f"90000, expected {MOST_SEGMENTS}",
+        ),
+    ],
+)
+def test_a_mission_that_would_take_for_ever_is_refused(segments, what):
+    """In words and at once, whatever the numbers."""
+    assert_refused(issues(segments), ("segments", what))
+
+
+@pytest.mark.parametrize("sense", ["", "-"])
+def test_a_pole_is_not_flown_over(sense):
+    """Neither from the start nor on the way, north or south."""
+    assert_refused(issues(latitude=f"{sense}89.9 deg"), ("latitude", "no direction"))
+    heading = "180 deg" if sense else "0 deg"
+    flight = {"straight": "10 h", "speed": "250 m/s", "heading": heading}
+    assert_refused(
+        issues([flight], latitude=f"{sense}45 deg"), ("segments[0].straight", "a pole")
+    )
+    assert mission([flight], latitude=f"{'' if sense else '-'}30 deg")
+
+
+@pytest.mark.parametrize(
+    ("keys", "where", "what"),
+    [
+        ({"latitude": None}, "", "latitude: 45 deg"),
+        ({"segments": None}, "", "expected segments"),
+        ({"longitude": "361 deg"}, "longitude", "360 deg"),
+        ({"height": "101000 m"}, "height", "100 km"),
+        ({"height": "-101000 m"}, "height", "100 km"),
+        ({"alignment": "self"}, "alignment", "without alignment_time"),
+        ({"alignment_time": "60 s"}, "alignment_time", "'alignment: self'"),
+        (
+            {"alignment": "perfect", "alignment_time": "60 s"},
+            "alignment_time",
+            "'alignment: self'",
+        ),
+        ({"alignment": {"self": "60 s"}}, "alignment", "'alignment_time: 300 s'"),
+        (
+            {"alignment": "self", "alignment_time": "0.5 s"},
+            "alignment_time",
+            "1 s to 24 h",
+        ),
+        (
+            {"alignment": "self", "alignment_time": "60 s", "segments": [FAST]},
+            "alignment",
+            "standing",
+        ),
+        ({"altitude": "held"}, "altitude", "'aided' or 'free'"),
+        ({"at": []}, "at", "1 to 100"),
+        ({"at": ["5 s", "5 s"]}, "at[1]", "that rise"),
+        ({"at": ["5 s", "61 s"]}, "at[1]", "ends at 60 s"),
+        ({"wind": "5 m/s"}, "wind", "unknown key"),
+    ],
+)
+def test_what_is_wrong_with_a_mission_is_said_at_its_key(keys, where, what):
+    """Each key alone, with what is allowed and what to do."""
+    assert_refused(issues(**keys), (where, what))
+
+
+@pytest.fixture
+def flown(tmp_path):
+    """Return a function that reads a mission of the recorded flight, with more keys."""
+    shutil.copy(ROOT / "tests" / "data" / "flight.csv", tmp_path)
+
+    def of(name="flight.csv", **keys):
+        path = tmp_path / "m.yaml"
+        part = {"trajectory": name, **keys}
+        path.write_text(json.dumps({"mission": part}), encoding="utf-8")
+        return load_mission(path)
+
+    return of
+
+
+def test_a_trajectory_stands_in_place_of_segments(flown, tmp_path):
+    """It is found beside the mission, and named with its hash."""
+    one = flown(at=["1 min", "2 min"], altitude="aided", alignment="perfect")
+    assert_allclose(one.route.duration, 120.0, rtol=1e-15)
+    assert_allclose(one.route.height[-1], 660.0, rtol=1e-12)
+    assert one.at == (60.0, 120.0)
+    assert one.assumptions == ()
+    data = (tmp_path / "flight.csv").read_bytes()
+    assert one.trajectory.file == "flight.csv"
+    assert one.trajectory.sha256 == hashlib.sha256(data).hexdigest()
+    assert mission().trajectory is None
+    said = " ".join(flown().assumptions)
+    assert "10 s, 60 s, 120 s assumed" in said
+    assert "height" not in said
+
+
+def test_a_recorded_flight_is_flown_as_its_segments(flown):
+    """Errors of gyros and accelerometers grow alike, to what a row a second shows."""
+    segments = [
+        {"straight": "20 s", "speed": "70 m/s", "heading": "80 deg"},
+        {"turn": "180 deg", "rate": "3 deg/s"},
+        {"climb": "40 s", "rate": "4 m/s"},
+    ]
+    one, other = flown(), mission(segments, height="500 m")
+    assert one.at == other.at
+    grown = [
+        Growth(
+            first=each.route.first,
+            alignment=0.0,
+            steps=each.route.steps(each.at),
+            aided=True,
+        ).of_constants(lambda _: np.eye(6))
+        for each in (one, other)
+    ]
+    assert_allclose(grown[0], grown[1], rtol=0, atol=5e-4 * np.abs(grown[1]).max())
+
+
+@pytest.mark.parametrize(
+    ("keys", "where", "what"),
+    [
+        ({"name": "none.csv"}, "trajectory", "'none.csv', expected a CSV file"),
+        ({"name": "."}, "trajectory", "expected a CSV file"),
+        ({"at": ["121 s"]}, "at[0]", "ends at 120 s"),
+        (
+            {"alignment": "self", "alignment_time": "60 s"},
+            "alignment",
+            "begins at 70.* m/s",
+        ),
+        *(
+            ({key: value}, key, "stands beside a trajectory")
+            for key, value in (
+                ("latitude", "45 deg"),
+                ("height", "0 m"),
+                ("speed", "0 m/s"),
+                ("heading", "0 deg"),
+                ("segments", [STAND]),
+            )
+        ),
+    ],
+)
+def test_what_does_not_fit_a_trajectory_is_refused(flown, keys, where, what):
+    """What it says already, and what it ends or moves too early for."""
+    with pytest.raises(SpecError) as caught:
+        flown(**keys)
+    found = [(issue.field, issue.message) for issue in caught.value.issues]
+    assert_refused(found, (where, what))
+
+
+def test_what_is_wrong_in_a_trajectory_is_said_of_its_file(flown, tmp_path):
+    """With its own lines."""
+    (tmp_path / "bad.csv").write_text("time [s]\n" + "0\n" * 5, encoding="utf-8")
+    with pytest.raises(SpecError, match=r"bad.csv:1:1: the header has no latitude"):
+        flown("bad.csv")
+
+
+def test_all_that_is_wrong_is_said_at_once():
+    """Of several keys and several segments."""
+    assert_refused(
+        issues([STAND, FAST, {"stand": "1 s", "repeat": 3}]),
+        ("segments[1].speed", "accelerate first"),
+        ("segments[1].heading", "turn first"),
+        ("segments[2].stand", "accelerate to 0 m/s"),
+    )
+    assert_refused(
+        issues(latitude="91 deg", height="1e6 m", alignment="self"),
+        ("latitude", "89.9"),
+        ("height", "100 km"),
+        ("alignment", "alignment_time"),
+    )
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_shipped_missions_are_read_by_name(path):
+    """Each says all there is to say, so that nothing of it is assumed."""
+    assert validate(path).kind == "mission"
+    one = load_mission(path.stem)
+    assert one.origin.file == path.name
+    assert one.at[-1] == one.route.duration
+    assert not [text for text in one.assumptions if "not given" in text]
+
+
+def test_a_mission_is_one_by_its_key(tmp_path):
+    """Files of other kinds are refused where a mission is wanted, in words."""
+    path = tmp_path / "m.yaml"
+    path.write_text(json.dumps({"latitude": "45 deg"}), encoding="utf-8")
+    with pytest.raises(SpecError, match="procedure file, expected a mission file"):
+        load_mission(path)
+    with pytest.raises(SpecError, match="bench"):
+        load_mission("bensh")

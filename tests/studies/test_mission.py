@@ -1,0 +1,165 @@
+"""The growth of a mission's errors against the law of its Problem."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from budget.errors import CallError
+from budget.methods.gum import covariance_by_source, propagate
+from budget.methods.trials import first_trials
+from budget.names import MISSION, Name
+from budget.results import INTERACTION
+from budget.spec import load_device, load_mission, load_procedure
+from budget.studies.analysis import analyze
+from budget.studies.mission import bought, curve, growth
+from budget.studies.request import Analysis
+
+TIMES = (60.0, 3600.0)
+
+
+@pytest.fixture(scope="module")
+def bench():
+    """Return the paper's unit on a bench, looked at after a minute and an hour."""
+    return Analysis(
+        devices=(load_device("zhao-2019"),),
+        procedure=load_procedure(None),
+        reference="next_turn_on",
+        mission=load_mission("bench"),
+        carried_to=TIMES,
+    )
+
+
+def test_the_curve_is_the_law_at_every_time(bench):
+    """Each source's part, each error and radius: S U S^T is the Problem's own law."""
+    found, law = curve(bench, TIMES), bench.law
+    names = [output.name for output in bench.problem.outputs]
+    for place, time in enumerate(TIMES):
+        row = names.index(Name("position", owner=MISSION, axis="horizontal", time=time))
+        parts = found.horizontal_variance()[:, place]
+        assert found.sources == (*law.sources, INTERACTION)
+        assert_allclose(parts[:-1], law.source_variance[:, row], rtol=1e-12, atol=0)
+        assert_allclose(parts[-1], law.interaction_variance[row], rtol=1e-9)
+        u = law.standard_uncertainty[row]
+        for p in (0.5, 0.95):
+            radius = law.coverage_factor(p)[row] * u
+            assert_allclose(found.radius(p)[place], radius, rtol=1e-12)
+        for quantity, axis in (("velocity", "east"), ("attitude", "heading")):
+            row = names.index(Name(quantity, owner=MISSION, axis=axis, time=time))
+            assert_allclose(
+                found.standard_uncertainty(quantity, axis)[place],
+                law.standard_uncertainty[row],
+                rtol=1e-12,
+            )
+
+
+def test_covariances_by_source_add_up(bench):
+    """Their sum is the law's covariance; products of sources are not forgotten."""
+    problem = bench.problem
+    law = propagate(problem)
+    each = covariance_by_source(problem, law)
+    n = each.shape[1]
+    u = law.standard_uncertainty[:n]
+    assert_allclose(
+        each.sum(axis=0) / np.outer(u, u),
+        law.covariance[:n, :n] / np.outer(u, u),
+        rtol=0,
+        atol=1e-12,
+    )
+    diagonal = np.einsum("skk->sk", each)
+    assert_allclose(diagonal[:-1], law.source_variance[:, :n], rtol=1e-12, atol=0)
+    assert_allclose(diagonal[-1], law.interaction_variance[:n], rtol=1e-9, atol=0)
+    assert diagonal[-1].max() > 0.0
+
+
+def test_a_calibration_alone_has_no_curve(bench):
+    """What is of no mission is refused in words."""
+    alone = Analysis(devices=bench.devices, procedure=bench.procedure)
+    with pytest.raises(CallError, match="give a mission"):
+        curve(alone)
+
+
+def test_the_library_answers_as_the_law(bench):
+    """`analyze(mission=)` and `growth` of it: names, units, times, the file's too."""
+    found = analyze("zhao-2019", mission="bench", at=[60, 3600], validate=False)
+    row = found.output("mission.position.horizontal.3600")
+    expected = bench.law.standard_uncertainty
+    names = [output.name for output in bench.problem.outputs]
+    place = names.index("mission.position.horizontal.3600")
+    assert_allclose(row.standard_uncertainty, expected[place], rtol=1e-12)
+    assert found.settings.reference == "next_turn_on"
+    table = growth(found, [3600.0, 60.0]).to_frame()
+    assert table["time"].tolist() == [60.0, 3600.0]
+    assert_allclose(table["drms"].iloc[1], row.standard_uncertainty, rtol=1e-12)
+    assert table["dominant"].iloc[1] == "gyro.bias_repeatability"
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"at": [60]}, "give mission="),
+        ({"mission": "bench", "at": [7200]}, "lasts 1 h"),
+        ({"mission": "bench", "reference": "nominal"}, "turn-on of its own"),
+        ({"mission": "bench", "method": "simulation"}, "gum or monte-carlo"),
+    ],
+)
+def test_what_does_not_fit_a_mission_is_refused(options, words):
+    """In words, before anything is computed."""
+    with pytest.raises(CallError, match=words):
+        analyze("zhao-2019", validate=False, **options)
+    with pytest.raises(CallError, match="has no accelerometer"):
+        analyze("stim202", mission="bench")
+
+
+def test_what_a_calibration_buys(bench):
+    """Of the paper's unit the maker's is the mean of many turn-ons: once, not twice.
+
+    By this test each repeatability counts twice in variance, and noise is added.
+    """
+    none, maker, own = bought(bench)
+    assert (none.lower_bound, maker.lower_bound, own.lower_bound) == (
+        True,
+        False,
+        False,
+    )
+    assert_allclose(own.cep, curve(bench, TIMES).radius(0.5), rtol=1e-12)
+    assert (np.array(own.cep) > np.array(maker.cep)).all()
+    repeated = frozenset({Name("bias_repeatability", owner="gyro")})
+    none, maker, own = bought(replace(bench, only=repeated))
+    assert_allclose(np.array(own.cep) / np.array(maker.cep), 2.0**0.5, rtol=1e-3)
+    assert_allclose(none.cep, maker.cep, rtol=1e-12)  # nothing initial is given
+    changed = load_device("mpu-6050")
+    made, sold, _ = bought(replace(bench, devices=(changed,)))
+    assert (np.array(made.cep) > 1.3 * np.array(sold.cep)).all()
+
+
+def test_beyond_first_order_is_said():
+    """A unit whose attitude is lost has no meaningful position: a warning says so."""
+    lost = analyze("mpu-6050", mission="outage-60-s", validate=False)
+    assert any("the unit is lost" in text for text in lost.warnings)
+    found = analyze("zhao-2019", mission="outage-60-s", validate=False)
+    assert not any("the unit is lost" in text for text in found.warnings)
+
+
+def test_trials_of_a_mission_agree_with_its_law(bench):
+    """Standard uncertainties and radii of 50,000 trials, within 5 standard errors."""
+    trials = 50_000
+    y = first_trials(bench.problem, trials=trials, seed=1)
+    law, error = bench.law, 5.0 * np.sqrt(0.5 / trials)
+    assert_allclose(y.std(axis=1), law.standard_uncertainty, rtol=error)
+    for p in (0.5, 0.95):
+        inside = (np.abs(y) <= law.interval(p)[:, 1:]).mean(axis=1)
+        assert np.abs(inside - p).max() < 5.0 * np.sqrt(p * (1.0 - p) / trials)
+    half = 0.5 * law.interval(0.95)[:, 1:]  # control: another circle has another share
+    assert ((np.abs(y) <= half).mean(axis=1) < 0.9).all()
+
+
+def test_the_rate_of_samples_is_said():
+    """A noise per sample acts by the rate of the mission, which no file gives."""
+    found = analyze("zhao-2019", mission="bench", at=[60], validate=False)
+    assert any("samples of the mission come at 100 Hz" in x for x in found.assumptions)
+    other = analyze("hg4930#A", mission="bench", at=[60], validate=False)
+    assert not any("samples of the mission" in text for text in other.assumptions)
