@@ -341,7 +341,7 @@ class MissionPart(Strict):
             )
         if self.longitude and abs(self.longitude.value) > 2.0 * pi * (1.0 + _ROUNDING):
             found["longitude",] = (
-                f"found {self.longitude.printed!r}, expected -180 deg to 360 deg"
+                f"found {self.longitude.printed!r}, expected -360 deg to 360 deg"
             )
         if self.height is not None and abs(self.height.value) > MOST_HEIGHT:
             found["height",] = (

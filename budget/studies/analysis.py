@@ -450,6 +450,7 @@ def _by_trials(analysis: Analysis, settings: Settings, engine: Engine) -> Estima
 
 def _by_simulation(analysis: Analysis, settings: Settings, engine: Engine) -> Estimate:
     """Simulate the calibration run after run, and take moments and intervals."""
+    derive = analysis.derive  # what has none is refused before all that work
     runs = SIMULATED_RUNS if settings.trials is None else settings.trials
     progress = engine.stage("simulated calibrations")
     columns = []
@@ -466,7 +467,7 @@ def _by_simulation(analysis: Analysis, settings: Settings, engine: Engine) -> Es
         )
         if progress is not None:
             progress(run + 1, runs)
-    errors = analysis.derive(np.stack(columns, axis=1))
+    errors = derive(np.stack(columns, axis=1))
     return Estimate(
         method="simulation",
         trials=runs,

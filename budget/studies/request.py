@@ -47,7 +47,7 @@ from budget.studies.lower_bounds import expecting, lacking, lacking_of_mission
 from budget.studies.missing import Filling
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 
     from budget.arrays import Array
     from budget.methods.gum import Propagation
@@ -245,8 +245,9 @@ class Analysis:
             self.asked,
         )
 
-    def derive(self, errors: Array) -> Array:
-        """Return the outputs of errors of the parameters, shape (n, runs) [SI].
+    @cached_property
+    def derive(self) -> Callable[[Array], Array]:
+        """What makes outputs of errors of the parameters, both of shape (n, runs) [SI].
 
         Raises
         ------
@@ -259,10 +260,10 @@ class Analysis:
                 "its noise in run besides; take gum or monte-carlo"
             )
         if self.outputs is None:
-            return errors
+            return lambda errors: errors
         kinds = [sensor.kind for sensor in self.sensors]
         names = [name for kind in kinds for name in estimated(kind, self.procedure)]
-        return combination(names, self.outputs)(errors)
+        return combination(names, self.outputs)
 
     @cached_property
     def law(self) -> Propagation:

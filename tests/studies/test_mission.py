@@ -106,8 +106,9 @@ def test_the_library_answers_as_the_law(bench):
         ({"mission": "bench", "method": "simulation"}, "gum or monte-carlo"),
     ],
 )
-def test_what_does_not_fit_a_mission_is_refused(options, words):
+def test_what_does_not_fit_a_mission_is_refused(options, words, monkeypatch):
     """In words, before anything is computed."""
+    monkeypatch.setattr(f"{analyze.__module__}.simulate", None)
     with pytest.raises(CallError, match=words):
         analyze("zhao-2019", validate=False, **options)
     with pytest.raises(CallError, match="has no accelerometer"):
