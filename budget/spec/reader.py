@@ -11,17 +11,16 @@ from typing import TYPE_CHECKING, TextIO
 
 from budget.errors import Issue, SpecError
 from budget.journal import note_read
-from budget.spec.composer import UNSAFE, compose, forbid
+from budget.spec.composer import BREAK, UNSAFE, compose, forbid
 from budget.spec.tree import START, Document, Mark
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-# A device file has 2 KiB. The parser is plain Python and scans some 100 KiB/s.
+# A device file has 2 KiB.
 MOST_BYTES = 64 * 1024
 INPUT = "standard input"  # its name in messages and results
 
-_BREAK = re.compile("\r\n|\r|\n")
 
 
 def read(path: Path, shown: str, content: bytes | None = None) -> Document:
@@ -136,5 +135,5 @@ def _decode(data: bytes, shown: str) -> str:
 
 def _mark_after(text: str) -> Mark:
     """Return the place that follows a text."""
-    lines = _BREAK.split(text)
+    lines = BREAK.split(text)
     return Mark(len(lines), len(lines[-1]) + 1)

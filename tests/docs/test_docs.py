@@ -10,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from command_line import call
 from numpy.testing import assert_allclose
 from places import DOCS, ROOT
-from ruamel.yaml import YAML
 
 from budget.model.sources import SOURCES
 from budget.studies.export.targets import NAMES
@@ -146,7 +146,7 @@ def test_console_examples_run(folder):
 def test_the_job_does_what_the_page_says(folder):
     """Its last step passes; after the edit of the page it fails and says why."""
     (job,) = blocks("yaml")
-    steps = YAML(typ="safe").load(job)["jobs"]["budgets"]["steps"]
+    steps = yaml.safe_load(job)["jobs"]["budgets"]["steps"]
     check = steps[-1]["run"]
     assert steps[0]["with"] == {"submodules": True}
     assert steps[-2]["run"] == "pip install ./tools/sins-budget"

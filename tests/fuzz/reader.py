@@ -21,7 +21,7 @@ HERE = Path(__file__).parent
 CHECKOUT = HERE.parent.parent
 sys.path[:0] = [str(CHECKOUT), str(HERE.parent)]
 
-with atheris.instrument_imports(include=["budget", "ruamel"]):
+with atheris.instrument_imports(include=["budget"]):
     from fuzz.oracle import LIKES, LOADERS, UNITS, judge_input
 
     from budget.spec import json_schema

@@ -270,7 +270,7 @@ DRAWING = ("pandas", "matplotlib", "SALib", "jinja2", "fontTools", "typst")
 @pytest.mark.parametrize(
     ("words", "spared"),
     [
-        (["--help"], (*DRAWING, "numpy", "scipy", "pydantic", "ruamel", "rich")),
+        (["--help"], (*DRAWING, "numpy", "scipy", "pydantic", "yaml", "rich")),
         (["analyze"], (*DRAWING, "scipy", "distributed", "dask", "asyncio")),
     ],
 )

@@ -6,10 +6,11 @@ import re
 from unittest.mock import patch
 
 import pytest
+import yaml
 
 from budget.errors import SpecError
 from budget.resources import shipped
-from budget.spec import load_device, load_procedure, validate
+from budget.spec import composer, load_device, load_procedure, validate
 from budget.spec.composer import compose
 from budget.spec.reader import read
 
@@ -28,8 +29,8 @@ BAD = {
     "colon in text": ("name: a: b\ngyro: {}\n", "1:8", "no YAML|quotes"),
     "tab": ("name: x\ngyro:\n\terrors: {}\n", "3:1", "no YAML"),
     "bad indentation": ("name: x\ngyro:\n   a: 1\n  b: 2\n", "4:3", "no YAML"),
-    "bad escape": ('name: "\\q"\n', "1:9", "no YAML"),
-    "escape beyond Unicode": ('name: "\\U00110000"\n', "1:1", "no YAML"),
+    "bad escape": ('name: "\\q"\n', "1:8", "no YAML"),
+    "escape beyond Unicode": ('name: "\\U00110000"\n', "1:10", "no YAML"),
     "two documents": ("name: x\ngyro: {}\n---\nname: y\n", "3:1", "second document"),
     "directive": ("%YAML 1.1\n---\nname: x\ngyro: {}\n", "1:1", "directive"),
     "NUL": ("name: x\ngyro: {}\nnotes: a\0b\n", "3:9", r"U\+0000"),
@@ -37,7 +38,7 @@ BAD = {
     "line separator": ("name: a\u2028b\ngyro: {}\n", "1:8", r"U\+2028"),
     "reordering mark": ("name: a\u202eb\ngyro: {}\n", "1:8", r"U\+202E"),
     "escaped control": ('name: "a\\x1b"\ngyro: {}\n', "1:7", r"U\+001B"),
-    "escaped surrogate": ('name: "\\ud800"\ngyro: {}\n', "1:7", r"U\+D800"),
+    "escaped surrogate": ('name: "\\ud800"\ngyro: {}\n', "1:10", "no YAML"),
     "line break in a name": ('name: "a\\nb"\ngyro: {}\n', "1:7", "one line"),
     "duplicate key": ("name: x\nname: y\ngyro: {}\n", "2:1", "duplicate key.*1:1"),
     "duplicate line": (
@@ -350,6 +351,24 @@ def test_all_issues_come_at_once_in_the_order_of_the_file(tmp_path):
         (9, "accelerometer.errors.bias_repeatability.distribution"),
     ]
     assert {issue.file for issue in caught.value.issues} == {str(path)}
+
+
+def test_without_the_library_in_c_files_read_the_same(monkeypatch):
+    """Its parser in Python finds the same nodes and places, and refuses alike."""
+    paths = sorted(shipped("specs").rglob("*.yaml"), key=lambda path: path.name)[::12]
+    texts = [path.read_text(encoding="utf-8") for path in paths]
+    assert len(texts) > 5
+    by_c = [compose(text, "file.yaml") for text in texts]
+    monkeypatch.setattr(composer, "LOADER", yaml.SafeLoader)
+    assert [compose(text, "file.yaml") for text in texts] == by_c
+    for escape in ("\\q", "\\UFFFFFFFF"):
+        with pytest.raises(SpecError, match=r"^file.yaml:1:.*is no YAML"):
+            compose(f'name: "{escape}"', "file.yaml")
+
+
+def test_a_tab_after_a_colon_is_a_space():
+    """YAML 1.2 lets tabs part a key from its value; no editor shows the difference."""
+    assert compose("name:\tx\t# y", "file.yaml") == compose("name: x # y", "file.yaml")
 
 
 def test_what_is_no_sound_yaml_is_reported_once(tmp_path):

@@ -8,9 +8,9 @@ from collections import Counter
 from functools import cache
 
 import pytest
+import yaml
 from numpy.testing import assert_allclose
 from places import DOCS, ROOT, TESTS
-from ruamel.yaml import YAML
 
 import budget
 from budget.model.sources import SENSORS, lines_of
@@ -43,7 +43,7 @@ SIGMA = "\N{GREEK SMALL LETTER SIGMA}"
 @cache  # of several variants, and not before a test asks
 def read(path):
     """Return the values of a YAML file, numbers as they are written."""
-    return YAML(typ="base", pure=True).load(path.read_text(encoding="utf-8"))
+    return yaml.BaseLoader(path.read_text(encoding="utf-8")).get_single_data()
 
 
 SOURCED = TESTS / "data" / "datasheets.yaml"
