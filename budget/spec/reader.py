@@ -22,7 +22,6 @@ MOST_BYTES = 64 * 1024
 INPUT = "standard input"  # its name in messages and results
 
 
-
 def read(path: Path, shown: str, content: bytes | None = None) -> Document:
     """Read one file, which messages name `shown`: its nodes, and its lesser issues.
 
