@@ -106,7 +106,8 @@ def nothing_is_missing(monkeypatch):
     That takes as long as the numbers; test_lower_bounds asks it.
     """
     monkeypatch.setattr(analysis, "could_widen", lambda *_, **__: {})
-    monkeypatch.setattr(request, "lacking", lambda *_, **__: defaultdict(tuple))
+    for name in ("lacking", "lacking_of_mission"):
+        monkeypatch.setattr(request, name, lambda *_, **__: defaultdict(tuple))
 
 
 @pytest.fixture

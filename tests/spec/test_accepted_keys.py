@@ -505,16 +505,27 @@ def limited_flight(key):
     )
 
 
+# Two constants: what limits on a mission are compared with has to be small, not real.
+FLYING = {
+    "name": "x",
+    **{
+        sensor: {"errors": {"bias_repeatability": f"10 {unit}"}}
+        for sensor, unit in BIASES.items()
+    },
+}
+
+
 def compared(requirement):
     """Return the document of `budget compare` by the law; of `report` for both."""
     if "mission" in requirement["limits"]:
-        judged = budget.analyze(
-            budget.load_device("zhao-2019"),
-            requirement=budget.load_requirement({"name": "x", **requirement}),
-            mission=FLIGHT,
-            validate=False,
-        )
-        return {"devices": judged.assessment.to_dict()}
+        wanted = budget.load_requirement({"name": "x", **requirement})
+        said = repr(facts(wanted))  # a list of one limit says what the limit says
+        if said not in FOUND:
+            judged = budget.analyze(
+                load_device(FLYING), requirement=wanted, mission=FLIGHT, validate=False
+            )
+            FOUND[said] = {"devices": judged.assessment.to_dict()}
+        return FOUND[said]
     if "misalignment" in requirement["limits"]:
         wanted = budget.load_requirement({"name": "x", **requirement})
         judged = budget.analyze(
@@ -550,7 +561,7 @@ def test_a_key_of_a_requirement_moves_a_number(key):
         trees = limited_flight(key)
         assert differ(*(numbers(compared(one)["devices"]) for one in trees))
         return
-    before = numbers(compared(tree)["devices"])
+    before = numbers(once(compared, tree)["devices"])
     # One of the words is what an unset key stands for.
     after = [
         numbers(compared(replaced(tree, key.path, value))["devices"])
