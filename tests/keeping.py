@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pickle
 from contextlib import ExitStack
-from functools import wraps
+from functools import cache, wraps
 from hashlib import sha256
 from unittest.mock import patch
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from budget.calibration import simulation
 from budget.model.scheme import Scheme
+from budget.spec import load_catalogue
 
 
 def once(function, kept):
@@ -29,6 +30,12 @@ def once(function, kept):
         return kept[key]
 
     return asked
+
+
+@cache
+def catalogue():
+    """Return the devices that ship, read once for all tests of a process."""
+    return load_catalogue()
 
 
 class Pulses:

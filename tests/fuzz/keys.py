@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from functools import cache
 
 from places import DOCS
 
@@ -56,12 +57,13 @@ def table():
     part = text.partition("\n## ")[0]
     rows = re.findall(r"^\| ([a-z ]+) \| (`.*) \|$", part, re.MULTILINE)
     assert len(rows) > 4, "the table is not there, or has another form"
-    return rows
+    return [(where, re.findall("`([a-z_]+)`", words)) for where, words in rows]
 
 
 TABLE = table()
 
 
+@cache
 def silent(kind, path):
     """Say whether the docs have this key among those that move no number."""
     surroundings = kind in {"procedure", "station"} and path[0] in {
@@ -77,8 +79,7 @@ def silent(kind, path):
         kind == "device" and {*path[2:3]} <= {*AGEING.values()} and len(path) > 3
     )
     ages = is_ageing and path[-1] == "horizon" and "axes" not in path
-    for where, words in TABLE:
-        keys = re.findall("`([a-z_]+)`", words)
+    for where, keys in TABLE:
         applies = {
             "every file": path[0] in keys,
             "every file but costs": kind != "costs" and path[0] in keys,

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from keeping import catalogue
 from numpy.testing import assert_allclose
 from scipy.special import stdtr
 
 from budget import load_device, load_procedure, load_requirement
 from budget.methods.gum import propagate
 from budget.names import Name
-from budget.spec import load_catalogue
 from budget.studies.doubt import doubt_of, rooms, standard, weigh
 from budget.studies.judgement import judge_with, limit_problem, required_problem
 from budget.studies.missing import fill
@@ -110,7 +110,7 @@ def held_of(device):
 
 def test_contributions_stand_for_the_law_of_every_draw():
     """Of lines drawn anew, the law itself meets where the rooms say so."""
-    device, filling = fill(load_device("stim300#5g"), "predict", load_catalogue())
+    device, filling = fill(load_device("stim300#5g"), "predict", catalogue())
     held, law = held_of(device)
     prediction = filling.prediction.of(
         [name for name in filling.prediction.names if name.owner == "gyro"]
@@ -144,7 +144,7 @@ def test_contributions_stand_for_the_law_of_every_draw():
 
 def test_what_fails_by_given_lines_is_in_no_doubt():
     """A device beyond a limit by what it gives has no probability to meet."""
-    device, filling = fill(load_device("sch16t-k01"), "predict", load_catalogue())
+    device, filling = fill(load_device("sch16t-k01"), "predict", catalogue())
     big = replace(
         device,
         gyro=replace(

@@ -5,11 +5,12 @@ from __future__ import annotations
 from math import sqrt
 
 import pytest
+from keeping import catalogue
 from numpy.testing import assert_allclose
 
 from budget.names import Name
 from budget.results import INTERACTION
-from budget.spec import load_catalogue, load_device
+from budget.spec import load_device
 from budget.studies.analysis import analyze
 from budget.studies.input_quantities import input_quantities
 from budget.studies.request import Analysis
@@ -74,7 +75,7 @@ def test_printed_over_divisor_is_u_in_the_whole_catalogue():
     number is read (one-sided density, Allan minimum) is in the divisor, not in c.
     """
     found, read = 0, set()
-    for device in load_catalogue():
+    for device in catalogue():
         analysis = Analysis.of(device)
         lines = {
             Name(line.name, owner=sensor.kind): line

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import pytest
 from document_text import on_terminal
+from keeping import catalogue
 from places import DOCS
 
 from budget import load_device, load_procedure, load_requirement
@@ -22,7 +23,6 @@ from budget.report.comparison.tables import rankings
 from budget.report.document import to_csv, to_json
 from budget.report.figures.density import density_picture, density_title
 from budget.report.tables import AT_LEAST, group_tables
-from budget.spec.load import load_catalogue
 from budget.studies.allocation.allocate import allocate
 from budget.studies.analysis import analyze
 from budget.studies.comparison.compare import compare
@@ -165,9 +165,7 @@ def test_what_is_left_out_on_purpose_is_not_missing():
 
 def compared(*devices, **options):
     """Compare devices by the law, with the shipped catalogue behind them."""
-    return compare(
-        devices, REQUIREMENT, catalogue=load_catalogue(), method="gum", **options
-    )
+    return compare(devices, REQUIREMENT, catalogue=catalogue(), method="gum", **options)
 
 
 def gyro_ranks(comparison):

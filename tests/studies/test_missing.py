@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from document_text import on_terminal
+from keeping import catalogue
 from numpy.testing import assert_allclose
 
 from budget import load_device, load_requirement
@@ -19,13 +20,11 @@ from budget.report.comparison.document import to_csv, to_json
 from budget.report.comparison.page import comparison_answer, comparison_document
 from budget.report.comparison.tables import rankings
 from budget.report.comparison.wording import missing_effects
-from budget.spec import load_catalogue
 from budget.spec.load import load_variants
 from budget.studies.comparison.compare import compare
 from budget.studies.comparison.ranking import rank
 from budget.studies.missing import MODES, comparable, fill
 
-CATALOGUE = load_catalogue()
 EDGE = load_requirement("catalogue-edge")
 MOUNTING = Name("mounting_repeatability", owner="gyro")
 LACKS_ONE = load_device("ltm210#S1B")  # the mounting repeatability
@@ -34,7 +33,7 @@ LACKS_ONE = load_device("ltm210#S1B")  # the mounting repeatability
 def compared(*devices, missing, **more):
     """Compare by the law alone."""
     return compare(
-        devices, EDGE, catalogue=CATALOGUE, missing=missing, method="gum", **more
+        devices, EDGE, catalogue=catalogue(), missing=missing, method="gum", **more
     )
 
 
@@ -60,7 +59,7 @@ def by_mode():
 
 def test_refuse_changes_nothing():
     """No line is put in, no assumption added: the device is the same object."""
-    device, filling = fill(LACKS_ONE, "refuse", CATALOGUE)
+    device, filling = fill(LACKS_ONE, "refuse", catalogue())
 
     assert device is LACKS_ONE
     assert filling.lines == filling.left == ()
@@ -69,7 +68,7 @@ def test_refuse_changes_nothing():
 def test_an_unknown_mode_is_refused():
     """With the words that are allowed."""
     with pytest.raises(CallError, match="refuse, worst, typical, predict"):
-        fill(LACKS_ONE, "best", CATALOGUE)
+        fill(LACKS_ONE, "best", catalogue())
 
 
 def median_of_designs(sizes):
@@ -89,8 +88,8 @@ def test_worst_and_median_of_comparable_devices(mode, take):
 
     Variants of one file are one witness of what is typical.
     """
-    offers = comparable(MOUNTING, LACKS_ONE, LACKS_ONE.gyro, CATALOGUE)
-    device, filling = fill(LACKS_ONE, mode, CATALOGUE)
+    offers = comparable(MOUNTING, LACKS_ONE, LACKS_ONE.gyro, catalogue())
+    device, filling = fill(LACKS_ONE, mode, catalogue())
     (told,) = filling.lines
     line = device.gyro.line("mounting_repeatability")
     sizes = {}
@@ -110,10 +109,10 @@ def test_what_nobody_gives_is_left():
     """A gyro whose grade nobody can tell gets nothing by its grade."""
     bare = load_device("stim210")
     for mode in ("worst", "typical"):
-        device, filling = fill(bare, mode, CATALOGUE)
+        device, filling = fill(bare, mode, catalogue())
         assert device is bare
         assert filling.left == bare.gyro.expected_missing
-    assert fill(bare, "predict", CATALOGUE)[1].left == ()
+    assert fill(bare, "predict", catalogue())[1].left == ()
     assert fill(bare, "predict", ())[1].left == bare.gyro.expected_missing
 
 
@@ -124,7 +123,7 @@ def test_a_sensor_without_any_line_stays_unknown():
         gyro=replace(LACKS_ONE.gyro, lines=(), expected_missing=(MOUNTING,)),
     )
     for mode in MODES:
-        assert fill(empty, mode, CATALOGUE)[0] is empty
+        assert fill(empty, mode, catalogue())[0] is empty
     found = compared(empty, missing="predict")
     assert [one.name for one in found.nothing_known] == [empty.name]
 
@@ -293,7 +292,7 @@ def test_one_device_is_judged_as_among_others(by_mode):
 
 def test_a_density_is_printed_as_makers_do():
     """A random walk per root of hertz is the one-sided density: N times sqrt(2)."""
-    device, filling = fill(load_device("adis16495-1"), "predict", CATALOGUE)
+    device, filling = fill(load_device("adis16495-1"), "predict", catalogue())
     line = device.accelerometer.line("velocity_random_walk")
     (told,) = [each for each in filling.lines if each.source.endswith(line.name)]
     ug = 9.80665e-6

@@ -6,6 +6,7 @@ import json
 
 import pytest
 from document_text import on_terminal
+from keeping import catalogue
 from numpy.testing import assert_allclose
 
 from budget import CallError, analyze, load_device, load_procedure, load_requirement
@@ -13,13 +14,11 @@ from budget.names import Name
 from budget.report.analysis.build import report_document
 from budget.report.analysis.groups import budget_answer
 from budget.report.document import to_json
-from budget.spec import load_catalogue
 from budget.studies.comparison.compare import compare
 from budget.studies.evidence import gather_evidence
 from budget.studies.missing import fill
 from budget.studies.request import analysis_of
 
-CATALOGUE = load_catalogue()
 EDGE = load_requirement("catalogue-edge")
 DEVICE = load_device("stim300#5g")  # lacks two gyro lines and one accelerometer line
 LACKS = Name("mounting_repeatability", owner="gyro")
@@ -33,7 +32,7 @@ def budget_of(*devices, missing, requirement=EDGE, **more):
         coverage=EDGE.coverage,
         reference=EDGE.reference,
         missing=missing,
-        catalogue=CATALOGUE,
+        catalogue=catalogue(),
         validate=False,
         **more,
     )
@@ -68,7 +67,7 @@ def test_refuse_is_the_budget_without_a_word_of_it():
 def test_the_budget_is_that_of_a_device_with_those_lines(mode):
     """Numbers are those of the completed device; nothing of it is a lower bound."""
     found = budget_of(DEVICE, missing=mode, requirement=None)
-    completed, filling = fill(DEVICE, mode, CATALOGUE)
+    completed, filling = fill(DEVICE, mode, catalogue())
     plain = budget_of(completed, missing="refuse", requirement=None)
 
     assert_allclose(found.covariance, plain.covariance, rtol=1e-12, atol=0)
@@ -92,7 +91,7 @@ def test_the_budget_is_that_of_a_device_with_those_lines(mode):
 
 def test_one_verdict_whatever_the_command(predicted):
     """The budget says of each sensor what compare says of it."""
-    compared = compare([DEVICE], EDGE, catalogue=CATALOGUE, missing="predict")
+    compared = compare([DEVICE], EDGE, catalogue=catalogue(), missing="predict")
     for own in predicted.assessment.sensors:
         (other,) = [one for one in compared.devices if one.sensor == own.sensor]
         assert own.verdict == other.verdict == "predicted"
@@ -171,7 +170,7 @@ def test_the_library_takes_the_devices_that_ship(mode):
     """As the command does: a catalogue of one's own is asked for, not needed."""
     device = load_device("stim300#5g")
     one = analyze(device, missing=mode, validate=False)
-    other = analyze(device, missing=mode, validate=False, catalogue=CATALOGUE)
+    other = analyze(device, missing=mode, validate=False, catalogue=catalogue())
     assert one.filled
     assert one.filled == other.filled
 

@@ -9,13 +9,13 @@ from math import log, sqrt
 
 import numpy as np
 import pytest
+from keeping import catalogue
 from numpy.testing import assert_allclose
 from places import DOCS
 from scipy.special import stdtrit
 
 from budget import load_device
 from budget.names import Name
-from budget.spec import load_catalogue
 from budget.studies.prediction import (
     DF_0,
     LEAST_DESIGNS,
@@ -137,7 +137,7 @@ def test_missing_lines_go_together():
     """Two lines that a device lacks are drawn jointly, with a positive correlation."""
     device = load_device("stim210")
     missing = device.gyro.expected_missing
-    found = predict(device, missing, load_catalogue())
+    found = predict(device, missing, catalogue())
     u = np.sqrt(np.diag(found.scale))
     correlation = found.scale / np.outer(u, u)
 
@@ -150,15 +150,16 @@ def test_the_device_itself_is_no_witness_twice():
     """In the catalogue or beside it, the same lines predict the same."""
     device = load_device("sch16t-k01")
     missing = device.gyro.expected_missing
-    catalogue = load_catalogue()
-    others = [one for one in catalogue if one.name != device.name]
-    inside, outside = (predict(device, missing, those) for those in (catalogue, others))
+    others = [one for one in catalogue() if one.name != device.name]
+    inside, outside = (
+        predict(device, missing, those) for those in (catalogue(), others)
+    )
 
     assert_allclose(inside.location, outside.location, rtol=1e-9)
     assert_allclose(inside.scale, outside.scale, rtol=1e-9)
     # Out of a copy of its file, which is none of the catalogue's, it is the same.
     copy = replace(device, origin=replace(device.origin, sha256="copy"))
-    again = predict(copy, missing, catalogue)
+    again = predict(copy, missing, catalogue())
     assert_allclose(again.location, inside.location, rtol=1e-12)
     assert_allclose(again.scale, inside.scale, rtol=1e-12)
 
@@ -181,14 +182,14 @@ def test_a_better_device_is_predicted_to_be_better():
     )
     missing = device.gyro.expected_missing
     then, now = (
-        predict(one, missing, load_catalogue()).location for one in (better, device)
+        predict(one, missing, catalogue()).location for one in (better, device)
     )
     assert (then < now - 0.1 * log(10.0)).all()
 
 
 def test_intervals_hold_what_the_catalogue_prints(script):
     """Each line of each design hidden in turn: 50 and 90 % hold as many as they say."""
-    cases = script.leave_one_out(load_catalogue())
+    cases = script.leave_one_out(catalogue())
     for level in script.LEVELS:
         low, high = script.bounds(len(cases), level)
         inside = sum(case.inside(level) for case in cases)

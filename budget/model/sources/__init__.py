@@ -527,8 +527,8 @@ def source_of(owner: str, name: str) -> Source:
     CallError
         The table has no such source: nothing is taken for what it is not.
     """
-    for source in lines_of(owner):
-        if source.name == name:
+    for source in SOURCES:
+        if source.name == name and source.like(owner):
             return source
     raise CallError(
         f"{owner}.{name} is no error source; there are: {_names(lines_of(owner))}. "

@@ -7,10 +7,11 @@ from math import exp, expm1, pi, sqrt
 
 import numpy as np
 import pytest
+from keeping import catalogue
 from numpy.testing import assert_allclose
 from saying import assert_says
 
-from budget import analyze, load_catalogue, load_device, load_procedure
+from budget import analyze, load_device, load_procedure
 from budget.errors import CallError
 from budget.studies.export.study import export, find_target
 from budget.studies.export.targets import NAMES, TARGETS
@@ -420,18 +421,17 @@ def test_what_a_target_can_do_without_is_left_out_in_words(tmp_path):
 @pytest.mark.parametrize("mode", ["worst", "typical", "predict"])
 def test_what_stands_for_a_missing_line_is_told(mode):
     """Of comparable devices, in the steps and among the assumptions; never as given."""
-    catalogue = load_catalogue()
     unit = load_device("adis16495-1")
     name = "accelerometer.velocity_random_walk"
     with pytest.raises(CallError, match="--missing"):
         export(unit, to="gtsam")
-    filled, filling = fill(unit, mode, catalogue)
+    filled, filling = fill(unit, mode, catalogue())
     line = next((one for one in filling.lines if one.source == name), None)
     if line is None:
         with pytest.raises(CallError, match="velocity_random_walk"):
-            export(unit, to="gtsam", missing=mode, catalogue=catalogue)
+            export(unit, to="gtsam", missing=mode, catalogue=catalogue())
         return
-    found = export(unit, to="gtsam", missing=mode, catalogue=catalogue)
+    found = export(unit, to="gtsam", missing=mode, catalogue=catalogue())
     (row,) = (e for e in found.entries if e.entry.key == "accelerometer_covariance")
     assert_allclose(
         np.sqrt(row.values),
@@ -446,7 +446,7 @@ def test_what_stands_for_a_missing_line_is_told(mode):
 def test_a_filled_line_is_no_line_that_the_device_has():
     """What the target has no place for is not listed where nobody gives it."""
     unit = load_device("adis16495-1")
-    how = dict(missing="predict", catalogue=load_catalogue())
+    how = dict(missing="predict", catalogue=catalogue())
     found = export(unit, to="gtsam", **how)
     assert not any("mounting_repeatability" in text for text in found.not_held)
 
