@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from budget.arrays import Array
     from budget.problem import Output
 
@@ -29,11 +31,12 @@ def interval_of_values(ordered: Array, coverage: float | Array, kind: str) -> Ar
     that of all, or of each output.
     """
     if isinstance(coverage, np.ndarray):
-        found = np.empty((len(ordered), 2))
-        for each in np.unique(coverage):
-            rows = coverage == each
-            found[rows] = interval_of_values(ordered[rows], float(each), kind)
-        return found
+        return np.concatenate(
+            [
+                interval_of_values(row[None], float(each), kind)
+                for row, each in zip(ordered, coverage, strict=True)
+            ]
+        )
     M = ordered.shape[1]
     q = min(max(int(M * coverage + 0.5), 1), M - 1)  # 7.7.1
     if kind == "symmetric":
@@ -47,22 +50,48 @@ def interval_of_values(ordered: Array, coverage: float | Array, kind: str) -> Ar
 def interval_of_trials(values: Array, coverage: float, kind: str) -> Array:
     """Return interval_of_values of one output's trials in any order, shape (2,).
 
-    A symmetric interval takes two numbers of all: only the tails are sorted, cut off a
-    little inside of where the ends of some of the trials are.
+    A symmetric interval takes two numbers of all: only the tails are sorted.
+    """
+    if kind != "symmetric":
+        return np.asarray(interval_of_values(np.sort(values)[None], coverage, kind)[0])
+    M = len(values)
+    q = min(max(int(M * coverage + 0.5), 1), M - 1)  # 7.7.1
+    r = (M - q + 1) // 2 - 1  # 7.7.2, counted from 0
+    low, high = _tails(values, max(r + 1, M - r - q))
+    return np.array([low[r], high[r + q - M]])
+
+
+def sort_tails(values: Array, depth: NDArray[np.intp]) -> Array:
+    """Return trials, shape (n_out, M), of which the ends alone are in ascending order.
+
+    So many of the smallest and of the largest trials of each output, depth (n_out,),
+    stand where they do when all are sorted; between them there may be nan.
+    """
+    ordered = np.full_like(values, np.nan)
+    for row, trials, n in zip(ordered, values, depth.tolist(), strict=True):
+        low, high = _tails(trials, n)
+        row[: len(low)] = low
+        row[row.size - len(high) :] = high
+    return ordered
+
+
+def _tails(values: Array, n: int) -> tuple[Array, Array]:
+    """Return n or more of the smallest and of the largest trials, both ascending.
+
+    They are cut off a little inside of where the ends of some of the trials are.
     """
     M = len(values)
     some = np.sort(values[:: max(M // SOME, 1)])
-    q = min(max(int(M * coverage + 0.5), 1), M - 1)  # 7.7.1
-    r = (M - q + 1) // 2 - 1  # 7.7.2, counted from 0
-    inside = int(len(some) * (r / M)) + INSIDE
-    if kind == "symmetric" and 2 * inside < len(some):
+    inside = int(len(some) * (n / M)) + INSIDE
+    if 2 * inside < len(some):
         low = values[values <= some[inside]]
         high = values[values >= some[-1 - inside]]
-        if len(low) > r and len(high) > M - 1 - r - q:
+        if len(low) >= n and len(high) >= n:
             low.sort()
             high.sort()
-            return np.array([low[r], high[r + q - M]])
-    return np.asarray(interval_of_values(np.sort(values)[None], coverage, kind)[0])
+            return low, high
+    ordered = np.sort(values)
+    return ordered, ordered
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

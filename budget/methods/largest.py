@@ -25,7 +25,7 @@ import numpy as np
 
 from budget.distributions import normal_coverage_factor
 from budget.methods.execution import small_blocks, stream
-from budget.methods.intervals import interval_of_values
+from budget.methods.intervals import interval_of_values, sort_tails
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -38,6 +38,7 @@ FAR = 3.0  # standard errors of each of two ends that cannot be equal [1]
 DRAWS = 2048  # of the joint noise
 CHUNK = 256  # batches that are drawn for at once
 SPACING = 0.125  # of a tail, to either side, over which a density is taken [1]
+SLACK = 4  # trials, by which places in a tail are rounded
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -71,7 +72,8 @@ def ends_of_trials(
     The influence of one trial y on the quantile q of probability p is
     (p - [y <= q])/(f M), f the density there; the upper and the negative lower ends of
     all outputs stand one after another. Trials have the shape (n_out, M), in their
-    order and ascending, limits (n_out,) [SI], as the coverages [1].
+    order and ascending (`ends_in_order` of them), limits (n_out,) [SI], as the
+    coverages [1].
     """
     M = values.shape[1]
     tail = (1.0 - np.broadcast_to(coverage, len(values))) / 2.0
@@ -98,6 +100,12 @@ def ends_of_trials(
         noise=np.concatenate(noise).T,
         bound=np.zeros(2 * len(limits)),
     )
+
+
+def ends_in_order(values: Array, coverage: float | Array) -> Array:
+    """Return trials, shape (n_out, M), ascending as far as `ends_of_trials` looks."""
+    tail = (1.0 - np.broadcast_to(coverage, len(values))) / 2.0 * values.shape[1]
+    return sort_tails(values, np.ceil(tail * (1.0 + SPACING)).astype(int) + SLACK)
 
 
 def half_widths(ends: Ends) -> Array:

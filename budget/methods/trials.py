@@ -9,7 +9,7 @@ import numpy as np
 
 from budget.errors import CallError, ProblemError
 from budget.methods.execution import BLOCK, draw, small_blocks
-from budget.methods.intervals import interval_of_values
+from budget.methods.intervals import interval_of_trials
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -117,9 +117,14 @@ def coverage_of(
     whole = -(-trials // BLOCK) * BLOCK
     y = first_trials(problem, trials=whole, seed=seed)
     within = (y >= interval[:, :1]) & (y <= interval[:, 1:])
-    y.sort(axis=1)
+    wanted = np.broadcast_to(coverage, len(y)).tolist()
     return Covered(
         trials=y.shape[1],
         inside=within.mean(axis=1),
-        interval=interval_of_values(y, coverage, "symmetric"),
+        interval=np.array(
+            [
+                interval_of_trials(row, each, "symmetric")
+                for row, each in zip(y, wanted, strict=True)
+            ]
+        ),
     )

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.methods.intervals import interval_of_values
+from budget.methods.intervals import interval_of_trials
 from budget.methods.trials import first_trials
 from budget.results import BY_TRIALS
 from budget.ties import first_largest
@@ -73,12 +73,13 @@ def critical_densities(
     rows = [k for k, output in enumerate(problem.outputs) if output.name in wanted]
     ends = law.interval(settings.coverage)
     values = first_trials(problem, trials=trials, seed=settings.seed, outputs=rows)
-    values.sort(axis=1)
-    ends_mc = interval_of_values(values, settings.coverage, settings.interval)
+    ends_mc = [
+        interval_of_trials(y, settings.coverage, settings.interval) for y in values
+    ]
     for place, k in enumerate(rows):  # one interval of each output on a page
         row = budget.outputs[k]
         if row.interval_by == BY_TRIALS:
-            ends_mc[place] = row.interval
+            ends_mc[place] = np.array(row.interval)
     densities = []
     for place, k in enumerate(rows):
         density, edges = np.histogram(values[place], bins=BINS, density=True)
@@ -91,7 +92,7 @@ def critical_densities(
                 mean=float(law.mean[k]),
                 u=float(law.standard_uncertainty[k]),
                 interval=(float(ends[k, 0]), float(ends[k, 1])),
-                interval_mc=(float(ends_mc[place, 0]), float(ends_mc[place, 1])),
+                interval_mc=(float(ends_mc[place][0]), float(ends_mc[place][1])),
                 limit=limits.get(problem.outputs[k].name),
                 lacks=budget.outputs[k].lacks,
             )

@@ -26,6 +26,7 @@ from budget.methods.intervals import interval_of_values
 from budget.methods.largest import (
     CONFIDENCE,
     Ends,
+    ends_in_order,
     ends_of_trials,
     half_widths,
     sampling_interval,
@@ -243,7 +244,7 @@ def judge_with(held: Limited, law: Propagation, *, seed: int, trials: int) -> Ju
     """Judge with so many trials and no more; arguments as of `judge`."""
     limits = held.limits
     values = first_trials(held.problem, trials=trials, seed=seed, outputs=held.rows)
-    ordered = np.sort(values, axis=1)
+    ordered = ends_in_order(values, held.coverage)
     drawn = ends_of_trials(values, ordered, limits, held.coverage)
     given = _ends_of_law(held, law)
     sampled = half_widths(drawn).reshape(2, -1).max(axis=0)

@@ -10,6 +10,7 @@ from budget.methods.intervals import (
     interval_of_trials,
     interval_of_values,
     numerical_tolerance,
+    sort_tails,
 )
 from budget.problem import Output
 
@@ -45,6 +46,38 @@ def test_trials_need_not_be_sorted(n, coverage, kind):
     ):
         expected = interval_of_values(np.sort(trials)[None], coverage, kind)[0]
         assert_array_equal(interval_of_trials(trials, coverage, kind), expected)
+
+
+@pytest.mark.parametrize("depth", [1, 30, 1_000, 6_172, 20_000])
+@pytest.mark.parametrize("n", [1, 2, 999, 12_345])
+def test_ends_are_sorted_as_deep_as_asked(n, depth):
+    """So many at either end stand as among all ascending ones: tails, ties, any n."""
+    rng = np.random.default_rng(n)
+    trials = np.stack(
+        [
+            rng.standard_cauchy(n),
+            np.arange(n, 0.0, -1.0),
+            np.where(np.arange(n) % 12 == 0, rng.random(n), 5.0),
+        ]
+    )
+    found, expected = sort_tails(trials, np.full(3, depth)), np.sort(trials, axis=1)
+
+    assert_array_equal(found[:, :depth], expected[:, :depth])
+    assert_array_equal(found[:, -depth:], expected[:, -depth:])
+
+
+def test_coverages_of_their_own_are_those_of_each_output():
+    """Outputs with unlike coverages have the intervals that each has alone."""
+    ordered = np.sort(np.random.default_rng(3).standard_normal((3, 500)), axis=1)
+    coverages = np.array([0.9, 0.5, 0.9])
+
+    assert_array_equal(
+        interval_of_values(ordered, coverages, "symmetric"),
+        [
+            interval_of_values(row[None], p, "symmetric")[0]
+            for row, p in zip(ordered, (0.9, 0.5, 0.9), strict=True)
+        ],
+    )
 
 
 @pytest.mark.parametrize(

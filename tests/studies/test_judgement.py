@@ -16,14 +16,20 @@ from comparison_examples import (
     paper_device,
     requirement,
 )
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri
 
 from budget.distributions import ARCSINE, NORMAL, TRIANGULAR, UNIFORM, student_t
 from budget.methods.gum import propagate
 from budget.methods.intervals import interval_of_values
-from budget.methods.largest import Ends, ends_of_trials, is_same, probability_smaller
+from budget.methods.largest import (
+    Ends,
+    ends_in_order,
+    ends_of_trials,
+    is_same,
+    probability_smaller,
+)
 from budget.methods.largest import sampling_interval as interval_of
 from budget.methods.normality import end_accuracy
 from budget.problem import Group, Output, Problem
@@ -232,7 +238,23 @@ def test_no_trials_are_made_where_they_cannot_be_surer_than_the_law():
 
 def drawn(y, limits):
     """Return the ends of trials."""
-    return ends_of_trials(y, np.sort(y, axis=1), limits, 0.95)
+    return ends_of_trials(y, ends_in_order(y, 0.95), limits, 0.95)
+
+
+@pytest.mark.parametrize("M", [1, 2, 37, 2_000, 12_345])
+@pytest.mark.parametrize("coverage", [0.0001, 0.5, 0.683, 0.95, 0.9999])
+def test_trials_are_sorted_as_far_as_their_ends_are_looked_at(M, coverage):
+    """Ends and noise of trials with ends in order are those of all in order: bits."""
+    rng = np.random.default_rng(M)
+    y = np.stack([rng.standard_normal(M), rng.standard_cauchy(M), np.zeros(M)])
+    coverages = np.array([coverage, 0.9, coverage])
+    found, expected = (
+        ends_of_trials(y, ordered, np.ones(3), coverages)
+        for ordered in (ends_in_order(y, coverages), np.sort(y, axis=1))
+    )
+
+    assert_array_equal(found.value, expected.value)
+    assert_array_equal(found.noise, expected.noise)
 
 
 def covered(n, shared, judge_ends):
