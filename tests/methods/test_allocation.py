@@ -263,6 +263,19 @@ def test_trials_fall_within_the_interval_as_often_as_it_says():
         assert abs(found.inside[0] - wanted) < bound
 
 
+def test_trials_have_an_interval_of_the_coverage_of_each_output():
+    """Two equal outputs, one asked for 68 %: a standard uncertainty to either side."""
+    found = coverage_of(
+        linear([[1.0], [1.0]], [1.0]),
+        np.zeros((2, 2)),
+        coverage=np.array([0.95, 0.682689]),
+        trials=100_000,
+        seed=3,
+    )
+    # Standard error of a quantile: sqrt(p (1 - p)/M)/f, 0.0084 and 0.0048 u.
+    assert_allclose(found.interval, [[-1.96, 1.96], [-1.0, 1.0]], rtol=0, atol=0.035)
+
+
 def test_the_least_cost_with_sources_at_ceilings_is_known_to_be_one():
     """A source that no limit feels ends at its ceiling, and the optimum is seen."""
     task = task_of(linear(C[:2], U), [0.2, 0.3], high=5.0)  # x3 reaches neither

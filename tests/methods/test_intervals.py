@@ -43,6 +43,7 @@ def test_trials_need_not_be_sorted(n, coverage, kind):
         np.zeros(n),
         np.arange(n, 0.0, -1.0),
         np.where(np.arange(n) % 12 == 0, rng.random(n), 5.0),  # some tell little
+        np.where(np.arange(n) % 12 == 0, rng.random(n), -5.0),
     ):
         expected = interval_of_values(np.sort(trials)[None], coverage, kind)[0]
         assert_array_equal(interval_of_trials(trials, coverage, kind), expected)
@@ -58,9 +59,10 @@ def test_ends_are_sorted_as_deep_as_asked(n, depth):
             rng.standard_cauchy(n),
             np.arange(n, 0.0, -1.0),
             np.where(np.arange(n) % 12 == 0, rng.random(n), 5.0),
+            np.where(np.arange(n) % 12 == 0, rng.random(n), -5.0),
         ]
     )
-    found, expected = sort_tails(trials, np.full(3, depth)), np.sort(trials, axis=1)
+    found, expected = sort_tails(trials, np.full(4, depth)), np.sort(trials, axis=1)
 
     assert_array_equal(found[:, :depth], expected[:, :depth])
     assert_array_equal(found[:, -depth:], expected[:, -depth:])
