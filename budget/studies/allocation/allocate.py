@@ -31,7 +31,7 @@ from budget.studies.allocation.cases import (
     set_up,
     solve,
 )
-from budget.studies.allocation.longer_tests import AS_THEY_ARE, FLOOR, find_longer_tests
+from budget.studies.allocation.longer_tests import find_longer_tests
 from budget.studies.allocation.market import (
     best_offered,
     load_catalogue,
@@ -72,7 +72,6 @@ if TYPE_CHECKING:
         Sensor,
     )
     from budget.studies.allocation.cases import Bounds, SensorCase
-    from budget.studies.allocation.records import LongerTest
     from budget.studies.progress import Progress
 
 TRIALS = 250_000  # for which 0.2 % of coverage are 4.6 standard errors at 95 %
@@ -171,7 +170,7 @@ def allocate(
             f"({', '.join(sensor.kind for sensor in sensors)}); add limits for it"
         )
     feasible = all(case.task.is_feasible for case in cases)
-    longer_tests = tuple(test for case in cases for test in _longer_tests(case))
+    longer_tests = tuple(test for case in cases for test in find_longer_tests(case))
     share_out = partial(solve, strategy=strategy, costs=prices)
     for place, one in enumerate(cases):
         case = one if one.mission is None else one.at_most(_allowed(cases))
@@ -360,16 +359,6 @@ def _assure(
             break
         case = share_out(replace(case, task=tightened))
     return case
-
-
-def _longer_tests(case: SensorCase) -> tuple[LongerTest, ...]:
-    """Ask what the procedure could do where the limits are not met now."""
-    task = case.task
-    found: tuple[LongerTest, ...] = ()
-    for s, goal in ((task.now, AS_THEY_ARE), (task.least, FLOOR)):
-        if (task.utilisation(s) > 1.0).any():
-            found += find_longer_tests(case, s, goal=goal)
-    return found
 
 
 def _resized(sensor: Sensor, cases: Sequence[SensorCase]) -> Sensor:

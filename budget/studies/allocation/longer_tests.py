@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache, partial
 from math import ceil, floor, log10, pi
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from budget.arrays import Array
+    from budget.methods.allocation import Task
+    from budget.methods.scaling import ScaledLaw
     from budget.spec.records import Procedure, Sensor
     from budget.studies.allocation.cases import SensorCase
 
@@ -40,37 +43,67 @@ class _Setting:
     whole: bool
 
 
-def find_longer_tests(
-    case: SensorCase, s: Array, *, goal: str
-) -> tuple[LongerTest, ...]:
+def find_longer_tests(case: SensorCase) -> tuple[LongerTest, ...]:
     """Find the least number of turns and the shortest dwell that meet the limits.
 
-    Each alone, the other things as they are; upwards from the present value, because
-    shorter costs nothing to try by hand. A longer test is not always a better one
-    (random walks grow), so what meets is searched step by step, then narrowed. The
-    sources have the factors `s`, shape (n_src,), which stand for AS_THEY_ARE or FLOOR.
+    For the devices as they are and for what is held alone, wherever these are not
+    within their limits now. Each alone, the other things as they are; upwards from the
+    present value, because shorter costs nothing to try by hand. A longer test is not
+    always a better one (random walks grow), so what meets is searched step by step,
+    then narrowed.
     """
-    return tuple(
-        _grow(
-            setting,
-            lambda changed: utilisation_of(case, changed, s),
-            sensor.kind,
-            goal,
-        )
+    task = case.task
+    goals = [
+        (s, goal)
+        for s, goal in ((task.now, AS_THEY_ARE), (task.least, FLOOR))
+        if (task.utilisation(s) > 1.0).any()
+    ]
+    if not goals:
+        return ()
+    settings = [
+        (sensor.kind, setting, _changed_laws(case, setting))
         for sensor in case.sensors
         if calibrates(sensor.kind, case.procedure)
         for setting in _growing(sensor, case.procedure)
+    ]
+    return tuple(
+        _grow(setting, partial(_used_of, case.task, law_at, s), kind, goal)
+        for s, goal in goals
+        for kind, setting, law_at in settings
     )
 
 
-def utilisation_of(case: SensorCase, changed: Procedure, s: Array) -> float:
-    """Return the largest part of a limit that is used by another procedure.
+def law_under(case: SensorCase, changed: Procedure) -> ScaledLaw:
+    """Return the law of what is limited, by another procedure."""
+    problem = required_problem(case.sensors, changed, case.requirement, case.mission)
+    return scaled_law(problem).select(case.task.law.outputs)
+
+
+def largest_utilisation(task: Task, law: ScaledLaw, s: Array) -> float:
+    """Return the largest part of a limit that is used by another law.
 
     The sources have the factors `s`, shape (n_src,).
     """
-    problem = required_problem(case.sensors, changed, case.requirement, case.mission)
-    law = scaled_law(problem).select(case.task.law.outputs)
-    return float(replace(case.task, law=law).utilisation(s).max())
+    return float(replace(task, law=law).utilisation(s).max())
+
+
+def _changed_laws(case: SensorCase, setting: _Setting) -> Callable[[float], ScaledLaw]:
+    """Return the law as a function of a setting; both goals ask for the same ones."""
+
+    @cache
+    def law_at(value: float) -> ScaledLaw:
+        if value == setting.now:
+            return case.task.law
+        return law_under(case, setting.change(value))
+
+    return law_at
+
+
+def _used_of(
+    task: Task, law_at: Callable[[float], ScaledLaw], s: Array, value: float
+) -> float:
+    """Return the largest part of a limit that is used at a value of a setting."""
+    return largest_utilisation(task, law_at(value), s)
 
 
 def _growing(sensor: Sensor, procedure: Procedure) -> tuple[_Setting, ...]:
@@ -165,24 +198,24 @@ def _stretched(procedure: Procedure, factor: float, *, turning: bool) -> Procedu
 
 def _grow(
     setting: _Setting,
-    utilisation: Callable[[Procedure], float],
+    utilisation: Callable[[float], float],
     sensor: str,
     goal: str,
 ) -> LongerTest:
     """Step upwards until the limits are met, then narrow the last step."""
     below, value = setting.now, setting.now
-    best, least = value, utilisation(setting.change(value))
+    best, least = value, utilisation(value)
     needed = None
     while value < setting.most:
         below, value = value, min(value * STEP, setting.most)
         if setting.whole:
             value = max(float(int(value)), below + 1.0)
-        used = utilisation(setting.change(value))
+        used = utilisation(value)
         if used < least:
             best, least = value, used
         if used <= 1.0:
             needed = _narrow(setting, utilisation, below, value)
-            best, least = needed, utilisation(setting.change(needed))
+            best, least = needed, utilisation(needed)
             break
     return LongerTest(
         sensor=sensor,
@@ -198,7 +231,7 @@ def _grow(
 
 def _narrow(
     setting: _Setting,
-    utilisation: Callable[[Procedure], float],
+    utilisation: Callable[[float], float],
     fails: float,
     meets: float,
 ) -> float:
@@ -207,10 +240,10 @@ def _narrow(
     while meets - fails > step:
         middle = (fails + meets) / 2.0
         middle = float(int(middle)) if setting.whole else middle
-        if utilisation(setting.change(middle)) <= 1.0:
+        if utilisation(middle) <= 1.0:
             meets = middle
         else:
             fails = middle
     rounded = step * -(-meets // step)
-    meets_too = utilisation(setting.change(rounded)) <= 1.0
+    meets_too = utilisation(rounded) <= 1.0
     return rounded if meets_too else meets

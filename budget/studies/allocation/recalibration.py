@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING
 
 from budget.model.sources.later import AGEING
 from budget.spec.station import with_age
-from budget.studies.allocation.longer_tests import AS_THEY_ARE, utilisation_of
+from budget.studies.allocation.longer_tests import (
+    AS_THEY_ARE,
+    largest_utilisation,
+    law_under,
+)
 from budget.studies.allocation.records import Recalibration
 from budget.studies.lower_bounds import expecting
 from budget.units import DAY, YEAR, parse_quantity
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from budget.arrays import Array
+    from budget.methods.scaling import ScaledLaw
     from budget.spec.records import Procedure
     from budget.studies.allocation.cases import SensorCase
 
@@ -35,17 +43,22 @@ def find_recalibrations(case: SensorCase) -> tuple[Recalibration, ...]:
     states = [(AS_THEY_ARE, case.task.now)]
     if case.s is not None:
         states.append((ALLOCATED, case.s))
-    return tuple(_find(case, s, goal) for goal, s in states)
+    laws = cache(lambda age: law_under(case, _aged(case, age)))  # both ask for the ends
+    return tuple(_find(case, laws, s, goal) for goal, s in states)
 
 
-def _find(case: SensorCase, s: Array, goal: str) -> Recalibration:
+def _aged(case: SensorCase, age: float) -> Procedure:
+    """Return the procedure of a calibration that is as old [s]."""
+    return with_age(case.procedure, parse_quantity(f"{age!r} s", "s"))
+
+
+def _find(
+    case: SensorCase, laws: Callable[[float], ScaledLaw], s: Array, goal: str
+) -> Recalibration:
     """Look between a day and 30 years for the age at which the limits are reached."""
 
-    def aged(age: float) -> Procedure:
-        return with_age(case.procedure, parse_quantity(f"{age!r} s", "s"))
-
     def used(age: float) -> float:
-        return utilisation_of(case, aged(age), s)
+        return largest_utilisation(case.task, laws(age), s)
 
     age, utilisation = None, used(SOONEST)
     if utilisation <= 1.0:
@@ -56,7 +69,7 @@ def _find(case: SensorCase, s: Array, goal: str) -> Recalibration:
             age = float(brentq(lambda age: used(age) - 1.0, SOONEST, LATEST))
             utilisation = 1.0
     reference = case.requirement.reference
-    oldest = [expecting(one, aged(LATEST), reference) for one in case.sensors]
+    oldest = [expecting(one, _aged(case, LATEST), reference) for one in case.sensors]
     return Recalibration(
         sensor=case.owner,
         goal=goal,
