@@ -256,6 +256,8 @@ def _break(text: str, width: int) -> list[str]:
 
 def _columns(text: str) -> int:
     """Return how many columns a text takes: characters of Chinese take two."""
+    if text.isascii():
+        return len(text)
     return len(text) + sum(east_asian_width(sign) in "WF" for sign in text)
 
 

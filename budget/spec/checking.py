@@ -11,6 +11,7 @@ from pydantic import BaseModel, ValidationError
 
 from budget.earth import ROTATION_RATE
 from budget.model.sources import SOURCES, twin_of
+from budget.spec.fields import Later
 from budget.spec.makers import LINES_BY_WORD, MEANINGS, bare, reading_of
 from budget.spec.tree import MOST_ISSUES, all_of, describe, plain
 from budget.units import DEG_PER_HOUR
@@ -166,6 +167,8 @@ def _model_at(model: type[BaseModel], steps: Sequence[str | int]) -> type[BaseMo
 
 def _models_in(annotation: Any) -> Iterator[type[BaseModel]]:  # noqa: ANN401
     """Yield the models that a type names."""
+    if isinstance(annotation, Later):
+        annotation = annotation.make()
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         yield annotation
     for inner in get_args(annotation):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, create_model
@@ -55,11 +56,16 @@ _SOURCES = {
     for line in lines_of(sensor)
     if line.varies and not line.is_initial  # what a calibration finds costs nothing
 }
-_COSTS: Any = mapping_of(
-    "costs by line",
-    {name: _cost_type(line.like(name.owner)) for name, line in _SOURCES.items()},
-)
-CostsFile = create_model("Costs", __base__=CostsBase, costs=(_COSTS, ...))
+
+
+@cache
+def costs_file_type() -> type[CostsBase]:
+    """Return the type of a costs file, made where there is one to be read."""
+    costs: Any = mapping_of(
+        "costs by line",
+        {name: _cost_type(line.like(name.owner)) for name, line in _SOURCES.items()},
+    )
+    return create_model("Costs", __base__=CostsBase, costs=(costs, ...))
 
 
 def read_costs(document: Document) -> Costs:
@@ -70,7 +76,7 @@ def read_costs(document: Document) -> Costs:
     SpecError
         Every issue of the file.
     """
-    model = check(document, CostsFile)
+    model = check(document, costs_file_type())
     parts = dict(model.costs)
     given: dict[Name, CostPart] = {
         name: part for name in _SOURCES if (part := parts.get(name)) is not None

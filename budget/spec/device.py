@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
@@ -22,6 +23,7 @@ from budget.model.sources.later import AGEING
 from budget.spec.changes import apply, tell_changes
 from budget.spec.checking import check, nearest
 from budget.spec.fields import (
+    Later,
     LongText,
     Measured,
     ShortText,
@@ -53,8 +55,9 @@ from budget.spec.tree import all_of, describe, merge
 from budget.units import STANDARD_GRAVITY, Quantity, parse_quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
+    from budget.model.source import Source
     from budget.spec.changes import Change
     from budget.spec.tree import Document, Node
 
@@ -169,7 +172,12 @@ class SensorPart(Strict):
         return self
 
 
-def _sensor_type(sensor: str) -> Any:  # noqa: ANN401
+def _later(line: Source, sensor: str) -> Any:  # noqa: ANN401
+    """Return what stands for the type of a line until a file has that line."""
+    return Annotated[Any, Later(partial(value_type, line, sensor))]
+
+
+def _sensor_type(sensor: str, type_of: Callable[[Source, str], Any]) -> Any:  # noqa: ANN401
     """Return the type of a sensor, from the table of model lines."""
     lines = lines_of(sensor)
     nominal = mapping_of(
@@ -181,7 +189,7 @@ def _sensor_type(sensor: str) -> Any:  # noqa: ANN401
     )
     errors = mapping_of(
         f"{sensor} errors",
-        {line.name: value_type(line, sensor) for line in lines},
+        {line.name: type_of(line, sensor) for line in lines},
         {line.name: f"{line.model}; {printed_as(line.name)}" for line in lines},
     )
     types: dict[str, Any] = {
@@ -242,12 +250,22 @@ class Base(Sheet):
         return self
 
 
-_SENSORS: dict[str, Any] = {
-    sensor: (_sensor_type(sensor) | None, None) for sensor in SENSORS
-}
-_VARIANT = create_model("Variant", __base__=Sheet, **_SENSORS)
-_VARIANTS: Any = (dict[ShortText, _VARIANT], Base.model_fields["variants"])  # type: ignore[valid-type]
-DeviceFile = create_model("Device", __base__=Base, variants=_VARIANTS, **_SENSORS)
+def _file_type(type_of: Callable[[Source, str], Any]) -> type[Base]:
+    """Return the type of a device file, with that type of every line."""
+    sensors: dict[str, Any] = {
+        sensor: (_sensor_type(sensor, type_of) | None, None) for sensor in SENSORS
+    }
+    variant = create_model("Variant", __base__=Sheet, **sensors)
+    variants: Any = (dict[ShortText, variant], Base.model_fields["variants"])  # type: ignore[valid-type]
+    return create_model("Device", __base__=Base, variants=variants, **sensors)
+
+
+DeviceFile = _file_type(_later)
+
+
+def whole_file_type() -> type[Base]:
+    """Return the type of a device file with those of all lines, to describe it."""
+    return _file_type(value_type)
 
 
 def variant_names(document: Document) -> tuple[str, ...]:

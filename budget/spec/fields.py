@@ -8,7 +8,14 @@ from enum import Enum
 from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    TypeAdapter,
+    create_model,
+)
 from pydantic_core import (
     CoreSchema,
     InitErrorDetails,
@@ -22,7 +29,7 @@ from budget.spec.tree import describe
 from budget.units import NUMBER, STANDARD_GRAVITY, Quantity, kind_of, parse_quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
     from pydantic.json_schema import JsonSchemaValue
@@ -199,6 +206,35 @@ class OrText:
         if self.besides:
             return mapping
         return {"anyOf": [self.measured.json_schema, mapping]}
+
+
+@dataclass(frozen=True)
+class Later:
+    """A type that is made where a file first has a value of it.
+
+    There is one for every line that a data sheet may have, and a file has a few: to
+    make all of them takes longer than to read the file.
+    """
+
+    make: Callable[[], Any]  # the same type every time
+
+    def read(self, value: object, info: core_schema.ValidationInfo) -> object:
+        """Read a value of that type; what is wrong with it has its place in it."""
+        return _adapter(self.make()).validator.validate_python(
+            value, context=info.context
+        )
+
+    def __get_pydantic_core_schema__(
+        self, source: object, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        """Tell pydantic how to read the value."""
+        return core_schema.with_info_plain_validator_function(self.read)
+
+
+@cache
+def _adapter(kind: Any) -> TypeAdapter[Any]:  # noqa: ANN401
+    """Return what reads a value of a type, built once for all lines of that type."""
+    return TypeAdapter(kind)
 
 
 def mapping_of(

@@ -8,27 +8,29 @@ from pydantic import TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema
 
 from budget.errors import CallError
-from budget.spec.costs import CostsFile
-from budget.spec.device import DeviceFile
+from budget.spec.costs import costs_file_type
+from budget.spec.device import whole_file_type
 from budget.spec.mission import MissionFile
 from budget.spec.procedure import ProcedureFile
 from budget.spec.requirement import RequirementFile
 from budget.spec.station import StationFile
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from pydantic import BaseModel
     from pydantic.json_schema import JsonSchemaValue
     from pydantic_core import core_schema
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
-_MODELS: dict[str, type[BaseModel]] = {
-    "device": DeviceFile,
-    "procedure": ProcedureFile,
-    "station": StationFile,
-    "mission": MissionFile,
-    "requirement": RequirementFile,
-    "costs": CostsFile,
+_MODELS: dict[str, Callable[[], type[BaseModel]]] = {
+    "device": whole_file_type,
+    "procedure": lambda: ProcedureFile,
+    "station": lambda: StationFile,
+    "mission": lambda: MissionFile,
+    "requirement": lambda: RequirementFile,
+    "costs": costs_file_type,
 }
 
 
@@ -45,7 +47,7 @@ def json_schema(kind: str) -> dict[str, Any]:
     """
     if kind not in _MODELS:
         raise CallError(f"no files of kind {kind!r}, expected {', '.join(_MODELS)}")
-    return schema_of(_MODELS[kind], f"budget {kind} file")
+    return schema_of(_MODELS[kind](), f"budget {kind} file")
 
 
 def schema_of(model: type, title: str) -> dict[str, Any]:

@@ -12,8 +12,9 @@ from saying import assert_says
 
 from budget.report.analysis.budget_table import budget_title
 from budget.report.analysis.groups import budget_answer
+from budget.report.blocks import Cell, Column, RowGroup, Table
 from budget.report.tables import group_tables
-from budget.report.terminal import Page, print_sections
+from budget.report.terminal import Page, print_sections, print_table
 
 NUMBER = re.compile(r"-?\d[\d.]*(?:e-?\d+)?")
 
@@ -79,6 +80,25 @@ def test_long_numbers_fit(width):
     lines = render(extreme_budget(), width=width).splitlines()
 
     assert max(len(line) for line in lines) <= width
+
+
+def test_a_table_in_chinese_is_straight():
+    """A character of Chinese takes two columns: what stands right of it is in line."""
+    words, long = "\u96f6\u504f", "bias and what is left of it"
+    rows = tuple(
+        (Cell(text=name), Cell(text=number))
+        for name, number in ((words, "1"), (long, "2"))
+    )
+    columns = (Column(head="name"), Column(head="u", kind="number"))
+    table = Table(name="t", caption="", columns=columns, groups=(RowGroup(rows=rows),))
+    raw = io.BytesIO()
+    file = io.TextIOWrapper(raw, encoding="utf-8", newline="")
+    print_table(table, Page(Console(file=file)))
+    file.flush()
+    lines = raw.getvalue().decode().splitlines()
+    (chinese,) = (line for line in lines if words in line)
+    (english,) = (line for line in lines if long in line)
+    assert len(chinese.rstrip()) + len(words) == len(english.rstrip())
 
 
 def test_ascii_terminal_gets_ascii_bars():

@@ -253,6 +253,15 @@ def test_a_word_of_data_sheets_is_answered_with_the_line(gyro, word, hint):
         gyro(f"{word}: 1 deg/h")
 
 
+def test_an_unknown_key_of_a_value_is_told_those_of_the_value(gyro):
+    """What is allowed beside `value` is said, not the lines of the sensor."""
+    with pytest.raises(SpecError, match="unknown key 'sigmas', allowed:") as refused:
+        gyro("bias_stability: {value: 1 deg/h, sigmas: 3}")
+    allowed = str(refused.value).partition("allowed: ")[2].split(", ")
+    assert {"value", "axes", "meaning", "correlation_time"} <= set(allowed)
+    assert "angle_random_walk" not in allowed
+
+
 PROCESSES = {
     "bias_stability": "deg/h",
     "angle_random_walk": "deg/sqrt(h)",
