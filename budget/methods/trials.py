@@ -24,6 +24,7 @@ def first_trials(
     trials: int,
     seed: int = 0,
     outputs: Sequence[int] | Array | None = None,
+    known: Array | None = None,
 ) -> Array:
     """Return the values of the first trials, in their order.
 
@@ -40,6 +41,8 @@ def first_trials(
         The same seed draws the same unit variates for every size of the sources.
     outputs : sequence of int, optional
         Places of the outputs that are wanted, in that order; all without it.
+    known : ndarray, shape (n_wanted, fewer trials), optional
+        What this returned for fewer: no block of it is drawn again.
 
     Returns
     -------
@@ -59,9 +62,13 @@ def first_trials(
     rows = np.arange(len(problem.outputs)) if outputs is None else np.asarray(outputs)
     values = np.empty((rows.size, trials))
     x = np.empty((problem.n_inputs, BLOCK))
+    done = 0
+    if known is not None:
+        done = min(known.shape[1], trials) // BLOCK * BLOCK
+        values[:, :done] = known[:, :done]
     with small_blocks():
-        for block, start in enumerate(range(0, trials, BLOCK)):
-            y = problem.evaluate(draw(problem, seed, block, x))[rows]
+        for start in range(done, trials, BLOCK):
+            y = problem.evaluate(draw(problem, seed, start // BLOCK, x))[rows]
             values[:, start : start + BLOCK] = y[:, : trials - start]
     check_finite(values)
     return values

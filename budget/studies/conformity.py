@@ -146,7 +146,7 @@ def _owners(analysis: Analysis, requirement: Requirement) -> Iterator[str]:
         yield MISSION
 
 
-def _readings(own: Analysis, seed: int) -> ReadingVerdicts | None:
+def _readings(own: Analysis, judged: Judged, seed: int) -> ReadingVerdicts | None:
     """Judge one triad under its readings; what belongs to both is not.
 
     Neither is what rests on predicted lines, whose verdict is a probability.
@@ -155,7 +155,7 @@ def _readings(own: Analysis, seed: int) -> ReadingVerdicts | None:
     if not is_one or own.requirement is None or own.filling.prediction is not None:
         return None
     return verdicts_by_reading(
-        own.sensors[0], own.procedure, own.requirement, seed=seed
+        own.sensors[0], own.procedure, own.requirement, seed=seed, taken=judged
     )
 
 
@@ -177,7 +177,7 @@ def _verdict(
     owner: str, own: Analysis, held: Limited, judged: Judged, *, seed: int
 ) -> SensorAssessment:
     """Return the verdict on one sensor, or on what belongs to both."""
-    readings = _readings(own, seed)
+    readings = _readings(own, judged, seed)
     missing = missing_of(own.sensors, own.procedure)
     has_lines = any(sensor.lines for sensor in own.sensors)
     parts = own.law.source_variance[:, held.rows[judged.worst]].tolist()

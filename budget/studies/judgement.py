@@ -231,9 +231,10 @@ def judge(
 
     The first trials of the streams of a seed are the same for every problem.
     """
-    number = trials
+    number, values = trials, None
     while True:
-        judged = judge_with(held, law, seed=seed, trials=number)
+        values = _first_trials(held, number, seed, known=values)
+        judged = _judge_by(values, held, law)
         settles = judged.is_open and can_sharpen(judged, max_trials, above=1.0)
         if not settles or number >= max_trials:
             return judged
@@ -242,8 +243,21 @@ def judge(
 
 def judge_with(held: Limited, law: Propagation, *, seed: int, trials: int) -> Judged:
     """Judge with so many trials and no more; arguments as of `judge`."""
-    limits = held.limits
-    values = first_trials(held.problem, trials=trials, seed=seed, outputs=held.rows)
+    return _judge_by(_first_trials(held, trials, seed), held, law)
+
+
+def _first_trials(
+    held: Limited, trials: int, seed: int, *, known: Array | None = None
+) -> Array:
+    """Return the required outputs in the first trials, (n_required, trials) [SI]."""
+    return first_trials(
+        held.problem, trials=trials, seed=seed, outputs=held.rows, known=known
+    )
+
+
+def _judge_by(values: Array, held: Limited, law: Propagation) -> Judged:
+    """Judge by these trials, shape (n_required, trials) [SI]."""
+    limits, trials = held.limits, values.shape[1]
     ordered = ends_in_order(values, held.coverage)
     drawn = ends_of_trials(values, ordered, limits, held.coverage)
     given = _ends_of_law(held, law)

@@ -82,26 +82,31 @@ def verdicts_by_reading(
     *,
     seed: int,
     by_law: bool = False,
+    taken: Judged | None = None,
 ) -> ReadingVerdicts | None:
     """Judge a sensor under the readings of its open lines; None where none is open.
 
     As every command judges (budget.studies.judgement), or by the law alone. Of more
     than MOST combinations those that are taken, each other one alone, and the smallest
-    of every line.
+    of every line. `taken` is how the sensor stands as it is, where that is known: it is
+    the first of them.
     """
     lines = _open_lines(sensor)
     if not lines:
         return None
     total = prod(len(words) for words in lines.values())
     found = []
-    for choice in _combinations(sensor, lines, total):
+    for place, choice in enumerate(_combinations(sensor, lines, total)):
         read = expecting(under(sensor, choice), procedure, requirement.reference)
         held = limit_problem(
             required_problem((read,), procedure, requirement), requirement
         )
         if held is None:
             return None
-        judged = (screen if by_law else judge)(held, propagate(held.problem), seed=seed)
+        judged = None if place else taken
+        if judged is None:
+            look = screen if by_law else judge
+            judged = look(held, propagate(held.problem), seed=seed)
         missing = (*missing_of((read,), procedure), *held.absent)
         found.append(
             Reading(

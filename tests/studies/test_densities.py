@@ -52,6 +52,21 @@ def test_chosen_outputs_are_rows_of_all():
     assert_array_equal(some, every[[20, 3]])
 
 
+def test_trials_that_are_known_are_not_drawn_again():
+    """More trials begin with those, bit for bit: whole blocks stay as they are given."""
+    few, more = 5000, 9000
+    known = first_trials(paper_problem(), trials=few, outputs=[20, 3])
+    every = first_trials(paper_problem(), trials=more, outputs=[20, 3])
+
+    how = {"trials": more, "outputs": [20, 3]}
+    assert_array_equal(first_trials(paper_problem(), known=known, **how), every)
+    marked = first_trials(paper_problem(), known=0.0 * known, **how)
+    assert_array_equal((marked == 0.0).sum(axis=1), BLOCK)
+    assert_array_equal(marked[:, BLOCK:], every[:, BLOCK:])
+    fewer = first_trials(paper_problem(), trials=100, outputs=[20, 3], known=known)
+    assert_array_equal(fewer, every[:, :100])
+
+
 def test_another_seed_has_other_trials():
     """Control: bit for bit equality sees another seed."""
     one, other = (first_trials(paper_problem(), trials=9, seed=s) for s in (0, 1))

@@ -17,7 +17,9 @@ from budget.studies.comparison.candidates import Candidate, find_remedy
 from budget.studies.comparison.records import Lead, Remedy
 from budget.studies.doubt import doubt_of
 from budget.studies.judgement import (
+    MAX_TRIALS,
     STEP,
+    TRIALS,
     Judged,
     assess_outputs,
     can_sharpen,
@@ -140,12 +142,15 @@ def _judge(task: tuple[Candidate, None], *, judging: Judging) -> JudgedCandidate
         doubt = doubt_of(prediction, held, law, judged)
     readings = None
     if prediction is None and one.mission is None:
+        by_law = judging.method == "gum" and not judging.validate
+        is_usual = (judging.trials, judging.max_trials) == (TRIALS, MAX_TRIALS)
         readings = verdicts_by_reading(
             one.sensors[0],
             one.procedure,
             one.requirement,
             seed=judging.seed,
-            by_law=judging.method == "gum" and not judging.validate,
+            by_law=by_law,
+            taken=judged if by_law or is_usual else None,
         )
     return JudgedCandidate(
         judged=judged,
