@@ -53,7 +53,7 @@ def test_chosen_outputs_are_rows_of_all():
 
 
 def test_trials_that_are_known_are_not_drawn_again():
-    """More trials begin with those, bit for bit: whole blocks stay as they are given."""
+    """More trials begin with those, bit for bit: whole blocks stay as given."""
     few, more = 5000, 9000
     known = first_trials(paper_problem(), trials=few, outputs=[20, 3])
     every = first_trials(paper_problem(), trials=more, outputs=[20, 3])
