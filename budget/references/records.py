@@ -230,6 +230,8 @@ class Snapshot:
 
     def known_part(self, text: str) -> str:
         """Return a list of sources without those that the tool did not have."""
+        if self.known >= KNOWN_NOW:  # most are: the names need not be made
+            return text
         unknown = {
             name
             for quantity in KNOWN_NOW

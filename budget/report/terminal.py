@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 import textwrap
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import repeat
 from typing import TYPE_CHECKING
 from unicodedata import east_asian_width
@@ -169,7 +170,7 @@ class SetColumn:
     flush_right: bool
     is_unit: bool
 
-    @property
+    @cached_property
     def width(self) -> int:
         """Characters of the longest line."""
         return max(_columns(line) for cell in (self.head, *self.cells) for line in cell)
