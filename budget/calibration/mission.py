@@ -148,7 +148,7 @@ def mission_problem(
     own, added = _rows(calibration.groups, groups, pools)
     return Problem(
         groups=groups,
-        outputs=tuple(_output(name) for name in (*places.names, *places.lengths)),
+        outputs=tuple(_output(name) for name in places.every),
         function=Carried(
             calibration=calibration,
             own=own,
@@ -262,6 +262,11 @@ class Places:
             time=np.array([times.index(name.time or 0.0) for name in names]),
             row=np.array([SEEN.index((one.quantity, one.axis)) for one in names]),
         )
+
+    @property
+    def every(self) -> tuple[Name, ...]:
+        """The outputs of the Problem: components that lengths need are among them."""
+        return (*self.names, *self.lengths)
 
     def pick(self, C: Array) -> Array:
         """Return the covariance (n, n) of the names out of (times, 9, times, 9)."""

@@ -28,7 +28,7 @@ import numpy as np
 
 from budget.distributions import COVERAGES, is_coverage
 from budget.errors import CallError, ProblemError
-from budget.methods.jets import expand
+from budget.methods.jets import Expansion, expand
 from budget.methods.radius import circles, plane_variances, probability_within
 
 if TYPE_CHECKING:
@@ -206,13 +206,8 @@ def propagate(problem: Problem) -> Propagation:
         The model bends in an input whose shape has no finite kurtosis, has no
         derivatives at the best estimates, or overflows.
     """
-    # Derivatives by the function's arguments; inputs of a pool share them.
-    point = problem.add_up(problem.mean[:, None])[:, 0]
-    taylor = expand(problem.components, point)
-    columns = problem.columns
-    C, H = taylor.C[:, columns], taylor.H[:, columns[:, None], columns]
-    _refuse_no_number(problem, "value", taylor.value)
-    _refuse_no_number(problem, "derivative", C, H)
+    taylor = derivatives(problem)
+    C, H = taylor.C, taylor.H
     blocks = [np.asarray(group.covariance) for group in problem.groups]
     U_x = _block_diagonal(blocks)
 
@@ -270,16 +265,40 @@ def propagate(problem: Problem) -> Propagation:
     return _with_lengths(law, problem.legs) if problem.legs.size else law
 
 
-def covariance_by_source(problem: Problem, law: Propagation) -> Array:
+def derivatives(problem: Problem) -> Expansion:
+    """Return the outputs that are no lengths and their derivatives by all inputs.
+
+    Raises
+    ------
+    ProblemError
+        The model has no derivatives at the best estimates, or overflows.
+    """
+    # Derivatives by the function's arguments; inputs of a pool share them.
+    point = problem.add_up(problem.mean[:, None])[:, 0]
+    taylor = expand(problem.components, point)
+    columns = problem.columns
+    C, H = taylor.C[:, columns], taylor.H[:, columns[:, None], columns]
+    _refuse_no_number(problem, "value", taylor.value)
+    _refuse_no_number(problem, "derivative", C, H)
+    return Expansion(value=taylor.value, C=C, H=H)
+
+
+def covariance_by_source(problem: Problem, law: Propagation | Expansion) -> Array:
     """Return the covariance that each source alone makes, and products of two.
 
     Shape (n_groups + 1, n, n) [SI squared], products last, of the outputs that are no
     lengths; their sum is the law's covariance, their diagonals `source_variance` and
-    `interaction_variance`.
+    `interaction_variance`. The law, or the derivatives alone, are of the Problem.
+
+    Raises
+    ------
+    ProblemError
+        The model bends in an input whose shape has no finite kurtosis, or overflows.
     """
     n = len(problem.outputs) - problem.legs.shape[1]
     C, H = law.C[:n], law.H[:n]
     skew, excess = higher_moments(problem)
+    _refuse_infinite(problem, np.einsum("kii->ki", H), excess)
     found = np.zeros((len(problem.groups) + 1, n, n))
     products = np.zeros(H.shape)
     for g, (rows, group) in enumerate(zip(problem.slices, problem.groups, strict=True)):
@@ -296,6 +315,7 @@ def covariance_by_source(problem: Problem, law: Propagation) -> Array:
             + (leaning + leaning.T)
         )
     found[-1] += 0.5 * np.tensordot(products, products, axes=((1, 2), (2, 1)))
+    _refuse_no_number(problem, "variance", found.sum(axis=0))
     return found
 
 

@@ -15,7 +15,7 @@ from budget.calibration.mission import (
     noise_in_run,
 )
 from budget.errors import CallError
-from budget.methods.gum import covariance_by_source, propagate
+from budget.methods.gum import covariance_by_source, derivatives
 from budget.methods.radius import plane_variances, radius_of
 from budget.names import HORIZONTAL, LENGTHS, MISSION, Name
 from budget.results import CEP, INTERACTION, R95, Calibrated
@@ -158,7 +158,7 @@ def curve(analysis: Analysis, times: Sequence[float] | None = None) -> Curve:
         analysis.sensors, analysis.procedure, only=analysis.only
     )
     S = map_of(journey, constants, analysis.sensors)
-    each = covariance_by_source(constants, propagate(constants))
+    each = covariance_by_source(constants, derivatives(constants))
     C = S @ each[:, None] @ S.swapaxes(1, 2)
     sources = (*(group.name for group in constants.groups), INTERACTION)
     here = np.arange(len(times))

@@ -14,7 +14,12 @@ from budget.calibration.derived import (
     outputs_for,
     parts_of,
 )
-from budget.calibration.mission import DOWN, mission_outputs, mission_problem
+from budget.calibration.mission import (
+    DOWN,
+    Places,
+    mission_outputs,
+    mission_problem,
+)
 from budget.calibration.mission import REFERENCE as ON_MISSION
 from budget.calibration.problem import REFERENCES, calibration_problem
 from budget.calibration.schemes import (
@@ -278,7 +283,7 @@ class Analysis:
                 self.sensors,
                 self.procedure,
                 self.journey,
-                tuple(output.name for output in self.problem.outputs),
+                Places.of(self.outputs or ()).every,
                 only=self.only,
             )
         return lacking(
