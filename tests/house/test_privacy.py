@@ -16,6 +16,8 @@ from pathlib import Path
 import matplotlib as mpl
 import pytest
 from command_line import call, surroundings
+from failing import PATIENCE
+from forked import run_forked
 from places import PACKAGE
 
 from budget.cli import app
@@ -75,7 +77,8 @@ WATCHED = frozenset({WATCHED!r})
 
 def watch(event, arguments):
     if event in WATCHED:
-        place = os.open(os.environ["AUDIT_LOG"], os.O_WRONLY | os.O_APPEND | os.O_CREAT)
+        log = os.environ.get("CHILD_LOG", os.environ["AUDIT_LOG"])
+        place = os.open(log, os.O_WRONLY | os.O_APPEND | os.O_CREAT)
         os.write(place, (event + " " + repr(arguments)[:200] + "\\n").encode())
         os.close(place)
         if event.startswith(("socket", "urllib", "http")):
@@ -109,12 +112,33 @@ def is_allowed(*wrapper):
     return probe.returncode == 0
 
 
-def watch(folder, *words, is_traced=False, is_offline=False):
-    """Run Python under the hooks, and where asked and allowed under more than that."""
-    hooks, work, log = folder / "hooks", folder / "work", folder / "log"
-    for path in (hooks, work, folder / "home"):
+def under_hooks(folder):
+    """Return an environment in which Python writes down what is watched."""
+    hooks, home = folder / "hooks", folder / "home"
+    for path in (hooks, home):
         path.mkdir()
     (hooks / "sitecustomize.py").write_text(HOOK, encoding="utf-8")
+    return surroundings() | {
+        "PYTHONPATH": str(hooks),
+        "AUDIT_LOG": str(folder / "log"),
+        # Without its list of fonts matplotlib asks fc-list, a program, for them.
+        "MPLCONFIGDIR": mpl.get_cachedir(),
+        "HOME": str(home),
+        "HOSTNAME": HOST,
+        "USER": PERSON,
+        "LOGNAME": PERSON,
+    }
+
+
+def events_of(log):
+    """Return what stands in a log; nothing is watched that did not happen."""
+    return log.read_text(encoding="utf-8").splitlines() if log.exists() else []
+
+
+def watch(folder, *words, is_traced=False, is_offline=False):
+    """Run Python under the hooks, and where asked and allowed under more than that."""
+    environment, work = under_hooks(folder), folder / "work"
+    work.mkdir()
     # By a filter in the kernel: else it stops at every call, which trebles the time.
     trace = [
         "strace",
@@ -132,18 +156,13 @@ def watch(folder, *words, is_traced=False, is_offline=False):
     run = subprocess.run(
         started,
         cwd=work,
-        env=surroundings()
-        | {"PYTHONPATH": str(hooks), "AUDIT_LOG": str(log)}
-        # Without its list of fonts matplotlib asks fc-list, a program, for them.
-        | {"MPLCONFIGDIR": mpl.get_cachedir()}
-        | {"HOME": str(folder / "home"), "HOSTNAME": HOST}
-        | {"USER": PERSON, "LOGNAME": PERSON},
+        env=environment,
         capture_output=True,
         check=False,
     )
     return Watched(
         run=run,
-        events=log.read_text(encoding="utf-8").splitlines() if log.exists() else [],
+        events=events_of(folder / "log"),
         folder=work,
         is_offline=is_offline,
         system_calls=(folder / "trace").read_text("utf-8") if is_traced else None,
@@ -154,17 +173,41 @@ def watch(folder, *words, is_traced=False, is_offline=False):
 def call_of(tmp_path_factory):
     """Return a way to get the run of a command: one run, for all that is asked of it.
 
-    The report is made without a network, where that is allowed.
+    The report is made without a network, where that is allowed. What is not traced runs
+    in a child of a process that has imported everything, under the hooks too.
     """
     import_module("matplotlib.font_manager")  # makes the list, once on a machine
+    parent = tmp_path_factory.mktemp("parent")
+    environment = under_hooks(parent)
 
     @cache
     def run_once(name):
-        return watch(
-            tmp_path_factory.mktemp("watched"),
-            *("-m", "budget", *CALLS[name]),
-            is_traced=name in TRACED,
-            is_offline=name == "report",
+        folder = tmp_path_factory.mktemp("watched")
+        if name in TRACED:
+            return watch(
+                folder,
+                *("-m", "budget", *CALLS[name]),
+                is_traced=True,
+                is_offline=name == "report",
+            )
+        work = folder / "work"
+        work.mkdir()
+        run = run_forked(
+            CALLS[name],
+            folder=work,
+            streams="",
+            environment=environment | {"CHILD_LOG": str(folder / "log")},
+            patience=PATIENCE,
+        )
+        imported = events_of(parent / "log")
+        # The parent forks, and does nothing else of what is watched.
+        events = [event for event in imported if not event.startswith("os.fork ")]
+        return Watched(
+            run=run,
+            events=events + events_of(folder / "log"),
+            folder=work,
+            is_offline=False,
+            system_calls=None,
         )
 
     return run_once
