@@ -382,37 +382,40 @@ def _inputs(window: Window, table: Table, at: Samples) -> tuple[Array, Array]:
     """
     setting = window.setting
     base, *joints = (joint.T for joint in table.joints)
-    earth, gravity = (
-        base @ table.place.earth[:, None],
-        base @ table.place.force[:, None],
-    )
+    is_askew = (table.joints[1:] != np.eye(3)).any(axis=(1, 2)).tolist()
+    there = (table.place.earth, table.place.force)
+    fixed = np.stack([base @ each[:, None] for each in there])  # (2, 3, 1 or n)
     dt = at.dt * table.pace
     turn_rate = table.angle / (window.length * table.pace)
-    turn = np.zeros((3, 1))
-    for axis, start, joint in zip((2, 1, 0), setting.angles, joints, strict=True):
+    turn: Array | None = None
+    for axis, start, joint, askew in zip(
+        (2, 1, 0), setting.angles, joints, is_askew, strict=True
+    ):
         angle = np.array([start])
         if axis == setting.turning:
             angle = start + turn_rate * dt * (np.arange(at.n, dtype=float) + 0.5)
             turn = turn_rate * np.eye(3)[:, [axis]]
-        elif turn.any():
+        elif turn is not None:
             turn = _turned_back(turn, axis, angle)
-        earth = _turned_back(earth, axis, angle)
-        gravity = _turned_back(gravity, axis, angle)
-        if not np.array_equal(joint, np.eye(3)):
-            turn, earth, gravity = joint @ turn, joint @ earth, joint @ gravity
-    return earth + turn, gravity
+        fixed = _turned_back(fixed, axis, angle)
+        if askew:
+            turn = None if turn is None else joint @ turn
+            fixed = np.stack([joint @ each for each in fixed])
+    earth, gravity = fixed
+    return (earth if turn is None else earth + turn), gravity
 
 
 def _turned_back(vectors: Array, axis: int, angle: Array) -> Array:
-    """Return fixed vectors in a frame turned about a coordinate axis, (3, n)."""
+    """Return fixed vectors in a frame turned about a coordinate axis, (..., 3, n)."""
     one = float(angle[0])
     c, s = (np.cos(angle), np.sin(angle)) if angle.size > 1 else (cos(one), sin(one))
     j, k = (axis + 1) % 3, (axis + 2) % 3
-    n = max(vectors.shape[1], angle.size)
-    turned = np.empty((3, n))
-    turned[axis] = vectors[axis]
-    turned[j] = c * vectors[j] + s * vectors[k]
-    turned[k] = c * vectors[k] - s * vectors[j]
+    n = max(vectors.shape[-1], angle.size)
+    y, z = vectors[..., j, :], vectors[..., k, :]
+    turned = np.empty((*vectors.shape[:-1], n))
+    turned[..., axis, :] = vectors[..., axis, :]
+    turned[..., j, :] = c * y + s * z
+    turned[..., k, :] = c * z - s * y
     return turned
 
 

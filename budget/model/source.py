@@ -361,7 +361,7 @@ class Table:
     place: Place
     timing: Timing
     pace: float = 1.0
-    joints: Array = field(default_factory=lambda: np.tile(np.eye(3), (4, 1, 1)))
+    joints: Array = field(default_factory=lambda: np.array([np.eye(3)] * 4))
 
     def askew(self, joint: int, axis: int, angle: float) -> Table:
         """Return the table with one joint turned about a coordinate axis [rad]."""

@@ -30,7 +30,7 @@ HOW = procedure(
     turns=2,
     dwell=60.0,
     pause=7.0,
-    sample_rate=20.0,
+    sample_rate=10.0,
 )
 GYRO = sensor(
     "gyro",

@@ -123,14 +123,17 @@ class Stability(Noise):
         def samples(at: Samples) -> Array:
             nonlocal clock, state
             z = rng.standard_normal((3, at.n))
-            values = np.empty_like(z)
-            for i, (sigma, tau) in enumerate(zip(given.u, _tau(given), strict=True)):
-                a = exp(-at.dt / tau)
-                innovation = sigma * sqrt(-expm1(-2.0 * at.dt / tau)) * z[i]
+            first = z[:, 0].copy()
+            taus = _tau(given).tolist()
+            for i, (sigma, tau) in enumerate(zip(given.u.tolist(), taus, strict=True)):
                 gap = (at.first - clock) / tau if clock else np.inf
                 before = exp(-gap) * state[i]
-                innovation[0] = before + sigma * sqrt(-expm1(-2.0 * gap)) * z[i, 0]
-                values[i] = lfilter([1.0], [1.0, -a], innovation)
+                z[i] *= sigma * sqrt(-expm1(-2.0 * at.dt / tau))
+                z[i, 0] = before + sigma * sqrt(-expm1(-2.0 * gap)) * first[i]
+            values = np.empty_like(z)
+            for tau in dict.fromkeys(taus):  # mostly one for all axes
+                rows = [i for i, each in enumerate(taus) if each == tau]
+                values[rows] = lfilter([1.0], [1.0, -exp(-at.dt / tau)], z[rows])
             clock, state = at.last, values[:, -1]
             return values
 
