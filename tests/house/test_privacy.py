@@ -293,7 +293,7 @@ SOURCES = sorted(PACKAGE.rglob("*.py"))
 FORBIDDEN_NAMES = {"eval", "exec", "compile", "__import__", "input", "breakpoint"}
 FORBIDDEN_MODULES = {
     *("pickle", "marshal", "shelve", "dill", "cloudpickle", "joblib", "subprocess"),
-    *("code", "codeop", "runpy", "yaml", "webbrowser"),
+    *("code", "codeop", "runpy", "webbrowser"),
 }
 FORBIDDEN_CALLS = {
     *("os.system", "os.popen", "np.load", "numpy.load", "pd.read_pickle"),
@@ -313,9 +313,21 @@ def modules_of(path):
 
 
 def code_from_data(path):
-    """Yield what in a file could turn data into code."""
+    """Yield what in a file could turn data into code.
+
+    Of YAML that is whatever loads: its events are text, and so are its safe loaders'.
+    """
     yield from sorted(modules_of(path) & FORBIDDEN_MODULES)
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module == "yaml":
+            names = {alias.name for alias in node.names}
+        elif isinstance(node, ast.Attribute) and ast.unparse(node.value) == "yaml":
+            names = {node.attr}
+        else:
+            names = set()
+        for name in sorted(names - {"SafeLoader"}):
+            if "load" in name.lower():
+                yield f"yaml.{name}"
         if isinstance(node, ast.Name) and node.id in FORBIDDEN_NAMES:
             yield node.id
         elif isinstance(node, ast.Attribute):
@@ -337,11 +349,15 @@ def test_the_search_for_code_can_fail(tmp_path):
     """Control: each of these is found."""
     bad = tmp_path / "bad.py"
     bad.write_text(
-        "import pickle\nimport os\n\n\ndef f(x):\n"
-        "    os.system(x)\n    return eval(x)\n",
+        "import pickle\nimport os\nimport yaml\nfrom yaml import load_all\n\n\n"
+        "def f(x):\n    os.system(x)\n    yaml.load(x, yaml.Loader)\n"
+        "    yaml.parse(x, yaml.SafeLoader)\n    return eval(x)\n",
         encoding="utf-8",
     )
-    assert set(code_from_data(bad)) == {"pickle", "os.system", "eval"}
+    assert set(code_from_data(bad)) == {
+        *("pickle", "os.system", "eval"),
+        *("yaml.load", "yaml.Loader", "yaml.load_all"),
+    }
 
 
 def test_templates_come_from_the_package_alone():
