@@ -247,7 +247,7 @@ def propagate(problem: Problem) -> Propagation:
     for rows in problem.slices:
         within[rows, rows] = True
     covariance = first_order + second
-    _refuse_no_number(problem, "variance", np.sqrt(np.diag(covariance)), covariance)
+    refuse_no_number(problem, "variance", np.sqrt(np.diag(covariance)), covariance)
     law = Propagation(
         value=taylor.value,
         mean=taylor.value + 0.5 * np.einsum("kii->k", HU),
@@ -278,8 +278,8 @@ def derivatives(problem: Problem) -> Expansion:
     taylor = expand(problem.components, point)
     columns = problem.columns
     C, H = taylor.C[:, columns], taylor.H[:, columns[:, None], columns]
-    _refuse_no_number(problem, "value", taylor.value)
-    _refuse_no_number(problem, "derivative", C, H)
+    refuse_no_number(problem, "value", taylor.value)
+    refuse_no_number(problem, "derivative", C, H)
     return Expansion(value=taylor.value, C=C, H=H)
 
 
@@ -315,7 +315,7 @@ def covariance_by_source(problem: Problem, law: Propagation | Expansion) -> Arra
             + (leaning + leaning.T)
         )
     found[-1] += 0.5 * np.tensordot(products, products, axes=((1, 2), (2, 1)))
-    _refuse_no_number(problem, "variance", found.sum(axis=0))
+    refuse_no_number(problem, "variance", found.sum(axis=0))
     return found
 
 
@@ -387,7 +387,7 @@ def higher_moments(problem: Problem) -> tuple[Array, Array]:
     return np.concatenate(skew), np.concatenate(excess)
 
 
-def _refuse_no_number(problem: Problem, what: str, *found: Array) -> None:
+def refuse_no_number(problem: Problem, what: str, *found: Array) -> None:
     """Refuse what is not finite, an array having a row for each output."""
     bad = np.zeros(len(found[0]), dtype=bool)
     for array in found:

@@ -28,7 +28,8 @@ import numpy as np
 
 from budget.distributions import normal_coverage_factor
 from budget.errors import ProblemError
-from budget.methods.gum import higher_moments, propagate
+from budget.methods.gum import derivatives, higher_moments, refuse_no_number
+from budget.methods.jets import Expansion
 from budget.methods.radius import radius_of
 
 if TYPE_CHECKING:
@@ -226,12 +227,13 @@ def scaled_law(problem: Problem, law: Propagation | None = None) -> ScaledLaw:
     """Build the law of a Problem as a function of the sizes of its sources.
 
     Its present sizes are s = 1, where it is `propagate(problem)`: the given law, if it
-    is there already.
+    is there already; else the derivatives are taken, and no more of it.
 
     Raises
     ------
     ProblemError
-        A shape is skewed, which adds a term in q^(3/2), or has no finite kurtosis.
+        A shape is skewed, which adds a term in q^(3/2), or has no finite kurtosis; or
+        as for any law.
     """
     skew, excess = higher_moments(problem)
     if skew.any() or not np.isfinite(excess).all():
@@ -239,7 +241,7 @@ def scaled_law(problem: Problem, law: Propagation | None = None) -> ScaledLaw:
             "the law as a function of the sizes of its sources is for symmetric shapes "
             "of finite kurtosis; take other shapes, or propagate every size by itself"
         )
-    law = propagate(problem) if law is None else law
+    taylor = _derivatives(problem) if law is None else law
     n_out, n_src = len(problem.outputs), len(problem.groups)
     a, b = problem.legs
     lengths = slice(n_out - a.size, None)
@@ -251,7 +253,7 @@ def scaled_law(problem: Problem, law: Propagation | None = None) -> ScaledLaw:
         [
             np.zeros((n_out, problem.n_inputs, 0)),  # there may be no source at all
             *(
-                law.H[:, :, rows] @ group.covariance
+                taylor.H[:, :, rows] @ group.covariance
                 for rows, group in zip(problem.slices, problem.groups, strict=True)
             ),
         ],
@@ -260,8 +262,8 @@ def scaled_law(problem: Problem, law: Propagation | None = None) -> ScaledLaw:
     pair = 0.5 * HU * HU.transpose(0, 2, 1)
     mixed = 0.5 * HU[a] * HU[b].transpose(0, 2, 1)
     for g, (rows, group) in enumerate(zip(problem.slices, problem.groups, strict=True)):
-        C = law.C[:, rows]
-        curvature = np.einsum("kii->ki", law.H[:, rows, rows])
+        C = taylor.C[:, rows]
+        curvature = np.einsum("kii->ki", taylor.H[:, rows, rows])
         first[:, g] = np.einsum("ki,ij,kj->k", C, group.covariance, C)
         shift[:, g] = 0.5 * np.einsum("kii->k", HU[:, rows, rows])
         between[0][lengths, g] = np.einsum("ki,ij,kj->k", C[a], group.covariance, C[b])
@@ -271,10 +273,11 @@ def scaled_law(problem: Problem, law: Propagation | None = None) -> ScaledLaw:
         second[:, g, g] += curvature**2 @ excess[rows]
         between[1][lengths, g, g] += (curvature[a] * curvature[b]) @ excess[rows]
     first[lengths], second[lengths] = first[a] + first[b], second[a] + second[b]
+    refuse_no_number(problem, "variance", first, second)
     found = ScaledLaw(
         sources=tuple(group.name for group in problem.groups),
         outputs=tuple(output.name for output in problem.outputs),
-        value=law.value,
+        value=taylor.value,
         shift=shift,
         first=first,
         second=second,
@@ -288,10 +291,24 @@ def scaled_law(problem: Problem, law: Propagation | None = None) -> ScaledLaw:
         found,
         is_length=np.arange(n_out) >= n_out - a.size,
         ellipse=tuple(
-            replace(found, value=0.0 * law.value, shift=0.0 * shift, first=x, second=y)
+            replace(
+                found, value=0.0 * taylor.value, shift=0.0 * shift, first=x, second=y
+            )
             for x, y in (half, between)
         ),
     )
+
+
+def _derivatives(problem: Problem) -> Expansion:
+    """Return value and derivatives of all outputs, with 0 for lengths."""
+    found, lengths = derivatives(problem), problem.legs.shape[1]
+    if not lengths:
+        return found
+    value, C, H = (
+        np.concatenate([array, np.zeros((lengths, *array.shape[1:]))])
+        for array in (found.value, found.C, found.H)
+    )
+    return Expansion(value=value, C=C, H=H)
 
 
 def _over(law: ScaledLaw, sources: Sequence[Name]) -> ScaledLaw:
