@@ -161,6 +161,8 @@ class Scheme:
     @cached_property
     def powers(self) -> Array:
         """Powers of the own input of each axis, shape (3, n, m), means [SI]."""
+        if not self.orders:  # what is within a window is asked for by few
+            return np.zeros((3, len(self.schedule.windows), 0))
         return mean_powers(self.within, self.orders)
 
     @cached_property
