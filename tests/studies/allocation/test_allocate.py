@@ -19,8 +19,10 @@ from budget.resources import shipped
 from budget.spec import load_device, load_procedure, load_requirement
 from budget.spec.files import open_file
 from budget.spec.records import Cost, Costs, Device, Limit, Requirement
+from budget.studies.allocation import allocate as module
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.cases import STRATEGIES, Bounds
+from budget.studies.allocation.longer_tests import find_longer_tests
 from budget.studies.allocation.market import (
     best_offered,
     load_catalogue,
@@ -32,6 +34,18 @@ from budget.studies.conformity import assess
 from budget.units import ARCSEC, DEG_PER_HOUR, PPM
 
 AXES = ("x", "y", "z")
+
+
+@pytest.fixture(autouse=True)
+def nothing_longer(monkeypatch):
+    """Look for no longer test, which takes ten times what an allocation takes."""
+    monkeypatch.setattr(module, "find_longer_tests", lambda _: ())
+
+
+@pytest.fixture
+def longer(monkeypatch):
+    """Look for longer tests, in a test that asks for them."""
+    monkeypatch.setattr(module, "find_longer_tests", find_longer_tests)
 
 
 def device(*sensors):
@@ -261,6 +275,7 @@ def test_relaxing_a_limit_to_the_floor_makes_it_feasible():
         assert allot(wanted=wanted, bounds=bounds).feasible is feasible
 
 
+@pytest.mark.usefixtures("longer")
 def test_a_longer_dwell_that_is_found_meets():
     """The dwell named for what is held meets with it, and one 1 % shorter does not."""
     bounds = Bounds(held=frozenset({"gyro.bias_stability"}), most={}, least={})
@@ -279,6 +294,7 @@ def test_a_longer_dwell_that_is_found_meets():
         assert allot(bounds=bounds, procedure=longer).feasible is feasible
 
 
+@pytest.mark.usefixtures("longer")
 def test_longer_windows_that_are_found_meet():
     """Of a test of one's own every dwell is longer in proportion, or every turn."""
     gyro = builders.sensor(
@@ -305,6 +321,7 @@ def test_longer_windows_that_are_found_meet():
         assert (again.longer_tests == ()) is meets
 
 
+@pytest.mark.usefixtures("longer")
 def test_more_turns_that_are_found_meet():
     """Turns named for the device as it is meet its limit, one turn fewer does not."""
     gyro = builders.sensor(

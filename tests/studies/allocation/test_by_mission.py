@@ -15,8 +15,10 @@ from budget.methods.scaling import scaled_law
 from budget.names import MISSION, Name
 from budget.spec import load_device, load_mission, load_procedure
 from budget.spec.records import Limit
+from budget.studies.allocation import allocate as module
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.cases import STRATEGIES, Bounds, resize
+from budget.studies.allocation.longer_tests import find_longer_tests
 from budget.studies.comparison.compare import compare
 from budget.studies.judgement import required_problem
 
@@ -24,6 +26,12 @@ ZHAO = load_device("zhao-2019")
 BENCH = load_mission("bench")
 MILE = 1852.0  # [m]
 HORIZONTAL = Name("position", owner=MISSION, axis="horizontal", time=3600.0)
+
+
+@pytest.fixture(autouse=True)
+def nothing_longer(monkeypatch):
+    """Look for no longer test, which takes ten times what an allocation takes."""
+    monkeypatch.setattr(module, "find_longer_tests", lambda _: ())
 
 
 def on_mission(limit=MILE, *, coverage=0.5, sensors=(), times=1.0):
@@ -119,8 +127,12 @@ def test_limits_on_sensors_and_mission_hold_together():
     assert any(row.is_binding for row in both.outputs if row.sensor == MISSION)
 
 
-def test_what_cannot_be_met_says_so():
-    """With every line held as it is, 6.7 miles are no mile: the limit is named."""
+def test_what_cannot_be_met_says_so(monkeypatch):
+    """With every line held as it is, 6.7 miles are no mile: the limit is named.
+
+    What is held is the devices as they are, so one longer test is found for both.
+    """
+    monkeypatch.setattr(module, "find_longer_tests", find_longer_tests)
     held = frozenset(
         Name(line.name, owner=sensor.kind)
         for sensor in ZHAO.sensors
@@ -134,6 +146,20 @@ def test_what_cannot_be_met_says_so():
     assert row.output.name == HORIZONTAL
     now = by_mission(ZHAO, on_mission(), method="gum").utilisation
     assert_allclose(row.floor, now, rtol=1e-9)
+    by_goal = {test.goal: [] for test in allocation.longer_tests}
+    for test in allocation.longer_tests:
+        by_goal[test.goal].append(replace(test, goal=""))
+    (as_they_are, floor) = by_goal.values()
+    assert as_they_are == floor
+    found = {(test.sensor, test.name): test for test in floor}
+    assert {*found} == {
+        ("gyro", "turns"),
+        ("gyro", "dwell"),
+        ("accelerometer", "dwell"),
+    }
+    # Repeatabilities are left, however long a test is: none brings it to the mile.
+    assert all(test.needed is None and test.best > test.now for test in floor)
+    assert all(1.0 < test.utilisation <= now for test in floor)
 
 
 def test_limits_on_a_mission_need_one():
