@@ -147,7 +147,7 @@ def test_monte_carlo_agrees_with_the_law_and_marginals_do_not():
     device = mounted("accelerometer", 20.0)
     found = problem((device,), plan, "accelerometer.rotation")
     law = propagate(found)
-    drawn = sample(found, trials=TRIALS, seed=3, workers=2)
+    drawn = sample(found, trials=TRIALS, seed=3)
     bound = SIGMAS / sqrt(2.0 * TRIALS)
     # Of the rotation about x: the tilt in both angles, and half of two independent.
     assert_allclose(spread(found)[0], sqrt(60.0**2 + 20.0**2 / 2.0), rtol=1e-6)

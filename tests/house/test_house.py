@@ -276,12 +276,30 @@ DRAWING = ("pandas", "matplotlib", "SALib", "jinja2", "fontTools", "typst")
 )
 def test_a_command_loads_what_it_needs_alone(words, spared):
     """`--help` loads no numpy, `analyze` nothing that draws, solves or distributes."""
-    code = (
-        "import sys, budget.cli\n"
-        f"sys.argv = ['budget', *{words!r}]\n"
-        "try:\n    budget.cli.main()\n"
-        "except SystemExit:\n    pass\n"
-        "print(sorted({m.split('.')[0] for m in sys.modules}))"
+    loaded = loaded_by(
+        "import budget.cli",
+        f"sys.argv = ['budget', *{words!r}]",
+        "try:\n    budget.cli.main()",
+        "except SystemExit:\n    pass",
+    )
+    assert "typer" in loaded
+    assert not loaded & {*spared}
+
+
+def test_a_worker_loads_nothing_that_reads_files():
+    """What a worker unpickles of a calibration needs no pydantic and no YAML."""
+    loaded = loaded_by(
+        "import budget.methods.monte_carlo, budget.methods.sobol",
+        "import budget.calibration.problem, budget.spec.records",
+    )
+    assert "numpy" in loaded
+    assert not loaded & {*DRAWING, "pydantic", "yaml", "rich", "typer"}
+
+
+def loaded_by(*lines):
+    """Return the packages that a fresh process has imported after some lines."""
+    code = "\n".join(
+        ("import sys", *lines, "print(*{m.split('.')[0] for m in sys.modules})")
     )
     run = subprocess.run(
         [sys.executable, "-c", code],
@@ -290,7 +308,4 @@ def test_a_command_loads_what_it_needs_alone(words, spared):
         check=True,
         env={**os.environ, "PYTHONPATH": str(PACKAGE.parent)},
     )
-    loaded = run.stdout.splitlines()[-1]
-    assert "'typer'" in loaded
-    for heavy in spared:
-        assert f"'{heavy}'" not in loaded
+    return {*run.stdout.splitlines()[-1].split()}
