@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cache
 from random import Random
 
 from hypothesis import strategies as st
@@ -54,9 +55,15 @@ class Page:
         return (line.count("\n") + 2 if "\n" in self.text else 1, len(tail) + 1)
 
 
+@cache
+def schema_of(kind):
+    """Return the schema of a kind of file, made once; nobody may change it."""
+    return json_schema(kind)
+
+
 def trees(kind):
     """Return a strategy of trees that the schema of a kind of file allows."""
-    schema = json_schema(kind)
+    schema = schema_of(kind)
     return st.builds(
         lambda seed, share: _value(schema, schema, random_of(seed), "", share),
         st.integers(0, 2**32 - 1),

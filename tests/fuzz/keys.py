@@ -6,11 +6,11 @@ import re
 from dataclasses import dataclass
 from functools import cache
 
+from fuzz.grammar import schema_of
 from places import DOCS
 
 from budget.model.sources import lines_of
 from budget.model.sources.later import AGEING
-from budget.spec import json_schema
 
 FILES = DOCS / "files.md"
 
@@ -46,7 +46,7 @@ def walk(schema, root, path=()):
 
 def keys_of(kind):
     """Return every key of a kind of file; of several forms of a value the last one."""
-    schema = json_schema(kind)
+    schema = schema_of(kind)
     return list({key.path: key for key in walk(schema, schema)}.values())
 
 

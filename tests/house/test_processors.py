@@ -36,7 +36,7 @@ COMPARED = (
 )
 DOCUMENTS = (
     ("analyze",),
-    ("analyze", "--method", "simulation", "--trials", "5"),
+    ("analyze", "--method", "simulation", "--trials", "2"),
     (
         *("analyze", "--reference", "next_turn_on", "--method", "monte-carlo"),
         *("--trials", "20000"),
@@ -46,7 +46,7 @@ DOCUMENTS = (
         *("--method", "gum"),
     ),
     COMPARED,
-    ("allocate", "--requirement", WANTED, "--no-validate"),
+    ("allocate", "--requirement", WANTED),
     (*LEAST_COST, "--no-validate"),
 )
 PRINTED = (
