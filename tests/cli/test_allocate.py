@@ -309,10 +309,23 @@ def test_a_missing_requirement_is_a_bad_call():
     assert "--requirement" in run.err
 
 
-def test_the_same_inputs_give_the_same_bytes(monkeypatch):
+@pytest.fixture
+def gyro(tmp_path):
+    """Write a device of one gyro, half as dear as two sensors."""
+    path = tmp_path / "gyro.yaml"
+    path.write_text(
+        "name: g\n"
+        "gyro: {errors: {bias_repeatability: 0.05 deg/h, "
+        "angle_random_walk: 0.005 deg/sqrt(h)}}\n",
+        encoding="utf-8",
+    )
+    return path
+
+
+def test_the_same_inputs_give_the_same_bytes(gyro, monkeypatch):
     """Twice the same call, Monte Carlo included, gives the same document."""
     monkeypatch.setattr(allocate, "find_longer_tests", find_longer_tests)
-    args = ("allocate", "--requirement", "navigation-grade", "--json", "-")
+    args = ("allocate", gyro, "--requirement", "navigation-grade", "--json", "-")
     assert call(*args).out == call(*args).out
 
 
@@ -341,11 +354,11 @@ def test_a_device_without_any_error_has_nothing_to_share(tmp_path, errors, strat
     assert found["devices"] == []
 
 
-def test_report_has_a_section_on_the_allocation(tmp_path):
+def test_report_has_a_section_on_the_allocation(gyro, tmp_path):
     """`budget report --allocate` adds what each line may be; alone it is exit 2."""
     page = tmp_path / "report.html"
     run = call(
-        *("report", "--requirement", "navigation-grade", "--allocate"),
+        *("report", gyro, "--requirement", "navigation-grade", "--allocate"),
         *("--no-validate", "-o", str(page)),
     )
     assert run.code == 0

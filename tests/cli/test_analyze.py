@@ -60,23 +60,26 @@ def test_method_and_trials_are_noted(method, options, trials):
     assert (settings["method"], settings["trials"]) == (method, trials)
 
 
-def test_simulation_runs_two_hundred_times(tmp_path):
-    """Without a number, the calibration, here a short one, is simulated 200 times."""
-    short = tmp_path / "short.yaml"
-    short.write_text(
+@pytest.fixture
+def short(procedure):
+    """Write a procedure of some seconds: its simulation takes as little."""
+    return procedure(
         "name: short\ngyro: {rate: 360 deg/s, dwell: 1 s}\n"
-        "accelerometer: {dwell: 1 s}\n",
-        encoding="utf-8",
+        "accelerometer: {dwell: 1 s}\n"
     )
+
+
+def test_simulation_runs_two_hundred_times(short):
+    """Without a number, the calibration, here a short one, is simulated 200 times."""
     document = analyze("--method", "simulation", "--procedure", short)
     assert document["settings"]["trials"] == 200
 
 
 @pytest.mark.parametrize("method", ["monte-carlo", "simulation"])
-def test_methods_share_the_contributions(method):
+def test_methods_share_the_contributions(method, short):
     """Under every method the contributions are the law's, to the last bit."""
-    law = analyze()
-    other = analyze("--method", method, "--trials", "20")
+    law = analyze("--procedure", short)
+    other = analyze("--procedure", short, "--method", method, "--trials", "20")
 
     assert other["outputs"][0]["mean"] != law["outputs"][0]["mean"]
     for ours, theirs in zip(law["outputs"], other["outputs"], strict=True):
@@ -91,10 +94,12 @@ def test_adaptive_is_the_default_of_trials():
     assert asked["settings"]["trials"] >= 10_000
 
 
-def test_a_second_digit_takes_more_trials():
+def test_a_second_digit_takes_more_trials(write):
     """`--digits 2` draws three times what `--digits 1` does, or more."""
+    gyro = write("gyro.yaml", GYRO)
     one, two = (
-        analyze("--method", "monte-carlo", "--digits", digits) for digits in (1, 2)
+        analyze(gyro, "--method", "monte-carlo", "--digits", digits)
+        for digits in (1, 2)
     )
 
     # First stages of 30 and 10 macro-blocks.
@@ -533,17 +538,18 @@ def test_derived_outputs_follow_from_the_covariance_of_the_angles():
 
 
 @pytest.mark.parametrize("method", ["monte-carlo", "simulation"])
-def test_every_method_knows_derived_outputs(method):
+def test_every_method_knows_derived_outputs(method, short):
     """Rotation and misalignment within five standard errors of the law's u."""
     n = {"monte-carlo": 20_000, "simulation": 60}[method]
-    law = analyze("--outputs", DERIVED)
-    found = analyze("--method", method, "--trials", str(n), "--outputs", DERIVED)
+    derived = ("--procedure", short, "--outputs", DERIVED)
+    law = analyze(*derived)
+    found = analyze("--method", method, "--trials", str(n), *derived)
 
     for one in law["outputs"]:
         name = f"{one['sensor']}.{one['parameter']}.{one['axis']}"
         assert_allclose(u(found, name), u(law, name), rtol=5.0 / np.sqrt(2.0 * n))
     # The control: angles are no rotation, their u is 1.41 times as large.
-    angle = u(analyze(), "gyro.mounting_angle.yx")
+    angle = u(analyze(*derived[:2]), "gyro.mounting_angle.yx")
     assert angle / u(found, "gyro.rotation.x") > 1.41 * (1.0 - 5.0 / np.sqrt(2.0 * n))
 
 
@@ -593,10 +599,11 @@ def test_outputs_that_cannot_be_had_are_refused(args, said):
         assert_says(run.err, words)
 
 
-def test_a_requirement_is_judged_as_by_report(tmp_path, monkeypatch):
+def test_a_requirement_is_judged_as_by_report(tmp_path, monkeypatch, write):
     """The verdict stands first, the document holds it, and the exit code stays 0."""
     monkeypatch.chdir(tmp_path)
-    wanted = ("hg4930#A", "--requirement", "catalogue-edge", "--no-validate")
+    write("gyro.yaml", GYRO.replace("0.05 deg/h", "50 deg/h"))
+    wanted = ("gyro.yaml", "--requirement", "catalogue-edge", "--no-validate")
     found = call("analyze", *wanted)
     assert found.code == 0
     assert found.out.index("FAILS edge of the catalogue") < found.out.index("Worst")

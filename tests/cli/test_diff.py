@@ -10,7 +10,7 @@ import shutil
 import pytest
 from command_line import analyze, call, output
 from numpy.testing import assert_allclose
-from reference_examples import DEVICE, store
+from reference_examples import DEVICE, computing_once, store
 from saying import assert_says
 
 from budget.resources import shipped
@@ -19,6 +19,7 @@ BETTER = DEVICE.replace(
     "repeatability: 0.05 deg/h", "repeatability: 0.03 deg/h"
 ).replace("value: 0.04 deg/h", "value: 0.02 deg/h")
 U = "standard_uncertainty"
+_computing_once = pytest.fixture(scope="module", autouse=True)(computing_once)
 
 
 @pytest.fixture

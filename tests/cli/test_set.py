@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
+from functools import cache
 from html import unescape
 
 import pytest
@@ -58,6 +59,12 @@ def edited(tmp_path, monkeypatch):
     return path
 
 
+@cache
+def document(name, *more):
+    """Return the JSON of a quick call, with more words; that of each is asked once."""
+    return json.loads(call(*CALLS[name], *more, "--json", "-").out)
+
+
 def numbers(value):
     """Yield every number in a document, in its order."""
     if isinstance(value, dict):
@@ -75,10 +82,9 @@ def numbers(value):
 def test_numbers_are_those_of_an_edited_file(name, edited):
     """A change on the call and one in the file are one change, to the bit."""
     words = CALLS[name]
-    changed = call(*words, *SET, "--json", "-")
-    by_hand = call(words[0], edited, *words[2:], "--json", "-")
-    plain = call(*words, "--json", "-")
-    found = [list(numbers(json.loads(run.out))) for run in (changed, by_hand, plain)]
+    by_hand = json.loads(call(words[0], edited, *words[2:], "--json", "-").out)
+    documents = (document(name, *SET), by_hand, document(name))
+    found = [list(numbers(one)) for one in documents]
     assert found[0] == found[1]
     assert found[0]
     # What a station must be is asked with every line of the device 0.
@@ -89,14 +95,14 @@ def test_numbers_are_those_of_an_edited_file(name, edited):
 def test_every_document_names_the_change(name, tmp_path, monkeypatch):
     """The name of the device, the assumptions and the input say what is other."""
     monkeypatch.chdir(tmp_path)
-    document = json.loads(call(*CALLS[name], *SET, "--json", "-").out)
-    text = json.dumps(document)
+    found = document(name, *SET)
+    text = json.dumps(found)
     assert "Zhao 2019 optical IMU, changed" in text
     told = " ".join(re.findall(r'"([^"]*by --set[^"]*)"', text))
     assert_says(told, "gyro.bias_stability", "0.02 deg/h", "0.04 deg/h")
     if name == "devices":
         return
-    inputs = document["inputs"]
+    inputs = found["inputs"]
     device = inputs["device"] if isinstance(inputs, dict) else inputs[0]
     (change,) = device["changes"]
     assert change["line"] == "gyro.bias_stability"
