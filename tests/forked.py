@@ -17,6 +17,7 @@ import runpy
 import signal
 import subprocess
 import sys
+import threading
 import warnings
 from contextlib import suppress
 from functools import cache
@@ -30,6 +31,8 @@ SELDOM = ("distributed", "SALib", "matplotlib", "pandas", "fontTools")
 SELDOM += ("scipy.signal", "scipy.stats")
 # Read while a command runs, not while Python or a library starts; the last by nobody.
 READ_LATE = ("COLUMNS", "SOURCE_DATE_EPOCH", "CHILD_LOG", "PYTEST_CURRENT_TEST")
+# Read as Python makes its streams, which a child makes anew.
+ENCODING = "PYTHONIOENCODING"
 NO_READER = ">&|"  # as a redirection: stdout is a pipe that its reader has closed
 # A line that imports one module, or from one.
 _IMPORT = re.compile(
@@ -40,7 +43,11 @@ _REDIRECTION = re.compile(r"([012]?)([<>])(&-|&\||\s*\S+)")
 
 def run_forked(words, *, folder, streams, environment, patience):
     """Run `budget` with those words; `streams` redirects as in a shell."""
-    late = {name: environment[name] for name in READ_LATE if name in environment}
+    late = {
+        name: environment[name]
+        for name in (*READ_LATE, ENCODING)
+        if name in environment
+    }
     early = {name: text for name, text in environment.items() if name not in late}
     server = _server(frozenset(early.items()))
     with TemporaryDirectory() as caught:
@@ -134,6 +141,7 @@ def _redirect(streams):
 
 def _streams_of_python():
     """Make the streams anew as Python makes them, None for a closed one."""
+    named, _, errors = os.environ.get(ENCODING, "").partition(":")
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         old, new = getattr(sys, name), None
         with suppress(OSError):
@@ -141,13 +149,33 @@ def _streams_of_python():
             end = io.FileIO(number, "w" if number else "r", closefd=False)
             new = io.TextIOWrapper(
                 io.BufferedWriter(end) if number else io.BufferedReader(end),
-                encoding=old.encoding,
-                errors=old.errors,
+                encoding=named or old.encoding,
+                errors=(errors or "strict") if named and number < 2 else old.errors,
                 newline="\n" if number else None,
                 line_buffering=number == 2,
             )
         setattr(sys, name, new)
         setattr(sys, f"__{name}__", new)
+
+
+def _run():
+    """Run `budget` and end as Python does, but leave its thousands of objects alone.
+
+    To take them apart is most of what a quick command takes here. What else happens at
+    an end happens, and where there is more to it the end is Python's own.
+    """
+    try:
+        runpy.run_module("budget", run_name="__main__", alter_sys=True)
+    except SystemExit as end:
+        if threading.active_count() > 1 or not isinstance(end.code, int):
+            raise
+        atexit._run_exitfuncs()  # noqa: SLF001
+        with suppress(OSError, ValueError):
+            for stream in (sys.stdout, sys.stderr):
+                if stream is not None:
+                    stream.flush()
+            os._exit(end.code)
+        raise
 
 
 if __name__ == "__main__":
@@ -161,4 +189,4 @@ if __name__ == "__main__":
     words = [os.fsdecode(word.encode("latin-1")) for word in asked_for["words"]]
     sys.argv = ["budget", *words]
     sys.path[0] = asked_for["folder"]
-    runpy.run_module("budget", run_name="__main__", alter_sys=True)
+    _run()
