@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 from contextlib import chdir
 from pathlib import Path
-from time import monotonic, sleep
 
 from command_line import call, surroundings
 from forked import NO_READER, run_forked
@@ -93,30 +91,6 @@ def children(process):
     """Return the process ids of a process' children."""
     path = Path(f"/proc/{process.pid}/task/{process.pid}/children")
     return [int(number) for number in path.read_text(encoding="ascii").split()]
-
-
-def used(number):
-    """Return what a process has used of the processor [s]; 0 where it has ended."""
-    try:
-        text = Path(f"/proc/{number}/stat").read_text(encoding="utf-8")
-    except (FileNotFoundError, ProcessLookupError):
-        return 0.0
-    ticks = text.rpartition(")")[2].split()[11:13]
-    return sum(map(int, ticks)) / os.sysconf("SC_CLK_TCK")
-
-
-def wait_until_at_work(*numbers, seconds=3.0):
-    """Wait until processes have used so much: several times what their imports take.
-
-    Where nobody can ask what a process has used it waits for as long.
-    """
-    if not Path("/proc/self/task").exists():
-        sleep(seconds)
-        return
-    begun = monotonic()
-    while min(map(used, numbers)) < seconds:
-        assert monotonic() - begun < PATIENCE
-        sleep(0.05)
 
 
 def run(*args, folder, streams="", before=None, **more):

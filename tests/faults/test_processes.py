@@ -7,7 +7,8 @@ import os
 import shutil
 import signal
 import subprocess
-from contextlib import ExitStack, suppress
+import sys
+from contextlib import suppress
 from pathlib import Path
 from time import monotonic, sleep
 
@@ -24,7 +25,6 @@ from failing import (
     run,
     run_warm,
     said,
-    wait_until_at_work,
 )
 from saying import assert_says
 
@@ -33,34 +33,73 @@ from budget.cli.options import processors
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="faults of POSIX systems")
 
 LONG_RUN = ("analyze", "--method", "monte-carlo", "--trials", "100000000")
+# Says by a file in which block of trials it is: nobody else can see where one process
+# is in its work.
+TOLD = """
+import os, runpy, sys
+from budget.methods import execution
+
+stream = execution.stream
+
+
+def told(seed, name, block):
+    with open(os.environ["AT_WORK"], "w") as place:
+        place.write(str(block))
+    return stream(seed, name, block)
+
+
+execution.stream = told
+runpy.run_module("budget", run_name="__main__", alter_sys=True)
+"""
+TELLING = (sys.executable, "-c", TOLD, *LONG_RUN)
+RESULT = 10_000  # bytes that a worker has written once it has handed over a result
 TWO_WORKERS = (*BUDGET, *LONG_RUN, "--workers", "2", "--json", "a.json")
+
+
+# Runs that write one file, several times each, forked from a process that has imported
+# what they need.
+RACE = """
+import os, sys
+from budget.cli import main
+
+
+def call(*words):
+    sys.argv = ["budget", "analyze", "--no-validate", *words]
+    try:
+        main()
+    except SystemExit as end:
+        return end.code or 0
+
+
+coverages = sys.argv[1:]
+call()
+runs = []
+for p in coverages:
+    runs.append(os.fork())
+    if not runs[-1]:
+        os._exit(max(call("--coverage", p, "--json", "a.json") for _ in range(2)))
+sys.exit(max(os.waitstatus_to_exitcode(os.waitpid(run, 0)[1]) for run in runs))
+"""
 
 
 @pytest.mark.slow
 def test_two_runs_that_write_one_file(tmp_path):
     """Whoever looks finds one whole file, of the one or the other, at any moment."""
-    call = (*BUDGET, "analyze", "--no-validate")
     result = tmp_path / "a.json"
-    with ExitStack() as stack:
-        runs = [
-            stack.enter_context(
-                subprocess.Popen(
-                    [*call, "--coverage", p, "--json", "a.json"],
-                    cwd=tmp_path,
-                    env=environment(),
-                    stdout=subprocess.DEVNULL,
-                    stderr=subprocess.DEVNULL,
-                )
-            )
-            for p in ("0.9", "0.99") * 2
-        ]
-        found = set()
+    found = set()
+    with subprocess.Popen(
+        [sys.executable, "-c", RACE, *("0.9", "0.99") * 2],
+        cwd=tmp_path,
+        env=environment(),
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    ) as process:
         while not result.exists():  # the imports are not worth looking at
-            assert any(process.poll() is None for process in runs)
+            assert process.poll() is None
             sleep(0.001)
-        while any(process.poll() is None for process in runs):
+        while process.poll() is None:
             found.add(json.loads(result.read_bytes())["settings"]["coverage"])
-    assert [process.returncode for process in runs] == [0] * 4
+    assert process.returncode == 0
     found.add(json.loads(result.read_bytes())["settings"]["coverage"])
     assert found <= {0.9, 0.99}
     assert contents(tmp_path).keys() == {"a.json"}
@@ -122,7 +161,24 @@ def listen():
 
 
 @pytest.fixture
-def start(tmp_path):
+def at_work(tmp_path_factory):
+    """Return the file by which a long run says where it is."""
+    return tmp_path_factory.mktemp("at_work") / "block"
+
+
+def wait_for_block(at_work, block):
+    """Wait until a run that tells is in a block of trials, and return in which."""
+    begun = monotonic()
+    while monotonic() - begun < PATIENCE:
+        text = at_work.read_text(encoding="ascii") if at_work.exists() else ""
+        if text and int(text) >= block:
+            return int(text)
+        sleep(0.02)
+    raise AssertionError("no work")
+
+
+@pytest.fixture
+def start(tmp_path, at_work):
     """Return a way to start long runs, each in a process group that is gone after."""
     started = []
 
@@ -130,7 +186,7 @@ def start(tmp_path):
         process = subprocess.Popen(
             [*words],
             cwd=tmp_path,
-            env=environment(),
+            env=environment(AT_WORK=str(at_work)),
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             start_new_session=True,
@@ -163,8 +219,14 @@ needs_proc = pytest.mark.skipif(
 )
 
 
+def written_by(number):
+    """Return how many bytes a process has written, pipes included."""
+    text = Path(f"/proc/{number}/io").read_text(encoding="ascii")
+    return int(text.partition("wchar: ")[2].split()[0])
+
+
 def workers_of(process):
-    """Wait until both workers are at work, and return their process ids."""
+    """Wait until both workers have done some of the work, and return their ids."""
     if processors() < 2:
         pytest.skip("one processor, so two workers are cut to one")
     begun = monotonic()
@@ -174,8 +236,7 @@ def workers_of(process):
             line = Path(f"/proc/{number}/cmdline").read_bytes()
             if b"spawn_main" in line:
                 found.append(number)
-        if len(found) == 2:
-            wait_until_at_work(*found, seconds=1.5)  # they import a third of a package
+        if len(found) == 2 and min(map(written_by, found)) > RESULT:
             return found
         sleep(0.05)
     raise AssertionError("no workers")
@@ -206,13 +267,14 @@ def test_a_signal_to_the_main_process(number, code, word, start, tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("workers", ["1", "2"])
-def test_ctrl_c_leaves_no_process_and_no_file(workers, start, tmp_path):
+def test_ctrl_c_leaves_no_process_and_no_file(workers, start, tmp_path, at_work):
     """Interrupted as a terminal does, all of them at once: 130, and nothing is left."""
-    process = start(*BUDGET, *LONG_RUN, "--workers", workers, "--json", "a.json")
+    begun = TWO_WORKERS if workers == "2" else (*TELLING, "--json", "a.json")
+    process = start(*begun)
     if workers == "2":
         workers_of(process)
     else:
-        wait_until_at_work(process.pid)
+        wait_for_block(at_work, 1)
     os.killpg(process.pid, signal.SIGINT)
     _, talk = process.communicate(timeout=PATIENCE)
     assert process.returncode == 130
@@ -250,12 +312,12 @@ def test_a_killed_worker(start, tmp_path):
 
 
 @pytest.mark.slow
-def test_nohup_keeps_its_meaning(start):
+def test_nohup_keeps_its_meaning(start, at_work):
     """Where a hang-up is ignored when the command starts, it stays ignored."""
-    process = start("bash", "-c", 'trap "" HUP; exec "$@"', "bash", *BUDGET, *LONG_RUN)
-    wait_until_at_work(process.pid)
+    process = start("bash", "-c", 'trap "" HUP; exec "$@"', "bash", *TELLING)
+    block = wait_for_block(at_work, 1)
     process.send_signal(signal.SIGHUP)
-    sleep(1.0)
+    wait_for_block(at_work, block + 5)
     assert process.poll() is None
     process.send_signal(signal.SIGTERM)
     process.communicate(timeout=PATIENCE)
