@@ -8,16 +8,13 @@ import os
 import shutil
 import subprocess
 import sys
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 
 import matplotlib as mpl
 import pytest
 from command_line import call, surroundings
-from failing import PATIENCE
-from forked import run_forked
 from places import PACKAGE
 
 from budget.cli import app
@@ -77,8 +74,7 @@ WATCHED = frozenset({WATCHED!r})
 
 def watch(event, arguments):
     if event in WATCHED:
-        log = os.environ.get("CHILD_LOG", os.environ["AUDIT_LOG"])
-        place = os.open(log, os.O_WRONLY | os.O_APPEND | os.O_CREAT)
+        place = os.open(os.environ["AUDIT_LOG"], os.O_WRONLY | os.O_APPEND | os.O_CREAT)
         os.write(place, (event + " " + repr(arguments)[:200] + "\\n").encode())
         os.close(place)
         if event.startswith(("socket", "urllib", "http")):
@@ -89,15 +85,44 @@ sys.addaudithook(watch)
 """
 
 
+# Commands one after another in one process, each in a folder of its own: what modules
+# do when they are imported is seen once, by the first that imports them. After each its
+# name is written into the list of events.
+SESSION = """
+import contextlib, io, json, os, sys
+
+calls, place = json.loads(sys.argv[1]), os.environ["AUDIT_LOG"]
+found = {}
+for name, words in calls.items():
+    os.mkdir(name)
+    os.chdir(name)
+    sys.argv = ["budget", *words]
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        try:
+            from budget.cli import main
+
+            main()
+        except SystemExit as end:
+            found[name] = [end.code or 0, out.getvalue(), err.getvalue()]
+    os.chdir("..")
+    with open(place, "a") as log:
+        log.write(f"# {name}\\n")
+print(json.dumps(found))
+"""
+# Workers import what started them: the process of theirs is a command and no more.
+ALONE = "analyze, two workers"
+
 PERSON, HOST = "someuserhere", "somehosthere"
-TRACED = ("report", "paper", "analyze, two workers")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Watched:
-    """One run of Python: its process, what it did of what is watched, its folder."""
+    """One run of Python: how it ended, what it did of what is watched, its folder."""
 
-    run: subprocess.CompletedProcess[bytes]
+    code: int
+    out: str
+    err: str
     events: list[str]
     folder: Path
     is_offline: bool
@@ -112,33 +137,12 @@ def is_allowed(*wrapper):
     return probe.returncode == 0
 
 
-def under_hooks(folder):
-    """Return an environment in which Python writes down what is watched."""
-    hooks, home = folder / "hooks", folder / "home"
-    for path in (hooks, home):
-        path.mkdir()
-    (hooks / "sitecustomize.py").write_text(HOOK, encoding="utf-8")
-    return surroundings() | {
-        "PYTHONPATH": str(hooks),
-        "AUDIT_LOG": str(folder / "log"),
-        # Without its list of fonts matplotlib asks fc-list, a program, for them.
-        "MPLCONFIGDIR": mpl.get_cachedir(),
-        "HOME": str(home),
-        "HOSTNAME": HOST,
-        "USER": PERSON,
-        "LOGNAME": PERSON,
-    }
-
-
-def events_of(log):
-    """Return what stands in a log; nothing is watched that did not happen."""
-    return log.read_text(encoding="utf-8").splitlines() if log.exists() else []
-
-
 def watch(folder, *words, is_traced=False, is_offline=False):
     """Run Python under the hooks, and where asked and allowed under more than that."""
-    environment, work = under_hooks(folder), folder / "work"
-    work.mkdir()
+    hooks, work, log = folder / "hooks", folder / "work", folder / "log"
+    for path in (hooks, work, folder / "home"):
+        path.mkdir()
+    (hooks / "sitecustomize.py").write_text(HOOK, encoding="utf-8")
     # By a filter in the kernel: else it stops at every call, which trebles the time.
     trace = [
         "strace",
@@ -156,13 +160,20 @@ def watch(folder, *words, is_traced=False, is_offline=False):
     run = subprocess.run(
         started,
         cwd=work,
-        env=environment,
+        env=surroundings()
+        | {"PYTHONPATH": str(hooks), "AUDIT_LOG": str(log)}
+        # Without its list of fonts matplotlib asks fc-list, a program, for them.
+        | {"MPLCONFIGDIR": mpl.get_cachedir()}
+        | {"HOME": str(folder / "home"), "HOSTNAME": HOST}
+        | {"USER": PERSON, "LOGNAME": PERSON},
         capture_output=True,
         check=False,
     )
     return Watched(
-        run=run,
-        events=events_of(folder / "log"),
+        code=run.returncode,
+        out=run.stdout.decode(),
+        err=run.stderr.decode(),
+        events=log.read_text(encoding="utf-8").splitlines() if log.exists() else [],
         folder=work,
         is_offline=is_offline,
         system_calls=(folder / "trace").read_text("utf-8") if is_traced else None,
@@ -170,47 +181,41 @@ def watch(folder, *words, is_traced=False, is_offline=False):
 
 
 @pytest.fixture(scope="module")
-def call_of(tmp_path_factory):
-    """Return a way to get the run of a command: one run, for all that is asked of it.
+def watched(tmp_path_factory):
+    """Return what every command did: one run, for all that is asked of it.
 
-    The report is made without a network, where that is allowed. What is not traced runs
-    in a child of a process that has imported everything, under the hooks too.
+    Without a network and under the eyes of the kernel, where that is allowed.
     """
     import_module("matplotlib.font_manager")  # makes the list, once on a machine
-    parent = tmp_path_factory.mktemp("parent")
-    environment = under_hooks(parent)
-
-    @cache
-    def run_once(name):
-        folder = tmp_path_factory.mktemp("watched")
-        if name in TRACED:
-            return watch(
-                folder,
-                *("-m", "budget", *CALLS[name]),
-                is_traced=True,
-                is_offline=name == "report",
-            )
-        work = folder / "work"
-        work.mkdir()
-        run = run_forked(
-            CALLS[name],
-            folder=work,
-            streams="",
-            environment=environment | {"CHILD_LOG": str(folder / "log")},
-            patience=PATIENCE,
+    together = {name: words for name, words in CALLS.items() if name != ALONE}
+    how = dict(is_traced=True, is_offline=True)
+    session = watch(
+        tmp_path_factory.mktemp("watched"),
+        *("-c", SESSION, json.dumps(together)),
+        **how,
+    )
+    assert session.code == 0, session.err
+    ends = json.loads(session.out)
+    events = dict.fromkeys(together, ())
+    own = []
+    for line in session.events:
+        if line.startswith("# "):
+            events[line.removeprefix("# ")], own = own, []
+        else:
+            own.append(line)
+    found = {
+        name: replace(
+            session,
+            code=code,
+            out=out,
+            err=err,
+            events=events[name],
+            folder=session.folder / name,
         )
-        imported = events_of(parent / "log")
-        # The parent forks, and does nothing else of what is watched.
-        events = [event for event in imported if not event.startswith("os.fork ")]
-        return Watched(
-            run=run,
-            events=events + events_of(folder / "log"),
-            folder=work,
-            is_offline=False,
-            system_calls=None,
-        )
-
-    return run_once
+        for name, (code, out, err) in ends.items()
+    }
+    alone = ("-m", "budget", *CALLS[ALONE])
+    return found | {ALONE: watch(tmp_path_factory.mktemp("watched"), *alone, **how)}
 
 
 def test_every_command_is_called_here():
@@ -219,18 +224,54 @@ def test_every_command_is_called_here():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", CALLS)
-def test_no_network_no_program_no_pickle(name, call_of):
+def test_no_network_no_program_no_pickle(watched):
     """No command connects, starts a program or loads a pickle; workers alone may."""
-    found = call_of(name)
-    code = 1 if name in NOT_MET else 0
-    assert found.run.returncode == code, found.run.stderr.decode()
-    events = found.events
-    if name == "analyze, two workers":
-        # Python's own processes, and tasks that they get through a private pipe.
-        allowed = ("os.posix_spawn", "subprocess.Popen", "os.fork", "pickle.find_class")
-        events = [event for event in events if not event.startswith(allowed)]
-    assert events == []
+    assert watched.keys() == CALLS.keys()
+    for name, found in watched.items():
+        assert found.code == (1 if name in NOT_MET else 0), (name, found.err)
+        events = found.events
+        if name == ALONE:
+            # Python's own processes, and tasks that they get through a private pipe.
+            allowed = ("os.posix_spawn", "subprocess.Popen", "os.fork")
+            allowed += ("pickle.find_class",)
+            events = [event for event in events if not event.startswith(allowed)]
+        assert events == [], name
+
+
+@pytest.mark.slow
+def test_no_system_call_to_a_network(watched):
+    """Libraries that are no Python open no internet socket either."""
+    for name, found in watched.items():
+        if found.system_calls is None:
+            pytest.skip("tracing is not allowed here")
+        assert "AF_INET" not in found.system_calls, name
+
+
+@pytest.mark.slow
+def test_a_machine_without_a_network(watched):
+    """In a network namespace without any interface a report is written."""
+    found = watched["report"]
+    if not found.is_offline:
+        pytest.skip("namespaces are not allowed here")
+    assert found.code == 0, found.err
+    assert sorted(p.name for p in found.folder.iterdir()) == ["a.html", "a.pdf"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["report", "paper"])
+def test_documents_name_no_place_and_no_person(name, watched):
+    """No folder, user or host of the run stands in what is written."""
+    found = watched[name]
+    secrets = (
+        *(str(found.folder), str(found.folder.parent.parent)),
+        *(str(PACKAGE), PERSON, HOST, os.uname().nodename),
+    )
+    written = list(found.folder.glob("a.*"))
+    assert written
+    for path in written:
+        data = path.read_bytes()
+        for secret in secrets:
+            assert len(secret) < 4 or secret.encode() not in data, (path.name, secret)
 
 
 @pytest.mark.parametrize(
@@ -248,33 +289,12 @@ def test_the_watch_sees_what_it_watches(code, tmp_path):
     assert watch(tmp_path, "-c", code).events
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", TRACED)
-def test_no_system_call_to_a_network(name, call_of):
-    """Libraries that are no Python open no internet socket either."""
-    found = call_of(name)
-    if found.system_calls is None:
-        pytest.skip("tracing is not allowed here")
-    assert found.run.returncode == 0, found.run.stderr.decode()
-    assert "AF_INET" not in found.system_calls
-
-
 def test_the_trace_sees_a_socket(tmp_path):
     """Control: a socket that no hook is asked about is written down."""
     found = watch(tmp_path, "-c", "import socket; socket.socket()", is_traced=True)
     if found.system_calls is None:
         pytest.skip("tracing is not allowed here")
     assert "AF_INET" in found.system_calls
-
-
-@pytest.mark.slow
-def test_a_machine_without_a_network(call_of):
-    """In a network namespace without any interface a report is written."""
-    found = call_of("report")
-    if not found.is_offline:
-        pytest.skip("namespaces are not allowed here")
-    assert found.run.returncode == 0, found.run.stderr.decode()
-    assert sorted(p.name for p in found.folder.iterdir()) == ["a.html", "a.pdf"]
 
 
 def test_only_a_cluster_that_is_asked_for_is_connected_to():
@@ -434,24 +454,3 @@ def test_files_beside_the_user_are_no_templates(tmp_path, monkeypatch):
     run = call("report", "--no-validate", "-o", "a.html")
     assert run.code == 0, run.err
     assert "taken over" not in (tmp_path / "a.html").read_text(encoding="utf-8")
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["report", "paper"])
-def test_documents_name_no_place_and_no_person(name, call_of):
-    """No folder, user or host of the run stands in what is written."""
-    found = call_of(name)
-    assert found.run.returncode == 0, found.run.stderr.decode()
-    secrets = (
-        str(found.folder.parent),
-        str(PACKAGE),
-        PERSON,
-        HOST,
-        os.uname().nodename,
-    )
-    written = list(found.folder.glob("a.*"))
-    assert written
-    for path in written:
-        data = path.read_bytes()
-        for secret in secrets:
-            assert len(secret) < 4 or secret.encode() not in data, (path.name, secret)
