@@ -176,11 +176,13 @@ def gyro_ranks(comparison):
 @pytest.mark.parametrize("times", [0.1, 1.0, 30.0])
 def test_publishing_less_never_ranks_higher(times):
     """A device that does not give a line is behind itself with that line."""
-    device = scaled(ZHAO, times)
-    for line in ZHAO.gyro.lines:
-        bare = replace(without(line.name, device=device), name="bare")
-        ranks = gyro_ranks(compared(bare, replace(device, name="full")))
-        assert ranks == ["full", "bare"], line.name
+    device = replace(scaled(ZHAO, times), accelerometer=None)
+    names = [line.name for line in ZHAO.gyro.lines]
+    bare = [replace(without(name, device=device), name=name) for name in names]
+    first, *others = gyro_ranks(compared(*bare, replace(device, name="full")))
+
+    assert first == "full"
+    assert sorted(others) == sorted(names)
 
 
 def test_the_undecidable_come_after_those_that_fail():
