@@ -168,7 +168,7 @@ def choose_fonts(
     bundled = FontSet(
         families=(TEXT_FAMILY,),
         faces=(),
-        coverage=(frozenset.intersection(*map(_bundled_coverage, BUNDLED)),),
+        coverage=(_bundled_coverage(),),
     )
     missing = frozenset().union(*(bundled.missing(text) for text in texts))
     wanted = {ord(c) for c in missing if _may_print(c)}
@@ -221,6 +221,7 @@ def coverage(face: Face) -> frozenset[int]:
 
     try:
         with _open(face) as font:
+            _call_glyphs_by_number(font)
             return frozenset(font.getBestCmap() or ())
     except (TTLibError, OSError, AssertionError, KeyError):
         return frozenset()  # a broken font of the system is not the user's concern
@@ -267,15 +268,18 @@ def _bundled(name: str) -> Path:
     return Path(mpl.get_data_path()) / "fonts" / "ttf" / name
 
 
-def _bundled_coverage(name: str) -> frozenset[int]:
-    """Return the code points of a bundled font."""
-    return coverage(Face(family=TEXT_FAMILY, path=_bundled(name), index=0))
+@cache
+def _bundled_coverage() -> frozenset[int]:
+    """Return the code points that both bundled fonts have."""
+    return frozenset.intersection(*(frozenset(_advances(name)) for name in BUNDLED))
 
 
 @cache
 def _advances(name: str) -> dict[int, float]:
     """Return the width of each character of a bundled font [em]."""
-    with _open(Face(family=TEXT_FAMILY, path=_bundled(name), index=0)) as font:
+    face = Face(family=TEXT_FAMILY, path=_bundled(name), index=0)
+    with _open(face) as font:
+        _call_glyphs_by_number(font)
         units, metrics = font["head"].unitsPerEm, font["hmtx"].metrics
         return {
             code: metrics[glyph][0] / units
@@ -294,6 +298,14 @@ def _open(face: Face) -> TTFont:
         recalcBBoxes=False,
         recalcTimestamp=False,
     )
+
+
+def _call_glyphs_by_number(font: TTFont) -> None:
+    """Spare a font that is only read the names of its glyphs.
+
+    Nothing asks for them, and they take as long to read as all the rest.
+    """
+    font.setGlyphOrder(list(range(font["maxp"].numGlyphs)))
 
 
 def _system_faces(folders: Sequence[Path] | None) -> list[tuple[Face, int]]:
