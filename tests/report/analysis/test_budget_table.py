@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from math import sqrt
 
@@ -16,7 +17,7 @@ from budget.report.analysis.budget_table import (
 from budget.report.analysis.groups import budget_section
 from budget.report.tables import AT_LEAST, AT_MOST, group_tables, print_divisor
 from budget.resources import shipped
-from budget.spec import load_device, load_procedure
+from budget.spec import load_device, load_procedure, load_requirement
 from budget.studies.analysis import analyze
 
 COLUMNS = [
@@ -202,27 +203,36 @@ def test_a_predicted_line_says_whose_it_is():
     assert row[U_X]
 
 
+WIDE_LIMITS = {
+    "name": "wide",
+    "coverage": "95 %",
+    "reference": "nominal",
+    "limits": {
+        "gyro": {
+            "scale_factor": "900 ppm",
+            "mounting_angle": "60 arcsec",
+            "bias": "30 deg/h",
+        }
+    },
+}
+
+
 @cache
-def judged_by_trials(tmp_path):
+def judged_by_trials():
     """Return few simulated runs against wide limits: the law's intervals are kept."""
-    path = tmp_path / "wide.yaml"
-    path.write_text(WIDE_LIMITS)
     return analyze(
-        load_device("hg4930#A"), method="simulation", trials=20, requirement=path
+        load_device("hg4930#A"),
+        method="simulation",
+        trials=20,
+        requirement=load_requirement(WIDE_LIMITS),
+        # A tenth of the samples: it is asked how u is said, not how large it is.
+        procedure=replace(load_procedure(None), sample_rate=10.0),
     )
 
 
-WIDE_LIMITS = """\
-name: wide
-coverage: 95 %
-reference: nominal
-limits: {gyro: {scale_factor: 900 ppm, mounting_angle: 60 arcsec, bias: 30 deg/h}}
-"""
-
-
-def test_u_of_trials_has_no_k_to_the_interval_of_the_law(tmp_path):
+def test_u_of_trials_has_no_k_to_the_interval_of_the_law():
     """JCGM 100:2008, 6.2.1: k is U over u of one method; each total says its own."""
-    of = judged_by_trials(tmp_path)
+    of = judged_by_trials()
     row = of.output("gyro.bias.x")
     assert (row.interval_by, row.u_by, row.coverage_factor) == (
         *("law", "simulation"),
@@ -241,9 +251,9 @@ def test_u_of_trials_has_no_k_to_the_interval_of_the_law(tmp_path):
     assert not any(cell.text.startswith("k =") for one in group.rows for cell in one)
 
 
-def test_u_of_trials_has_no_degrees_of_freedom(tmp_path):
+def test_u_of_trials_has_no_degrees_of_freedom():
     """They are of the law's u; a remark says whose rows and totals are."""
-    of = judged_by_trials(tmp_path)
+    of = judged_by_trials()
     (group,) = table(of, "gyro bias").groups
     combined = [one for one in group.rows if one[0].text.startswith("combined")]
     assert combined

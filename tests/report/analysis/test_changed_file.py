@@ -11,6 +11,8 @@ from budget import analyze, load_catalogue, load_device, load_procedure
 from budget.report.analysis.what_if import AnalyzeAgain, what_if_section
 from budget.report.device_file import MARK, is_read_back
 from budget.spec import load_requirement
+from budget.studies import conformity, readings
+from budget.studies.judgement import judge_with
 from budget.studies.request import analysis_of, sensors_of
 from budget.studies.what_if import one_at_a_time, what_if
 
@@ -50,6 +52,26 @@ OPEN = (
 )
 
 
+TRIALS = 10_000  # a tenth of what a report takes: those of both files are the same
+
+
+@pytest.fixture(autouse=True)
+def few_trials(monkeypatch):
+    """Judge the device and its file with the same trials, but fewer."""
+
+    def judge(held, law, *, seed, **_):
+        return judge_with(held, law, seed=seed, trials=TRIALS)
+
+    for module in (conformity, readings):
+        monkeypatch.setattr(module, "judge", judge)
+
+
+def shapes(device):
+    """Return what every line of a device is distributed as."""
+    sensors = [one for one in (device.gyro, device.accelerometer) if one]
+    return [(line.name, line.distributions) for one in sensors for line in one.lines]
+
+
 def handed_out(budget, *devices):
     """Return the file of a report with nothing moved; '' where there is none."""
     analysis = analysis_of(budget)
@@ -76,6 +98,7 @@ def assert_same(folder, device, *, limits=None, **options):
     again = analyze(read, requirement=wanted, validate=False, **options)
 
     assert read.technology == device.technology
+    assert shapes(read) == shapes(device)
     before, after = budget.assessment.sensors, again.assessment.sensors
     assert [one.verdict for one in before] == [one.verdict for one in after]
     for one, other in zip(before, after, strict=True):
