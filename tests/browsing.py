@@ -40,18 +40,22 @@ def chromium():
         browser = driver.chromium.launch(
             executable_path=executable, args=["--no-sandbox"]
         )
+        browser.new_context()  # the one that pages without options are opened in
         yield browser
         browser.close()
 
 
 @contextmanager
-def opened(browser, path, **options):
-    """Open a file; give the page and the record of its requests and complaints."""
+def opened(browser, path, *, width=1280, **options):
+    """Open a file; give the page and the record of its requests and complaints.
+
+    Every page is a new one. They have their cookies and stores in common, of which they
+    have none: a context of its own takes as long as what most tests do in it.
+    """
     record = Record()
-    context = browser.new_context(
-        **({"viewport": {"width": 1280, "height": 900}} | options)
-    )
-    page = context.new_page()
+    own = browser.new_context(**options) if options else None
+    page = (own or browser.contexts[0]).new_page()
+    page.set_viewport_size({"width": width, "height": 900})
     page.set_default_timeout(300_000.0)
     page.on("request", lambda request: record.requests.append(request.url))
     page.on("console", lambda message: record.complaints.append(message.text))
@@ -59,7 +63,7 @@ def opened(browser, path, **options):
     page.on("dialog", lambda dialog: record.complaints.append(dialog.message))
     page.goto(path.as_uri())
     yield page, record
-    context.close()
+    (own or page).close()
 
 
 def axe_core():
