@@ -7,11 +7,22 @@ import io
 
 import pytest
 from command_line import call
+from keeping import once
 from numpy.testing import assert_allclose
 from saying import assert_says
 
+from budget.studies import stations
+
 TACTICAL = ("station", "zhao-2019", "--requirement", "tactical-grade")
 HARD = ("station", "zhao-2019", "--requirement", "navigation-grade")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _computed_once():
+    """Judge stations once, in however many forms it is told."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(stations, "qualify", once(stations.qualify, {}))
+        yield
 
 
 @pytest.fixture
