@@ -68,6 +68,8 @@ ANGLE = ("arcsec", ARCSEC)
 ROUNDING = {"position": 1e-9, "velocity": 1e-12, "attitude": 1e-15}
 DOWN = "down"
 # What navigators are asked for, in the order of Moment.seen.
+LOST = 1e-13  # of a sum over the steps, by rounding [1]
+DOUBTED = 1e-6  # from which error on a correlation is not worth keeping [1]
 SEEN = tuple((quantity, axis) for quantity, axes in PLACES.items() for axis in axes)
 
 
@@ -271,8 +273,11 @@ class Places:
     def pick(self, C: Array) -> Array:
         """Return the covariance (n, n) of the names out of (times, 9, times, 9)."""
         size = len(self.times) * len(SEEN)
+        C = C.reshape(size, size)
         place = self.time * len(SEEN) + self.row
-        return np.asarray(C.reshape(size, size)[np.ix_(place, place)])
+        u = np.sqrt(np.maximum(np.diag(C), 0.0))
+        largest = u.reshape(-1, len(AXES)).max(axis=1).repeat(len(AXES))
+        return _settled(C[np.ix_(place, place)], largest[place])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -301,6 +306,33 @@ class Carried:
         for rows in self.noise:
             found = found + argument[rows]
         return np.asarray(found)
+
+
+def _settled(C: Array, largest: Array) -> Array:
+    """Return a covariance without what rounding has left in it, shape (n, n).
+
+    Sums over steps are rounded by a part of the largest error of the same kind at the
+    same time. An error far below that, as of the heading at the equator, has a size
+    that nobody notices and correlations that mean nothing: they are dropped. Of the
+    others the nearest are taken that a covariance can have.
+    """
+    u = np.sqrt(np.maximum(np.diag(C), 0.0))
+    varies = u > 0.0
+    size = np.where(varies, u, 1.0)
+    R = 0.5 * (C + C.T) / np.outer(size, size)
+    lost = LOST * np.outer(largest / size, largest / size) > DOUBTED
+    lost |= ~np.outer(varies, varies)
+    np.fill_diagonal(lost, val=False)
+    R[lost] = 0.0
+    np.fill_diagonal(R, varies)
+    values, vectors = np.linalg.eigh(R)
+    if values.min(initial=0.0) < -LOST * len(R):
+        root = vectors * np.sqrt(np.maximum(values, 0.0))
+        root /= np.where(varies, np.linalg.norm(root, axis=1), 1.0)[:, None]
+        R = root @ root.T
+    elif not lost.any():
+        return 0.5 * (C + C.T)
+    return np.asarray(R * np.outer(u, u))
 
 
 def _carried_on(group: Group, in_run: Array | None, m: int) -> Group:

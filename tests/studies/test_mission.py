@@ -164,3 +164,33 @@ def test_the_rate_of_samples_is_said():
     assert any("samples of the mission come at 100 Hz" in x for x in found.assumptions)
     other = analyze("hg4930#A", mission="bench", at=[60], validate=False)
     assert not any("samples of the mission" in text for text in other.assumptions)
+
+
+TWO_WALKS = {
+    "name": "x",
+    "gyro": {"errors": {"angle_random_walk": "0.1 deg/sqrt(h)"}},
+    "accelerometer": {"errors": {"velocity_random_walk": "0.1 m/s/sqrt(h)"}},
+}
+
+
+@pytest.mark.parametrize("device", ["zhao-2019", TWO_WALKS], ids=str)
+def test_the_equator_is_a_place_like_others(device):
+    """Where an error is lost in the rounding of others, all goes on as nearby.
+
+    Of the heading there, which accelerometers do not move, and its neighbourhood.
+    """
+    found = []
+    for latitude in ("0 deg", "0.001 deg", "0.1 deg"):
+        segments = [{"stand": "2 h"}]
+        mission = {"mission": {"latitude": latitude, "segments": segments}}
+        times = ["60 s", "600 s", "42.2 min", "3600 s", "84.4 min"]
+        mission["mission"]["at"] = times
+        result = analyze(device, mission=mission, validate=False)
+        found.append(result)
+    equator, *nearby = (
+        {row.output.name: row.standard_uncertainty for row in one.outputs}
+        for one in found
+    )
+    for one in nearby:
+        for name, u in equator.items():
+            assert_allclose(one[name], u, rtol=0.01, err_msg=str(name))
