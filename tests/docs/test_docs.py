@@ -82,6 +82,7 @@ def test_the_example_of_decision_rules_runs_as_printed():
     assert names["one"].is_accepted
 
 
+@pytest.mark.usefixtures("drawn_once")
 def test_the_library_example_runs_as_printed(capsys, tmp_path, monkeypatch):
     """The Python of docs/results.md runs on and gives a verdict for each sensor."""
     text = (DOCS / "results.md").read_text(encoding="utf-8")

@@ -332,6 +332,7 @@ def test_a_figure_that_there_is_not_is_refused(result):
         result.plot.contributions("gyro.bais")
 
 
+@pytest.mark.usefixtures("drawn_once")
 def test_a_report_is_a_line(judged, tmp_path):
     """`budget.report` writes the pages of the command, before and after its import."""
     page = tmp_path / "r.html"
