@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from base64 import b64encode
+from functools import cache
 from hashlib import sha256
 from html import escape, unescape
 from typing import TYPE_CHECKING
@@ -18,6 +19,7 @@ from budget.resources import shipped
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
+    from pathlib import Path
 
     from jinja2 import Environment
     from markupsafe import Markup
@@ -279,10 +281,16 @@ def page_environment() -> Environment:
     Missing values are errors, plain text is escaped and its numbers bound to their
     units; the filters `number` and `longest_tail` set columns.
     """
+    return _environment(shipped("templates"))
+
+
+@cache  # it keeps what it has compiled, and reads a template that has changed again
+def _environment(templates: Path) -> Environment:
+    """Return that of the templates in a folder."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     environment = Environment(
-        loader=FileSystemLoader(shipped("templates")),
+        loader=FileSystemLoader(templates),
         autoescape=True,
         undefined=StrictUndefined,
         finalize=lambda value: bind(value) if type(value) is str else value,

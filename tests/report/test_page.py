@@ -7,7 +7,7 @@ import re
 import xml.etree.ElementTree as ET
 from base64 import b64encode
 from dataclasses import fields, is_dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 from hashlib import sha256
 from html.parser import HTMLParser
 from itertools import pairwise
@@ -95,12 +95,12 @@ class Page(HTMLParser):
         """Return all values of one attribute."""
         return [attrs[name] for _, attrs in self.elements if name in attrs]
 
-    @property
+    @cached_property
     def skeleton(self):
         """What a page is made of, texts apart: tags with the names of attributes."""
         return [(tag, *attrs) for tag, attrs in self.elements]
 
-    @property
+    @cached_property
     def words(self):
         """Text and spoken text with ordinary minus signs and single spaces."""
         spoken = self.attributes("aria-label")
@@ -156,6 +156,18 @@ def example(**changes):
     return replace(drawn(), **changes)
 
 
+@cache
+def plain_page():
+    """Return the page of the example, rendered and read once."""
+    return Page(render_page(drawn()))
+
+
+@cache
+def harmless_page():
+    """Return that of the example with one word in all places."""
+    return Page(render_page(fill(drawn(), "plain")))
+
+
 def page_of(*blocks, **changes):
     """Return the page of a document with one section."""
     section = Section(name="s", title="S", blocks=blocks)
@@ -177,13 +189,13 @@ def test_a_formula_of_its_own_is_set_at_full_size():
 
 def test_tags_are_balanced():
     """Every element that is opened is closed, in order."""
-    assert Page(render_page(example())).open == []
+    assert plain_page().open == []
 
 
 def test_every_text_of_the_document_is_on_the_page():
     """Texts, heads, cells, notes, captions, alternatives: none is left out."""
     document = example()
-    page = Page(render_page(document))
+    page = plain_page()
 
     skipped = KEPT | {"name", "empty", "model", "source", "number"}
     for text in texts(document, skipped):
@@ -194,11 +206,9 @@ def test_every_text_of_the_document_is_on_the_page():
 @pytest.mark.parametrize("text", HOSTILE)
 def test_foreign_text_adds_no_element(text):
     """With mark-up in every text the page has the same elements and attributes."""
-    document = example()
-    harmless = Page(render_page(fill(document, "plain")))
-    page = Page(render_page(fill(document, text)))
+    page = Page(render_page(fill(example(), text)))
 
-    assert page.skeleton == harmless.skeleton
+    assert page.skeleton == harmless_page().skeleton
     assert words(text) in page.words
 
 
@@ -227,7 +237,7 @@ def test_embedded_documents_survive_foreign_text(text):
 @pytest.mark.parametrize("text", HOSTILE)
 def test_running_head_cannot_be_left(text):
     """The verdict in the style sheet is code points where it is not letters."""
-    document = example(title=text)
+    document = example(title=text, sections=())
     (style,) = Page(render_page(document)).inside["style"]
 
     assert css_string(document.running_head) in style
@@ -237,7 +247,7 @@ def test_running_head_cannot_be_left(text):
 @pytest.mark.parametrize("attribute", ["src", "href", "xlink:href", "action", "data"])
 def test_page_loads_nothing(attribute):
     """No address on the page leads anywhere but into the page."""
-    page = Page(render_page(example()))
+    page = plain_page()
 
     assert all(target.startswith("#") for target in page.attributes(attribute))
 
@@ -254,7 +264,7 @@ def test_style_loads_nothing():
 
 def test_policy_lets_only_the_script_of_the_page_run():
     """The hash in the policy is that of the one script, nothing else may load."""
-    page = Page(render_page(example()))
+    page = plain_page()
     (policy,) = [
         attrs["content"]
         for tag, attrs in page.elements
@@ -272,7 +282,7 @@ def test_policy_lets_only_the_script_of_the_page_run():
 
 def test_script_stands_in_the_page_as_it_is():
     """No template meddles with the script: what is tested is what is written."""
-    script = Page(render_page(example())).inside["script"][-1]
+    script = plain_page().inside["script"][-1]
 
     for name in SCRIPTS:
         source = (shipped("templates") / name).read_text(encoding="utf-8")
@@ -318,7 +328,7 @@ def test_missing_template_is_named(monkeypatch, tmp_path, name):
 def test_links_of_the_contents_lead_to_sections():
     """Each section has one entry, whose target is there."""
     document = example()
-    page = Page(render_page(document))
+    page = plain_page()
     ids = page.attributes("id")
 
     targets = [target for target in page.attributes("href") if target[1:] in ids]
@@ -328,7 +338,7 @@ def test_links_of_the_contents_lead_to_sections():
 
 def test_ids_are_unique():
     """No two elements share an id, those inside figures included."""
-    ids = Page(render_page(example())).attributes("id")
+    ids = plain_page().attributes("id")
 
     assert len(ids) == len(set(ids))
 
@@ -369,7 +379,7 @@ def test_what_scrolls_can_be_reached_and_has_a_name():
 
 def test_headings_leave_out_no_level():
     """Those who hear the page can follow its headings."""
-    page = Page(render_page(example()))
+    page = plain_page()
     levels = [int(tag[1]) for tag, _ in page.elements if re.fullmatch(r"h[1-6]", tag)]
 
     assert levels[0] == 1
@@ -447,7 +457,7 @@ def test_page_of_an_answer_alone_has_no_contents():
 
 def test_empty_list_says_what_that_means():
     """A list without points is a sentence."""
-    page = Page(render_page(example()))
+    page = plain_page()
 
     assert page.inside["p"].count("None.") == 1
 
