@@ -61,9 +61,14 @@ def test_both_kinds_are_written_at_once(written):
 def test_a_station_has_its_section_in_every_form(tmp_path, monkeypatch):
     """--station: the same finding on page and PDF, its file among the inputs."""
     (tmp_path / "hut.yaml").write_text("station: {gravity: 20 mGal}\n")
+    (tmp_path / "a.yaml").write_text(
+        "name: a\naccelerometer: {errors: {bias_repeatability: 37 ug, "
+        "bias_stability: {value: 20 ug, correlation_time: 300 s}, "
+        "scale_factor_repeatability: 37 ppm, mounting_repeatability: 2 arcsec}}\n"
+    )
     monkeypatch.chdir(tmp_path)
     run = call(
-        *("report", "--no-validate", "--station", "hut.yaml"),
+        *("report", "a.yaml", "--no-validate", "--station", "hut.yaml"),
         *("-o", "x.html", "-o", "x.pdf"),
     )
     assert (run.code, run.out) == (0, ""), run.err
