@@ -8,6 +8,7 @@ nearly equal numbers, which the package avoids, cost nothing here.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import mpmath
 from mpmath import mpf
@@ -114,33 +115,23 @@ def response(angle):
 def calibrate_gyro(state, windows, *, rate, turns, latitude, azimuths, formulas):
     """Count the pulses of every window and use eqs. (3), (4); angles in degrees."""
     M = response(state.angle)
-    lat = mpf(latitude) * mpmath.pi / 180
-    north, up = EARTH * mpmath.cos(lat), EARTH * mpmath.sin(lat)
-    omega = mpf(rate) * mpmath.pi / 180
-    # Whole turns average the earth rate across the axis of the turn to zero.
-    along = {X: [0, 0, 0], Y: [0, north, 0], Z: [0, 0, up]}
+    static = [_earth(latitude, azimuth) for azimuth in azimuths]
+    turned, seen_static = _seen_by_gyro(
+        tuple(state.angle), tuple(state.bias), rate, latitude, azimuths
+    )
     n, place = {}, 0
     for axis in (Z, X, Y):
         for sense in (1, -1):
             length = windows[place][1]
             for i in range(3):
-                seen = sense * omega * M[i][axis]
-                seen += sum(M[i][j] * along[axis][j] for j in range(3))
-                seen += state.bias[i] + state.noise[i][place]
+                seen = turned[axis, sense][i] + state.noise[i][place]
                 gain = (1 + state.k[i]) * (1 + sense * state.asymmetry[i] / 2)
                 n[i, axis] = n.get((i, axis), 0) + sense * gain * seen * length
             place += 1
     mean_N, w = [mpf(0)] * 3, [mpf(0)] * 3
-    for azimuth in azimuths:
-        # An azimuth is read in degrees, so that sin(180 deg) is 0 to all digits.
-        earth = [
-            north * mpmath.sinpi(mpf(azimuth) / 180),
-            north * mpmath.cospi(mpf(azimuth) / 180),
-            up,
-        ]
+    for earth, shown in zip(static, seen_static, strict=True):
         for i in range(3):
-            seen = sum(M[i][j] * earth[j] for j in range(3))
-            seen += state.bias[i] + state.noise[i][place]
+            seen = shown[i] + state.noise[i][place]
             mean_N[i] += (1 + state.k[i]) * seen / len(azimuths)
             w[i] += earth[i] / len(azimuths)
         place += 1
@@ -160,6 +151,36 @@ def calibrate_gyro(state, windows, *, rate, turns, latitude, azimuths, formulas)
     else:
         bias = [v[i] - sum(M[i][j] * w[j] for j in range(3)) for i in range(3)]
     return K, angle, bias
+
+
+@cache
+def _earth(latitude, azimuth):
+    """Return the earth rate along the axes at an azimuth; 180 deg has the sine 0."""
+    lat = mpf(latitude) * mpmath.pi / 180
+    return (
+        EARTH * mpmath.cos(lat) * mpmath.sinpi(mpf(azimuth) / 180),
+        EARTH * mpmath.cos(lat) * mpmath.cospi(mpf(azimuth) / 180),
+        EARTH * mpmath.sin(lat),
+    )
+
+
+@cache
+def _seen_by_gyro(angle, bias, rate, latitude, azimuths):
+    """Return M u + b of each turn, by axis and sense, and of each dwell: no noise."""
+    M, omega = response(angle), mpf(rate) * mpmath.pi / 180
+    _, north, up = _earth(latitude, 0)
+    # Whole turns average the earth rate across the axis of the turn to zero.
+    along = {X: [0, 0, 0], Y: [0, north, 0], Z: [0, 0, up]}
+
+    def seen(rates):
+        return [sum(M[i][j] * rates[j] for j in range(3)) + bias[i] for i in range(3)]
+
+    turned = {}
+    for axis, earth in along.items():
+        for sense in (1, -1):
+            rates = [sense * omega * (j == axis) + earth[j] for j in range(3)]
+            turned[axis, sense] = seen(rates)
+    return turned, [seen(_earth(latitude, azimuth)) for azimuth in azimuths]
 
 
 def calibrate_accelerometer(state, *, gravity):
@@ -197,7 +218,7 @@ def calibrate_accelerometer(state, *, gravity):
 
 @dataclass(frozen=True, kw_only=True)
 class Expansion:
-    """First and second derivatives of some outputs: C[k] a row, H[k] a matrix."""
+    """Derivatives of some outputs: C[k] a row, H[k] the elements that are not 0."""
 
     C: list
     H: list
@@ -223,19 +244,19 @@ def expand(function, sizes):
     plus = [at(1, i) for i in range(n)]
     minus = [at(-1, i) for i in range(n)]
     # Mixed derivatives are of one side: right to a STEP, which is far below 1e-12.
-    C = [
-        mpmath.matrix([[(plus[i][k] - minus[i][k]) / (2 * h[i]) for i in range(n)]])
-        for k in outputs
-    ]
-    H = [mpmath.zeros(n) for _ in outputs]
+    C = [[(plus[i][k] - minus[i][k]) / (2 * h[i]) for i in range(n)] for k in outputs]
+    H = [{} for _ in outputs]
     for i in range(n):
         for k in outputs:
-            H[k][i, i] = (plus[i][k] - 2 * middle[k] + minus[i][k]) / h[i] ** 2
+            own = plus[i][k] - 2 * middle[k] + minus[i][k]
+            if own:
+                H[k][i, i] = own / h[i] ** 2
         for j in range(i):
             both = at(1, i, j)
             for k in outputs:
                 mixed = both[k] - plus[i][k] - plus[j][k] + middle[k]
-                H[k][i, j] = H[k][j, i] = mixed / (h[i] * h[j])
+                if mixed:
+                    H[k][i, j] = H[k][j, i] = mixed / (h[i] * h[j])
     return Expansion(C=C, H=H)
 
 
@@ -248,12 +269,17 @@ def propagate(expansion, U):
     # Most of U and H is 0: the axes have little in common.
     columns = [[(i, U[i, j]) for i in range(n) if U[i, j]] for j in range(n)]
     for row, H in zip(expansion.C, expansion.H, strict=True):
-        HU = mpmath.zeros(n)
-        for i in range(n):
-            bent = {k: H[i, k] for k in range(n) if H[i, k]}
+        bent, HU = {}, {}
+        for (i, k), part in H.items():
+            bent.setdefault(i, {})[k] = part
+        for i, parts in bent.items():
             for j, column in enumerate(columns):
-                HU[i, j] = sum(bent[k] * part for k, part in column if k in bent)
-        first = (row * U * row.T)[0]
-        second = sum(HU[i, j] * HU[j, i] for i in range(n) for j in range(n)) / 2
+                HU[i, j] = sum(parts[k] * part for k, part in column if k in parts)
+        first = sum(
+            row[j] * sum(row[i] * part for i, part in column)
+            for j, column in enumerate(columns)
+            if row[j]
+        )
+        second = sum(part * HU[j, i] for (i, j), part in HU.items() if (j, i) in HU) / 2
         u.append(mpmath.sqrt(first + second))
     return u

@@ -152,9 +152,11 @@ def test_window_covariances(kind, name, tau, plan):
     u = LINES[kind][name]
     _, found = group_covariance(kind, name, u, tau=tau, **plan)
     averages = process_covariance(windows_of(kind, **plan), name, u, tau, 1000)
+    exact = None
     for axis, actual in enumerate(found):
-        W = weights(kind, axis, rate=plan.get("rate", 20))
-        exact = W * averages * W.T
+        if exact is None or kind != "gyro":  # whose axes use all windows alike
+            W = weights(kind, axis, rate=plan.get("rate", 20))
+            exact = W * averages * W.T
         n = exact.rows
         scale = [mpmath.sqrt(exact[i, i]) for i in range(n)]
         correlation = [
