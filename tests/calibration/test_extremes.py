@@ -370,7 +370,7 @@ FIGURES = (0.05, 0.04, 0.005, 0.01, 50.0, 10.0, 2.0)
 METHODS = {
     "law, validated": (),
     "Monte Carlo": ("--method", "monte-carlo", "--trials", "20000"),
-    "adaptive": ("--method", "monte-carlo", "--max-trials", "100000"),
+    "adaptive": ("--method", "monte-carlo", "--max-trials", "40000"),
     "Sobol": ("--no-validate", "--sobol", "--samples", "32"),
     "next turn-on": ("--reference", "next_turn_on"),
 }
