@@ -143,26 +143,17 @@ def test_the_axis_has_two_decades_or_three(duration, asked, first):
     assert {one for one in asked if one >= first} <= set(times)
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    """Provide a folder with a report against limits on calibration and mission."""
-    made = tmp_path_factory.mktemp("mission")
-    (made / "mile.yaml").write_text(json.dumps(LIMITS), encoding="utf-8")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(made)
-        run = call(
-            *("report", "zhao-2019", "--mission", "outage-60-s", "--no-validate"),
-            *("--at", "10 s", "--requirement", "mile.yaml"),
-            *("-o", "a.html", "--json", "a.json"),
-        )
-    assert run.code == 0, run.err
-    return made
-
-
-def test_a_report_judges_mission_and_calibration_together(folder):
+def test_a_report_judges_mission_and_calibration_together(tmp_path):
     """One conformance of both; the page and the document have the same numbers."""
-    numbers = (folder / "a.json").read_text(encoding="utf-8")
-    found = checked(json.loads(numbers))
+    wanted = tmp_path / "mile.json.yaml"
+    wanted.write_text(json.dumps(LIMITS), encoding="utf-8")
+    page, numbers = tmp_path / "a.html", tmp_path / "a.json"
+    run = call(
+        *("report", "zhao-2019", "--mission", "outage-60-s", "--no-validate"),
+        *("--requirement", wanted, "-o", page, "--json", numbers),
+    )
+    assert run.code == 0, run.err
+    found = checked(json.loads(numbers.read_text(encoding="utf-8")))
     sensors = [one["sensor"] for one in found["assessment"]["sensors"]]
     assert sensors == ["gyro", "mission"]
     own = found["mission"]
@@ -178,17 +169,22 @@ def test_a_report_judges_mission_and_calibration_together(folder):
     )
     assert judged["largest_error"] == far["cep"]
     assert judged["coverage"] == 0.5
-    text = (folder / "a.html").read_text(encoding="utf-8")
+    text = page.read_text(encoding="utf-8")
     assert_says(text, f"{far['cep']:.2g} m CEP")
     assert_says(text, "Mission: outage of 60 s")
     assert 'id="mission-growth-line-cep"' in text
 
 
-def test_the_command_of_the_sliders_judges_the_mission(folder, tmp_path, monkeypatch):
+def test_the_command_of_the_sliders_judges_the_mission(tmp_path, monkeypatch):
     """What the page hands out is a report, and says of a changed line what it says."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "mile.yaml").write_text(json.dumps(LIMITS), encoding="utf-8")
-    text = (folder / "a.html").read_text(encoding="utf-8")
+    run = call(
+        *("report", "zhao-2019", "--mission", "outage-60-s", "--no-validate"),
+        *("--at", "10 s", "--requirement", "mile.yaml", "-o", "a.html"),
+    )
+    assert run.code == 0, run.err
+    text = (tmp_path / "a.html").read_text(encoding="utf-8")
     (found,) = re.findall(r'class="what-if-model">(.*?)</script>', text)
     model = json.loads(unescape(found))
     (tmp_path / "changed.yaml").write_text(
