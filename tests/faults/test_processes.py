@@ -166,13 +166,14 @@ def at_work(tmp_path_factory):
     return tmp_path_factory.mktemp("at_work") / "block"
 
 
-def wait_for_block(at_work, block):
+def wait_for_block(process, at_work, block):
     """Wait until a run that tells is in a block of trials, and return in which."""
     begun = monotonic()
     while monotonic() - begun < PATIENCE:
         text = at_work.read_text(encoding="ascii") if at_work.exists() else ""
         if text and int(text) >= block:
             return int(text)
+        assert process.poll() is None, "it ended before"
         sleep(0.02)
     raise AssertionError("no work")
 
@@ -274,7 +275,7 @@ def test_ctrl_c_leaves_no_process_and_no_file(workers, start, tmp_path, at_work)
     if workers == "2":
         workers_of(process)
     else:
-        wait_for_block(at_work, 1)
+        wait_for_block(process, at_work, 1)
     os.killpg(process.pid, signal.SIGINT)
     _, talk = process.communicate(timeout=PATIENCE)
     assert process.returncode == 130
@@ -315,9 +316,9 @@ def test_a_killed_worker(start, tmp_path):
 def test_nohup_keeps_its_meaning(start, at_work):
     """Where a hang-up is ignored when the command starts, it stays ignored."""
     process = start("bash", "-c", 'trap "" HUP; exec "$@"', "bash", *TELLING)
-    block = wait_for_block(at_work, 1)
+    block = wait_for_block(process, at_work, 1)
     process.send_signal(signal.SIGHUP)
-    wait_for_block(at_work, block + 5)
+    wait_for_block(process, at_work, block + 5)
     assert process.poll() is None
     process.send_signal(signal.SIGTERM)
     process.communicate(timeout=PATIENCE)
