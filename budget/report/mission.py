@@ -19,7 +19,7 @@ from budget.report.tables import (
     source_title,
     used_part,
 )
-from budget.report.wording import capital, cell
+from budget.report.wording import capital, cell, outcome_words
 from budget.ties import from_largest, settle
 from budget.units import ARCSEC, parse_quantity
 
@@ -403,7 +403,7 @@ def limits_table(
             Field(
                 head=say("verdict"),
                 cell=lambda row: Cell(
-                    text=say(assessment.outcome(row)), strong=not row.is_within
+                    text=outcome_words(assessment, row), strong=not row.is_within
                 ),
             ),
         ),

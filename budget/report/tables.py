@@ -350,6 +350,12 @@ def print_probability(p: Probability) -> str:
     return round_value(PER_CENT * p.value, 10.0 * PER_CENT * (p.high - p.low) / 2.0)
 
 
+def print_most(p: Probability) -> str:
+    """Print in per cent what a probability is at the most: '98.3', '0.01', '100'."""
+    text = print_probability(p)
+    return "100" if text.startswith(">") else text.removeprefix("<")
+
+
 def print_chance(p: float) -> str:
     """Print a probability that rests on predictions to two decimals: '0.83'."""
     if p < HALF_DIGIT or 1.0 - p < HALF_DIGIT:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from budget.report.blocks import Words
     from budget.report.formulas import Math
     from budget.report.tables import Number
-    from budget.results import Doubt, Settings
+    from budget.results import Assessment, Doubt, OutputAssessment, Settings
 
 
 METHODS = {
@@ -71,6 +71,7 @@ SEVERITY = (
     "meets",
 )  # the first is the page's
 MISSING = {"noise": term("a noise line")}
+NOT_KNOWN = term("not known")
 
 
 # What stands for lines that a device does not give, by the mode.
@@ -212,4 +213,22 @@ def not_given_lines(reach: Mapping[Name, tuple[Name, ...]]) -> tuple[str, ...]:
             effect=effect,
         )
         for (sensor, effect), lines in absent.items()
+    )
+
+
+def outcome_words(assessment: Assessment, row: OutputAssessment) -> str:
+    """Say on which side of its limit an output is, if anybody knows."""
+    if row not in assessment.judged:
+        return say(NOT_KNOWN)
+    word = assessment.outcome(row)
+    if row.lower_bound and row.is_within:
+        return say("open: lines missing")
+    if any(
+        one.doubt and one.sensor == row.output.name.owner for one in assessment.sensors
+    ):
+        return say("{word} at the medians", word=say(word))
+    return (
+        say("{word}, by Monte Carlo", word=say(word))
+        if row.by_monte_carlo
+        else say(word)
     )

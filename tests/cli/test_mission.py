@@ -285,3 +285,25 @@ def test_shares_add_up():
     for one in document(*OUTAGE)["outputs"]:
         shares = [part["share"] for part in one["contributions"]]
         assert_allclose(sum(shares), 1.0, rtol=1e-9)
+
+
+@pytest.fixture(scope="module")
+def loose(tmp_path_factory):
+    """Write a requirement that a unit without its expected lines is far within."""
+    path = tmp_path_factory.mktemp("loose") / "loose.yaml"
+    path.write_text(
+        "name: loose\nlimits:\n  mission: {position: {horizontal: 9 nmi, at: 60 s}}\n",
+        encoding="utf-8",
+    )
+    return path
+
+
+def test_what_lacks_lines_conforms_in_no_row(loose):
+    """The row of the table is as open as the verdict; a bound of 100 % is said so."""
+    out = answer(
+        *("mission", "hg4930#A", *OUTAGE[2:]),
+        *("--calibration", "none", "--requirement", loose),
+    ).out
+    assert_says(out, "UNDECIDABLE loose", "1 cannot be decided", "open: lines missing")
+    assert "conforms\n" not in out
+    assert_says(out, "a probability of at the most 100 %")

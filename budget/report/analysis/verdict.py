@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from budget.language import beside, key_title, say, term, words
+from budget.language import beside, key_title, say, words
 from budget.names import IMU, MISSION, by_group
 from budget.report.blocks import (
     Abreast,
@@ -29,6 +29,7 @@ from budget.report.tables import (
     print_contributions,
     print_coverage,
     print_decimals,
+    print_most,
     print_probability,
     print_utilisation,
     source_title,
@@ -37,6 +38,7 @@ from budget.report.tables import (
 from budget.report.wording import (
     ERROR_REFERENCES,
     MISSING,
+    NOT_KNOWN,
     SEVERITY,
     VERDICTS,
     capital,
@@ -44,6 +46,7 @@ from budget.report.wording import (
     doubt_sentence,
     mode_remark,
     mode_sentence,
+    outcome_words,
     say_words,
     value,
 )
@@ -66,7 +69,6 @@ if TYPE_CHECKING:
     from budget.spec.records import Device, ErrorLine, Procedure
 
 
-NOT_KNOWN = term("not known")
 SPARE = 0.01  # of the limit [1]; a margin below it is no margin to speak of
 
 
@@ -208,24 +210,6 @@ def limits_section(budget: Budget, assessment: Assessment) -> Section:
     return Section(name="limits", title=say("Limits"), blocks=blocks)
 
 
-def _outcome(assessment: Assessment, row: OutputAssessment) -> str:
-    """Say on which side of its limit an output is, if anybody knows."""
-    if row not in assessment.judged:
-        return say(NOT_KNOWN)
-    word = assessment.outcome(row)
-    if row.lower_bound and row.is_within:
-        return say("open: lines missing")
-    if any(
-        one.doubt and one.sensor == row.output.name.owner for one in assessment.sensors
-    ):
-        return say("{word} at the medians", word=say(word))
-    return (
-        say("{word}, by Monte Carlo", word=say(word))
-        if row.by_monte_carlo
-        else say(word)
-    )
-
-
 def _limits_table(assessment: Assessment, sensor: str) -> Table:
     """Return the required outputs of a sensor against limits; bold what exceeds."""
 
@@ -233,7 +217,7 @@ def _limits_table(assessment: Assessment, sensor: str) -> Table:
         return lambda row: Cell(text=pick(row), strong=not row.is_within)
 
     def used(row: OutputAssessment) -> Cell:
-        number, known = used_part(row), _outcome(assessment, row) != say(NOT_KNOWN)
+        number, known = used_part(row), outcome_words(assessment, row) != say(NOT_KNOWN)
         return Cell(
             text=number.text.removesuffix(" %"),
             exact=number.exact,
@@ -252,7 +236,8 @@ def _limits_table(assessment: Assessment, sensor: str) -> Table:
             ),
             Field(head=say("of the limit [%]"), kind="number", cell=used),
             Field(
-                head=say("verdict"), cell=text(lambda row: _outcome(assessment, row))
+                head=say("verdict"),
+                cell=text(lambda row: outcome_words(assessment, row)),
             ),
         ),
         name=f"limits-{sensor}",
@@ -395,7 +380,7 @@ def _jointly(assessment: Assessment) -> str:
         if most
         else "{what} with a probability of {probability} %. ",
         what=what,
-        probability=print_probability(assessment.conformance),
+        probability=(print_most if most else print_probability)(assessment.conformance),
     )
 
 
@@ -479,7 +464,7 @@ def _verdict_card(
         lines.append((say("By Monte Carlo: the law is not sure enough there."),))
     if sensor.conformance is not None:
         is_open = sensor.expected_missing or sensor.not_estimated
-        used = print_probability(sensor.conformance)
+        used = (print_most if is_open else print_probability)(sensor.conformance)
         lines.append(
             say_words(
                 "Conformance probability, all its limits together: at the most {used}."

@@ -20,6 +20,7 @@ from budget.report.tables import (
     print_chance,
     print_doubt,
     print_given,
+    print_most,
     print_probability,
     print_three,
     print_utilisation,
@@ -226,8 +227,8 @@ def print_parts(value: float, interval: tuple[float, float]) -> tuple[str, str]:
 
 def print_at_most(p: Probability) -> str:
     """Print a probability that lines not given can only lessen."""
-    text = "100" if p.value == 1.0 else print_probability(p)
-    return text if text.startswith("<") else f"{AT_MOST} {text}"
+    text = print_probability(p)
+    return text if text.startswith("<") else f"{AT_MOST} {print_most(p)}"
 
 
 def print_factor(remedy: Remedy) -> str:
