@@ -44,6 +44,7 @@ LONGEST = DAY  # from the first row to the last [s]
 MOST_LATITUDE = radians(89.9)  # north is no direction at a pole [rad]
 MOST_SPEED = 10_000.0  # [m/s]
 LEAST_SPEED = 0.1  # below which a track has no direction [m/s]
+MOST_GAP = 10.0  # from row to row, of the median: above it something is left out [1]
 # What is within bounds of each column [SI], and the bounds in words.
 BOUNDS = {
     "latitude": (MOST_LATITUDE * (1.0 - 1e-9), "between -89.9 deg and 89.9 deg"),
@@ -113,7 +114,8 @@ def read_trajectory(path: Path, shown: str) -> Recorded:
         raise refuse(shown, f"is larger than {MOST_BYTES} bytes, the most allowed")
     table = _Table(shown, _lines(data, shown))
     values = table.numbers()
-    values["time"] = values["time"] - values["time"][0]
+    first = float(values["time"][0])
+    values["time"] = values["time"] - first
     for name in {"longitude", "heading"} & values.keys():
         values[name] = np.unwrap(values[name])
     place = values["latitude"], values["longitude"], values["height"]
@@ -135,12 +137,48 @@ def read_trajectory(path: Path, shown: str) -> Recorded:
             [values.get("roll", zero), values.get("pitch", zero), heading]
         ),
         first_speed=float(speed[0]),
-        assumptions=tuple(
-            note("trajectory.{key}: not given, {usual} assumed", key=key, usual=usual)
-            for key, usual in taken.items()
-            if key not in values
+        assumptions=(
+            *(
+                note(
+                    "trajectory.{key}: not given, {usual} assumed", key=key, usual=usual
+                )
+                for key, usual in taken.items()
+                if key not in values
+            ),
+            *_gaps(values["time"], first),
         ),
         origin=Origin(file=path.name, sha256=sha256(data).hexdigest()),
+    )
+
+
+def _gaps(time: Array, first: float) -> tuple[str, ...]:
+    """Return what is assumed where rows are left out; times as the file counts them."""
+    steps = np.diff(time)
+    usual = float(np.median(steps))
+    gaps = np.flatnonzero(steps > MOST_GAP * usual)
+    if not gaps.size:
+        return ()
+    longest = gaps[np.argmax(steps[gaps])]
+    parts = {
+        "start": f"{first + time[longest]:.12g} s",
+        "end": f"{first + time[longest + 1]:.12g} s",
+        "usual": f"{usual:.6g} s",
+    }
+    if gaps.size == 1:
+        return (
+            note(
+                "trajectory: no row from {start} to {end}, the others come every "
+                "{usual}; taken as smooth between them",
+                **parts,
+            ),
+        )
+    return (
+        note(
+            "trajectory: {number} gaps, the longest with no row from {start} to {end}, "
+            "the others come every {usual}; taken as smooth between them",
+            number=gaps.size,
+            **parts,
+        ),
     )
 
 

@@ -194,6 +194,35 @@ def test_a_track_that_stands_has_no_heading(read, refused):
     assert_allclose(found.attitude[:, 2], radians(30.0), rtol=1e-15)
 
 
+def _rows(times):
+    """Return rows of a vehicle that goes evenly to the north, at those times."""
+    return [f"{time:.12g},{45.0 + 1e-4 * time:.9f},9,100" for time in times]
+
+
+@pytest.mark.parametrize(
+    ("gaps", "words"),
+    [
+        ([], ""),
+        ([(20.0, 20.9)], ""),
+        ([(20.0, 60.0)], "no row from 1020 s to 1060 s, the others come every 0.1 s"),
+        (
+            [(5.0, 7.0), (20.0, 60.0), (70.0, 75.0)],
+            "3 gaps, the longest with no row from 1020 s to 1060 s, the others come",
+        ),
+    ],
+)
+def test_rows_that_are_left_out_are_said(read, gaps, words):
+    """From more than ten steps on, at the times of the file; of several the longest."""
+    times = [
+        1000.0 + 0.1 * n
+        for n in range(1000)
+        if not any(start + 0.05 < 0.1 * n < end - 0.05 for start, end in gaps)
+    ]
+    said = [text for text in read(_rows(times)).assumptions if "smooth" in text]
+    assert len(said) == bool(words)
+    assert words in "".join(said)
+
+
 @pytest.mark.parametrize(
     ("text", "what"),
     [
