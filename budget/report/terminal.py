@@ -59,6 +59,7 @@ BREAK = re.compile(
     "(?![\u3001\u3002\u300b\u300d\u201d\uff01\uff09\uff0c\uff1a\uff1b\uff1f]|$)"
     "(?<![\u300a\u300c\uff08])"
 )
+BOUND = re.compile(r"(?<=\d) (?=\S)|(?<=[<>]=) (?=\d)")  # a number, its unit and sign
 SIGNS = str.maketrans({AT_LEAST: ">=", AT_MOST: "<=", "\N{INFINITY}": "inf"})
 
 
@@ -96,7 +97,7 @@ class Page:
     def paragraph(self, text: str, *, first: str = "") -> None:
         """Print running text, indented below `first`; a number keeps its unit."""
         width = min(self.width, TEXT_WIDTH)
-        bound = re.sub(r"(?<=\d) (?=\S)", NO_BREAK, text.translate(SIGNS))
+        bound = BOUND.sub(NO_BREAK, text.translate(SIGNS))
         indent = _columns(first)
         for place, line in enumerate(
             _wrap(_part_long(bound, width - indent), width - indent, on_hyphens=False)

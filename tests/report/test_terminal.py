@@ -181,3 +181,13 @@ def test_number_keeps_its_unit_on_the_line():
     budget = make_budget(warnings=("w" * 30 + " 300 s and more words follow here",))
 
     assert "300 s" in render(budget, width=40)
+
+
+def test_number_keeps_the_sign_of_a_bound_on_the_line():
+    """A line break never falls between 'at least' or 'at most' and its number."""
+    for sign in ("\N{GREATER-THAN OR EQUAL TO}", "\N{LESS-THAN OR EQUAL TO}"):
+        for before in range(30, 42):
+            told = "w" * before + f" {sign} 300 s and more words follow here"
+            text = render(make_budget(warnings=(told,)), width=40)
+
+            assert re.search(r"[<>]= 300 s", text)
