@@ -11,6 +11,7 @@ from budget.names import LENGTHS, Name, time_text
 from budget.report.blocks import Cell, Field, table_of
 from budget.report.tables import (
     SMALL_SHARE,
+    as_limited,
     bound_number,
     largest_error,
     print_coverage,
@@ -21,7 +22,7 @@ from budget.report.tables import (
 )
 from budget.report.wording import capital, cell, outcome_words
 from budget.ties import from_largest, settle
-from budget.units import ARCSEC, parse_quantity
+from budget.units import ARCSEC
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -362,12 +363,6 @@ def limits_table(
 ) -> Table:
     """Return each limit on a mission, with its own probability, else the usual one."""
 
-    def error(row: OutputAssessment) -> OutputAssessment:
-        """Return the row in the unit of its limit."""
-        limit = parse_quantity(row.printed_limit, row.output.unit)
-        output = replace(row.output, unit=limit.unit, si_per_unit=limit.si_per_unit)
-        return replace(row, output=output)
-
     def used(row: OutputAssessment) -> Cell:
         number = used_part(row)
         return Cell(
@@ -394,10 +389,10 @@ def limits_table(
                 head=say("error"),
                 kind="number",
                 cell=lambda row: cell(
-                    largest_error(error(row)), strong=not row.is_within
+                    largest_error(as_limited(row)), strong=not row.is_within
                 ),
             ),
-            Field(head="", kind="unit", cell=lambda row: error(row).output.unit),
+            Field(head="", kind="unit", cell=lambda row: as_limited(row).output.unit),
             Field(head=say("limit"), cell=lambda row: row.printed_limit),
             Field(head=say("used [%]"), kind="number", cell=used),
             Field(

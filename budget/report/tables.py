@@ -9,10 +9,11 @@ from math import ceil, floor, fsum, isfinite, log10, sqrt
 from typing import TYPE_CHECKING
 
 from budget.language import axis_title, key_title, say, term
-from budget.names import Name, by_group
+from budget.names import MISSION, Name, by_group
 from budget.results import BY_LAW, INTERACTION, Contribution
 from budget.spec.records import ANGLES
 from budget.ties import first_largest, from_largest, settle
+from budget.units import parse_quantity
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -281,6 +282,15 @@ def used_part(row: OutputAssessment) -> Number:
     """Round the part of its limit that an output uses: '98.7 %', '≥ 42.0 %', '?'."""
     used = Number(text=print_utilisation(row.utilisation), exact=row.utilisation)
     return bound_number(used, lower_bound=row.lower_bound, unknown=row.is_unknown)
+
+
+def as_limited(row: OutputAssessment) -> OutputAssessment:
+    """Return an output of a mission in the unit of its limit, others as they are."""
+    if row.output.name.owner != MISSION:
+        return row
+    limit = parse_quantity(row.printed_limit, row.output.unit)
+    output = replace(row.output, unit=limit.unit, si_per_unit=limit.si_per_unit)
+    return replace(row, output=output)
 
 
 def largest_error(row: OutputAssessment) -> Number:

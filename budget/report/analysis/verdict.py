@@ -23,6 +23,7 @@ from budget.report.readings import verdict_line
 from budget.report.tables import (
     SMALL_SHARE,
     UNKNOWN,
+    as_limited,
     join_outputs,
     largest_error,
     print_chance,
@@ -447,15 +448,13 @@ def _verdict_card(
                 ),
             )
         )
+    limited = as_limited(worst)
     lines.append(
         say_words(
             "Worst output: {outputs}, largest error {error}, limit {limit}: {used} of "
             "the limit.",
             outputs=join_outputs(sensor.worst_outputs),
-            error=value(
-                largest_error(worst),
-                worst.output.unit,
-            ),
+            error=value(largest_error(limited), limited.output.unit),
             limit=worst.printed_limit,
             used=value(used_part(worst)),
         )

@@ -36,6 +36,7 @@ from budget.report.figures.style import (
 )
 from budget.report.tables import (
     AT_LEAST,
+    as_limited,
     largest_error,
     print_given,
     print_utilisation,
@@ -365,8 +366,8 @@ def _map_row(row: Device) -> Row:
                     "{printed_limit}, {used_part} of the limit",
                     device=row.device,
                     name=key_title(output.output.name),
-                    largest_error=largest_error(output).text,
-                    unit=output.output.unit,
+                    largest_error=largest_error(as_limited(output)).text,
+                    unit=as_limited(output).output.unit,
                     printed_limit=output.printed_limit,
                     used_part=used_part(output).text,
                 ),

@@ -21,6 +21,7 @@ from budget.report.figures.rows import (
 from budget.report.figures.style import INK, MUTED, PAPER
 from budget.report.tables import (
     UNKNOWN,
+    as_limited,
     join_outputs,
     largest_error,
     print_count,
@@ -222,6 +223,10 @@ def utilisation_title(assessment: Assessment) -> str:
         "{name} at {used_part} of the limit", name=name, used_part=used_part(worst).text
     )
     total = len(assessment.outputs)
+    if beyond == total == 1:
+        return capital(
+            say("{at}the one output exceeds its limit: {part}", at=at, part=part)
+        )
     if beyond:
         return say(
             "{at}{beyond} of {total} outputs exceed their limits, most of all {part}",
@@ -231,6 +236,8 @@ def utilisation_title(assessment: Assessment) -> str:
             part=part,
         )
     open_ones = sum(output.lower_bound for output in assessment.outputs)
+    if open_ones == total == 1:
+        return say("The one output cannot be decided, lines are missing")
     if open_ones:
         return say(
             "{within} of {total} outputs are within their limits, {open_ones} cannot "
@@ -238,6 +245,10 @@ def utilisation_title(assessment: Assessment) -> str:
             within=total - open_ones,
             total=total,
             open_ones=open_ones,
+        )
+    if total == 1:
+        return capital(
+            say("{at}the one output is within its limit: {part}", at=at, part=part)
         )
     return say(
         "{at}all {total} outputs stay within their limits, the nearest is {part}"
@@ -281,6 +292,7 @@ def _limit_row(output: OutputAssessment, start: float) -> Row:
     """Return a thin line to a dot, filled where it is beyond the limit."""
     x = max(100.0 * output.utilisation, start)
     used, axis = used_part(output).text, axis_title(output.output.name)
+    limited = as_limited(output)
     return Row(
         label=axis,
         marks=(
@@ -293,8 +305,8 @@ def _limit_row(output: OutputAssessment, start: float) -> Row:
                     "{name}: largest error {largest_error} {unit}, {used} of "
                     "the limit {printed_limit}",
                     name=key_title(output.output.name),
-                    largest_error=largest_error(output).text,
-                    unit=output.output.unit,
+                    largest_error=largest_error(limited).text,
+                    unit=limited.output.unit,
                     used=used,
                     printed_limit=output.printed_limit,
                 ),

@@ -8,6 +8,8 @@ import shlex
 from dataclasses import replace
 from functools import cache
 from html import unescape
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
@@ -216,3 +218,31 @@ def test_a_time_takes_a_mission(tmp_path):
     run = call("report", "--at", "10 s", "-o", tmp_path / "a.html")
     assert run.code == 2
     assert_says(run.err, "--mission")
+
+
+@cache
+def page_of_a_mile(verdict):
+    """Return the words of a report with one limit, on the mission."""
+    limit = {"meets": "9 nmi", "fails": "0.0001 nmi"}[verdict]
+    wanted = {
+        "name": verdict,
+        "limits": {"mission": {"position": {"horizontal": limit, "at": "60 s"}}},
+    }
+    with TemporaryDirectory() as folder:
+        path, page = Path(folder) / "wanted.yaml", Path(folder) / "a.html"
+        path.write_text(json.dumps(wanted), encoding="utf-8")
+        run = call(
+            *("report", "zhao-2019", "--mission", "outage-60-s", "--no-validate"),
+            *("--requirement", path, "-o", page),
+        )
+        assert run.code == 0, run.err
+        text = page.read_text(encoding="utf-8")
+    return re.sub(r"\s+", " ", unescape(re.sub(r"<[^>]*>", "", text)))
+
+
+@pytest.mark.parametrize("verdict", ["meets", "fails"])
+def test_the_error_is_in_the_unit_of_its_limit(verdict):
+    """On the card of the verdict and beside the dot of the figure."""
+    text = page_of_a_mile(verdict)
+    assert len(re.findall(r"largest error [\d.e-]+ nmi, ", text)) >= 1
+    assert not re.findall(r"largest error [\d.e-]+ m, ", text)

@@ -213,6 +213,16 @@ def test_utilisation_title_without_failing():
     assert_says(title, "all 3 outputs", "within", "gyro bias z at 11.9 % of the limit")
 
 
+def test_utilisation_title_of_one_output():
+    """One output is not said to be all 1, nor 1 of 1."""
+    budget = make_budget()
+    for limit, said in ((1.0, "is within its limit"), (0.01, "exceeds its limit")):
+        every = make_assessment(budget, {"gyro.bias": ("a limit", limit)})
+        one = replace(every, outputs=every.outputs[2:])
+
+        assert_says(utilisation_chart(one).title, "The one output", said, "gyro bias z")
+
+
 def test_utilisation_title_names_all_that_the_law_finds_equal():
     """Equal axes whose trials differ by chance are named together, as on page one."""
     assessment = make_assessment(make_budget())
