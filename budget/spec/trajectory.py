@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from hashlib import sha256
-from math import pi, radians
+from math import degrees, pi, radians
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -44,6 +44,10 @@ LONGEST = DAY  # from the first row to the last [s]
 MOST_LATITUDE = radians(89.9)  # north is no direction at a pole [rad]
 MOST_SPEED = 10_000.0  # [m/s]
 LEAST_SPEED = 0.1  # below which a track has no direction [m/s]
+# From where a heading is held against the track, and may be off in the median: noise
+# of positions turns a slow track, and a helicopter or a boat heads a little aside.
+TRACK_SPEED = 1.0  # [m/s]
+MOST_ASIDE = radians(45.0)  # [rad]
 MOST_GAP = 10.0  # from row to row, of the median: above it something is left out [1]
 # What is within bounds of each column [SI], and the bounds in words.
 BOUNDS = {
@@ -123,9 +127,10 @@ def read_trajectory(path: Path, shown: str) -> Recorded:
     steps = np.diff(track)
     speed = np.sqrt(np.sum(steps**2, axis=0)) / np.diff(values["time"])
     table.check_speed(speed)
+    north, east = (np.gradient(x, values["time"], edge_order=2) for x in track[:2])
     heading = values.get("heading")
     if heading is None:
-        heading = table.along_track(values["time"], track[0], track[1])
+        heading = table.along_track(north, east)
     zero = np.zeros_like(values["time"])
     taken = {"roll": "0 deg", "pitch": "0 deg", "heading": "that of the track"}
     return Recorded(
@@ -146,6 +151,7 @@ def read_trajectory(path: Path, shown: str) -> Recorded:
                 if key not in values
             ),
             *_gaps(values["time"], first),
+            *_aside(heading, north, east),
         ),
         origin=Origin(file=path.name, sha256=sha256(data).hexdigest()),
     )
@@ -178,6 +184,27 @@ def _gaps(time: Array, first: float) -> tuple[str, ...]:
             "the others come every {usual}; taken as smooth between them",
             number=gaps.size,
             **parts,
+        ),
+    )
+
+
+def _aside(heading: Array, v_north: Array, v_east: Array) -> tuple[str, ...]:
+    """Say where a heading has little to do with the track: columns may be swapped.
+
+    It is no error: a car in reverse and a helicopter do so.
+    """
+    moves = np.hypot(v_north, v_east) > TRACK_SPEED
+    if not moves.any():
+        return ()
+    off = heading - np.arctan2(v_east, v_north)
+    median = float(np.median(np.abs(np.remainder(off + pi, 2.0 * pi) - pi)[moves]))
+    if median <= MOST_ASIDE:
+        return ()
+    return (
+        note(
+            "trajectory.heading: differs from the track by {angle} deg in the median; "
+            "see to the order and units of the columns",
+            angle=f"{degrees(median):.0f}",
         ),
     )
 
@@ -309,15 +336,14 @@ class _Table:
             message = f"lasts {length:.6g} s, expected 24 h at the most"
             self._add(len(time), place, "time", message)
 
-    def along_track(self, time: Array, north: Array, east: Array) -> Array:
-        """Return the heading of the track, shape (n,) [rad].
+    def along_track(self, v_north: Array, v_east: Array) -> Array:
+        """Return the heading of the track, shape (n,) [rad], of its velocity [m/s].
 
         Raises
         ------
         SpecError
             It stands somewhere, and has none there.
         """
-        v_north, v_east = (np.gradient(x, time, edge_order=2) for x in (north, east))
         for row in np.flatnonzero(np.hypot(v_north, v_east) < LEAST_SPEED):
             message = (
                 f"moves at less than {LEAST_SPEED:g} m/s here, and a track that stands "

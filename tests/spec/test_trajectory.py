@@ -223,6 +223,49 @@ def test_rows_that_are_left_out_are_said(read, gaps, words):
     assert words in "".join(said)
 
 
+def _headed(north, east, heading):
+    """Return rows of an even track [m/s], with that heading in its column [deg]."""
+    return [
+        f"{n},{45.0 + n * degrees(north / 6.37e6):.10f},"
+        f"{9.0 + n * degrees(east / 6.38e6 / cos(radians(45.0))):.10f},100,{heading}"
+        for n in range(20)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("north", "east", "heading", "angle"),
+    [
+        (20.0, 0.0, 0.0, ""),
+        (-20.0, -0.1, -179.9, ""),  # over south, where angles jump
+        (20.0, 0.0, 43.0, ""),
+        (20.0, 0.0, 720.0, ""),
+        (0.9, 0.0, 90.0, ""),  # too slow to say
+        (20.0, 0.0, 47.0, "47"),
+        (20.0, 0.0, -47.0, "47"),
+        (0.0, 20.0, 1.5708, "88"),  # radians
+        (20.0, 0.0, 180.0, "180"),
+        (1.1, 0.0, 450.0, "90"),
+    ],
+)
+def test_a_heading_aside_of_the_track_is_said(read, north, east, heading, angle):
+    """From 45 degrees in the median on, either way round, where the vehicle moves."""
+    found = read(_headed(north, east, heading), HEADER + ",heading [deg]")
+    said = [text for text in found.assumptions if "differs from the track" in text]
+    assert len(said) == bool(angle)
+    assert all(f"track by {angle} deg in the median" in text for text in said)
+
+
+def test_half_of_the_headings_may_be_aside(read):
+    """A car that backs up now and then is none with swapped columns; stops are none."""
+    ahead, back = _headed(20.0, 0.0, 0.0), _headed(20.0, 0.0, 180.0)
+    header = HEADER + ",heading [deg]"
+    assert "differs" not in str(read([*ahead[:12], *back[12:]], header).assumptions)
+    assert "differs" in str(read([*ahead[:8], *back[8:]], header).assumptions)
+    place = back[-1].split(",", 1)[1]
+    stops = [f"{n},{place[:-3]}0" for n in range(20, 60)]
+    assert "differs" in str(read([*back, *stops], header).assumptions)
+
+
 @pytest.mark.parametrize(
     ("text", "what"),
     [
