@@ -504,9 +504,10 @@ def _recorded(document: Document, part: MissionPart) -> Recorded:
     node = document.root.nearest(("mission", "trajectory"))
     path = Path(document.file).parent / str(part.trajectory)
     if not (exists(path) and path.is_file()):
+        what = "is no file" if exists(path) else "does not exist"
         message = (
-            f"found {describe(part.trajectory)}, expected a CSV file, by its place "
-            "from this file"
+            f"found {describe(part.trajectory)}, and {str(path)!r} {what}; "
+            "expected a CSV file, by its place from this file"
         )
         raise all_of([document.issue(node, message)])
     recorded = read_trajectory(path, str(path))

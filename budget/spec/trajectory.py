@@ -246,6 +246,10 @@ class _Table:
         self.issues: list[Issue] = []
         self.names: list[str] = []
         self.factors: list[float] = []
+        if "," not in lines[0] and (other := next(filter(lines[0].count, ";\t|"), "")):
+            message = f"parts its columns by {other!r}, expected commas, as {EXAMPLE}"
+            self._add(0, 0, "", message)
+            self._raise()
         for place, head in enumerate(lines[0].split(",", len(COLUMNS))):
             self._read_head(place, head)
         if missing := [name for name in NEEDED if name not in self.names]:

@@ -323,8 +323,7 @@ def test_a_recorded_flight_is_flown_as_its_segments(flown):
 @pytest.mark.parametrize(
     ("keys", "where", "what"),
     [
-        ({"name": "none.csv"}, "trajectory", "'none.csv', expected a CSV file"),
-        ({"name": "."}, "trajectory", "expected a CSV file"),
+        ({"name": "."}, "trajectory", "is no file; expected a CSV file"),
         ({"at": ["121 s"]}, "at[0]", "ends at 120 s"),
         (
             {"alignment": "self", "alignment_time": "60 s"},
@@ -349,6 +348,15 @@ def test_what_does_not_fit_a_trajectory_is_refused(flown, keys, where, what):
         flown(**keys)
     found = [(issue.field, issue.message) for issue in caught.value.issues]
     assert_refused(found, (where, what))
+
+
+def test_a_trajectory_that_is_not_there_is_said_with_its_place(flown, tmp_path):
+    """Where it was looked for: beside the mission, not in the folder of the call."""
+    with pytest.raises(SpecError) as caught:
+        flown("none.csv")
+    (issue,) = caught.value.issues
+    assert issue.field == "mission.trajectory"
+    assert f"{str(tmp_path / 'none.csv')!r} does not exist" in issue.message
 
 
 def test_what_is_wrong_in_a_trajectory_is_said_of_its_file(flown, tmp_path):

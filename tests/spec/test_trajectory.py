@@ -151,6 +151,14 @@ def test_a_header_that_is_none_is_refused(refused, header, what):
     assert any(re.match(what, text) for text in refused(ROWS, header))
 
 
+@pytest.mark.parametrize("mark", [";", "\t", "|"])
+def test_columns_are_parted_by_commas(refused, mark):
+    """Another mark is the one thing that is said of such a file."""
+    text = "\n".join([HEADER, *ROWS]).replace(",", mark)
+    (found,) = refused(text)
+    assert found.startswith(f"1:1: parts its columns by {mark!r}, expected commas")
+
+
 @pytest.mark.parametrize(
     ("row", "what"),
     [
