@@ -40,6 +40,7 @@ EXAMPLE = ",".join(f"{name} [{unit}]" for name, unit in COLUMNS.items())
 MOST_BYTES = 32 * 1024 * 1024
 # Noise in a record makes each row a step of the growth: 50,000 take 90 s and 0.7 GB.
 LEAST_ROWS, MOST_ROWS = 4, 50_000
+MOST_RUNS = 5  # of rows, that one message names
 LONGEST = DAY  # from the first row to the last [s]
 MOST_LATITUDE = radians(89.9)  # north is no direction at a pole [rad]
 MOST_SPEED = 10_000.0  # [m/s]
@@ -185,6 +186,21 @@ def _gaps(time: Array, first: float) -> tuple[str, ...]:
             number=gaps.size,
             **parts,
         ),
+    )
+
+
+def _in_words(rows: Array) -> str:
+    """Return rising numbers of rows, those that follow each other in one: '2 to 5'."""
+    runs = np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1)
+    texts = [
+        f"{run[0]} to {run[-1]}" if len(run) > 1 else f"{run[0]}"
+        for run in runs[:MOST_RUNS]
+    ]
+    if more := sum(map(len, runs[MOST_RUNS:])):
+        texts.append(f"{more} more")
+    *before, last = texts
+    return ("rows " if len(rows) > 1 else "row ") + (
+        f"{', '.join(before)} and {last}" if before else last
     )
 
 
@@ -348,12 +364,14 @@ class _Table:
         SpecError
             It stands somewhere, and has none there.
         """
-        for row in np.flatnonzero(np.hypot(v_north, v_east) < LEAST_SPEED):
+        rows = np.flatnonzero(np.hypot(v_north, v_east) < LEAST_SPEED)
+        if rows.size:
             message = (
-                f"moves at less than {LEAST_SPEED:g} m/s here, and a track that stands "
-                "has no heading; give a column 'heading [deg]'"
+                f"moves at less than {LEAST_SPEED:g} m/s in {_in_words(rows + 2)} of "
+                "the file, and a track that stands has no heading; give a column "
+                "'heading [deg]'"
             )
-            self._add(int(row) + 1, 0, "", message)
+            self._add(int(rows[0]) + 1, 0, "", message)
         self._raise()
         return np.asarray(np.unwrap(np.arctan2(v_east, v_north)))
 

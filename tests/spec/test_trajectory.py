@@ -196,8 +196,10 @@ def test_all_rows_that_are_wrong_are_said_at_once(refused):
 def test_a_track_that_stands_has_no_heading(read, refused):
     """It is asked for then, and taken where it is given."""
     rows = [*ROWS, *(f"{n},45.04,9.04,100" for n in (5, 6, 7))]
-    assert all("a column 'heading [deg]'" in text for text in refused(rows))
-    assert len(refused(rows)) == 3
+    (text,) = refused(rows)
+    assert text.startswith("7:1: ")
+    assert "in rows 7 to 9 of the file" in text
+    assert "a column 'heading [deg]'" in text
     found = read([f"{row},30" for row in rows], HEADER + ",heading [deg]")
     assert_allclose(found.attitude[:, 2], radians(30.0), rtol=1e-15)
 
@@ -272,6 +274,30 @@ def test_half_of_the_headings_may_be_aside(read):
     place = back[-1].split(",", 1)[1]
     stops = [f"{n},{place[:-3]}0" for n in range(20, 60)]
     assert "differs" in str(read([*back, *stops], header).assumptions)
+
+
+@pytest.mark.parametrize(
+    ("stops", "words"),
+    [
+        ([1], "in row 3 of"),
+        ([0, 7], "in rows 2 and 9 of"),
+        ([0, *range(7, 13)], "in rows 2 and 9 to 14 of"),
+        (range(0, 14, 2), "in rows 2, 4, 6, 8, 10 and 2 more of"),
+    ],
+)
+def test_rows_that_stand_are_said_in_one(refused, stops, words):
+    """By their numbers in the file, the first as the place, of many runs five."""
+    # Central differences: a row stands where those beside it are at one place, and the
+    # second-order ones at the ends by the three rows there.
+    place = [0.0, 1.0]
+    for row in range(1, 16):
+        place.append(place[-2] + (0.0 if row in stops else 2.0))
+    if 0 in stops:
+        place[0] = 4.0 / 3.0 * place[1] - place[2] / 3.0
+    rows = [f"{n},{45.0 + 1e-3 * one:.12f},9,0" for n, one in enumerate(place)]
+    (text,) = refused(rows)
+    assert text.startswith(f"{min(stops) + 2}:1: ")
+    assert words in text
 
 
 @pytest.mark.parametrize(
