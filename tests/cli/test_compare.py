@@ -315,6 +315,18 @@ class TestMission:
         assert any(file["role"] == "mission" for file in run.document["inputs"])
         assert "Good has no accelerometer" in " ".join(run.document["warnings"])
 
+    def test_the_map_says_what_is_limited_and_when(self, folder):
+        """Above a column stand quantity, axis and time: it is no angle of a sensor."""
+        limits = ("--requirement", "mile.yaml", "--mission", "bench")
+        run = call("compare", "zhao-2019", *limits, *LAW, "-o", "a.html")
+
+        assert "a.html: written" in run.err
+        text = (folder / "a.html").read_text(encoding="utf-8")
+        (drawn,) = re.findall(r'id="map-mission-0-figure".*?</svg>', text, re.DOTALL)
+        told = re.findall(r"<text[^>]*>([^<]*)</text>", drawn)
+        assert {"position", "horizontal", "after 1 h"} <= set(told)
+        assert "angle" not in told
+
     def test_limits_without_a_mission_are_refused(self):
         """Exit code 2, the limit named, and what to do."""
         run = call("compare", "zhao-2019", "--requirement", "mile.yaml", *LAW)

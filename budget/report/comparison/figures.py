@@ -6,6 +6,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from budget.language import counted, key_title, say, term, words
+from budget.names import time_text
 from budget.report.comparison.tables import merit_points
 from budget.report.figures.rows import (
     Bar,
@@ -46,7 +47,7 @@ from budget.report.wording import capital
 from budget.studies.figures_of_merit import MERITS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -385,6 +386,9 @@ def _map_row(row: Device) -> Row:
 
 def _output_heads(names: list[Name]) -> Iterator[Head]:
     """Yield the axes above the columns, and their parameters above those."""
+    if any(name.time is not None for name in names):
+        yield from _mission_heads(names)
+        return
     for place, name in enumerate(names):
         yield Head(at=place + 0.5, text=name.axis, colour=MUTED)
     for parameter, own in groupby(enumerate(names), key=lambda pair: pair[1].quantity):
@@ -395,6 +399,27 @@ def _output_heads(names: list[Name]) -> Iterator[Head]:
             else say(SHORT.get(parameter, "angle"))
         )
         yield Head(at=(places[0] + places[-1] + 1) / 2.0, text=title, level=1)
+
+
+def _mission_heads(names: Sequence[Name]) -> Iterator[Head]:
+    """Yield times above the columns, above those axes, and quantities at the top."""
+    titles = [
+        (
+            words(name.quantity),
+            say(name.axis),
+            say("after {time}", time=time_text(name.time or 0.0)),
+        )
+        for name in names
+    ]
+    for level, depth in enumerate((3, 2, 1)):
+        for title, own in groupby(enumerate(titles), key=lambda one: one[1][:depth]):
+            places = [place for place, _ in own]
+            yield Head(
+                at=(places[0] + places[-1] + 1) / 2.0,
+                text=title[-1],
+                level=level,
+                colour=MUTED if level == 0 else INK,
+            )
 
 
 def _opacity(part: float) -> float:
