@@ -157,7 +157,9 @@ def allocate(
     subjects: list[tuple[tuple[Sensor, ...], Mission | None]] = [
         ((one,), None) for one in sensors if calibrates(one.kind, how)
     ]
-    subjects += [] if journey is None else [(sensors, journey)]
+    if journey is not None:
+        whole = (expecting(one, how, wanted.reference, every=True) for one in sensors)
+        subjects.append((tuple(whole), journey))
     cases = [
         case
         for several, on in subjects
@@ -417,6 +419,7 @@ def _warnings(
     """Say what a reader should know before believing the table."""
     given = {Name(line.name, owner=s.kind) for s in sensors for line in s.lines}
     texts: list[str] = []
+    said: set[Name] = set()
     named = (
         ("held", sorted(bounds.held)),
         ("bounded", sorted({*bounds.most, *bounds.least})),
@@ -479,8 +482,9 @@ def _warnings(
                 )
             )
         missing = [name for one in case.sensors for name in one.expected_missing]
-        if missing and (case.mission is None or case is cases[0]):  # said once
-            lines = ", ".join(missing)
+        if new := [name for name in missing if name not in said]:
+            said.update(new)
+            lines = ", ".join(new)
             texts.append(
                 note(
                     "{lines}: not given, so nothing was allotted to it; a "

@@ -192,7 +192,12 @@ def bound_missing(
             verdict="",
             is_bound=False,
         )
-    bare = expecting_device(bare, one.procedure, one.requirement.reference)
+    bare = expecting_device(
+        bare,
+        one.procedure,
+        one.requirement.reference,
+        every=one.mission is not None,
+    )
     completed, filling = fill(bare, WORST, catalogue)
     # Beside a sensor of another kind its lines count where the verdict rests on them.
     filling = filling.of(missing)

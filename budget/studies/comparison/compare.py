@@ -130,9 +130,12 @@ def compare(
         one
         for procedure in tests
         for place, device in enumerate(imus)
-        for bare in [expecting_device(device, procedure, wanted.reference)]
+        for on in ((None,) if journey is None else (None, journey))
+        for bare in [
+            expecting_device(device, procedure, wanted.reference, every=on is not None)
+        ]
         for filled in [fill(bare, missing, catalogue)]
-        for given, sensors, on in _subjects(bare, filled[0], journey)
+        for given, sensors in _subjects(bare, filled[0], on)
         if (
             one := Candidate(
                 device=filled[0],
@@ -259,15 +262,16 @@ def compare(
 
 def _subjects(
     given: Device, filled: Device, mission: Mission | None
-) -> Iterator[tuple[tuple[Sensor, ...], tuple[Sensor, ...], Mission | None]]:
-    """Yield what is judged of a device: each triad, and both on a mission.
+) -> Iterator[tuple[tuple[Sensor, ...], tuple[Sensor, ...]]]:
+    """Yield what is judged of a device: each triad, or both on a mission.
 
     As the file gives them, and with what stands for lines that are not given.
     """
-    for one, sensor in zip(given.sensors, filled.sensors, strict=True):
-        yield (one,), (sensor,), None
-    if mission is not None and len(filled.sensors) == len(SENSORS):
-        yield given.sensors, filled.sensors, mission
+    if mission is None:
+        for one, sensor in zip(given.sensors, filled.sensors, strict=True):
+            yield (one,), (sensor,)
+    elif len(filled.sensors) == len(SENSORS):
+        yield given.sensors, filled.sensors
 
 
 def _check(method: str, *, trials: int, max_trials: int, validate: bool) -> None:
