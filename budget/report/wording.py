@@ -14,6 +14,7 @@ from budget.report.tables import (
     print_share,
     source_title,
 )
+from budget.spec.records import UNCALIBRATED
 from budget.ties import settle
 
 if TYPE_CHECKING:
@@ -56,6 +57,10 @@ ERROR_REFERENCES = {
         )
     ),
 }
+ON_ITS_WAY = term(
+    "errors are counted from the values at any later turn-on, which the navigation "
+    "system will meet: a repeatability counts once, as no one turn-on was calibrated"
+)
 VERDICTS = {
     "meets": term("MEETS"),
     "fails": term("FAILS"),
@@ -72,6 +77,13 @@ SEVERITY = (
 )  # the first is the page's
 MISSING = {"noise": term("a noise line")}
 NOT_KNOWN = term("not known")
+
+
+def error_reference(settings: Settings) -> str:
+    """Say what errors are counted from."""
+    if settings.formulas in UNCALIBRATED:
+        return say(ON_ITS_WAY)
+    return say(ERROR_REFERENCES[settings.reference])
 
 
 # What stands for lines that a device does not give, by the mode.

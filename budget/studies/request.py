@@ -47,7 +47,7 @@ from budget.names import (
     time_text,
 )
 from budget.spec import load_procedure
-from budget.spec.records import Device
+from budget.spec.records import UNCALIBRATED, Device
 from budget.studies.lower_bounds import expecting, lacking, lacking_of_mission
 from budget.studies.missing import Filling
 
@@ -485,6 +485,8 @@ def choose_times(
 
 def not_calibrated(devices: Sequence[Device], procedure: Procedure) -> tuple[str, ...]:
     """Say of which triads that are there a procedure finds nothing."""
+    if procedure.formulas in UNCALIBRATED:
+        return ()
     return tuple(
         note(
             "{name} does not calibrate the {kind}: nothing is said of it",

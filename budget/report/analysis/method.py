@@ -29,9 +29,9 @@ from budget.report.formulas import Math, with_math
 from budget.report.tables import print_count, print_coverage, print_given
 from budget.report.wording import (
     BY_LAW,
-    ERROR_REFERENCES,
     INTERVALS,
     METHODS,
+    error_reference,
     points,
 )
 from budget.studies.request import sensors_of
@@ -204,7 +204,7 @@ def _settings_rows(settings: Settings, trials: Trials) -> tuple[tuple[str, Words
             say(
                 "{reference}: {error_references}",
                 reference=words(settings.reference),
-                error_references=say(ERROR_REFERENCES[settings.reference]),
+                error_references=error_reference(settings),
             ),
         ),
     ]

@@ -165,7 +165,7 @@ def rate_sentence(at: AtTime, rate: float) -> str:
             number, lower_bound=row.lower_bound, unknown=row.is_unknown
         )
     return say(
-        "That is {rate} nmi/h: the CEP after {time}, divided by {time}.",
+        "As a rate {rate} nmi/h: the CEP after {time}, divided by {time}.",
         rate=number.text,
         time=time_text(at.time),
     )

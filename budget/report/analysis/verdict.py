@@ -37,7 +37,6 @@ from budget.report.tables import (
     used_part,
 )
 from budget.report.wording import (
-    ERROR_REFERENCES,
     MISSING,
     NOT_KNOWN,
     SEVERITY,
@@ -45,6 +44,7 @@ from budget.report.wording import (
     capital,
     cell,
     doubt_sentence,
+    error_reference,
     mode_remark,
     mode_sentence,
     outcome_words,
@@ -301,7 +301,7 @@ def _margin(budget: Budget, assessment: Assessment | None) -> Words:
     """Return by how much limits are held or exceeded, and what errors are."""
     basis = _basis(budget.settings, assessment)
     if assessment is None:
-        counted = capital(say(ERROR_REFERENCES[budget.settings.reference]))
+        counted = capital(error_reference(budget.settings))
         left = say("No requirement was given: this is what the calibration leaves.")
         return (say("{left} {counted}.", left=left, counted=counted),)
     unknown = [sensor.sensor for sensor in assessment.sensors if sensor.nothing_known]
@@ -533,7 +533,7 @@ def _basis(settings: Settings, assessment: Assessment | None) -> str:
         if any(row.coverage is not None for row in rows)
         else "Errors at {coverage} % coverage; {error_references}.",
         coverage=coverage,
-        error_references=say(ERROR_REFERENCES[settings.reference]),
+        error_references=error_reference(settings),
     )
 
 

@@ -10,8 +10,8 @@ from budget.report.comparison.tables import MissingEffect
 from budget.report.readings import verdict_line
 from budget.report.tables import print_count, print_coverage, source_title
 from budget.report.wording import (
-    ERROR_REFERENCES,
     doubt_sentence,
+    error_reference,
     mode_remark,
     mode_sentence,
 )
@@ -89,7 +89,7 @@ def basis(comparison: Comparison) -> str:
     said = say(
         "Errors at {coverage} % coverage; {error_references}.",
         coverage=coverage,
-        error_references=say(ERROR_REFERENCES[settings.reference]),
+        error_references=error_reference(settings),
     )
     if comparison.mission:
         said += say(
