@@ -51,6 +51,16 @@ ENDINGS = {129: "hung up", EXIT_INTERRUPTED: "interrupted", 143: "ended on reque
 class _Commands(TyperGroup):
     """All commands. A pipe that breaks is an error to be told, not typer's exit 1."""
 
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:  # noqa: ANN401
+        """Return the command; one of its options may not be given twice in silence."""
+        name, found, rest = super().resolve_command(ctx, args)
+        if found is not None and (twice := _given_twice(found, rest)):
+            raise typer.BadParameter(
+                f"{', '.join(twice)} given more than once, and only one counts; leave "
+                "the others out"
+            )
+        return name, found, rest
+
     def invoke(self, ctx: Any) -> Any:  # noqa: ANN401 - as typer has it
         """Run the command."""
         try:
@@ -61,6 +71,30 @@ class _Commands(TyperGroup):
                 "open; nothing is known to be wrong with the files: try again with "
                 "--workers 1"
             ) from error
+
+
+def _given_twice(command: Any, words: list[str]) -> list[str]:  # noqa: ANN401
+    """Return the options with one value for which there are two."""
+    options = {
+        word: option
+        for option in command.params
+        if option.param_type_name == "option"
+        for word in option.opts
+    }
+    given: list[str] = []
+    left = iter(words)
+    for word in left:
+        if word == "--":
+            break
+        name, has_value, _ = word.partition("=")
+        option = options.get(name)
+        if option is None or option.is_flag:
+            continue
+        if not has_value:
+            next(left, None)
+        if not option.multiple:
+            given.append(option.opts[0])
+    return [name for name in dict.fromkeys(given) if given.count(name) > 1]
 
 
 app = typer.Typer(

@@ -120,7 +120,7 @@ def analyze(
     missing: str = REFUSE,
     catalogue: Sequence[Device] | None = None,
     mission: Mission | File | None = None,
-    at: Sequence[float] = (),
+    at: Sequence[float | str] = (),
     command: str = "analyze",
     progress: Progress | None = None,
     talk: Callable[[str], None] | None = None,
@@ -178,8 +178,8 @@ def analyze(
     mission : Mission, optional
         Whose errors are asked for, in place of those of the parameters; with a later
         turn-on as error reference. `procedure` may be `budget.uncalibrated("none")`.
-    at : sequence of float
-        Times of the mission [s]; those of its file without it.
+    at : sequence of float or str
+        Times of the mission [s], or as '10 min'; those of its file without it.
     command : str
         Name of the job in the result.
     progress : callable, optional

@@ -21,7 +21,7 @@ from budget.names import HORIZONTAL, LENGTHS, MISSION, Name
 from budget.results import CEP, INTERACTION, R95, Calibrated
 from budget.spec import without_test
 from budget.spec.records import UNCALIBRATED
-from budget.studies.request import analysis_of
+from budget.studies.request import analysis_of, seconds
 from budget.ties import first_largest
 
 if TYPE_CHECKING:
@@ -105,25 +105,25 @@ def _plane(quantity: str) -> NDArray[np.intp]:
     return np.array([SEEN.index((quantity, axis)) for axis in HORIZONTAL])
 
 
-def growth(budget: Budget, times: Iterable[float] | None = None) -> Curve:
+def growth(budget: Budget, times: Iterable[float | str] | None = None) -> Curve:
     """Return how the errors of a mission grow, of what `analyze` says of it.
 
     Parameters
     ----------
     budget : Budget
         Of a mission.
-    times : iterable of float, optional
-        [s], above 0, to its end; 100 of them evenly without it.
+    times : iterable of float or str, optional
+        [s], or as '10 min'; above 0, to its end; 100 of them evenly without it.
 
     Raises
     ------
     CallError
-        It is of no mission, which also ends before one of the times.
+        It is of no mission, or that ends before one of the times, or they are none.
     """
     analysis = analysis_of(budget)
     if times is None or analysis.journey is None:
         return curve(analysis)
-    found = tuple(sorted(times))
+    found = tuple(sorted(map(seconds, times)))
     last = analysis.journey.route.duration
     if not found or not (found[0] > 0.0 and found[-1] <= last):
         raise CallError(f"times are {found}, expected some above 0 s and to {last:g} s")

@@ -32,7 +32,7 @@ from budget.calibration.schemes import (
     with_accelerometers,
 )
 from budget.distributions import COVERAGES, is_coverage
-from budget.errors import CallError
+from budget.errors import CallError, UnitError
 from budget.language import note
 from budget.methods.gum import propagate
 from budget.methods.intervals import KINDS as INTERVALS
@@ -50,6 +50,7 @@ from budget.spec import load_procedure
 from budget.spec.records import UNCALIBRATED, Device
 from budget.studies.lower_bounds import expecting, lacking, lacking_of_mission
 from budget.studies.missing import Filling
+from budget.units import parse_quantity
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Container, Iterable, Mapping, Sequence
@@ -452,7 +453,7 @@ def mission_for(requirement: Requirement, mission: Mission | None) -> None:
 
 def choose_times(
     mission: Mission,
-    asked: Sequence[float] = (),
+    asked: Iterable[float | str] = (),
     requirement: Requirement | None = None,
 ) -> tuple[float, ...]:
     """Return the times at which errors of a mission are looked at, rising [s].
@@ -462,12 +463,19 @@ def choose_times(
     Raises
     ------
     CallError
-        The mission ends before one of them, or they are too many.
+        The mission ends before one of them, or they are no times, or too many.
     """
+    times = [seconds(time) for time in asked]
     limited = () if requirement is None else requirement.outputs
     own = [name.time for name in limited if name.time is not None]
-    found = tuple(sorted({*(asked or mission.at), *own}))
+    found = tuple(sorted({*(times or mission.at), *own}))
     late = [t for t in found if t > mission.route.duration * (1.0 + SAME_TIME)]
+    if requirement is not None and late and late[-1] in own:
+        raise CallError(
+            f"{requirement.name} has a limit after {time_text(late[-1])}, and "
+            f"{mission.name} lasts {time_text(mission.route.duration)}; expected a "
+            "limit within it, or a longer mission"
+        )
     if late or found[0] <= 0.0:
         wrong = time_text(late[-1] if late else found[0])
         raise CallError(
@@ -481,6 +489,24 @@ def choose_times(
             "with their cube: choose some with --at"
         )
     return found
+
+
+def seconds(time: float | str) -> float:
+    """Return a time [s], of a number of seconds or a text such as '10 min'.
+
+    Raises
+    ------
+    CallError
+        It is neither.
+    """
+    if isinstance(time, int | float) and not isinstance(time, bool):
+        return float(time)
+    if not isinstance(time, str):
+        raise CallError(f"time {time!r}: expected seconds, or a text such as '10 min'")
+    try:
+        return parse_quantity(time, "s", bare="s").value
+    except UnitError as error:
+        raise CallError(f"time {error}") from None
 
 
 def not_calibrated(devices: Sequence[Device], procedure: Procedure) -> tuple[str, ...]:

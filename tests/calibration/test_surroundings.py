@@ -10,12 +10,15 @@ import pytest
 from acting import ACC_ANGLE, ACC_SF, GYRO_ANGLE, GYRO_BIAS, triads
 from builders import line, procedure
 from numpy.testing import assert_allclose
+from scipy.stats import chi2
 
 from budget.calibration.problem import calibration_problem
+from budget.calibration.simulation import simulate
 from budget.distributions import UNIFORM
 from budget.methods.gum import propagate
 from budget.methods.monte_carlo import sample
 from budget.methods.sobol import sobol
+from budget.spec import load_procedure
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G, PPM
 
 RAMP = "environment.temperature.ramp"
@@ -128,3 +131,18 @@ def test_every_source_of_station_and_environment_has_an_index():
     assert given <= {name.partition(".")[2] for name in indices.factors}
     assert RAMP in indices.factors
     assert_allclose(indices.first.value.sum(axis=0), 1.0, rtol=0, atol=0.01)
+
+
+def test_simulated_runs_at_a_table_scatter_as_the_law_says():
+    """Angles of turns are drawn for the gyro, whose windows are the fewer here."""
+    runs = 40
+    own = replace(load_procedure(station="three-axis-table"), sample_rate=1.0)
+    law = propagate(calibration_problem(SENSORS, own))
+    errors = np.array([simulate(SENSORS, own, run=run) for run in range(runs)])
+    # (n - 1) s^2/sigma^2 is chi-squared: its end of a probability of 1e-7 either way.
+    low, high = np.sqrt(chi2.ppf([1e-7, 1.0 - 1e-7], runs - 1) / (runs - 1))
+    ratio = errors.std(axis=0, ddof=1) / law.standard_uncertainty
+    assert low < ratio.min() <= ratio.max() < high
+    angle = next(one for one in own.station if one.name == "turn_angle")
+    other = replace(own, station=(replace(angle, u=1000.0 * angle.u),))
+    assert simulate(SENSORS, other, run=0)[0] != errors[0, 0]

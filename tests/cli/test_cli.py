@@ -236,6 +236,35 @@ def test_unknown_option_is_named():
     assert "--no-such-option" in run.err
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("compare", "zhao-2019", "--requirement", "a", "--requirement=b"),
+        ("mission", "zhao-2019", "--mission", "bench", "--seed", "1", "--mission", "x"),
+        ("analyze", "zhao-2019", "--seed", "1", "--seed", "1"),
+    ],
+)
+def test_one_value_is_not_two(words):
+    """An option that is given twice is refused: which of them counts, nobody sees."""
+    run = call(*words)
+
+    assert (run.code, run.out) == (2, "")
+    twice = {"compare": "--requirement", "mission": "--mission", "analyze": "--seed"}
+    assert f"{twice[words[0]]} given more than once" in run.err
+
+
+def test_what_may_be_said_again_may_be(tmp_path):
+    """Options that take several values, flags, and values that look like options."""
+    path = tmp_path / "--seed"
+    run = call(
+        *("mission", "zhao-2019", "--mission", "bench", "--at", "10 s", "--at", "60 s"),
+        *("--no-validate", "--seed", "3", "--json", path),
+    )
+
+    assert run.code == 0
+    assert "after 1 min" in run.out.lower()
+
+
 @pytest.mark.parametrize("option", ["--json", "--csv"])
 def test_output_path_that_cannot_be_written(tmp_path, option):
     """A missing folder is exit 2, said with its name, and nothing is printed."""

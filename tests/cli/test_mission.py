@@ -266,6 +266,17 @@ def test_factory_calibration_counts_a_repeatability_once():
     assert_allclose(shares[0] / shares[1], 2.0**0.5, rtol=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("calibration", "times"),
+    [((), "twice"), (("--calibration", "factory"), "once")],
+    ids=str,
+)
+def test_it_says_how_often_a_repeatability_counts(calibration, times, limits):
+    """In the words of the verdict, after each calibration."""
+    words = " ".join(answer(*OUTAGE, "--requirement", limits, *calibration).out.split())
+    assert f"a repeatability counts {times}" in words
+
+
 @pytest.mark.parametrize("width", ["80", "100", "60"])
 def test_lines_fit_the_terminal(width, limits):
     """Nothing is wider than the screen, with a verdict too."""

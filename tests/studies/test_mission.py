@@ -84,17 +84,23 @@ def test_a_calibration_alone_has_no_curve(bench):
 
 def test_the_library_answers_as_the_law(bench):
     """`analyze(mission=)` and `growth` of it: names, units, times, the file's too."""
-    found = analyze("zhao-2019", mission="bench", at=[60, 3600], validate=False)
+    found = analyze("zhao-2019", mission="bench", at=["1 min", 3600], validate=False)
     row = found.output("mission.position.horizontal.3600")
     expected = bench.law.standard_uncertainty
     names = [output.name for output in bench.problem.outputs]
     place = names.index("mission.position.horizontal.3600")
     assert_allclose(row.standard_uncertainty, expected[place], rtol=1e-12)
     assert found.settings.reference == "next_turn_on"
-    table = growth(found, [3600.0, 60.0]).to_frame()
+    table = growth(found, ["1 h", 60.0]).to_frame()
     assert table["time"].tolist() == [60.0, 3600.0]
     assert_allclose(table["drms"].iloc[1], row.standard_uncertainty, rtol=1e-12)
     assert table["dominant"].iloc[1] == "gyro.bias_repeatability"
+
+
+LATE = {
+    "name": "late",
+    "limits": {"mission": {"position": {"horizontal": "1 km", "at": "2 h"}}},
+}
 
 
 @pytest.mark.parametrize(
@@ -102,6 +108,9 @@ def test_the_library_answers_as_the_law(bench):
     [
         ({"at": [60]}, "give mission="),
         ({"mission": "bench", "at": [7200]}, "lasts 1 h"),
+        ({"mission": "bench", "at": ["3 m"]}, "is a length"),
+        ({"mission": "bench", "at": [None]}, "time None"),
+        ({"mission": "bench", "requirement": LATE}, "late has a limit after 2 h"),
         ({"mission": "bench", "reference": "nominal"}, "turn-on of its own"),
         ({"mission": "bench", "method": "simulation"}, "gum or monte-carlo"),
     ],

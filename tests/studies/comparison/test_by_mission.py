@@ -15,9 +15,9 @@ from numpy.testing import assert_allclose
 from budget.errors import CallError
 from budget.names import MISSION, Name
 from budget.results import Settings
-from budget.spec import load_device, load_mission, load_procedure
+from budget.spec import load_device, load_mission, load_procedure, uncalibrated
 from budget.spec.records import Limit
-from budget.studies.analysis import analyze_as
+from budget.studies.analysis import analyze, analyze_as
 from budget.studies.comparison.compare import compare
 
 BENCH = load_mission("bench")
@@ -108,6 +108,28 @@ def test_missing_lines_leave_what_would_meet_undecidable():
     assert (open_one.verdict, failed.verdict) == ("undecidable", "fails")
     assert open_one.lower_bound
     assert {name.owner for name in open_one.missing.lines} == {*BOTH}
+
+
+@pytest.mark.parametrize("calibration", ["none", "factory", "six-positions"])
+def test_what_a_new_unit_has_is_expected_of_it(calibration):
+    """A data sheet that says nothing of its making meets no limit on a mission by that.
+
+    As of the mission itself: what nobody calibrates is missing there, and here.
+    """
+    plan = calibration if calibration.startswith("six") else uncalibrated(calibration)
+    wanted = on_mission(horizontal(1e6))
+    (judged,) = compare(["hg4930#A"], wanted, plan, **LAW).devices
+    own = analyze(
+        "hg4930#A",
+        mission="bench",
+        procedure=plan,
+        requirement=wanted,
+        validate=False,
+    )
+    lacks = {name for row in own.outputs for name in row.lacks}
+    assert lacks <= {*(() if judged.missing is None else judged.missing.lines)}
+    is_open = calibration != "factory"
+    assert (judged.verdict == "undecidable") == bool(lacks) == is_open
 
 
 @pytest.mark.parametrize("mode", ["worst", "typical", "predict"])
