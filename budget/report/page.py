@@ -19,7 +19,6 @@ from budget.resources import shipped
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
-    from pathlib import Path
 
     from jinja2 import Environment
     from markupsafe import Markup
@@ -275,22 +274,17 @@ POWER = re.compile(r"(?<=\d)e([+-]?)0*(\d+)\b")  # of ten, as Python prints it
 PLAIN = re.compile(r"([<>]?[-+]?\d+(\.\d+)?)( [^\d]*)?")
 
 
+@cache  # it keeps what it has compiled, and reads a template that has changed again
 def page_environment() -> Environment:
     """Return the jinja2 environment of every page: escaping, numbers kept with units.
 
     Missing values are errors, plain text is escaped and its numbers bound to their
     units; the filters `number` and `longest_tail` set columns.
     """
-    return _environment(shipped("templates"))
-
-
-@cache  # it keeps what it has compiled, and reads a template that has changed again
-def _environment(templates: Path) -> Environment:
-    """Return that of the templates in a folder."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     environment = Environment(
-        loader=FileSystemLoader(templates),
+        loader=FileSystemLoader(shipped("templates")),
         autoescape=True,
         undefined=StrictUndefined,
         finalize=lambda value: bind(value) if type(value) is str else value,

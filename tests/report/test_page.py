@@ -28,6 +28,7 @@ from budget.report.page import (
     longest_tail,
     natural_width,
     number_markup,
+    page_environment,
     render_page,
     script_messages,
     script_safe,
@@ -320,6 +321,9 @@ def test_missing_template_is_named(monkeypatch, tmp_path, name):
     templates = copytree(shipped("templates"), tmp_path / "templates")
     (templates / name).unlink()
     monkeypatch.setattr("budget.report.page.shipped", lambda folder: tmp_path / folder)
+    # As in a process of its own, which has compiled nothing yet.
+    own = cache(page_environment.__wrapped__)
+    monkeypatch.setattr("budget.report.page.page_environment", own)
 
     with pytest.raises(OutputError, match=rf"{re.escape(name)}: this template"):
         render_page(example())
