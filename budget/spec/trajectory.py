@@ -21,6 +21,7 @@ from budget.spec.tree import MOST_ISSUES, all_of, describe
 from budget.units import DAY, parse_quantity
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
     from budget.arrays import Array
@@ -189,9 +190,9 @@ def _gaps(time: Array, first: float) -> tuple[str, ...]:
     )
 
 
-def _in_words(rows: Array) -> str:
+def _in_words(rows: Sequence[int]) -> str:
     """Return rising numbers of rows, those that follow each other in one: '2 to 5'."""
-    runs = np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1)
+    runs = np.split(np.array(rows), np.flatnonzero(np.diff(rows) > 1) + 1)
     texts = [
         f"{run[0]} to {run[-1]}" if len(run) > 1 else f"{run[0]}"
         for run in runs[:MOST_RUNS]
@@ -366,10 +367,10 @@ class _Table:
         """
         rows = np.flatnonzero(np.hypot(v_north, v_east) < LEAST_SPEED)
         if rows.size:
+            which = _in_words((rows + 2).tolist())
             message = (
-                f"moves at less than {LEAST_SPEED:g} m/s in {_in_words(rows + 2)} of "
-                "the file, and a track that stands has no heading; give a column "
-                "'heading [deg]'"
+                f"moves at less than {LEAST_SPEED:g} m/s in {which} of the file, "
+                "and a track that stands has no heading; give a column 'heading [deg]'"
             )
             self._add(int(rows[0]) + 1, 0, "", message)
         self._raise()
