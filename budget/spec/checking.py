@@ -40,7 +40,7 @@ _EXPECTED = {
     "int_from_float": "expected a whole number, such as 1",
     "float_type": "expected a number, such as 1.5",
     "bool_type": "expected true or false",
-    "tuple_type": "expected a list in brackets, such as [x, y] of two items",
+    "tuple_type": "expected a list in brackets",
     "model_type": "expected a mapping of keys",
     "dict_type": "expected a mapping of keys",
 }
@@ -141,6 +141,8 @@ def _issue(
         message = f"found {found}, expected {detail['ctx']['expected']}{hint}{see}"
     elif kind in _EXPECTED:
         message = f"found {found}, {_EXPECTED[kind]}{_mended(node, kind)}"
+        if kind == "tuple_type":
+            message += _bracketed(model, steps, node)
     else:
         message = f"found {found}; {detail['msg'].lower()}"
     return document.issue(node, message)
@@ -154,6 +156,17 @@ def _mended(node: Node, kind: str) -> str:
     if kind in {"int_type", "float_type"} and number:
         return f"; did you mean {number[1]}{number[2].replace('_', '')}?"
     return ""
+
+
+def _bracketed(model: type[BaseModel], steps: Sequence[str | int], node: Node) -> str:
+    """Return how the list is written that a file has one item of, or of what."""
+    key = str(steps[-1])
+    field = _model_at(model, steps[:-1]).model_fields.get(key)
+    if field and next(_models_in(field.annotation), None):
+        return ", each item a mapping of keys"
+    if node.written and not isinstance(node.value, bool):
+        return f", such as '{key}: [{node.written}]'"
+    return ", such as [x, y] of two items"
 
 
 def _model_at(model: type[BaseModel], steps: Sequence[str | int]) -> type[BaseModel]:

@@ -260,17 +260,31 @@ def per_axis(like: str, axes: tuple[str, ...], sign: Sign) -> Any:  # noqa: ANN4
     return Annotated[mapping_of(f"by axis in {like}", fields), OrText(measured)]
 
 
+@dataclass(frozen=True)
 class OneOrMore:
-    """Beside the sequence it annotates, one of its items alone."""
+    """Beside the sequence it annotates, one of its items alone.
+
+    A text in its place is shown as the value of the key of an item, with what an item
+    has to say more.
+    """
+
+    key: str
+    besides: str
+
+    def read(self, value: object) -> object:
+        """Return the sequence that a value means."""
+        if isinstance(value, str | int | float) and not isinstance(value, bool):
+            raise fault(
+                f"found {describe(value)} alone, expected more beside the value: "
+                f"{{{self.key}: {value}, {self.besides}}}"
+            )
+        return (value,) if isinstance(value, dict) else value
 
     def __get_pydantic_core_schema__(
         self, source: object, handler: GetCoreSchemaHandler
     ) -> CoreSchema:
         """Tell pydantic how to read either."""
-        return core_schema.no_info_before_validator_function(
-            lambda value: (value,) if isinstance(value, dict) else value,
-            handler(source),
-        )
+        return core_schema.no_info_before_validator_function(self.read, handler(source))
 
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler

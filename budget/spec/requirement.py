@@ -36,7 +36,7 @@ from budget.spec.records import Limit, Origin, Requirement
 from budget.units import Quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Sequence
 
     from budget.spec.tree import Document
 
@@ -99,11 +99,12 @@ TIMING = frozenset(AtTime.model_fields)
 def _mission_type() -> Any:  # noqa: ANN401
     """Return the type of the limits of a mission."""
 
-    def several(title: str, like: str, keys: Iterable[str]) -> Any:  # noqa: ANN401
+    def several(title: str, like: str, keys: Sequence[str]) -> Any:  # noqa: ANN401
         limit = Annotated[Quantity, Measured(like, Sign.POSITIVE)]
         item: Any = mapping_of(title, dict.fromkeys(keys, limit), base=AtTime)
         items: Any = tuple[item, ...]
-        return Annotated[items, Field(max_length=MOST_LIMITS), OneOrMore()]
+        one_or_more = OneOrMore(keys[0], "at: 60 s")
+        return Annotated[items, Field(max_length=MOST_LIMITS), one_or_more]
 
     vectors = {
         quantity: several(

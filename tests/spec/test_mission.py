@@ -259,6 +259,9 @@ def test_a_pole_is_not_flown_over(sense):
         ),
         ({"altitude": "held"}, "altitude", "'aided' or 'free'"),
         ({"at": []}, "at", "1 to 100"),
+        ({"at": "60 s"}, "at", r"brackets, such as 'at: \[60 s\]'"),
+        ({"at": 60}, "at", r"brackets, such as 'at: \[60\]'"),
+        ({"at": {"one": "60 s"}}, "at", "in brackets, such as .x, y. of two items$"),
         ({"at": ["5 s", "5 s"]}, "at[1]", "that rise"),
         ({"at": ["5 s", "61 s"]}, "at[1]", "ends at 60 s"),
         ({"wind": "5 m/s"}, "wind", "unknown key"),
@@ -324,6 +327,7 @@ def test_a_recorded_flight_is_flown_as_its_segments(flown):
     ("keys", "where", "what"),
     [
         ({"name": "."}, "trajectory", "is no file; expected a CSV file"),
+        ({"segments": "60 s"}, "segments", "in brackets, each item a mapping of keys$"),
         ({"at": ["121 s"]}, "at[0]", "ends at 120 s"),
         (
             {"alignment": "self", "alignment_time": "60 s"},

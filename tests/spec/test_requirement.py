@@ -154,3 +154,20 @@ def test_limits_on_what_is_derived_are_checked(write, limits, said):
         validate(write(f"name: x\nlimits: {{{limits}}}\n"))
     (issue,) = found.value.issues
     assert (issue.line, said in str(issue)) == (2, True), str(issue)
+
+
+@pytest.mark.parametrize(
+    ("limit", "said"),
+    [
+        ("heading: 1 deg", "{limit: 1 deg, at: 60 s}"),
+        ("position: 5 m", "{horizontal: 5 m, at: 60 s}"),
+        ("velocity: [1 m/s]", "a mapping of keys"),
+        ("velocity: true", "found true"),
+    ],
+)
+def test_a_limit_on_a_mission_says_its_time(write, limit, said):
+    """A value alone is shown with what it lacks."""
+    with pytest.raises(SpecError) as found:
+        validate(write(f"name: x\nlimits: {{mission: {{{limit}}}}}\n"))
+    (issue,) = found.value.issues
+    assert (issue.line, said in str(issue)) == (2, True), str(issue)
