@@ -34,6 +34,16 @@ _EARTH_RATE = (
     "station.earth_rate"
 )
 
+# Of a limit on a horizontal error, by what others call its radius.
+_RADIUS = {
+    "radius": "did you mean 'horizontal'?",
+    "circle": "did you mean 'horizontal'?",
+    "cep": "expected 'horizontal' with 'probability: 50 %' beside it",
+    "cep50": "expected 'horizontal' with 'probability: 50 %' beside it",
+    "cep95": "expected 'horizontal' with 'probability: 95 %' beside it",
+    "r95": "expected 'horizontal' with 'probability: 95 %' beside it",
+}
+
 _EXPECTED = {
     "string_type": "expected text; put it in quotes",
     "int_type": "expected a whole number, such as 1",
@@ -94,6 +104,8 @@ def _slip(word: str, allowed: tuple[str, ...]) -> str:
     """
     if word == "earth_rate":
         return _EARTH_RATE
+    if "horizontal" in allowed and word.lower() in _RADIUS:
+        return f"; {_RADIUS[word.lower()]}"
     if any(line.name == word for line in SOURCES):
         twin = twin_of(word)
         return f"; did you mean {twin!r}?" if twin in allowed else ""

@@ -171,3 +171,22 @@ def test_a_limit_on_a_mission_says_its_time(write, limit, said):
         validate(write(f"name: x\nlimits: {{mission: {{{limit}}}}}\n"))
     (issue,) = found.value.issues
     assert (issue.line, said in str(issue)) == (2, True), str(issue)
+
+
+@pytest.mark.parametrize(
+    ("key", "said"),
+    [
+        ("CEP", "'horizontal' with 'probability: 50 %'"),
+        ("R95", "'horizontal' with 'probability: 95 %'"),
+        ("radius", "did you mean 'horizontal'?"),
+    ],
+)
+def test_other_words_for_a_horizontal_limit_have_a_hint(write, key, said):
+    """What others call the radius is `horizontal` here, at a probability."""
+    text = f"name: x\nlimits: {{mission: {{position: {{{key}: 5 m, at: 60 s}}}}}}\n"
+    with pytest.raises(SpecError) as found:
+        validate(write(text))
+    assert any(
+        f"unknown key {key!r}" in str(issue) and said in str(issue)
+        for issue in found.value.issues
+    )
