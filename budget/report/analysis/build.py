@@ -67,7 +67,7 @@ if TYPE_CHECKING:
     from budget.report.formulas import Math
     from budget.report.tables import GroupTable
     from budget.results import Assessment, Budget, InputFile
-    from budget.spec.records import Device, Procedure
+    from budget.spec.records import Device, Mission, Procedure
     from budget.studies.allocation.records import Allocation
     from budget.studies.comparison.records import Comparison
     from budget.studies.evidence import Evidence
@@ -133,7 +133,9 @@ def report_document(
     latitude = print_degrees(procedure.latitude)
     found: list[Section | None] = [
         _overview(groups, assessment),
-        _contributions(rank_contributions(groups, devices, procedure, assessment)),
+        _contributions(
+            rank_contributions(groups, devices, procedure, assessment, carried)
+        ),
         _gaps(budget, extras),
         *filled_sections(budget),
         None if assessment is None else limits_section(budget, assessment),
@@ -171,6 +173,7 @@ def report_document(
                 name=procedure.name,
                 latitude=latitude,
             ),
+            *((_mission_fact(carried.mission),) if carried and carried.mission else ()),
         ),
         headline=headline(budget, assessment),
         summary=summary(budget, assessment),
@@ -185,6 +188,15 @@ def report_document(
         ),
         date=date,
         version=__version__,
+    )
+
+
+def _mission_fact(mission: Mission) -> str:
+    """Say where a mission begins: not where the calibration was."""
+    return say(
+        "mission {name}, from latitude {latitude} deg",
+        name=mission.name,
+        latitude=print_degrees(float(mission.route.first.latitude)),
     )
 
 
@@ -258,7 +270,9 @@ def _contribution_words(contribution: LargestContribution) -> Words:
     for place, effect in enumerate(contribution.effects):
         words += [
             *say_words(
-                "{share} of the {group} variance (alone u\N{NO-BREAK SPACE}{u})",
+                "{share} of the variance of {group} (alone u\N{NO-BREAK SPACE}{u})"
+                if effect.is_on_mission
+                else "{share} of the {group} variance (alone u\N{NO-BREAK SPACE}{u})",
                 share=Run(text=effect.share.text, exact=effect.share.exact),
                 group=effect.group,
                 u=Run(text=f"{effect.u.text} {effect.unit}", exact=effect.u.exact),

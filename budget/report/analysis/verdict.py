@@ -23,6 +23,7 @@ from budget.report.readings import verdict_line
 from budget.report.tables import (
     SMALL_SHARE,
     UNKNOWN,
+    Number,
     as_limited,
     join_outputs,
     largest_error,
@@ -32,7 +33,9 @@ from budget.report.tables import (
     print_decimals,
     print_most,
     print_probability,
+    print_share,
     print_utilisation,
+    round_u,
     source_title,
     used_part,
 )
@@ -55,11 +58,11 @@ from budget.studies.request import given_lines, sensors_of
 from budget.ties import first_largest, from_largest, settle
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from budget.names import Name
     from budget.report.blocks import Block, Table, Words
-    from budget.report.tables import GroupTable, Number
+    from budget.report.tables import GroupTable
     from budget.results import (
         Assessment,
         Budget,
@@ -543,10 +546,11 @@ LARGEST = 5  # as many as a reader keeps in mind
 
 @dataclass(frozen=True, kw_only=True)
 class Effect:
-    """What a source makes of the variance of one group of parameters."""
+    """What a source makes of the variance of one group, or of an error on a mission."""
 
     share: Number
     group: str
+    is_on_mission: bool = False
     u: Number  # of the source alone, on the axis where it is largest
     unit: str
 
@@ -565,29 +569,49 @@ def rank_contributions(
     devices: Sequence[Device],
     procedure: Procedure,
     assessment: Assessment | None,
+    carried: Budget | None = None,
 ) -> tuple[LargestContribution, ...]:
     """Return the largest contributions, each with what it makes of every group.
 
     Ranked by the largest share of a group's variance; with a requirement by that share
     of the group's utilisation, those of groups beyond their limits before all others.
+    Where a budget carried to a mission is limited, of what is limited alone.
     """
+    on_mission = [] if carried is None else list(_limited(carried))
     weight = _weights(groups, assessment)
     given = given_lines(sensors_of(devices), procedure)
     effects: dict[tuple[str, Name], list[tuple[tuple[bool, float], Effect]]] = {}
-    for group in groups:
-        used = weight[group.title]
-        for row in group.sources:
-            if row.share.exact < SMALL_SHARE:
+    for one in on_mission:
+        row, used = as_limited(one), one.utilisation
+        for part in carried.output(row.output.name).contributions if carried else ():
+            if part.share < SMALL_SHARE:
                 continue
             effect = Effect(
-                share=row.share,
+                share=Number(text=print_share(part.share), exact=part.share),
+                group=key_title(row.output.name),
+                is_on_mission=True,
+                u=round_u(part.standard_uncertainty, row.output),
+                unit=row.output.unit,
+            )
+            order = (settle(used) > 1.0, used * part.share)
+            owner = part.source.owner or MISSION
+            effects.setdefault((owner, part.source), []).append((order, effect))
+    for group in groups:
+        used = weight[group.title]
+        if on_mission and not used:
+            continue
+        for source in group.sources:
+            if source.share.exact < SMALL_SHARE:
+                continue
+            effect = Effect(
+                share=source.share,
                 group=group.title,
-                u=row.cells[first_largest([c.u.exact for c in row.cells])].u,
+                u=source.cells[first_largest([c.u.exact for c in source.cells])].u,
                 unit=group.unit,
             )
-            order = (settle(used) > 1.0, used * row.share.exact)
-            owner = row.source.owner or group.sensor
-            effects.setdefault((owner, row.source), []).append((order, effect))
+            order = (settle(used) > 1.0, used * source.share.exact)
+            owner = source.source.owner or group.sensor
+            effects.setdefault((owner, source.source), []).append((order, effect))
     contributions = list(effects.items())
     ranked = _from_largest(
         [max(order for order, _ in found) for _, found in contributions]
@@ -602,6 +626,20 @@ def rank_contributions(
         )
         for (owner, source), found in (contributions[k] for k in ranked[:LARGEST])
     )
+
+
+def _limited(carried: Budget) -> Iterator[OutputAssessment]:
+    """Yield of each quantity that is limited on a mission what uses most of its limit.
+
+    Nothing of what is only rounding.
+    """
+    found: dict[Name, list[OutputAssessment]] = {}
+    for row in carried.assessment.outputs if carried.assessment else ():
+        name = row.output.name
+        if name.owner == MISSION and carried.output(name).is_resolved:
+            found.setdefault(name.group, []).append(row)
+    for rows in found.values():
+        yield rows[first_largest([row.utilisation for row in rows])]
 
 
 def _from_largest(orders: Sequence[tuple[bool, float]]) -> list[int]:

@@ -241,6 +241,19 @@ def page_of_a_mile(verdict):
 
 
 @pytest.mark.parametrize("verdict", ["meets", "fails"])
+def test_page_one_is_of_the_mission_that_is_limited(verdict):
+    """Its contributions are those of the limited error; its place stands on top."""
+    text = page_of_a_mile(verdict)
+    (listed,) = re.findall(r"largest contributions (.*?) What is missing", text)
+    first, *others = listed.split(" contributes ")[1:]
+    assert_says(first, "of the variance of horizontal position after 1 min (alone u")
+    assert all("horizontal position after 1 min" in one for one in others)
+    (blamed,) = re.findall(r"Mission: [A-Z]+ .*?Because: (.*?) \d+ %", text)
+    assert blamed.lower() in listed.split(" contributes ")[0].lower()
+    assert_says(text, "mission outage of 60 s, from latitude 45 deg")
+
+
+@pytest.mark.parametrize("verdict", ["meets", "fails"])
 def test_the_error_is_in_the_unit_of_its_limit(verdict):
     """On the card of the verdict and beside the dot of the figure."""
     text = page_of_a_mile(verdict)
