@@ -21,6 +21,7 @@ from budget.report.tables import (
     used_part,
 )
 from budget.report.wording import capital, cell, outcome_words
+from budget.studies.cautions import SMALL
 from budget.ties import from_largest, settle
 from budget.units import ARCSEC
 
@@ -70,6 +71,12 @@ class AtTime:
     def horizontal(self) -> OutputBudget | None:
         """The horizontal error of position."""
         return self.row("position", LENGTHS["position"])
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether attitude errors are beyond the first order of all these numbers."""
+        own = (row for row in self.rows if row.parameter == "attitude")
+        return any(row.standard_uncertainty > SMALL for row in own)
 
     def unit_of(self, quantity: str) -> tuple[str, float]:
         """Return the unit that all errors of a quantity are read in, and its size."""

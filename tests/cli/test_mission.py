@@ -318,3 +318,14 @@ def test_what_lacks_lines_conforms_in_no_row(loose):
     assert_says(out, "UNDECIDABLE loose", "1 cannot be decided", "open: lines missing")
     assert "conforms\n" not in out
     assert_says(out, "a probability of at the most 100 %")
+
+
+@pytest.mark.parametrize("name", ["mpu-6050", "zhao-2019"])
+def test_a_lost_unit_has_no_rate(name):
+    """Where the attitude is beyond first order, it is said beside the position."""
+    options = ("--mission", "bench", "--at", "1 h", "--no-validate")
+    text = " ".join(answer("mission", name, *options).out.split())
+    finding = text.partition(" after CEP")[0]
+    is_lost = name == "mpu-6050"
+    assert ("the unit is lost" in finding) == is_lost
+    assert ("nmi/h" in finding) != is_lost

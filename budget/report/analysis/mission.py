@@ -152,7 +152,13 @@ def finding(moments: Sequence[AtTime]) -> Iterator[str]:
         share=print_share(top.share),
         source=full_title(top.source),
     )
-    if (found := rate_per_hour(moments)) is not None:
+    if (lost := next((one for one in moments if one.is_lost), None)) is not None:
+        yield say(
+            "After {time} the unit is lost: its attitude is off by more than 6 deg "
+            "(1 sigma), and numbers of such errors say no more than that.",
+            time=time_text(lost.time),
+        )
+    elif (found := rate_per_hour(moments)) is not None:
         yield rate_sentence(*found)
 
 
