@@ -88,12 +88,23 @@ SPANS = (("h", 3600.0, 2.0), ("min", 60.0, 1.0), ("s", 1.0, 0.0))  # unit [s], p
 
 
 def time_text(time: float) -> str:
-    """Write a time as people do: '90 s', '10 min', '1.5 h'; to ten digits."""
+    """Write a time as people do: '90 s', '10 min', '84.4 min', '1.5 h'; to ten digits.
+
+    In the largest unit that it is whole in, hours by halves, else in the one that takes
+    the fewest digits.
+    """
     for unit, size, parts in SPANS:
         whole = parts * time / size
-        if parts == 0.0 or (time >= size and whole == round(whole)):
+        if parts and time >= size and whole == round(whole):
             return f"{time / size:.10g} {unit}"
-    raise ValueError(f"a time of {time}")  # the last unit takes every one
+    fitting = [(time / size, unit) for unit, size, _ in SPANS if time >= size]
+    value, unit = min(reversed(fitting), key=_digits, default=(time, "s"))
+    return f"{value:.10g} {unit}"
+
+
+def _digits(quantity: tuple[float, str]) -> int:
+    """Count the digits that the value of a quantity takes, zeros at its ends aside."""
+    return len(f"{quantity[0]:.9e}".partition("e")[0].replace(".", "").rstrip("0"))
 
 
 def keys_of(quantity: str) -> tuple[str, ...]:

@@ -19,6 +19,7 @@ from numpy.testing import assert_allclose
 from saying import assert_says
 
 from budget.language import speaking
+from budget.names import time_text
 from budget.report.analysis.mission import mission_section
 from budget.report.blocks import Picture, Table
 from budget.report.device_file import MARK
@@ -30,7 +31,7 @@ from budget.studies.analysis import analyze_as
 from budget.studies.mission import curve, drawn_times
 from budget.studies.request import Analysis
 from budget.studies.what_if import what_if
-from budget.units import ARCSEC
+from budget.units import ARCSEC, parse_quantity
 
 LIMITS = {
     "name": "a mile",
@@ -259,3 +260,23 @@ def test_the_error_is_in_the_unit_of_its_limit(verdict):
     text = page_of_a_mile(verdict)
     assert len(re.findall(r"largest error [\d.e-]+ nmi, ", text)) >= 1
     assert not re.findall(r"largest error [\d.e-]+ m, ", text)
+
+
+@pytest.mark.parametrize(
+    ("time", "told"),
+    [
+        (0.5, "0.5 s"),
+        (75.0, "75 s"),
+        (90.0, "90 s"),
+        (600.0, "10 min"),
+        (2532.0, "42.2 min"),
+        (4320.0, "72 min"),
+        (5064.0, "84.4 min"),
+        (5400.0, "1.5 h"),
+        (86399.0, "86399 s"),
+    ],
+)
+def test_a_time_takes_few_digits(time, told):
+    """In the unit that a file would give it in, and it is that time."""
+    assert time_text(time) == told
+    assert parse_quantity(told, "s").value == time
