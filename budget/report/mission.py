@@ -44,6 +44,7 @@ UNITS = {
     "velocity": (("m/s", 1.0),),
     "attitude": (("arcsec", ARCSEC), ("arcmin", 60.0 * ARCSEC), ("deg", 3600 * ARCSEC)),
 }
+HEADING = "heading"
 HOUR = 3600.0  # [s]
 NAUTICAL_MILE = 1852.0  # [m]
 CIRCLES = term(
@@ -78,12 +79,17 @@ class AtTime:
         own = (row for row in self.rows if row.parameter == "attitude")
         return any(row.standard_uncertainty > SMALL for row in own)
 
-    def unit_of(self, quantity: str) -> tuple[str, float]:
-        """Return the unit that all errors of a quantity are read in, and its size."""
-        own = [row for row in self.rows if row.parameter == quantity]
-        return unit_for(
-            quantity, max(max(one.standard_uncertainty, *_radii(one)) for one in own)
+    def unit_of(self, quantity: str, axis: str = "") -> tuple[str, float]:
+        """Return the unit that all errors like one are read in, and its size.
+
+        Those of a quantity, but heading by itself, which may be a hundred times tilt.
+        """
+        sizes = (
+            max(row.standard_uncertainty, *_radii(row))
+            for row in self.rows
+            if row.parameter == quantity and (row.axis == HEADING) == (axis == HEADING)
         )
+        return unit_for(quantity, max(sizes, default=0.0))
 
 
 def unit_for(quantity: str, largest: float) -> tuple[str, float]:
@@ -112,7 +118,7 @@ def by_time(budget: Budget) -> tuple[AtTime, ...]:
 
 def size(at: AtTime, row: OutputBudget, value: float) -> Number:
     """Round a size of an error, in the unit that its like have at that time."""
-    unit, si_per_unit = at.unit_of(row.parameter)
+    unit, si_per_unit = at.unit_of(row.parameter, row.axis)
     output = replace(row.output, unit=unit, si_per_unit=si_per_unit)
     return bound_number(
         round_u(value, output), lower_bound=row.lower_bound, unknown=row.is_unknown
@@ -138,7 +144,9 @@ def _u(row: OutputBudget) -> float:
 def _columns(
     quantity: str, heads: Iterable[tuple[str, str, Callable[[OutputBudget], float]]]
 ) -> tuple[Field[AtTime], ...]:
-    """Return the columns of a quantity, and that of its unit."""
+    """Return the columns of axes that are alike, and that of their unit."""
+    heads = tuple(heads)
+    like = heads[0][1]
     return (
         *(
             Field(
@@ -150,7 +158,10 @@ def _columns(
             for head, axis, pick in heads
         ),
         Field(
-            head="", kind="unit", cell=lambda at: at.unit_of(quantity)[0], optional=True
+            head="",
+            kind="unit",
+            cell=lambda at: at.unit_of(quantity, like)[0],
+            optional=True,
         ),
     )
 
@@ -183,13 +194,14 @@ def motion_table(moments: Sequence[AtTime]) -> Table:
         (say("DRMS"), LENGTHS["velocity"], _u),
         (say("down"), "down", _u),
     )
-    attitude = ((say(axis), axis, _u) for axis in ("roll", "pitch", "heading"))
+    tilt = ((say(axis), axis, _u) for axis in ("roll", "pitch"))
     return table_of(
         moments,
         (
             _after(),
             *_columns("velocity", velocity),
-            *_columns("attitude", attitude),
+            *_columns("attitude", tilt),
+            *_columns("attitude", [(say(HEADING), HEADING, _u)]),
         ),
         name="mission-motion",
         caption=say("Errors of velocity and attitude at each time"),

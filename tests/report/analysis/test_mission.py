@@ -24,14 +24,19 @@ from budget.report.analysis.mission import mission_section
 from budget.report.blocks import Picture, Table
 from budget.report.device_file import MARK
 from budget.report.figures.growth import Growth, growth_pictures
-from budget.report.mission import by_time, contributions_table, unit_for
+from budget.report.mission import (
+    by_time,
+    contributions_table,
+    motion_table,
+    unit_for,
+)
 from budget.results import Settings
 from budget.spec import load_device, load_mission, load_procedure, load_requirement
 from budget.studies.analysis import analyze_as
 from budget.studies.mission import curve, drawn_times
 from budget.studies.request import Analysis
 from budget.studies.what_if import what_if
-from budget.units import ARCSEC, parse_quantity
+from budget.units import ARCSEC, DEGREE, parse_quantity
 
 LIMITS = {
     "name": "a mile",
@@ -260,6 +265,21 @@ def test_the_error_is_in_the_unit_of_its_limit(verdict):
     text = page_of_a_mile(verdict)
     assert len(re.findall(r"largest error [\d.e-]+ nmi, ", text)) >= 1
     assert not re.findall(r"largest error [\d.e-]+ m, ", text)
+
+
+def test_heading_has_a_unit_of_its_own():
+    """Roll and pitch stand in arcsec beside a heading that is off by degrees."""
+    angles = {"roll": 14.0 * ARCSEC, "pitch": 13.0 * ARCSEC, "heading": 1.4 * DEGREE}
+    rows = [
+        replace(row, standard_uncertainty=angles[row.axis])
+        if row.parameter == "attitude"
+        else row
+        for row in carried().outputs
+    ]
+    table = motion_table(by_time(replace(carried(), outputs=tuple(rows))))
+    (row, _) = table.groups[0].rows
+    told = [cell.text for cell in row]
+    assert told[-5:] == ["14", "13", "arcsec", "1.4", "deg"]
 
 
 @pytest.mark.parametrize(
