@@ -560,11 +560,14 @@ def load_calibration(
         As of load_procedure.
     """
     from budget.spec import load_procedure
+    from budget.spec.files import find, refuse_absent
     from budget.spec.load import uncalibrated
     from budget.spec.records import UNCALIBRATED
 
     if calibration in UNCALIBRATED:
         return uncalibrated(calibration, station=station, age=age)
+    if calibration is not None:
+        refuse_absent(find(calibration, "procedure"), "procedure", UNCALIBRATED)
     return load_procedure(calibration or procedure, station=station, age=age)
 
 

@@ -118,14 +118,7 @@ def open_file(file: NamedFile, kind: str | None = None) -> Document:
     SpecError
         It cannot be read, has a newer format, or is of another kind or of none.
     """
-    if file.content is None and not exists(file.path):
-        names = shipped_names(kind)
-        ships = ", ".join(names)
-        if len(names) > _MOST_NAMES:
-            ships = f"`budget devices` lists {len(names)} of them"
-        bare = f", or a shipped one: {ships}" if names else ""
-        message = f"no such file, expected a YAML file{bare}"
-        raise refuse(file.shown, f"{message}{_shipped_hint(file, names)}")
+    refuse_absent(file, kind)
     document = read(file.path, file.shown, file.content)
     root = document.root
     if root.value is None:  # an issue already
@@ -154,6 +147,28 @@ def open_file(file: NamedFile, kind: str | None = None) -> Document:
     raise all_of([*document.issues, issue])
 
 
+def refuse_absent(
+    file: NamedFile, kind: str | None, words: tuple[str, ...] = ()
+) -> None:
+    """Refuse a file that is not there, where these words may stand in its place.
+
+    Raises
+    ------
+    SpecError
+        It is not there.
+    """
+    if file.content is not None or exists(file.path):
+        return
+    names = shipped_names(kind)
+    ships = ", ".join(names)
+    if len(names) > _MOST_NAMES:
+        ships = f"`budget devices` lists {len(names)} of them"
+    expected = ", ".join((*map(repr, words), "a YAML file"))
+    bare = f", or a shipped one: {ships}" if names else ""
+    message = f"no such file, expected {expected}{bare}"
+    raise refuse(file.shown, f"{message}{_hint(file, names, words)}")
+
+
 def _shipped(kind: str | None) -> list[Path]:
     """Return the shipped files of a kind, or of all."""
     folders = FOLDERS.values() if kind is None else [FOLDERS[kind]]
@@ -175,13 +190,16 @@ def bare_name(file: str) -> str:
     return f"{Path(path).stem}{mark}{variant}"
 
 
-def _shipped_hint(file: NamedFile, names: tuple[str, ...]) -> str:
-    """Return a hint at the shipped file that may be meant, with its variant, or ''."""
+def _hint(file: NamedFile, names: tuple[str, ...], words: tuple[str, ...]) -> str:
+    """Return a hint at the word or shipped file, with its variant, that may be meant.
+
+    Or '' where none is near.
+    """
     variant = f"#{file.variant}" if file.variant else ""
     name = bare_name(f"{file.shown}{variant}")
     if name.partition("#")[0] in names:
         return f"; did you mean {name!r}, which ships?"
-    return nearest(file.shown, names)
+    return nearest(file.shown, (*words, *names))
 
 
 def exists(path: Path) -> bool:

@@ -181,6 +181,22 @@ def test_times_are_those_asked_for():
 
 
 @pytest.mark.parametrize(
+    ("word", "hint"),
+    [
+        ("facotry", "did you mean 'factory'"),
+        ("nome", "did you mean 'none'"),
+        ("zhao-2091", "did you mean 'zhao-2019'"),
+    ],
+)
+def test_a_calibration_that_is_none_offers_its_words(word, hint):
+    """A slip of none or factory, as one of a shipped procedure, has its hint."""
+    run = call(*OUTAGE, "--calibration", word)
+    assert run.code == 2
+    assert_says(run.err, f"{word}:1:1: no such file, expected 'none', 'factory'")
+    assert_says(run.err, hint)
+
+
+@pytest.mark.parametrize(
     ("more", "said"),
     [
         (("--at", "2 h"), ("--at 2 h", "lasts 1 min")),
