@@ -121,6 +121,16 @@ def _slip(word: str, allowed: tuple[str, ...]) -> str:
     return f"; did you mean {same[near[0]]!r}?" if near else ""
 
 
+def _inside(model: type[BaseModel], steps: Sequence[str | int]) -> str:
+    """Return a hint at the one key beside an unknown one that has it inside, or ''."""
+    owners = [
+        key
+        for key, field in _model_at(model, steps[:-1]).model_fields.items()
+        if any(steps[-1] in one.model_fields for one in _models_in(field.annotation))
+    ]
+    return f"; it stands under {owners[0]!r}" if len(owners) == 1 else ""
+
+
 def _see(steps: Sequence[str | int]) -> str:
     """Return where to read how makers print the line of those steps, or ''."""
     found = next(filter(None, (reading_of(str(step)) for step in steps)), None)
@@ -140,7 +150,7 @@ def _issue(
         allowed = tuple(_model_at(model, steps[:-1]).model_fields)
         message = (
             f"unknown key {describe(str(steps[-1]))}, allowed: {', '.join(allowed)}"
-            f"{_slip(str(steps[-1]), allowed)}"
+            f"{_slip(str(steps[-1]), allowed) or _inside(model, steps)}"
         )
         return document.issue(node, message, on_key=True)
     found = node.written if isinstance(given, int | float) else describe(given)

@@ -245,11 +245,14 @@ def _signs(root: Node) -> Iterator[_Sign]:
             "procedure",
             root,
             (
-                *("latitude", "gravity", "formulas", "sample_rate"),
+                *("gravity", "formulas", "sample_rate"),
                 *("windows", "estimator", "estimate"),
             ),
         ),
         *(("procedure", sensor, inside) for sensor in sensors),
+        # What stands under `mission`: its model says so.
+        ("mission", root, ("segments", "trajectory", "altitude", "alignment")),
+        ("procedure", root, ("latitude",)),
         ("procedure", root, ("height", "flip_axis", "pause")),
         ("device", root, ("gyro", "accelerometer")),
         ("station", root, ("station", "environment")),

@@ -64,6 +64,7 @@ MOVES = {
 }
 # What a trajectory says in their place.
 PLACED = ("latitude", "longitude", "height", "speed", "heading", "segments")
+START = ("speed", "heading")  # what a mission and its first straight may say
 NEEDED = {"turn": "3 deg/s", "climb": "5 m/s", "accelerate": "100 m/s"}
 
 
@@ -149,6 +150,10 @@ class SegmentLine(Strict):
                     move for move, keys in MOVES.items() if key in keys
                 )
                 found[key,] = f"is of {owners}, and this is {own}; remove it"
+                if key in START:
+                    found[key,] += (
+                        f"; for the {key} at the start put it under mission.{key}"
+                    )
         for key in ("speed", "to", "rate"):
             one = getattr(self, key)
             if one is not None and abs(one.value) > MOST_SPEED and own != "turn":

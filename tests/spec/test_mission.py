@@ -173,6 +173,11 @@ def test_a_group_is_repeated():
         ({}, "", "expected one of stand, straight, turn, climb, accelerate"),
         ({**STAND, "turn": "9 deg"}, ".turn", "stands beside stand"),
         ({**STAND, "speed": "1 m/s"}, ".speed", "is of straight, and this is stand"),
+        (
+            {"turn": "90 deg", "rate": "3 deg/s", "speed": "1 m/s"},
+            ".speed",
+            "for the speed at the start put it under mission.speed",
+        ),
         ({**STAND, "rate": "1 deg/s"}, ".rate", "is of turn or climb"),
         ({**STAND, "to": "1 m/s"}, ".to", "is of accelerate"),
         ({"turn": "9 deg"}, ".turn", "'rate: 3 deg/s'"),
@@ -404,3 +409,28 @@ def test_a_mission_is_one_by_its_key(tmp_path):
         load_mission(path)
     with pytest.raises(SpecError, match="bench"):
         load_mission("bensh")
+
+
+@pytest.mark.parametrize("where", [load_mission, validate])
+@pytest.mark.parametrize(
+    "more",
+    [
+        {"segments": [STAND]},
+        {"trajectory": "flight.csv"},
+        {"altitude": "free"},
+        {"alignment": "self"},
+    ],
+)
+def test_a_mission_without_its_wrapper_is_one(where, more):
+    """Each key is said to stand under `mission`; a latitude makes it no procedure."""
+    with pytest.raises(SpecError) as caught:
+        where({"latitude": "45 deg", **more})
+    said = [issue for issue in caught.value.issues if issue.field]
+    assert {issue.field for issue in said} == {"latitude", *more}
+    assert all("; it stands under 'mission'" in issue.message for issue in said)
+
+
+def test_a_procedure_with_a_key_of_missions_is_one():
+    """What is of procedures alone decides."""
+    with pytest.raises(SpecError, match="procedure file, expected a mission"):
+        load_mission({"altitude": "100 m", "gyro": {"rate": "10 deg/s"}})
