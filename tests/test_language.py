@@ -255,6 +255,8 @@ def test_keys_are_words_of_the_language():
         assert key_title(Name("bias", owner="gyro", axis="x")) == "陀螺零偏 x"
         assert key_title("gyro.nominal.bias") == "陀螺标称零偏"
         assert key_title(Name("levelling.east", owner="station")) == "测试设备东向调平"
+        for key in ("segments", "alignment", "altitude", "heading"):
+            assert not re.search("[a-z]", key_title(f"mission.{key}"))
     assert key_title(Name("bias_stability", owner="gyro")) == "gyro bias stability"
 
 
