@@ -67,9 +67,9 @@ ANGLE = ("arcsec", ARCSEC)
 # A spread at or below this is rounding: of 1 m, of 1 m/s, of 1 rad.
 ROUNDING = {"position": 1e-9, "velocity": 1e-12, "attitude": 1e-15}
 DOWN = "down"
-# What navigators are asked for, in the order of Moment.seen.
 LOST = 1e-13  # of a sum over the steps, by rounding [1]
 DOUBTED = 1e-6  # from which error on a correlation is not worth keeping [1]
+# What navigators are asked for, in the order of Moment.seen.
 SEEN = tuple((quantity, axis) for quantity, axes in PLACES.items() for axis in axes)
 
 

@@ -119,8 +119,7 @@ def simulate(
 
     # Of what both triads share the first that is tested tells how often it is drawn, as
     # it does for the law: in the paper's test accelerometers are not turned.
-    in_order = sorted(schemes.values(), key=lambda one: not one.schedule.windows)
-    tested = in_order[0]
+    tested = min(schemes.values(), key=lambda one: not one.schedule.windows)
 
     def draw(owner: str, lines: tuple[ErrorLine, ...]) -> list[_Drawn]:
         return [

@@ -318,7 +318,8 @@ def left_behind(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[str, .
     return tuple(said)
 
 
-SMALL = 0.1  # standard uncertainty of an attitude that first order is for [rad]
+# Standard uncertainty of an attitude up to which first order holds, 5.7 deg [rad].
+SMALL = 0.1
 
 
 def beyond_first_order(problem: Problem, law: Propagation) -> tuple[str, ...]:
@@ -333,7 +334,7 @@ def beyond_first_order(problem: Problem, law: Propagation) -> tuple[str, ...]:
     largest = max(u for u, _ in found)
     first = min(time or 0.0 for _, time in found)
     text = note(
-        "attitude errors reach {size} (1 sigma), from {time} on more than 6 deg: "
+        "attitude errors reach {size} (1 sigma), from {time} on more than 5.7 deg: "
         "the equations of navigation errors are of first order in them, so that what "
         "is said of such times says that the unit is lost, not how far off it is",
         size=f"{degrees(largest):.2g} deg",

@@ -154,7 +154,7 @@ def finding(moments: Sequence[AtTime]) -> Iterator[str]:
     )
     if (lost := next((one for one in moments if one.is_lost), None)) is not None:
         yield say(
-            "After {time} the unit is lost: its attitude is off by more than 6 deg "
+            "After {time} the unit is lost: its attitude is off by more than 5.7 deg "
             "(1 sigma), and numbers of such errors say no more than that.",
             time=time_text(lost.time),
         )

@@ -8,6 +8,7 @@ from math import sqrt
 
 import pytest
 from numpy.testing import assert_allclose
+from report_examples import WIDE_LIMITS
 
 from budget.report.analysis.budget_table import (
     budget_remarks,
@@ -201,20 +202,6 @@ def test_a_predicted_line_says_whose_it_is():
     assert "predicted" in row[1]
     assert row[3] == ""
     assert row[U_X]
-
-
-WIDE_LIMITS = {
-    "name": "wide",
-    "coverage": "95 %",
-    "reference": "nominal",
-    "limits": {
-        "gyro": {
-            "scale_factor": "900 ppm",
-            "mounting_angle": "60 arcsec",
-            "bias": "30 deg/h",
-        }
-    },
-}
 
 
 @cache

@@ -6,6 +6,7 @@ from functools import cache
 
 import pytest
 from numpy.testing import assert_allclose
+from report_examples import WIDE_LIMITS
 
 from budget import analyze, load_catalogue, load_device, load_procedure
 from budget.report.analysis.what_if import AnalyzeAgain, what_if_section
@@ -17,18 +18,6 @@ from budget.studies.request import analysis_of, sensors_of
 from budget.studies.what_if import one_at_a_time, what_if
 
 SAME = 1e-9  # relative: quantities are written in another unit and read back
-LIMITS = {
-    "name": "limits",
-    "coverage": "95 %",
-    "reference": "nominal",
-    "limits": {
-        "gyro": {
-            "scale_factor": "900 ppm",
-            "mounting_angle": "60 arcsec",
-            "bias": "30 deg/h",
-        },
-    },
-}
 FORCES = {"accelerometer": {"bias": "10 mg", "scale_factor": "900 ppm"}}
 DEVICE = """
 format: budget-device/1
@@ -90,7 +79,7 @@ def handed_out(budget, *devices):
 
 def assert_same(folder, device, *, limits=None, **options):
     """Check that the file is judged as the device is; return verdict and name."""
-    wanted = load_requirement(LIMITS if limits is None else limits)
+    wanted = load_requirement(WIDE_LIMITS if limits is None else limits)
     budget = analyze(device, requirement=wanted, validate=False, **options)
     path = folder / "changed.yaml"
     path.write_text(handed_out(budget, device), encoding="utf-8")
@@ -130,7 +119,7 @@ def test_a_shipped_device_is_the_file_handed_out(tmp_path, place):
     """Sizes, lower bounds and verdicts: nothing of the data sheet is lost."""
     devices = catalogue()
     device = devices[place % len(devices)]
-    limits = LIMITS if device.gyro else {**LIMITS, "limits": FORCES}
+    limits = WIDE_LIMITS if device.gyro else {**WIDE_LIMITS, "limits": FORCES}
     assert_same(tmp_path, device, limits=limits)
 
 
@@ -147,7 +136,7 @@ def test_a_horizon_is_handed_out(tmp_path):
     text = DEVICE.format(name="horizon", open="", scale="meaning: max")
     text = text[: text.index("    ageing")]
     (tmp_path / "d.yaml").write_text(text, encoding="utf-8")
-    limits = {**LIMITS, "reference": "next_turn_on"}
+    limits = {**WIDE_LIMITS, "reference": "next_turn_on"}
     procedure = load_procedure(None, age="6 months")
     device = load_device(tmp_path / "d.yaml")
     _, read = assert_same(tmp_path, device, limits=limits, procedure=procedure)
