@@ -50,12 +50,16 @@ def interval_of_values(ordered: Array, coverage: float | Array, kind: str) -> Ar
 def interval_of_trials(values: Array, coverage: float, kind: str) -> Array:
     """Return interval_of_values of one output's trials in any order, shape (2,).
 
-    A symmetric interval takes two numbers of all: only the tails are sorted.
+    Neither end of an interval lies further in than the trials left out of it: only the
+    tails are sorted.
     """
-    if kind != "symmetric":
-        return np.asarray(interval_of_values(np.sort(values)[None], coverage, kind)[0])
     M = len(values)
     q = min(max(int(M * coverage + 0.5), 1), M - 1)  # 7.7.1
+    if kind != "symmetric":
+        low, high = _tails(values, M - q)
+        low, high = low[: M - q], high[q - M :]
+        r = int(np.argmin(high - low))  # 7.7.4
+        return np.array([low[r], high[r]])
     r = (M - q + 1) // 2 - 1  # 7.7.2, counted from 0
     low, high = _tails(values, max(r + 1, M - r - q))
     return np.array([low[r], high[r + q - M]])
