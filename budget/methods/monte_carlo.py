@@ -49,8 +49,8 @@ LEAST_MACRO_BLOCK = 10_000  # trials, JCGM 101:2008, 7.9.4 b)
 FIRST_STAGE = 10
 FIRST_STAGE_FINE = 30
 AHEAD = 2  # tasks under way for each worker
-# Macro-blocks in a task: one takes some 10 ms, sending a task 1 ms to a process of this
-# machine and more to another machine.
+# Macro-blocks in a task at the most: one takes some 10 ms, sending a task 1 ms to a
+# process of this machine and more to another machine.
 LOCAL_BUNDLE = 2
 REMOTE_BUNDLE = 16
 
@@ -222,26 +222,31 @@ def sample(
     most = max_trials // plan.size * plan.size if trials is None else trials
     exact = trials is None or trials <= EXACT_TRIALS
     gathering: Gathering | None = None
+    ahead = AHEAD * workers
 
     def tasks(bundle: int) -> Iterator[tuple[_Task, ...]]:
-        for first in range(0, most, bundle * plan.size):
+        first = 0  # macro-block of the next task
+        while first * plan.size < most:
+            # Tasks under way when an adaptive run settles are lost: together no more
+            # macro-blocks than were given out before.
+            size = min(bundle, max(first // ahead, 1)) if adaptive else bundle
+            last = min(first + size, ceil(most / plan.size))
             yield tuple(
                 _Task(
-                    index=start // plan.size,
-                    trials=min(plan.size, most - start),
+                    index=index,
+                    trials=min(plan.size, most - index * plan.size),
                     grid=None if gathering is None else gathering.grid,
                 )
-                for start in range(
-                    first, min(first + bundle * plan.size, most), plan.size
-                )
+                for index in range(first, last)
             )
+            first = last
 
     with local_executor(1 if executor is not None else workers) as pool:
         doer = executor or pool
         bundle = REMOTE_BUNDLE if executor else LOCAL_BUNDLE if pool else 1
         work = partial(_macro_blocks, problem, plan)
         for block in chain.from_iterable(
-            in_order(work, tasks(bundle), doer, ahead=AHEAD * workers)
+            in_order(work, tasks(bundle), doer, ahead=ahead)
         ):
             if gathering is None:
                 gathering = Gathering(block, exact=exact)
