@@ -68,6 +68,16 @@ def gravity(latitude, height):
     return ground * (1.0 - slope * height + 3.0 * (height / A) ** 2)
 
 
+def cross(a, b):
+    """Return vector products: numpy's own spends most of its time on the axes."""
+    (x, y, z), (u, v, w) = ([one[..., i] for i in range(3)] for one in (a, b))
+    found = np.empty(np.broadcast(a, b).shape)
+    found[..., 0] = y * w - z * v
+    found[..., 1] = z * u - x * w
+    found[..., 2] = x * v - y * u
+    return found
+
+
 def slope_of(state, rate, force, *, aided):
     """Return the time derivatives of all that navigators believe."""
     L, h = state.place[:, 0], state.place[:, 2]
@@ -75,11 +85,11 @@ def slope_of(state, rate, force, *, aided):
     R_n, R_e = radii(L, h)
     spin = earth.ROTATION_RATE * np.stack([np.cos(L), 0.0 * L, -np.sin(L)], axis=1)
     carried = np.stack([east / R_e, -north / R_n, -east * np.tan(L) / R_e], axis=1)
-    turn_body = np.cross(rate[:, None], state.body)  # rows of C [w x]: row x w ...
+    turn_body = cross(rate[:, None], state.body)  # rows of C [w x]: row x w ...
     turn_body = -turn_body  # ... and r [w x] = -(w x r)
-    turn_frame = np.cross((spin + carried)[:, None], state.body.swapaxes(1, 2))
+    turn_frame = cross((spin + carried)[:, None], state.body.swapaxes(1, 2))
     velocity = np.einsum("nij,nj->ni", state.body, force)
-    velocity = velocity - np.cross(2.0 * spin + carried, state.velocity)
+    velocity = velocity - cross(2.0 * spin + carried, state.velocity)
     velocity[:, 2] += gravity(L, h)
     place = np.stack([north / R_n, east / (R_e * np.cos(L)), -down], axis=1)
     if aided:

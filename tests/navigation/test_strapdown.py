@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -70,24 +71,37 @@ def by_equations(route, times, *, alignment=0.0, aided=True):
 
 def by_navigation(motion, times, *, is_aligned=False, aided=True):
     """Return the same of full navigators, each with one parameter off, up and down."""
+    return both_by_navigation(motion, times, aided=aided)[is_aligned]
+
+
+def both_by_navigation(motion, times, *, aided):
+    """Return it of those that were told their attitude, and of those that aligned."""
     p = np.concatenate([np.zeros((1, 12)), np.diag(SIZES), -np.diag(SIZES)])
+    twice = np.concatenate([p, p])
 
     def errors(step, ideal):  # noqa: ARG001
-        return p[:, :6] + p[:, 6:] * ideal
+        return twice[:, :6] + twice[:, 6:] * ideal
 
-    begin = np.tile(motion.body, (len(p), 1, 1))
-    if is_aligned:
-        at_rest = np.concatenate([motion.rate[0, 0], motion.force[0, 0]])
-        felt = at_rest + errors(0, at_rest)
-        begin = aligned(felt[:, :3], felt[:, 3:])
+    begin = np.tile(motion.body, (len(twice), 1, 1))
+    at_rest = np.concatenate([motion.rate[0, 0], motion.force[0, 0]])
+    felt = (at_rest + errors(0, at_rest))[len(p) :]
+    begin[len(p) :] = aligned(felt[:, :3], felt[:, 3:])
     ends = np.cumsum(motion.durations)
     stops = {int(np.argmin(np.abs(ends - time))) for time in times}
     found = []
     for state in navigate(motion, errors, begin, stops, aided=aided):
-        true = type(state)(state.body[:1], state.velocity[:1], state.place[:1])
-        off = seen(state, true)[1:]
-        found.append(((off[:12] - off[12:]) / (2.0 * SIZES[:, None])).T)
-    return np.array(found)
+        for one in (slice(len(p)), slice(len(p), None)):
+            own = type(state)(state.body[one], state.velocity[one], state.place[one])
+            true = type(state)(own.body[:1], own.velocity[:1], own.place[:1])
+            off = seen(own, true)[1:]
+            found.append(((off[:12] - off[12:]) / (2.0 * SIZES[:, None])).T)
+    return np.array(found[::2]), np.array(found[1::2])
+
+
+@cache
+def flown(route, times, *, aided):
+    """Return what navigators find on a route, told their attitude and aligned: once."""
+    return both_by_navigation(motion_of(route), times, aided=aided)
 
 
 def gap(S, own):
@@ -114,7 +128,7 @@ def test_constants_are_those_of_navigators(route, times, aided, is_aligned):
     """Biases and scale factors, each by itself: to 1e-6 of the largest."""
     alignment = 300.0 if is_aligned else 0.0
     S = by_equations(route, times, alignment=alignment, aided=aided)
-    own = by_navigation(motion_of(route), times, is_aligned=is_aligned, aided=aided)
+    own = flown(route, times, aided=aided)[is_aligned]
     assert gap(S, own) < 1e-6
 
 
@@ -137,7 +151,7 @@ def test_a_unit_without_errors_stays_on_its_route():
 def test_what_is_wrong_is_seen(monkeypatch):
     """Controls: the earth turns the other way, axes swapped, alignment forgotten."""
     route, times = FLIGHT, FLOWN
-    own = by_navigation(motion_of(route), times, is_aligned=True)
+    own = flown(route, times, aided=True)[True]
     S = by_equations(route, times, alignment=300.0)
     assert gap(S, own) < 1e-6
     swapped = S[..., [1, 0, *range(2, 12)]]
@@ -169,10 +183,7 @@ def test_errors_of_an_alignment():
     half, rest = Leg(duration=2.0, turn_rate=np.pi / 2.0), Leg(duration=598.0)
     turned = Legs(start=BENCH.start, legs=(half, rest))
     times = (600.0,)
-    both, plain = (
-        by_navigation(motion_of(turned), times, is_aligned=one)[0, :2, right]
-        for one in (True, False)
-    )
+    plain, both = (S[0, :2, right] for S in flown(turned, times, aided=True))
     # After half a turn the bias acts with what hid it: twice, about.
     assert_allclose(np.linalg.norm(both) / np.linalg.norm(plain), 2.0, rtol=0.01)
 
