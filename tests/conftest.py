@@ -8,16 +8,17 @@ from collections import defaultdict
 from importlib import import_module
 from types import FunctionType
 
+# As the command line has it: a thread more waits for the other, spinning. What may not
+# depend on their number is run with several by .ci/kernels. It is read as numpy is
+# imported, so it stands before all that imports it.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import pytest
 from keeping import once
 
 from budget.studies import analysis, request
 from budget.studies.allocation import allocate
 from budget.studies.allocation.longer_tests import find_longer_tests
-
-# As the command line has it: a thread more waits for the other, spinning. What may not
-# depend on their number is run with several by .ci/kernels.
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # A worker more than processors: while one waits for a process, another goes on.
 MORE_WORKERS = 1
