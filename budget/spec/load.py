@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 from hashlib import sha256
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -22,7 +23,7 @@ from budget.spec.device import read_device, root_of, variant_names
 from budget.spec.files import FOLDERS, find, open_file
 from budget.spec.mission import read_mission
 from budget.spec.procedure import read_procedure
-from budget.spec.reader import refuse
+from budget.spec.reader import parse, refuse
 from budget.spec.records import (
     FACTORY,
     NONE,
@@ -189,10 +190,24 @@ def _read(
     if changes:
         root = root_of(document, variant)
         own = [change for change in changes if change.is_of(file, variant, root)]
-    device = read_device(document, variant, own)
     same = replace(file, variant=variant, content=document.text.encode())
+    if own:
+        device = read_device(document, variant, own)
+    else:
+        kept = _kept(same.content or b"", document.file, document.base_name, variant)
+        device = pickle.loads(kept)  # noqa: S301 - of this process
     texts = tuple(change.text for change in own)
     return replace(device, read_again=partial(_read_again, same, texts))
+
+
+# A run reads a device more than once too (see reader.parse), and to check a data sheet
+# takes ten times as long as to copy its record. Each who asks has a record of his own:
+# arrays can be written to, and records are told apart.
+@lru_cache(maxsize=512)
+def _kept(content: bytes, shown: str, base_name: str, variant: str) -> bytes:
+    """Read one device of a file with that content, as `read_device`; pickle it."""
+    document = parse(content, shown, base_name=base_name)
+    return pickle.dumps(read_device(replace(document, kind="device"), variant))
 
 
 def _read_again(file: NamedFile, before: tuple[str, ...], changes: Changes) -> Device:

@@ -418,6 +418,18 @@ def test_the_same_bytes_are_parsed_once_and_others_again(tmp_path):
     assert composed.call_count == 2
 
 
+def test_who_loads_a_device_again_has_a_record_of_his_own():
+    """What is written into the arrays of one is in no other."""
+    first, again = load_device("zhao-2019"), load_device("zhao-2019")
+    bias = first.gyro.nominal_bias.copy()
+    first.gyro.nominal_bias[:] = 7.0
+    first.gyro.lines[0].u[:] = 7.0
+    for other in (again, load_device("zhao-2019")):
+        assert other.gyro is not first.gyro
+        assert (other.gyro.nominal_bias == bias).all()
+        assert not (other.gyro.lines[0].u == 7.0).any()
+
+
 def test_no_shipped_file_drives_another_out(tmp_path):
     """All that ships is parsed once, read in order again and again, and more beside."""
     own = [tmp_path / f"{number}.yaml" for number in range(100)]
