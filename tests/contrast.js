@@ -17,24 +17,35 @@
     return (high + 0.05) / (low + 0.05);
   };
   const blend = (over, alpha, under) => over.map((c, i) => alpha * c + (1 - alpha) * under[i]);
-  const paintedBehind = (element) => {  // backgrounds of elements, from the outside in
-    const above = [];
-    for (let e = element; e; e = e.parentElement) above.push(e);
-    let colour = parse(getComputedStyle(document.body).backgroundColor).rgb;
-    let bar = null;
-    for (const e of above.reverse()) {
-      const style = getComputedStyle(e);
+  const layers = new Map();  // by element, asked once: most texts have theirs in common
+  const layersBehind = (element) => {  // backgrounds of elements, from the outside in
+    if (!element) return { colour: parse(getComputedStyle(document.body).backgroundColor).rgb, bar: null };
+    if (!layers.has(element)) {
+      const under = layersBehind(element.parentElement);
+      const style = getComputedStyle(element);
       const own = parse(style.backgroundColor);
-      colour = blend(own.rgb, own.alpha, colour);
       const image = style.backgroundImage.match(/rgba?\([^)]*\)/);
-      if (image) bar = parse(image[0]).rgb;
+      layers.set(element, {
+        colour: blend(own.rgb, own.alpha, under.colour),
+        bar: image ? parse(image[0]).rgb : under.bar,
+      });
     }
+    return layers.get(element);
+  };
+  const paintedBehind = (element) => {
+    const { colour, bar } = layersBehind(element);
     return bar ? [colour, bar] : [colour];
   };
-  const paintedInFigure = (text) => {  // the uppermost shape below the middle of a text
-    text.scrollIntoView({ block: "center", inline: "center" });
+  const stackAt = (text) => {  // what is painted at the middle of a text, uppermost first
     const box = text.getBoundingClientRect();
-    const stack = document.elementsFromPoint(box.x + box.width / 2, box.y + box.height / 2);
+    return document.elementsFromPoint(box.x + box.width / 2, box.y + box.height / 2);
+  };
+  const paintedInFigure = (text) => {  // the uppermost shape below the middle of a text
+    let stack = stackAt(text);
+    if (stack.length === 0 || !text.contains(stack[0])) {  // out of sight, or covered
+      text.scrollIntoView({ block: "center", inline: "center" });
+      stack = stackAt(text);
+    }
     for (const shape of stack) {
       if (shape === text || text.contains(shape)) continue;
       if (!shape.ownerSVGElement) break;
