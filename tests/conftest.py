@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 import os
+import re
 import sys
 from collections import defaultdict
 from importlib import import_module
@@ -31,15 +33,24 @@ def pytest_xdist_auto_num_workers() -> int:
 
 
 def pytest_ignore_collect(collection_path, config) -> bool | None:
-    """Leave out a module without the mark that `-m` asks for: nothing is imported.
+    """Leave out a module of which `-m` asks for no test: nothing is imported.
 
-    Of an expression, which may say `not`, every module is collected.
+    For `-m mark` one without the mark, for `-m 'not mark'` one that is marked as a
+    whole. Of any other expression every module is collected.
     """
-    mark = config.option.markexpr
-    if not mark.isidentifier() or not collection_path.match("test_*.py"):
+    negated, mark = re.fullmatch(r"(not )?(\w*)|.*", config.option.markexpr).groups()
+    if not mark or not collection_path.match("test_*.py"):
         return None
-    wanted = f"pytest.mark.{mark}" in collection_path.read_text(encoding="utf-8")
-    return None if wanted else True
+    text = collection_path.read_text(encoding="utf-8")
+    if negated:
+        whole = rf"^pytestmark = (\[[^]]*)?pytest\.mark\.{mark}\b"
+        return True if re.search(whole, text, re.MULTILINE) else None
+    return None if f"pytest.mark.{mark}" in text else True
+
+
+def pytest_collection_finish() -> None:
+    """Let the garbage collector pass over what will be there to the end."""
+    gc.freeze()
 
 
 # Modules of a test that takes long alone: begun first, no core waits for it at the end.
