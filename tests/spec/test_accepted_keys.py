@@ -208,15 +208,49 @@ VARIED: dict = {}  # by line, or what else stands so deep
 for key in KEYS["device"]:
     if key.path[0] == "variants" and "const" not in key.schema:
         VARIED.setdefault(".".join(map(str, key.path[2:5])), []).append(key)
-ONE_WORD = [(kind, key) for kind in KEYS for key in KEYS[kind] if "const" in key.schema]
 
 
-def by_file(keys):
-    """Return lists of keys, each of those whose file without them is the same."""
+def alike(keys, name):
+    """Return lists of keys, each of those with the same name."""
     found: dict = {}
     for key in keys:
-        found.setdefault(json.dumps(device(key)[0]), []).append(key)
+        found.setdefault(name(key), []).append(key)
     return list(found.values())
+
+
+def by_file(keys, file=lambda key: device(key)[0]):
+    """Return lists of keys, each of those whose file without them is the same."""
+    return alike(keys, lambda key: json.dumps(file(key)))
+
+
+def with_words(tree, keys):
+    """Return a file with all those keys, each with a word of its own, and the words."""
+    words = [MARK + letter for letter in ascii_lowercase[: len(keys)]]
+    for key, word in zip(keys, words, strict=True):
+        assert example(key) == MARK, str(key)
+        tree = replaced(tree, steps_of(key), word)
+    return tree, words
+
+
+def by_line(kind):
+    """Mark a test of `keys` of a kind that move a number: of a line at a time."""
+    keys = DEVICE if kind == "device" else choices(kind, moving=True)
+    lines = alike(keys, lambda key: ".".join(key.path[:3]))
+    return pytest.mark.parametrize("keys", lines, ids=lambda keys: str(keys[0]))
+
+
+def unmoved(keys, asked):
+    """Return the keys with which no number is another one: `asked` gives both lists."""
+    found = []
+    for key in keys:
+        try:
+            moved = differ(*asked(key))
+        except Exception as error:
+            error.add_note(f"with the key {key}")
+            raise
+        if not moved:
+            found.append(str(key))
+    return found
 
 
 FOUND: dict = {}  # many keys share a file without them: what it gives is asked once
@@ -254,15 +288,20 @@ def printed(tree):
         return call("devices", path).out
 
 
-@pytest.mark.parametrize("key", DEVICE, ids=str)
-def test_a_key_of_a_device_moves_a_number(key):
-    """Some output of the budget is another one with the key.
+def budgeted(key):
+    """Return the numbers of a device without a key, and with it.
 
     What every calibration finds moves what nobody calibrates.
     """
     is_initial = len(key.path) > 2 and key.path[2].startswith("initial_")
     asked = untested_file if is_initial else analyzed_file
-    assert differ(*(once(asked, tree) for tree in device(key)))
+    return tuple(once(asked, tree) for tree in device(key))
+
+
+@by_line("device")
+def test_a_key_of_a_device_moves_a_number(keys):
+    """Some output of the budget is another one with each key."""
+    assert unmoved(keys, budgeted) == []
 
 
 @pytest.mark.parametrize("keys", by_file(QUIET), ids=lambda keys: str(keys[0]))
@@ -272,10 +311,7 @@ def test_keys_of_the_table_move_no_number_and_are_printed(keys):
     All that one file may have at once, each with a word of its own.
     """
     before, _ = device(keys[0])
-    after, words = before, [MARK + letter for letter in ascii_lowercase[: len(keys)]]
-    for key, word in zip(keys, words, strict=True):
-        assert example(key) == MARK, str(key)
-        after = replaced(after, steps_of(key), word)
+    after, words = with_words(before, keys)
     assert not differ(*(once(analyzed_file, tree) for tree in (before, after)))
     assert MARK not in once(printed, before)
     shown = once(printed, after)
@@ -351,13 +387,14 @@ def opened(path):
     return open_file(find(path), "device")
 
 
-@pytest.mark.parametrize(("kind", "key"), ONE_WORD, ids=str)
-def test_a_key_that_can_say_one_thing_only_says_the_default(kind, key):
+@pytest.mark.parametrize("kind", KEYS)
+def test_a_key_that_can_say_one_thing_only_says_the_default(kind):
     """The docs list it as moving no number; any other word is refused by the schema."""
-    assert silent(kind, base_of(key.path))
-    allowed = Draft202012Validator(key.schema)
-    assert allowed.is_valid(key.schema["const"])
-    assert not allowed.is_valid(MARK)
+    for key in (key for key in KEYS[kind] if "const" in key.schema):
+        assert silent(kind, base_of(key.path)), str(key)
+        allowed = Draft202012Validator(key.schema)
+        assert allowed.is_valid(key.schema["const"]), str(key)
+        assert not allowed.is_valid(MARK), str(key)
 
 
 DWELLS = [
@@ -441,40 +478,52 @@ def place_of(key):
     return tree
 
 
-@pytest.mark.parametrize("key", choices("procedure", moving=True), ids=str)
-def test_a_key_of_a_procedure_moves_a_number(key):
-    """Some output of a device with noise of every kind is another one with the key.
+def calibrated(key):
+    """Return the numbers of a device after a test without a key, and with it.
 
-    What a station does it does to a device with a bias alone.
+    It has noise of every kind; what a station does it does to one with a bias alone.
+    Of the two sensors the first whose numbers differ, else the last.
     """
-    tree = {"name": "x"}
-    for sensor in SENSORS if key.path[0] not in SENSORS else key.path[:1]:
-        errors = {
-            line.name: f"10 {line.like(sensor)}"
-            for line in lines_of(sensor)
-            if line.process or line.name == "vibration_rectification"
-        }
-        walk = walk_of(sensor)
-        noise = {"value": errors["sample_noise"], "adds_to": walk}
-        errors["sample_noise"] = noise
-        errors["flicker"] = {"value": errors["flicker"], "adds_to": "bias_stability"}
-        if key.path[0] == "station":
-            errors = {"bias_repeatability": f"10 {BIASES[sensor]}"}
-        if key.path[:2] == ("environment", "age"):
-            ages = {"value": errors["bias_stability"], "horizon": "1 year"}
-            errors |= {"ageing": ages}
-        tree[sensor] = {"nominal": {"mounting_angle": "1 deg"}, "errors": errors}
-    place = place_of(key)
-    value = place["windows"][1:] if key.path == ("windows",) else example(key)
-    own = replaced(place, steps_of(key), ESTIMATED.get(key.path[0], value))
-    found = []
-    for said in (place, own):
-        both = json.dumps([tree, said])
-        if both not in FOUND:
-            one = load_device(tree)
-            FOUND[both] = analyzed(one, budget.load_procedure(said))
-        found.append(FOUND[both])
-    assert differ(*found)
+    felt_by = {"moves": ("accelerometer",), **{name: (name,) for name in SENSORS}}
+    for sensor in felt_by.get(key.path[0], SENSORS):
+        tree = {"name": "x", sensor: noisy(sensor, key)}
+        place = place_of(key)
+        value = place["windows"][1:] if key.path == ("windows",) else example(key)
+        own = replaced(place, steps_of(key), ESTIMATED.get(key.path[0], value))
+        found = [once(analyzed_test, [tree, said]) for said in (place, own)]
+        if differ(*found):
+            break
+    return found
+
+
+def noisy(sensor, key):
+    """Return a sensor that feels a key of a procedure."""
+    errors = {
+        line.name: f"10 {line.like(sensor)}"
+        for line in lines_of(sensor)
+        if line.process or line.name == "vibration_rectification"
+    }
+    noise = {"value": errors["sample_noise"], "adds_to": walk_of(sensor)}
+    errors["sample_noise"] = noise
+    errors["flicker"] = {"value": errors["flicker"], "adds_to": "bias_stability"}
+    if key.path[0] == "station":
+        errors = {"bias_repeatability": f"10 {BIASES[sensor]}"}
+    if key.path[:2] == ("environment", "age"):
+        ages = {"value": errors["bias_stability"], "horizon": "1 year"}
+        errors |= {"ageing": ages}
+    return {"nominal": {"mounting_angle": "1 deg"}, "errors": errors}
+
+
+def analyzed_test(both):
+    """Return the numbers of `budget analyze` of a device file with a procedure file."""
+    tree, said = both
+    return analyzed(load_device(tree), budget.load_procedure(said))
+
+
+@by_line("procedure")
+def test_a_key_of_a_procedure_moves_a_number(keys):
+    """Some output of a device that feels it is another one with each key."""
+    assert unmoved(keys, calibrated) == []
 
 
 # What limits on a mission are judged on: an altitude that is not known has errors.
@@ -550,23 +599,26 @@ def compared(requirement):
     return budget.compare([one], wanted, [plan], method="gum").to_dict()
 
 
-@pytest.mark.parametrize("key", choices("requirement", moving=True), ids=str)
-def test_a_key_of_a_requirement_moves_a_number(key):
-    """Utilisation, verdict or probability is another one with the key."""
+def judged_by(key):
+    """Return the numbers of a comparison without a key of its limits, and with it."""
     tree = {"limits": {"gyro": {"bias": "30 deg/h"}}}
     if key.path[0] == "limits" and key.path[1] != "mission":
         tree = replaced({}, key.path, example(key).replace("7", "9", 1))
     if key.path[:2] == ("limits", "mission"):
-        trees = limited_flight(key)
-        assert differ(*(numbers(compared(one)["devices"]) for one in trees))
-        return
+        return tuple(numbers(compared(one)["devices"]) for one in limited_flight(key))
     before = numbers(once(compared, tree)["devices"])
     # One of the words is what an unset key stands for.
-    after = [
-        numbers(compared(replaced(tree, key.path, value))["devices"])
-        for value in key.schema.get("enum", [example(key)])
-    ]
-    assert any(differ(before, one) for one in after)
+    for value in key.schema.get("enum", [example(key)]):
+        after = numbers(compared(replaced(tree, key.path, value))["devices"])
+        if differ(before, after):
+            break
+    return before, after
+
+
+@by_line("requirement")
+def test_a_key_of_a_requirement_moves_a_number(keys):
+    """Utilisation, verdict or probability is another one with each key."""
+    assert unmoved(keys, judged_by) == []
 
 
 @pytest.mark.parametrize("key", choices("requirement", moving=False), ids=str)
@@ -583,21 +635,26 @@ def test_a_key_of_a_requirement_in_the_table_is_printed(key):
         assert (value in said) == shown
 
 
-@pytest.mark.parametrize("key", choices("procedure", moving=False), ids=str)
-def test_a_key_of_a_procedure_in_the_table_is_printed(key):
-    """The name of a procedure stands in the document of a comparison."""
+@pytest.mark.parametrize(
+    "keys",
+    by_file(choices("procedure", moving=False), place_of),
+    ids=lambda keys: str(keys[0]),
+)
+def test_keys_of_a_procedure_in_the_table_are_printed(keys):
+    """A comparison says the procedure's name, an assumption a word beside a figure."""
     one = load_device(device(Key(("name",), {}))[0])
-    wanted = budget.load_requirement(
-        {"name": "x", "limits": {"gyro": {"bias": "1 deg/h"}}}
-    )
-    tree = replaced(place_of(key), key.path, example(key))
+    tree, words = with_words(place_of(keys[0]), keys)
     procedure = budget.load_procedure(tree)
-    if key.path == ("name",):
+    if keys[0].path == ("name",):
+        wanted = budget.load_requirement(
+            {"name": "x", "limits": {"gyro": {"bias": "1 deg/h"}}}
+        )
         document = budget.compare([one], wanted, [procedure], method="gum").to_dict()
-        assert document["procedures"] == [MARK]
-    else:  # a word beside a figure of the station
+        assert document["procedures"] == words
+    else:
         document = budget.analyze(one, procedure=procedure, validate=False).to_dict()
-        assert any(MARK in text for text in document["assumptions"])
+        said = "".join(document["assumptions"])
+        assert [word for word in words if word not in said] == []
 
 
 # The segment that a key of a mission is tried in, where it needs others beside it.
@@ -646,11 +703,14 @@ def carried(one):
     return [number for part in found for number in part.ravel().tolist()]
 
 
-@pytest.mark.parametrize("key", choices("mission", moving=True), ids=str)
-def test_a_key_of_a_mission_moves_a_number(key):
-    """Errors of position, velocity or attitude are other ones with the key."""
-    before, after = map(budget.load_mission, going(key))
-    assert differ(carried(before), carried(after))
+@by_line("mission")
+def test_a_key_of_a_mission_moves_a_number(keys):
+    """Errors of position, velocity or attitude are other ones with each key."""
+
+    def flown(key):
+        return [carried(budget.load_mission(one)) for one in going(key)]
+
+    assert unmoved(keys, flown) == []
 
 
 @pytest.mark.parametrize("key", choices("mission", moving=False), ids=str)
@@ -661,13 +721,16 @@ def test_a_key_of_a_mission_in_the_table_moves_none(key):
     assert facts(replace(before, name="")) == facts(replace(after, name=""))
 
 
-@pytest.mark.parametrize("key", choices("costs", moving=True), ids=str)
-def test_a_key_of_costs_moves_a_number(key, monkeypatch):
-    """What the lines may be, or what they cost, is another one with the key."""
-    # A longer procedure is searched for with a hundred trials, and not asked for here.
-    module = "budget.studies.allocation.allocate"
-    monkeypatch.setattr(f"{module}.find_longer_tests", lambda *_, **__: ())
-    sensor, name = key.path[1].split(".")
+def paid_for(key):
+    """Return the numbers of an allocation without a key of the costs, and with it."""
+    trees = {"a": 1}, {"a": 1, key.path[-1]: example(key)}
+    return tuple(once(allocated, {key.path[1]: part}) for part in trees)
+
+
+def allocated(costs):
+    """Return what a line may be and what it costs: the costs of that line."""
+    ((place, _),) = costs.items()
+    sensor, name = place.split(".")
     lines = {line.name: line.like(sensor) for line in lines_of(sensor)}
     other = "bias_repeatability" if name != "bias_repeatability" else "sample_noise"
     errors: dict = {one: f"10 {lines[one]}" for one in (name, other)}
@@ -681,19 +744,24 @@ def test_a_key_of_costs_moves_a_number(key, monkeypatch):
         "bias": f"5 {bias}",
     }
     wanted = budget.load_requirement({"name": "x", "limits": {sensor: limits}})
-    documents = [
-        allocate(
-            one,
-            requirement=wanted,
-            procedure=PAPER,
-            costs=load_costs({"costs": {key.path[1]: part}}),
-            catalogue=(),
-            validate=False,
-        ).to_dict()
-        for part in ({"a": 1}, {"a": 1, key.path[-1]: example(key)})
-    ]
-    before, after = (numbers([one["sources"], one["costs"]]) for one in documents)
-    assert differ(before, after)
+    document = allocate(
+        one,
+        requirement=wanted,
+        procedure=PAPER,
+        costs=load_costs({"costs": costs}),
+        catalogue=(),
+        validate=False,
+    ).to_dict()
+    return numbers([document["sources"], document["costs"]])
+
+
+@by_line("costs")
+def test_a_key_of_costs_moves_a_number(keys, monkeypatch):
+    """What the lines may be, or what they cost, is another one with each key."""
+    # A longer procedure is searched for with a hundred trials, and not asked for here.
+    module = "budget.studies.allocation.allocate"
+    monkeypatch.setattr(f"{module}.find_longer_tests", lambda *_, **__: ())
+    assert unmoved(keys, paid_for) == []
 
 
 def test_the_walk_finds_the_keys_it_is_there_for():
