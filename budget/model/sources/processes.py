@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
 
+# Samples from which a filter that takes half a second to import is the quicker one.
+LONG = 10_000
 LOW_CUT = 1.0 / 86400.0  # of a flicker that names none: once a day [Hz]
 WAVES_PER_OCTAVE = 6  # of a flicker in the simulation
 
@@ -116,8 +118,6 @@ class Stability(Noise):
         sample_rate: float,  # noqa: ARG002
     ) -> Callable[[Samples], Array]:
         """Return x(t + dt) = a x(t) + sigma sqrt(1 - a^2) z, a = exp(-dt/tau)."""
-        from scipy.signal import lfilter
-
         state, clock = np.zeros(3), 0.0  # last value and its time
 
         def samples(at: Samples) -> Array:
@@ -133,7 +133,7 @@ class Stability(Noise):
             values = np.empty_like(z)
             for tau in dict.fromkeys(taus):  # mostly one for all axes
                 rows = [i for i, each in enumerate(taus) if each == tau]
-                values[rows] = lfilter([1.0], [1.0, -exp(-at.dt / tau)], z[rows])
+                values[rows] = recursion(exp(-at.dt / tau), z[rows])
             clock, state = at.last, values[:, -1]
             return values
 
@@ -205,3 +205,20 @@ def _tau(given: Given) -> Array:
     if given.correlation_time is None:
         raise ValueError(f"{given.name} without a correlation time")
     return given.correlation_time
+
+
+def recursion(a: float, z: Array) -> Array:
+    """Return x_k = a x_(k-1) + z_k of rows, shape (rows, samples); x_0 = z_0.
+
+    Of short ones as the equations with two diagonals that they are: to the last bit
+    the same, each being one product and one sum.
+    """
+    if z.shape[1] >= LONG:
+        from scipy.signal import lfilter
+
+        return np.asarray(lfilter([1.0], [1.0, -a], z))
+    from scipy.linalg import solve_banded
+
+    bands = np.zeros((3, z.shape[1]))  # above the diagonal, on it, below it
+    bands[1], bands[2] = 1.0, -a
+    return np.asarray(solve_banded((1, 1), bands, z.T, check_finite=False).T)

@@ -17,6 +17,7 @@ from budget.calibration.simulation import simulate
 from budget.errors import SpecError
 from budget.methods.gum import propagate
 from budget.model.noise import Flicker, Quantized
+from budget.model.sources import processes
 from budget.model.windows import Schedule, Window
 from budget.spec import load_device
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
@@ -155,3 +156,16 @@ def test_flicker_far_out_is_that_of_forty_digits(x):
     found = Flicker(1.0, low)._integral(np.array([x / a]))  # noqa: SLF001
 
     assert_allclose(found, float(exact), rtol=2e-12)
+
+
+@pytest.mark.parametrize("a", [0.0, 0.3, 1.0 - 1e-9])
+def test_a_short_recursion_has_every_bit_of_a_long_one(monkeypatch, a):
+    """From one sample on: where the quicker of two ways begins moves no number."""
+    z = np.random.default_rng(1).standard_normal((3, 5000))
+    for number in (1, 2, 3, 100, 5000):
+        row = z[:, :number]
+        monkeypatch.setattr(processes, "LONG", number + 1)
+        short = processes.recursion(a, row)
+        monkeypatch.setattr(processes, "LONG", number)
+        assert short.tobytes() == processes.recursion(a, row).tobytes()
+        assert_allclose(short[:, -1], row @ a ** np.arange(number)[::-1], rtol=1e-9)
