@@ -136,10 +136,10 @@ def run_warm(*args, folder, streams="", **more):
     )
 
 
-def run_here(*args, folder):
+def run_here(*args, folder, **more):
     """Run a command in a folder, in this process, which saves the start of another."""
     with chdir(folder):
-        outcome = call(*args)
+        outcome = call(*args, **more)
     return subprocess.CompletedProcess(
         args, outcome.code, outcome.out.encode(), outcome.err.encode()
     )

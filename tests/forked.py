@@ -30,7 +30,7 @@ from tempfile import TemporaryDirectory
 SELDOM = ("distributed", "SALib", "matplotlib", "pandas", "fontTools")
 SELDOM += ("scipy.signal", "scipy.stats")
 # Read while a command runs, not while Python or a library starts; the last by nobody.
-READ_LATE = ("COLUMNS", "SOURCE_DATE_EPOCH", "PYTEST_CURRENT_TEST")
+READ_LATE = ("COLUMNS", "SOURCE_DATE_EPOCH", "MATPLOTLIBRC", "PYTEST_CURRENT_TEST")
 # Read as Python makes its streams, which a child makes anew.
 ENCODING = "PYTHONIOENCODING"
 NO_READER = ">&|"  # as a redirection: stdout is a pipe that its reader has closed

@@ -1,4 +1,8 @@
-"""The wheel, installed and run outside the checkout, and the checkout itself."""
+"""The wheel, installed and run outside the checkout, and the checkout itself.
+
+Every command is run from it once, watched, without a network and beside a matplotlibrc;
+what it may not do there, and what it must, is asked of that one run.
+"""
 
 from __future__ import annotations
 
@@ -8,13 +12,17 @@ import subprocess
 import sys
 import sysconfig
 import venv
-from functools import partial
+from contextlib import chdir
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from zipfile import ZipFile
 
 import pytest
-from command_line import call, start
-from places import ROOT
+from command_line import Outcome, call, checked
+from places import PACKAGE, ROOT
+from report.test_matplotlibrc import HOSTILE
+from watching import ALONE, CALLS, DATE, HOST, NOT_MET, PERSON, watch_commands
 
 import budget
 from budget.resources import shipped
@@ -68,6 +76,34 @@ def python(wheel, tmp_path_factory):
     return Path(sysconfig.get_path("scripts", "venv", base)) / "python"
 
 
+@pytest.fixture(scope="module")
+def watched(python, tmp_path_factory):
+    """Return what every command of the wheel did: one run, for all that is asked."""
+    folder = tmp_path_factory.mktemp("watched")
+    return watch_commands(folder, python=python, style=HOSTILE)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Here(Outcome):
+    """What a call in this process left behind, and where."""
+
+    folder: Path
+
+
+@pytest.fixture(scope="module")
+def here(tmp_path_factory):
+    """Return a function that calls a command of those in this process, once each."""
+
+    @cache
+    def run(name):
+        folder = tmp_path_factory.mktemp("here")
+        with chdir(folder):
+            outcome = call(*CALLS[name], **DATE)
+        return Here(**vars(outcome), folder=folder)
+
+    return run
+
+
 def places(python, folder):
     """Return where a Python finds the package, its specs and its templates."""
     run = subprocess.run(
@@ -119,49 +155,90 @@ def test_installed_package_is_the_wheels(python, tmp_path):
     assert content(templates) == content(ROOT / "templates")
 
 
-def test_wheel_runs_the_main_job(python, tmp_path):
-    """From the wheel, analyze gives the same document as from the checkout."""
-    words = ("analyze", "--no-validate", "--json", "-")
-    here, there = call(*words), start(*words, cwd=tmp_path, python=python)
+@pytest.mark.parametrize("name", ["analyze", "paper"])
+def test_wheel_computes_the_same(watched, here, name):
+    """From the wheel, a document and what is said are those of the checkout."""
+    there, run = watched[name], here(name)
 
-    assert (there.code, there.err) == (0, here.err)
-    assert there.document == here.document
-
-
-def test_wheel_writes_the_report(python, tmp_path, monkeypatch):
-    """From the wheel, the report is the same bytes as from the checkout."""
-    monkeypatch.chdir(tmp_path)
-    pages = []
-    for name, make in (
-        ("here", call),
-        ("there", partial(start, cwd=tmp_path, python=python)),
-    ):
-        run = make(
-            *("report", "--no-validate", "-o", f"{name}.html"), SOURCE_DATE_EPOCH="0"
-        )
-        assert run.code == 0, run.err
-        pages.append((tmp_path / f"{name}.html").read_bytes())
-
-    assert len(pages[0]) > 10_000
-    assert pages[0] == pages[1]
+    assert (there.code, there.out, there.err) == (0, run.out, run.err)
+    document = checked(json.loads((there.folder / "a.json").read_bytes()))
+    assert document == json.loads((run.folder / "a.json").read_bytes())
+    assert document["rows" if name == "paper" else "outputs"]
 
 
-def test_wheel_computes_the_paper_again(python, tmp_path):
-    """From the wheel, the paper's check is the same document as from the checkout."""
-    words = ("paper", "--json", "-")
-    here, there = call(*words), start(*words, cwd=tmp_path, python=python)
+@pytest.mark.parametrize(("name", "kinds"), [("report", 2), ("paper", 4)])
+def test_same_bytes_every_time_and_the_date_is_the_given_one(
+    watched, here, name, kinds
+):
+    """With SOURCE_DATE_EPOCH, of every kind, whoever writes them and where.
 
-    assert (there.code, there.err) == (0, "")
-    assert there.document["rows"]
-    assert there.document == here.document
+    Another process, of the wheel, beside a matplotlibrc that the first says nothing of.
+    """
+    there, run = content(watched[name].folder), content(here(name).folder)
+
+    assert len(there) == kinds
+    assert there.keys() == run.keys()
+    assert len(there["a.html"]) > 10_000
+    for file, data in there.items():
+        assert data == run[file], file
+    assert b"D:19700102" in there["a.pdf"]
+    assert b"1970-01-02" in there["a.html"]
 
 
-def test_wheel_checks_its_references(python, tmp_path):
+def test_wheel_checks_its_references(watched):
     """From the wheel, every shipped reference holds, by its own copy of the inputs."""
-    run = start("check", cwd=tmp_path, python=python)
+    run = watched["check"]
 
     assert run.code == 0, run.out
     assert "11 references: 11 unchanged, 0 moved" in run.out
+
+
+def test_no_network_no_program_no_pickle(watched):
+    """No command connects, starts a program or loads a pickle; workers alone may."""
+    assert watched.keys() == CALLS.keys()
+    for name, found in watched.items():
+        assert found.code == (1 if name in NOT_MET else 0), (name, found.err)
+        events = found.events
+        if name == ALONE:
+            # Python's own processes, and tasks that they get through a private pipe.
+            allowed = ("os.posix_spawn", "subprocess.Popen", "os.fork")
+            allowed += ("pickle.find_class",)
+            events = [event for event in events if not event.startswith(allowed)]
+        assert events == [], name
+
+
+def test_no_system_call_to_a_network(watched):
+    """Libraries that are no Python open no internet socket either."""
+    for name, found in watched.items():
+        if found.system_calls is None:
+            pytest.skip("tracing is not allowed here")
+        assert "AF_INET" not in found.system_calls, name
+
+
+def test_a_machine_without_a_network(watched):
+    """In a network namespace without any interface a report is written."""
+    found = watched["report"]
+    if not found.is_offline:
+        pytest.skip("namespaces are not allowed here")
+    assert found.code == 0, found.err
+    assert sorted(p.name for p in found.folder.iterdir()) == ["a.html", "a.pdf"]
+
+
+@pytest.mark.parametrize("name", ["report", "paper"])
+def test_documents_name_no_place_and_no_person(name, watched, python):
+    """No folder, user or host of the run stands in what is written."""
+    found = watched[name]
+    secrets = (
+        *(str(found.folder), str(found.folder.parent.parent)),
+        *(str(python.parent.parent), str(PACKAGE)),
+        *(PERSON, HOST, os.uname().nodename),
+    )
+    written = list(found.folder.glob("a.*"))
+    assert written
+    for path in written:
+        data = path.read_bytes()
+        for secret in secrets:
+            assert len(secret) < 4 or secret.encode() not in data, (path.name, secret)
 
 
 def test_checkout_reads_its_own_specs(tmp_path):

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import ast
-from functools import partial
 
 import pytest
-from command_line import call, start
+from failing import run_here, run_warm
 from matplotlib import rc_params_from_file, rcParamsDefault
 from places import PACKAGE
 
@@ -51,28 +50,25 @@ REPORT = (
     *("report", "one.yaml", "--no-validate", "--requirement", "tactical-grade"),
     *("--allocate", "--compare", "adxrs453", "-o", "out.html"),
 )
-PAPER = ("paper", "-o", "out.html")
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("command", "place"), [(REPORT, "here"), (PAPER, "home")])
-def test_a_matplotlibrc_changes_no_byte(command, place, tmp_path, monkeypatch):
-    """The page is that of this process without one; a control in the second test."""
+def test_a_matplotlibrc_of_the_user_changes_no_byte(tmp_path):
+    """The page is that of this process without one; a control in the second test.
+
+    Of one in the current folder that is asked by test_wheel, of other commands.
+    """
     pages = []
-    for name in ("clean", place):
-        folder = tmp_path / name
+    for name, make in (("clean", run_here), ("hostile", run_warm)):
+        folder, config = tmp_path / name, tmp_path / f"config-{name}"
         folder.mkdir()
-        (folder / "one.yaml").write_text(DEVICE, encoding="utf-8")
-        config = tmp_path / f"config-{name}"
         config.mkdir()
-        monkeypatch.chdir(folder)
-        make = call
-        if name != "clean":
-            file = (folder if name == "here" else config) / "matplotlibrc"
-            file.write_text(HOSTILE, encoding="utf-8")
-            make = partial(start, cwd=folder)
-        run = make(*command, SOURCE_DATE_EPOCH="0", MATPLOTLIBRC=str(config))
-        assert run.code in {0, 1}, run
+        (folder / "one.yaml").write_text(DEVICE, encoding="utf-8")
+        if name == "hostile":
+            (config / "matplotlibrc").write_text(HOSTILE, encoding="utf-8")
+        made = dict(SOURCE_DATE_EPOCH="0", MATPLOTLIBRC=str(config))
+        run = make(*REPORT, folder=folder, **made)
+        assert run.returncode in {0, 1}, run
         pages.append((folder / "out.html").read_bytes())
     assert pages[0] == pages[1]
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import re
-from functools import partial
 from html import unescape
 
 import pytest
-from command_line import call, start
+from command_line import call
 from pdf_reading import needs_poppler, squeeze, text_of
 
 from budget.report.blocks import Abreast, Picture, Table, drawn
@@ -228,29 +227,6 @@ def plain(words):
 def test_figures_of_the_pdf_have_words(pdf):
     """Four figures can be heard."""
     assert len(set(re.findall(rb"/Alt *\(Figure ([1-4]):", pdf))) == 4
-
-
-@pytest.mark.slow
-def test_same_bytes_every_time_and_the_date_is_the_given_one(tmp_path, monkeypatch):
-    """With SOURCE_DATE_EPOCH two processes write the same bytes, of every kind."""
-    names = ("paper.pdf", "paper.html", "paper.json", "paper.csv")
-    written = []
-    for place in ("here", "there"):
-        folder = tmp_path / place
-        folder.mkdir()
-        monkeypatch.chdir(folder)
-        make = call if place == "here" else partial(start, cwd=folder)
-        run = make(
-            *("paper", "-o", names[0], "-o", names[1]),
-            *("--json", names[2], "--csv", names[3]),
-            SOURCE_DATE_EPOCH="86400",
-        )
-        assert run.code == 0, run.err
-        assert {path.name for path in folder.iterdir()} == {*names}
-        written.append([(folder / name).read_bytes() for name in names])
-    assert written[0] == written[1]
-    assert b"D:19700102" in written[0][0]
-    assert b"1970-01-02" in written[0][1]
 
 
 def test_all_files_or_none(tmp_path):
