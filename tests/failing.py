@@ -125,7 +125,7 @@ def _run_without_reader(words, folder, variables):
     return subprocess.CompletedProcess(words, process.returncode, b"", err)
 
 
-def run_warm(*args, folder, streams="", **more):
+def run_warm(*args, folder, streams="", rehearsed=False, **more):
     """Run a command as `run` does, in a child that has imported everything."""
     return run_forked(
         [str(word) for word in args],
@@ -133,7 +133,13 @@ def run_warm(*args, folder, streams="", **more):
         streams=streams,
         environment=environment(**more),
         patience=PATIENCE,
+        rehearsed=rehearsed,
     )
+
+
+def run_rehearsed(*args, folder, streams="", **more):
+    """Run a command as `run_warm` does, its numbers computed once for all its runs."""
+    return run_warm(*args, folder=folder, streams=streams, rehearsed=True, **more)
 
 
 def run_here(*args, folder, **more):

@@ -1,7 +1,8 @@
 """Commands in processes of their own, forked from one that has imported everything.
 
 A child has its own streams, folder, code and end, as if a shell had started it; what
-it saves is the start. What Python reads as it starts (the locale, PYTHON...) belongs to
+it saves is the start, and of a call that is rehearsed what is computed before anything
+is printed. What Python reads as it starts (the locale, PYTHON...) belongs to
 the process that forks: there is one for each environment.
 """
 
@@ -19,11 +20,12 @@ import subprocess
 import sys
 import threading
 import warnings
-from contextlib import suppress
-from functools import cache
+from contextlib import redirect_stderr, redirect_stdout, suppress
+from functools import cache, wraps
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from unittest.mock import patch
 
 # Names that begin so are of what few calls need, and take as long to import as all the
 # rest: a child that needs one imports it as a command does. scipy.special is needed.
@@ -33,6 +35,21 @@ SELDOM += ("scipy.signal", "scipy.stats")
 READ_LATE = ("COLUMNS", "SOURCE_DATE_EPOCH", "MATPLOTLIBRC", "PYTEST_CURRENT_TEST")
 # Read as Python makes its streams, which a child makes anew.
 ENCODING = "PYTHONIOENCODING"
+# What commands compute: pure, so that of the same words it is the same.
+COMPUTING = (
+    "budget.spec.load_catalogue",
+    "budget.spec.load_stations",
+    "budget.spec.json_schema",
+    "budget.references.check.make_reference",
+    "budget.references.check.compare_sides",
+    "budget.references.check.check",
+    "budget.studies.analysis.analyze_as",
+    "budget.studies.allocation.allocate.allocate",
+    "budget.studies.comparison.compare.compare",
+    "budget.studies.export.study.export",
+    "budget.studies.paper.study.reproduce",
+    "budget.studies.stations.qualify",
+)
 NO_READER = ">&|"  # as a redirection: stdout is a pipe that its reader has closed
 # A line that imports one module, or from one.
 _IMPORT = re.compile(
@@ -41,8 +58,12 @@ _IMPORT = re.compile(
 _REDIRECTION = re.compile(r"([012]?)([<>])(&-|&\||\s*\S+)")
 
 
-def run_forked(words, *, folder, streams, environment, patience):
-    """Run `budget` with those words; `streams` redirects as in a shell."""
+def run_forked(words, *, folder, streams, environment, patience, rehearsed):
+    """Run `budget` with those words; `streams` redirects as in a shell.
+
+    A call that is rehearsed has been made once in the process that forks: its children
+    read and print, and what lies between is computed once for all of them.
+    """
     late = {
         name: environment[name]
         for name in (*READ_LATE, ENCODING)
@@ -58,6 +79,7 @@ def run_forked(words, *, folder, streams, environment, patience):
             "late": late,
             "streams": f"< {os.devnull} > {caught}/1 2> {caught}/2 {streams}",
             "patience": patience,
+            "rehearsed": rehearsed,
         }
         server.stdin.write(json.dumps(request).encode() + b"\n")
         server.stdin.flush()
@@ -87,6 +109,9 @@ def _serve():
     os.dup2(nowhere, 1)
     _import_everything()
     for line in asked:
+        request = json.loads(line)
+        if request["rehearsed"]:
+            _rehearse(_asking(request["words"]))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of forks where a library has threads
             child = os.fork()
@@ -94,7 +119,7 @@ def _serve():
             os.close(told)
             os.close(nowhere)
             asked.close()
-            return json.loads(line)
+            return request
         _, status = os.waitpid(child, 0)
         os.write(told, f"{os.waitstatus_to_exitcode(status)}\n".encode())
     sys.exit()
@@ -116,9 +141,74 @@ def _import_everything():
     """Import what the command line names, and read the files that ship."""
     for name in sys.argv[1:]:
         import_module(name)
-    import_module("budget").load_catalogue()
+    typer = import_module("typer.main")
+    typer.get_command = cache(typer.get_command)
+    typer.get_command(import_module("budget.cli").app)
+    for place in COMPUTING:
+        module, _, name = place.rpartition(".")
+        home = import_module(module)
+        setattr(home, name, _computed_once(getattr(home, name)))
+    _leave_alone()
+
+
+def _leave_alone():
+    """Keep what there is from being looked through by a child at its end: a second."""
     gc.collect()
-    gc.freeze()  # else a child takes a second to look through all that at its end
+    gc.freeze()
+
+
+KEPT = {}  # what is computed, by the words that ask for it and in their order
+ASKED = []  # functions that this call has asked so far
+WITHIN = []  # the one of them that is computing, which may ask others
+# Where a document goes changes nothing that is computed.
+WITHOUT_EFFECT = {"--json", "--csv", "-"}
+
+
+def _computed_once(function):
+    """Return a function that computes once for the same words.
+
+    It finds the streams for data closed, which nothing that computes may ask for.
+    """
+
+    @wraps(function)
+    def asked(*args, **kwargs):
+        if WITHIN:
+            return function(*args, **kwargs)
+        ASKED.append(function)
+        key = *_asking(sys.argv[1:]), *ASKED
+        if key not in KEPT:
+            WITHIN.append(function)
+            with redirect_stdout(None), patch.object(sys, "stdin", None):
+                KEPT[key] = function(*args, **kwargs)
+            WITHIN.clear()
+        return KEPT[key]
+
+    return asked
+
+
+def _asking(words):
+    """Return the words of a call that say what is computed."""
+    return tuple(word for word in words if word not in WITHOUT_EFFECT)
+
+
+@cache
+def _rehearse(words):
+    """Make a call in this process, for what is computed; nobody sees what it says."""
+    sys.argv = _words(words)
+    with (
+        redirect_stdout(io.StringIO()),
+        redirect_stderr(io.StringIO()),
+        suppress(SystemExit),
+    ):
+        import_module("budget.cli").main()
+    ASKED.clear()
+    WITHIN.clear()
+    _leave_alone()
+
+
+def _words(words):
+    """Return the words of a call as Python has them in this locale."""
+    return ["budget", *(os.fsdecode(word.encode("latin-1")) for word in words)]
 
 
 def _redirect(streams):
@@ -186,7 +276,6 @@ if __name__ == "__main__":
     os.environ.update(asked_for["late"])
     _redirect(asked_for["streams"])
     _streams_of_python()
-    words = [os.fsdecode(word.encode("latin-1")) for word in asked_for["words"]]
-    sys.argv = ["budget", *words]
+    sys.argv = _words(asked_for["words"])
     sys.path[0] = asked_for["folder"]
     _run()

@@ -78,7 +78,8 @@ def new(
         if (sensor, key) in lines:
             raise CallError(f"--line {sensor}.{key} is given twice; give it once")
         lines[sensor, key] = value
-    if not line and sys.stdin.isatty() and sys.stderr.isatty():
+    is_asked = sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty()
+    if not line and is_asked:
         title, source, lines = _ask(title, source)
     text = new_device(str(file), title, source, lines)
     if file == STDOUT:
