@@ -231,8 +231,9 @@ def _result(future: Future[Result], executor: Executor) -> Result:
             fault = "" if watched is None else watched.fault()
             if fault:
                 raise WorkerError(fault) from None
-            if isinstance(error, TimeoutError) and not future.done():
-                continue  # alive, and still at work
+            is_own = future.done() and future.exception() is error  # of the work
+            if isinstance(error, TimeoutError) and not is_own:
+                continue  # alive, and still at work, or done since the last look
             if "pickle" in str(error):
                 raise WorkerError(
                     f"the model cannot be sent to other processes ({error}); define "
