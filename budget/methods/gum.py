@@ -218,7 +218,8 @@ def propagate(problem: Problem) -> Propagation:
     UH = HU.transpose(0, 2, 1)
     second = 0.5 * np.tensordot(HU, UH, axes=((1, 2), (1, 2)))
     # Per pair of sources: 1/2 sum over i in one, j in the other of (HU)_ij (HU)_ji.
-    pair = 0.5 * HU * UH
+    pair = HU * UH
+    pair *= 0.5
     skew, excess = higher_moments(problem)
     diagonal = np.einsum("kii->ki", H)
     _refuse_infinite(problem, diagonal, excess)
@@ -243,9 +244,8 @@ def propagate(problem: Problem) -> Propagation:
             for own, rows in zip(linear, problem.slices, strict=True)
         ]
     ).reshape(linear.shape)
-    within = np.zeros(pair.shape[1:], dtype=bool)
-    for rows in problem.slices:
-        within[rows, rows] = True
+    for rows in problem.slices:  # what is left are products of two sources
+        pair[:, rows, rows] = 0.0
     covariance = first_order + second
     refuse_no_number(problem, "variance", np.sqrt(np.diag(covariance)), covariance)
     law = Propagation(
@@ -255,7 +255,7 @@ def propagate(problem: Problem) -> Propagation:
         first_order=first_order,
         source_variance=alone,
         source_first_order=linear,
-        interaction_variance=np.where(within, 0.0, pair).sum(axis=(1, 2)),
+        interaction_variance=pair.sum(axis=(1, 2)),
         degrees_of_freedom=_effective_degrees_of_freedom(problem, C, first_order),
         C=C,
         H=H,

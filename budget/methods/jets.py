@@ -137,7 +137,7 @@ class Jet:
                 _scale(self.hessian, first),
                 None
                 if second == 0.0
-                else second * np.outer(self.gradient, self.gradient),
+                else second * (self.gradient[:, None] * self.gradient),
             ),
         )
 
@@ -175,12 +175,11 @@ class Jet:
             return Jet(
                 self.value * other, self.gradient * other, _scale(self.hessian, other)
             )
-        cross = np.outer(self.gradient, other.gradient)
         return Jet(
             self.value * other.value,
             other.value * self.gradient + self.value * other.gradient,
             _add(
-                cross + cross.T,
+                _twice_the_product(self.gradient, other.gradient),
                 _add(
                     _scale(self.hessian, other.value), _scale(other.hessian, self.value)
                 ),
@@ -488,6 +487,14 @@ def _add(a: Array | None, b: Array | None) -> Array | None:
     if a is None:
         return b
     return a if b is None else a + b
+
+
+def _twice_the_product(a: Array, b: Array) -> Array | None:
+    """Return a b^T + b a^T of two gradients; None where one of them is zero."""
+    if not (a.any() and b.any()):
+        return None
+    cross = a[:, None] * b
+    return cross + cross.T
 
 
 def _scale(hessian: Array | None, factor: float) -> Array | None:
