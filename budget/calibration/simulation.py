@@ -9,8 +9,8 @@ one table of budget.model.sources.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, field
+from functools import lru_cache, partial
 from hashlib import sha256
 from math import cos, sin
 from typing import TYPE_CHECKING
@@ -52,6 +52,7 @@ if TYPE_CHECKING:
 
 # Of one window, three axes and a few arrays of that length: some 0.2 GB.
 MOST_SAMPLES = 2_000_000
+KEPT_SAMPLES = 10_000  # of a turn whose inputs are kept for the next run
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -374,13 +375,37 @@ def _count(
     return np.asarray(K * reading.sum(axis=1) * at.dt * table.pace)
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Inputs:
+    """What inputs of samples are computed of: equal where these are equal."""
+
+    window: Window
+    at: Samples
+    content: tuple[object, ...]  # of the table, all that counts
+    table: Table = field(compare=False)
+
+
 def _inputs(window: Window, table: Table, at: Samples) -> tuple[Array, Array]:
     """Return body rate and specific force of the samples, each (3, n) or (3, 1).
+
+    At a table that is as it should be they are the same in every run, and kept.
+    """
+    place = table.place.earth.tobytes(), table.place.force.tobytes()
+    numbers = table.angle, table.length, table.pace, table.joints.tobytes()
+    of = _Inputs(window=window, at=at, content=(*place, *numbers), table=table)
+    is_small = window.setting.turning is None or at.n <= KEPT_SAMPLES
+    return (_inputs_of if is_small else _inputs_of.__wrapped__)(of)
+
+
+@lru_cache(maxsize=256)
+def _inputs_of(what: _Inputs) -> tuple[Array, Array]:
+    """Return body rate and specific force of the samples, for reading alone.
 
     The table's axes are turned back one after the other, the outer first; the one that
     turns by the angle that it has reached in the middle of each sample. What is askew
     at a joint is turned back by its matrix, base and mount at the ends of the chain.
     """
+    window, table, at = what.window, what.table, what.at
     setting = window.setting
     base, *joints = (joint.T for joint in table.joints)
     is_askew = (table.joints[1:] != np.eye(3)).any(axis=(1, 2)).tolist()
@@ -403,7 +428,9 @@ def _inputs(window: Window, table: Table, at: Samples) -> tuple[Array, Array]:
             turn = None if turn is None else joint @ turn
             fixed = np.stack([joint @ each for each in fixed])
     earth, gravity = fixed
-    return (earth if turn is None else earth + turn), gravity
+    rate = earth if turn is None else earth + turn
+    rate.flags.writeable = gravity.flags.writeable = False
+    return rate, gravity
 
 
 def _turned_back(vectors: Array, axis: int, angle: Array) -> Array:
