@@ -372,7 +372,7 @@ METHODS = {
     "Monte Carlo": ("--method", "monte-carlo", "--trials", "20000"),
     "adaptive": ("--method", "monte-carlo", "--max-trials", "40000"),
     "Sobol": ("--no-validate", "--sobol", "--samples", "32"),
-    "next turn-on": ("--reference", "next_turn_on"),
+    "next turn-on": ("--reference", "next_turn_on", "--max-trials", "40000"),
 }
 TAU_OF_FILES = ("1e-30", "1e-9", "300", "1e15", "1e30")
 

@@ -369,7 +369,7 @@ BOTH = (
 @pytest.mark.parametrize("name", [*SHIPPED, *BY_NORM])
 def test_pulses_agree_with_the_law_on_every_shipped_scheme(name):
     """Sample by sample, every u is the law's within chance; 1.5 times it is not."""
-    procedure = replace(load_procedure(name), sample_rate=10.0)
+    procedure = replace(load_procedure(name), sample_rate=2.0)
     devices = tuple(one for one in BOTH if calibrates(one.kind, procedure))
     pulses = Pulses(devices, procedure, seed=5)
     how = ("norm",) if name in BY_NORM else ("least_squares", "weighted")
