@@ -10,6 +10,8 @@ import subprocess
 import sys
 import warnings
 from contextlib import contextmanager
+from functools import cache
+from multiprocessing import forkserver
 from time import sleep
 
 import numpy as np
@@ -37,12 +39,30 @@ PATIENCE = 180  # [s], beyond which a test has failed; it takes some 10
 NO_ONE = "tcp://127.0.0.1:9"  # the discard port
 
 
+# What a worker imports, a second or two of each: here forked from one that has. That
+# the work arrives where nothing is imported is asked of the lone worker and by TLS.
+FORKED = {
+    "distributed.worker.profile.enabled": False,
+    "distributed.worker.multiprocessing-method": "forkserver",
+}
+IMPORTED = ("distributed.nanny", "distributed.worker", "SALib.analyze.sobol")
+IMPORTED += tuple(f"budget.{name}" for name in ("calibration.problem", "methods.sobol"))
+
+
+@cache
+def start_server():
+    """Start the process that forks workers, once all that they need is imported."""
+    forkserver.set_forkserver_preload(list(IMPORTED))
+    forkserver.ensure_running()
+
+
 @contextmanager
 def started(workers):
     """Give a cluster of so many worker processes on loopback."""
+    start_server()
     with (
         warnings.catch_warnings(),
-        dask.config.set({"distributed.worker.profile.enabled": False}),
+        dask.config.set(FORKED),
         distributed.LocalCluster(
             n_workers=workers,
             threads_per_worker=1,
