@@ -13,7 +13,7 @@ from budget.earth import ROTATION_RATE
 from budget.model.sources import SOURCES, twin_of
 from budget.spec.fields import Later
 from budget.spec.makers import LINES_BY_WORD, MEANINGS, bare, reading_of
-from budget.spec.tree import MOST_ISSUES, all_of, describe, plain
+from budget.spec.tree import LONGEST_SHOWN, MOST_ISSUES, all_of, describe, plain
 from budget.units import DEG_PER_HOUR
 
 if TYPE_CHECKING:
@@ -186,8 +186,11 @@ def _bracketed(model: type[BaseModel], steps: Sequence[str | int], node: Node) -
     field = _model_at(model, steps[:-1]).model_fields.get(key)
     if field and next(_models_in(field.annotation), None):
         return ", each item a mapping of keys"
-    if node.written and not isinstance(node.value, bool):
-        return f", such as '{key}: [{node.written}]'"
+    one = node.written
+    # What is long, or no text that a terminal shows, is not repeated.
+    is_short = one.isprintable() and 0 < len(one) <= LONGEST_SHOWN
+    if is_short and not isinstance(node.value, bool):
+        return f", such as '{key}: [{one}]'"
     return ", such as [x, y] of two items"
 
 
