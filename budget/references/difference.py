@@ -188,13 +188,14 @@ def compared(before: Snapshot, after: Snapshot) -> dict[Item, Pair]:
 
     What a later version states beside what was stored is not compared.
     """
-    old, new = before.by_item(), after.by_item()
+    old, new = before.by_item, after.by_item
     quantities = {item.quantity for item in old}
     stated = {**old, **new}
     return {
-        item: (old.get(item), new.get(item))
-        for item in sorted(stated, key=lambda one: not stated[one].unit)
-        if item in old or (item.quantity in quantities and before.knows(item))
+        item: (was, new.get(item))
+        for item, _ in sorted(stated.items(), key=lambda pair: not pair[1].unit)
+        if (was := old.get(item))
+        or (item.quantity in quantities and before.knows(item))
     }
 
 

@@ -17,7 +17,8 @@ from budget.references.records import NominalProperty, QuantityValue, Snapshot
 from budget.studies.judgement import NORMAL_TRIALS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Set as AbstractSet
 
     from budget.references.sampling import StandardErrors
 
@@ -105,7 +106,8 @@ def snapshot_of(document: Record, errors: Mapping[str, StandardErrors]) -> Snaps
     numbers: list[QuantityValue] = []
     words: list[NominalProperty] = []
     meanings = MEANINGS[document["command"]]
-    for path, place, value in _leaves(document, "", _Place()):
+    above = _above(meanings)
+    for path, place, value in _leaves(document, "", _Place(), above):
         meaning = meanings.get(path)
         if meaning is None or value is None:
             continue
@@ -156,21 +158,36 @@ class _Place:
 
 
 def _leaves(
-    node: object, path: str, place: _Place
+    node: object, path: str, place: _Place, wanted: AbstractSet[str] | None = None
 ) -> Iterator[tuple[str, _Place, Any]]:
-    """Yield every value of a document with its path and its place."""
+    """Yield every value of a document with its path and its place.
+
+    Of all keys, or of those whose paths are wanted: most of a document are matrices and
+    rows that no meaning is of.
+    """
     if isinstance(node, dict):
         inside = place.within(node)
         for key, child in node.items():
-            yield from _leaves(child, f"{path}.{key}" if path else key, inside)
+            own = f"{path}.{key}" if path else key
+            if wanted is None or own in wanted:
+                yield from _leaves(child, own, inside, wanted)
     elif isinstance(node, list) and node and isinstance(node[0], dict):
         for child in node:
-            yield from _leaves(child, path, place)
+            yield from _leaves(child, path, place, wanted)
     elif isinstance(node, list) and node and isinstance(node[0], float):
         for k, child in enumerate(node):
             yield f"{path}.{k}", place, child
     else:
         yield path, place, node
+
+
+def _above(paths: Iterable[str]) -> frozenset[str]:
+    """Return these paths and all above them."""
+    return frozenset(
+        ".".join(steps[:end])
+        for steps in (path.split(".") for path in paths)
+        for end in range(1, len(steps) + 1)
+    )
 
 
 def _name(record: Record) -> Name:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping  # noqa: TC003 - pydantic reads the annotations
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, ConfigDict, Field, WithJsonSchema
@@ -147,7 +148,7 @@ class QuantityValue:
     trials: Annotated[int, Field(ge=1, le=MOST_TRIALS)] | None = None
     lower_bound: bool = False  # this or worse: a line not given would add to it
 
-    @property
+    @cached_property
     def item(self) -> Item:
         """What it is of."""
         return Item(subject=self.subject, quantity=self.quantity, partner=self.partner)
@@ -174,7 +175,7 @@ class NominalProperty:
     is_sampled: ClassVar[bool] = False
     lower_bound: ClassVar[bool] = False
 
-    @property
+    @cached_property
     def item(self) -> Item:
         """What it is of."""
         return Item(subject=self.subject, quantity=self.quantity)
@@ -232,14 +233,20 @@ class Snapshot:
         """Return a list of sources without those that the tool did not have."""
         if self.known >= KNOWN_NOW:  # most are: the names need not be made
             return text
-        unknown = {
+        unknown = self._unknown
+        return ", ".join(name for name in text.split(", ") if name not in unknown)
+
+    @cached_property
+    def _unknown(self) -> frozenset[Name]:
+        """Sources and outputs that the tool which made it did not have."""
+        return frozenset(
             name
             for quantity in KNOWN_NOW
             for owner in OWNERS
             if not self._has(name := Name(quantity, owner=owner))
-        }
-        return ", ".join(name for name in text.split(", ") if name not in unknown)
+        )
 
+    @cached_property
     def by_item(self) -> Mapping[Item, QuantityValue | NominalProperty]:
         """Return numbers and words by what they are of."""
         words = {one.item: one for one in self.words}

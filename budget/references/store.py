@@ -11,7 +11,7 @@ import json
 import platform
 import re
 from collections import Counter
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, fields
 from pathlib import PurePosixPath, PureWindowsPath
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
@@ -80,15 +80,16 @@ def reference_text(reference: ReferenceBudget) -> str:
     ValueError
         A number is not finite.
     """
-    content: dict[str, Any] = asdict(reference)
-    content |= {
+    content: dict[str, Any] = {
+        **_fields(reference),
         "format": FORMAT,
         "inputs": [
-            _set(one) | {"text": one["text"].split("\n")} for one in content["inputs"]
+            _set(_fields(one)) | {"text": one.text.split("\n")}
+            for one in reference.inputs
         ],
-        "settings": _set(content["settings"]),
-        "numbers": [_set(one) for one in content["numbers"]],
-        "words": [{"text": one["text"], **_set(one)} for one in content["words"]],
+        "settings": _set(_fields(reference.settings)),
+        "numbers": [_set(_fields(one)) for one in reference.numbers],
+        "words": [{"text": one.text, **_set(_fields(one))} for one in reference.words],
         "known": sorted(reference.known),
     }
     content = json.loads(json.dumps(content, allow_nan=False))  # lists for tuples
@@ -247,6 +248,11 @@ def _faults(error: ValidationError, shown: str) -> str:
         lines.append(f"{shown}: and {len(found) - SHOWN} more")
     lines[-1] += "; save the reference again"
     return "\n".join(lines)
+
+
+def _fields(record: Any) -> dict[str, Any]:  # noqa: ANN401 - any dataclass
+    """Return a flat record by field; `asdict` copies every text."""
+    return {one.name: getattr(record, one.name) for one in fields(record)}
 
 
 def _set(values: dict[str, Any]) -> dict[str, Any]:

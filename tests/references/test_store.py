@@ -83,7 +83,7 @@ class TestFirstVersion:
         assert [one.role for one in first.inputs] == [
             *("device", "procedure", "requirement"),
         ]
-        numbers = first.by_item()
+        numbers = first.by_item
         assert (len(first.numbers), len(numbers)) == (355, 357)  # and two words
         (u,) = (
             number
@@ -103,7 +103,7 @@ class TestFirstVersion:
         parts = stored_documents(first.inputs, reference="first", job=first.job)
         again = compute(first.job, parts, first.settings)
 
-        assert set(first.by_item()) <= set(again.by_item())
+        assert set(first.by_item) <= set(again.by_item)
 
     def test_the_schema_passes_it(self):
         """What was valid by the schema stays so."""

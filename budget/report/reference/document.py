@@ -80,7 +80,9 @@ def _move(move: Move) -> dict[str, Any]:
     if together := together_text(move):
         because.append(f"{TOGETHER} {together}")
     return {
-        **asdict(move.item),
+        "subject": move.item.subject,
+        "quantity": move.item.quantity,
+        "partner": move.item.partner,
         "unit": move.unit,
         "before": move.before,
         "after": move.after,
