@@ -13,7 +13,7 @@ import pytest
 from command_line import call
 from numpy.testing import assert_allclose
 from places import ROOT
-from reference_examples import DEVICE, store, stored
+from reference_examples import DEVICE, computing_once, store, stored
 from saying import assert_says
 
 from budget.errors import ReferenceFileError
@@ -23,6 +23,8 @@ from budget.resources import shipped
 WORSE = DEVICE.replace("value: 0.04 deg/h", "value: 0.0404 deg/h")
 EDITED = DEVICE.replace("notes: not a number", "notes: still none")
 KEY = "gyro.errors.bias_stability"
+
+computed_once = pytest.fixture(scope="module", autouse=True)(computing_once)
 
 
 @pytest.fixture
@@ -299,6 +301,7 @@ class TestMoved:
         monkeypatch.setattr(
             module, "present_versions", lambda: {"budget": "9.9", "numpy": "9.0"}
         )
+        monkeypatch.setattr(module, "compute", jobs.compute)  # anew
         monkeypatch.setattr(jobs, "analyze", _with_other_trigger(jobs.analyze))
         run = call("check", "ref.json")
 
