@@ -11,6 +11,7 @@ from graphlib import CycleError, TopologicalSorter
 import pytest
 from places import PACKAGE, TESTS
 from saying import assert_says
+from sources import nodes_of
 
 # From the ground up. A module imports from lower floors, or within its own room;
 # rooms on one floor do not know each other.
@@ -41,7 +42,7 @@ def room_of(path):
 
 def imports(path):
     """Return every module of this package that a file imports, anywhere in it."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in nodes_of(path):
         if isinstance(node, ast.ImportFrom) and node.module:
             parts = node.module.split(".")
             if parts == ["budget"]:
@@ -113,7 +114,7 @@ def rooms_within(floor):
         here = path.relative_to(folder).parts[0].removesuffix(".py")
         if here == FACE:
             continue
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in nodes_of(path):
             if not isinstance(node, ast.ImportFrom) or node.module is None:
                 continue
             parts = node.module.split(".")[1:]
@@ -226,7 +227,7 @@ def is_dotted(node):
 
 def handled_names(path):
     """Return where a module takes dotted names apart or puts them together."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in nodes_of(path):
         found = False
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
             first = node.args[0] if node.args else None

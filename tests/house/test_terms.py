@@ -8,6 +8,7 @@ import re
 
 import pytest
 from places import DOCS, PACKAGE, ROOT
+from sources import nodes_of
 
 import budget
 from budget.cli import app
@@ -27,14 +28,14 @@ def vague(text):
 
 def written(path):
     """Yield the texts in a module that may be shown: strings, no docstrings."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
+    nodes = nodes_of(path)
     kinds = (ast.Module, ast.ClassDef, ast.FunctionDef)
     silent = {
         id(node.body[0].value)
-        for node in ast.walk(tree)
+        for node in nodes
         if isinstance(node, kinds) and isinstance(node.body[0], ast.Expr)
     }
-    for node in ast.walk(tree):
+    for node in nodes:
         if isinstance(node, ast.Constant) and isinstance(node.value, str):
             text = node.value
             if " " in text and id(node) not in silent and not FIELDS.fullmatch(text):
