@@ -19,6 +19,7 @@ from budget.report.figures.style import (
     house_style,
     kebab,
     text_width,
+    without_name,
     write,
 )
 from budget.report.tables import (
@@ -52,6 +53,7 @@ POINTS = 161  # of the normal law
 INSIDE, BEYOND = 0.28, 0.75  # opacities of the one hue, within the limits and not
 
 
+@house_style()
 def density_picture(density: Density, *, coverage: float) -> Picture:
     """Return the density of one output as a block, with its numbers as a table."""
     return as_picture(
@@ -80,6 +82,7 @@ def density_step(density: Density, *, coverage: float) -> Figure:
     peak = max(float(density.density.max()), float(law.max()))
     axes.set_ylim(-STRIP, 1.04)
     axes.set_yticks([])
+    without_name(axes.yaxis)
     far = np.inf if density.limit is None else density.limit
     for ends, opacity in (
         ((-far, far), INSIDE),

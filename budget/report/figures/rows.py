@@ -10,6 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from budget.language import say
 from budget.report.figures.style import (
     GRID,
@@ -27,6 +29,7 @@ from budget.report.figures.style import (
     log_ticks,
     shorten,
     text_width,
+    without_name,
     write,
     write_on,
 )
@@ -227,6 +230,7 @@ class Chart:
         }
 
 
+@house_style()
 def chart_picture(chart: Chart) -> Picture:
     """Draw a figure of rows into a block."""
     return as_picture(
@@ -352,6 +356,9 @@ def _draw_panel(
     axes: Axes, chart: Chart, panel: Panel, room: _Room, place: int
 ) -> None:
     """Draw the groups of one panel; `place` is that of the first in the figure."""
+    from matplotlib.collections import LineCollection
+    from matplotlib.ticker import FixedFormatter, FixedLocator
+
     _set_scale(axes, panel.scale)
     axes.set_ylim(_rows_height(chart, panel), 0.0)
     first = chart.sides[0].panels[0]
@@ -367,7 +374,8 @@ def _draw_panel(
                 ends, *panel.scale.band, color=GRID, alpha=0.6, linewidth=0.0
             )
         else:
-            axes.vlines(axes.get_xticks(), *ends, color=GRID, linewidth=0.6, zorder=0)
+            grid = [[(x, end) for end in ends] for x in axes.get_xticks()]
+            axes.add_artist(LineCollection(grid, colors=GRID, linewidths=0.6, zorder=0))
         for r, row in enumerate(group.rows):
             middle = top + chart.pitch / 2.0
             ticks.append((middle, row.label))
@@ -375,7 +383,9 @@ def _draw_panel(
                 _draw_mark(axes, middle, mark, _gid(g, r, m) if mark.tip else None)
             _write_beside(axes, middle, row, room.beside, chart.flush)
             top += chart.pitch
-    axes.set_yticks([y for y, _ in ticks], [text for _, text in ticks])
+    axes.yaxis.set_major_locator(FixedLocator([y for y, _ in ticks]))
+    axes.yaxis.set_major_formatter(FixedFormatter([text for _, text in ticks]))
+    without_name(axes.yaxis)
     for x, text in panel.scale.lines:
         axes.axvline(x, color=INK if text else MUTED, linewidth=1.0 if text else 0.7)
         _write_above(axes, Head(at=x, text=text))
@@ -389,7 +399,8 @@ def _draw_panel(
 def _set_scale(axes: Axes, scale: Scale) -> None:
     """Set ends, kind, numbers and name of an axis."""
     options = {"linthresh": 1.0} if scale.kind == "symlog" else {}
-    axes.set_xscale(scale.kind, **options)
+    if scale.kind != "linear":  # as it is
+        axes.set_xscale(scale.kind, **options)
     axes.set_xlim(scale.low, scale.high)
     if scale.ticks is not None:
         axes.set_xticks([x for x, _ in scale.ticks], [text for _, text in scale.ticks])
@@ -406,6 +417,8 @@ def _set_scale(axes: Axes, scale: Scale) -> None:
     axes.minorticks_off()
     if scale.label:
         axes.set_xlabel(scale.label, fontsize=SMALL, color=MUTED)
+    else:
+        without_name(axes.xaxis)
 
 
 def _points(axes: Axes, pixels: float) -> float:
@@ -415,25 +428,37 @@ def _points(axes: Axes, pixels: float) -> float:
 
 def _draw_mark(axes: Axes, middle: float, mark: Mark, gid: str | None) -> None:
     """Draw one mark on the line of its row."""
+    from matplotlib.lines import Line2D
+
     y = middle + mark.lift
+    # The ends of the axes are set: artists are put on them, which `plot` and `barh`
+    # measure first, for axes that fit themselves to what is drawn.
     if isinstance(mark, Stroke):
-        ends = [mark.start, mark.end]
-        axes.plot(
-            ends, [y, y], color=mark.colour, linewidth=mark.width, zorder=3, gid=gid
+        axes.add_artist(
+            Line2D(
+                [mark.start, mark.end],
+                [y, y],
+                color=mark.colour,
+                linewidth=mark.width,
+                zorder=3,
+                gid=gid,
+            )
         )
     elif isinstance(mark, Dot):
-        axes.plot(
-            [mark.at],
-            [y],
-            marker=mark.shape,
-            markersize=mark.size,
-            color=mark.fill,
-            markeredgecolor=mark.edge,
-            markeredgewidth=0.9,
-            linestyle="none",
-            zorder=4,
-            clip_on=False,
-            gid=gid,
+        axes.add_artist(
+            Line2D(
+                [mark.at],
+                [y],
+                marker=mark.shape,
+                markersize=mark.size,
+                color=mark.fill,
+                markeredgecolor=mark.edge,
+                markeredgewidth=0.9,
+                linestyle="none",
+                zorder=4,
+                clip_on=False,
+                gid=gid,
+            )
         )
     else:
         _draw_bar(axes, y, mark, gid)
@@ -442,28 +467,33 @@ def _draw_mark(axes: Axes, middle: float, mark: Mark, gid: str | None) -> None:
 def _draw_bar(axes: Axes, y: float, bar: Bar, gid: str | None) -> None:
     """Draw a bar, its frame and its text."""
     from matplotlib.colors import to_rgba
+    from matplotlib.patches import Rectangle
 
     low, high = sorted((bar.start, bar.end))
-    axes.barh(
-        y,
-        high - low,
-        left=low,
-        height=bar.height,
-        color=to_rgba(bar.colour, None if bar.opacity == 1.0 else bar.opacity),
-        edgecolor=bar.edge,
-        linewidth=bar.edge_width,
-        hatch=bar.hatch or None,
-        gid=gid,
+    axes.add_artist(
+        Rectangle(
+            (low, y - bar.height / 2.0),
+            high - low,
+            bar.height,
+            facecolor=to_rgba(bar.colour, None if bar.opacity == 1.0 else bar.opacity),
+            edgecolor=bar.edge,
+            linewidth=bar.edge_width,
+            # As `barh` hands it on: the id of a hatch is made of its repr.
+            hatch=np.str_(bar.hatch) if bar.hatch else None,
+            gid=gid,
+        )
     )
     if bar.is_framed:
-        axes.barh(
-            y,
-            high - low,
-            left=low,
-            height=bar.height - 1.0,
-            color="none",
-            edgecolor=INK,
-            linewidth=1.0,
+        height = bar.height - 1.0
+        axes.add_artist(
+            Rectangle(
+                (low, y - height / 2.0),
+                high - low,
+                height,
+                facecolor="none",
+                edgecolor=INK,
+                linewidth=1.0,
+            )
         )
     start, end = axes.transData.transform([(low, y), (high, y)])[:, 0]
     if bar.text and fits(bar.text, _points(axes, end - start)):

@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import re
 from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import lru_cache
 from itertools import product
 from typing import TYPE_CHECKING, Any
@@ -88,6 +89,8 @@ STYLE: dict[Any, Any] = {  # text stays text; ids do not change from run to run
 FINE, COARSE, DECADES = (1.0, 2.0, 5.0), (1.0,), 99.0
 # These choose windows, which nothing here opens, and cannot be set for a while only.
 OF_WINDOWS = ("backend", "backend_fallback", "interactive", "toolbar")
+# Whether the style holds already: to set 300 defaults takes as long as a text or two.
+_STYLED: ContextVar[bool] = ContextVar("_STYLED", default=False)
 
 
 def look_of(source: Name) -> tuple[str, str, str]:
@@ -104,11 +107,18 @@ def house_style() -> Iterator[None]:
     """
     from matplotlib import rc_context, rcParamsDefault
 
+    if _STYLED.get():
+        yield
+        return
     defaults = {
         name: rcParamsDefault[name] for name in rcParamsDefault.keys() - OF_WINDOWS
     }
-    with rc_context(defaults | STYLE):
-        yield
+    token = _STYLED.set(True)
+    try:
+        with rc_context(defaults | STYLE):
+            yield
+    finally:
+        _STYLED.reset(token)
 
 
 def canvas(
@@ -156,6 +166,11 @@ def add_panel(
     axes.tick_params(length=0.0, labelsize=SMALL, labelcolor=MUTED)
     axes.tick_params(axis="y", labelsize=TEXT, labelcolor=INK, pad=5.5)
     return axes
+
+
+def without_name(axis: Axis) -> None:
+    """Say that an axis has no name: else its numbers are measured to find its place."""
+    axis.set_label_coords(0.0, 0.0)
 
 
 def fits(text: str, room: float) -> bool:
