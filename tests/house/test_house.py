@@ -212,6 +212,7 @@ OTHER_DOTS = {
     "f'{path}.{_shown(word)}'",
     "f'{path}.{key}'",
     "f'{path}.{k}'",
+    "path.split('.')",
     "source.name.split('.')",
 }
 SPLITTERS = {"partition", "rpartition", "split", "rsplit"}
