@@ -277,21 +277,33 @@ def assert_felt(device, warmer):
         (False, "zhao-2019-eq4", Asked()),
         (True, str(warmer), Asked(reference="next_turn_on")),
     ):
-        if warm not in {"temperature" in figure.key for figure in figures}:
+        sensors = {f.steps[0] for f in figures if ("temperature" in f.key) is warm}
+        if not sensors:
             continue
         inputs = [
             replace(take("device", stem), variant=variant),
             take("procedure", procedure),
         ]
         part, steps = stored_documents(inputs, reference=device, job="analyze")
-        bases[warm] = part, steps, asked, compute("analyze", (part, steps), asked)
+        for sensor in sensors:
+            base = compute("analyze", (alone(part, sensor), steps), asked)
+            bases[warm, sensor] = part, steps, asked, base
 
     for figure in figures:
-        part, procedure, asked, base = bases["temperature" in figure.key]
+        sensor = figure.steps[0]
+        part, procedure, asked, base = bases["temperature" in figure.key, sensor]
         larger = replace(figure.node, value=figure.larger(), written=figure.larger())
         key = KeyChange(steps=figure.steps, before=figure.node, after=larger)
         changed = exchange(part, key)
-        moves = find_moves(base, compute("analyze", (changed, procedure), asked))
+        own = alone(changed, sensor)
+        moves = find_moves(base, compute("analyze", (own, procedure), asked))
         (one,) = input_changes((part,), (changed,))
         assert moves, figure
         assert one.change.key == figure.key
+
+
+def alone(document, sensor):
+    """Return a device file with one of its sensors: a figure acts on its own."""
+    other = {"gyro": "accelerometer", "accelerometer": "gyro"}[sensor]
+    kept = {key: one for key, one in document.root.value.items() if key != other}
+    return replace(document, root=replace(document.root, value=kept))
