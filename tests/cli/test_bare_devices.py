@@ -8,7 +8,10 @@ import json
 
 import pytest
 from command_line import call
+from keeping import once
 from saying import assert_says
+
+from budget.studies.comparison import judging
 
 pytestmark = pytest.mark.usefixtures("drawn_once")
 
@@ -50,6 +53,15 @@ COMMANDS = (
 )
 SLOW = ("report", "allocate")  # these get two devices, some seconds each
 ANSWERED = (0, 1, 2)  # met, not met, refused in words
+
+
+@pytest.fixture(scope="module", autouse=True)
+def judged_once():
+    """Judge the device beside the one of which little is known once for all of them."""
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("judge", "validate"):
+            patch.setattr(judging, name, once(getattr(judging, name), {}))
+        yield
 
 
 @pytest.fixture
