@@ -16,8 +16,9 @@ from types import FunctionType
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import pytest
-from keeping import once
+from keeping import Variates, once
 
+from budget.methods import execution
 from budget.studies import analysis, request
 from budget.studies.allocation import allocate
 from budget.studies.allocation.longer_tests import find_longer_tests
@@ -108,6 +109,18 @@ def searched_once():
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(allocate, "find_longer_tests", once(find_longer_tests, {}))
+        yield
+
+
+VARIATES = Variates()
+
+
+@pytest.fixture(scope="module")
+def variates_once():
+    """Draw the same variates of a source once, for modules of what trials judge."""
+    with pytest.MonkeyPatch.context() as patch:
+        for name, function in VARIATES.patches().items():
+            patch.setattr(execution, name, function)
         yield
 
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import pickle
 from contextlib import ExitStack
-from functools import cache, wraps
+from functools import cache, partial, wraps
 from hashlib import sha256
 from unittest.mock import patch
 
 import numpy as np
 
 from budget.calibration import simulation
+from budget.methods import execution
 from budget.model.scheme import Scheme
 from budget.spec import load_catalogue
 
@@ -36,6 +37,55 @@ def once(function, kept):
 def catalogue():
     """Return the devices that ship, read once for all tests of a process."""
     return load_catalogue()
+
+
+KEPT_VARIATES = 128_000_000  # bytes, in each process
+
+
+class Variates:
+    """What is drawn of each source in each block, drawn once: most of a verdict's time.
+
+    Of what is kept the longest unused goes. That the same is drawn again is asked of
+    the drawing itself, where nothing is kept.
+    """
+
+    def __init__(self):
+        self.kept, self.size = {}, 0
+        self.draw_unit, self.stream = execution._draw_unit, execution.stream  # noqa: SLF001
+
+    def patches(self):
+        """Return the functions in place of those of the package, by their names."""
+        return {"_draw_unit": self._drawn, "stream": partial(_Stream, self.stream)}
+
+    def _drawn(self, group, rng, out):
+        """Fill `out` as the package does, of what is kept where it is the same."""
+        key = *rng.key, out.shape
+        shapes, values = self.kept.pop(key, (None, None))
+        if shapes != group.distributions:
+            self.size -= 0 if values is None else values.nbytes
+            self.draw_unit(group, rng, out)
+            shapes, values = group.distributions, out.copy()
+            self.size += values.nbytes
+        else:
+            out[:] = values
+        self.kept[key] = shapes, values
+        while self.size > KEPT_VARIATES:
+            _, oldest = self.kept.pop(next(iter(self.kept)))
+            self.size -= oldest.nbytes
+
+
+class _Stream:
+    """A random stream that is made when something is drawn from it."""
+
+    def __init__(self, make, *key):
+        self.make, self.key = make, key
+
+    def __getattr__(self, name):
+        made = self.make(*self.key)
+        self.__dict__.update(
+            {n: getattr(made, n) for n in ("standard_normal", "random")}
+        )
+        return getattr(made, name)
 
 
 def _same_inputs(window, table, at):

@@ -20,6 +20,8 @@ from budget.spec.records import Limit
 from budget.studies.analysis import analyze, analyze_as
 from budget.studies.comparison.compare import compare
 
+pytestmark = pytest.mark.usefixtures("variates_once")
+
 BENCH = load_mission("bench")
 BOTH = ("gyro", "accelerometer")
 LAW = {"method": "gum", "mission": BENCH}
