@@ -12,6 +12,7 @@ import platform
 import re
 from collections import Counter
 from dataclasses import dataclass, fields
+from functools import cache
 from pathlib import PurePosixPath, PureWindowsPath
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
@@ -147,12 +148,18 @@ def parse_reference(data: bytes, shown: str) -> ReferenceBudget:
     if content.get("known") is None:
         content["known"] = sorted(KNOWN_FIRST)
     try:
-        found = TypeAdapter(ReferenceBudget).validate_json(json.dumps(content))
+        found = _checker().validate_json(json.dumps(content))
     except ValidationError as error:
         raise ReferenceFileError(_faults(error, shown)) from None
     if fault := _content_fault(found):
         raise ReferenceFileError(f"{shown}: {fault}; save the reference again")
     return found
+
+
+@cache
+def _checker() -> TypeAdapter[ReferenceBudget]:
+    """Return what checks a reference, made once: that takes longer than to check."""
+    return TypeAdapter(ReferenceBudget)
 
 
 def _content_fault(reference: ReferenceBudget) -> str:
