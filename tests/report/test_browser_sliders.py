@@ -111,6 +111,7 @@ MOVES = (
 )
 
 
+@pytest.mark.usefixtures("nothing_is_missing")
 @pytest.mark.parametrize("source", SOURCES)
 def test_slider_agrees_with_the_analysis_of_a_changed_device(browser, path, source):
     """U, mean and utilisation in the page are those of `analyze`, to four digits.

@@ -38,6 +38,8 @@ from budget.studies.request import Analysis
 from budget.studies.what_if import what_if
 from budget.units import ARCSEC, DEGREE, parse_quantity
 
+pytestmark = pytest.mark.usefixtures("drawn_once")
+
 LIMITS = {
     "name": "a mile",
     "limits": {
