@@ -61,7 +61,7 @@ WRITING = {
     "compare": ("compare", "zhao-2019", *GRADE, *GUM, "-o", "a.html"),
     "devices": ("devices", "--json", "a.json"),
     "paper": ("paper", "--csv", "a.csv", "-o", "a.html", "-o", "a.pdf"),
-    "report": ("report", "--no-validate", "-o", "a.html"),
+    "report": ("report", "adxl357", "--no-validate", "-o", "a.html"),
     "diff": ("diff", "hg4930#A", "hg4930#C", "--json", "a.json"),
     "station": (
         *("station", "zhao-2019", "--requirement", "tactical-grade"),

@@ -144,10 +144,8 @@ def _import_everything():
     typer = import_module("typer.main")
     typer.get_command = cache(typer.get_command)
     typer.get_command(import_module("budget.cli").app)
-    for place in COMPUTING:
-        module, _, name = place.rpartition(".")
-        home = import_module(module)
-        setattr(home, name, _computed_once(getattr(home, name)))
+    import_module("budget.spec").load_catalogue()
+    keep_computed(setattr)
     _leave_alone()
 
 
@@ -155,6 +153,14 @@ def _leave_alone():
     """Keep what there is from being looked through by a child at its end: a second."""
     gc.collect()
     gc.freeze()
+
+
+def keep_computed(set_attribute):
+    """Let what computes for a command do so once for the same words."""
+    for place in COMPUTING:
+        module, _, name = place.rpartition(".")
+        home = import_module(module)
+        set_attribute(home, name, _computed_once(getattr(home, name)))
 
 
 KEPT = {}  # what is computed, by the words that ask for it and in their order

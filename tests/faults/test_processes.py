@@ -23,7 +23,7 @@ from failing import (
     contents,
     environment,
     run,
-    run_warm,
+    run_here,
     said,
 )
 from saying import assert_says
@@ -118,7 +118,7 @@ def test_files_from_the_future(tmp_path):
     said(outcome)
     assert outcome.returncode == 0
     first = old.read_bytes()
-    assert run_warm(*call, folder=tmp_path).returncode == 0
+    assert run_here(*call, folder=tmp_path).returncode == 0
     assert old.read_bytes() == first
     assert json.loads(first)["schema"] == "budget/1"
 
@@ -138,7 +138,7 @@ def test_a_clock_that_runs_backwards(monkeypatch, tmp_path):
 @pytest.mark.parametrize("epoch", ["0", "4102444800", "-1", "253402300800", "now", ""])
 def test_any_source_date_epoch(epoch, tmp_path):
     """A date that can be is taken, another is exit 2 before anything is computed."""
-    start = run if epoch == "now" else run_warm
+    start = run if epoch == "now" else run_here
     outcome = start(
         "analyze",
         "--no-validate",

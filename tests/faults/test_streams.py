@@ -168,7 +168,10 @@ NAMED = {
     "analyze csv": ("analyze", "{}", "--no-validate", "--csv", "-"),
     "allocate": ("allocate", "{}", *GRADE, "--no-validate"),
     "station": ("station", "{}", "--requirement", "catalogue-edge"),
-    "mission": ("mission", "{}", "adxl357", "--mission", "bench", "--no-validate"),
+    "mission": (
+        *("mission", "{}", "adxl357", "--mission", "outage-10-s"),
+        "--no-validate",
+    ),
     "export": ("export", "{}", "adxl357", "--to", "ros", "--rate", "100"),
     "compare": ("compare", "{}", *GRADE, *GUM),
     "compare json": ("compare", "{}", *GRADE, *GUM, "--json", "-"),
