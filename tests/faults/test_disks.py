@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 from contextlib import contextmanager
+from unittest.mock import patch
 
 import pytest
 from failing import (
@@ -37,8 +38,8 @@ ADDRESS_SPACE = 500 << 20  # [bytes] libraries take 350 MB, 2e6 trials 384
 @pytest.fixture(scope="module")
 def computed_once():
     """Compute once for the same words: it is the files that fail here."""
-    with pytest.MonkeyPatch.context() as patch:
-        keep_computed(patch.setattr)
+    with pytest.MonkeyPatch.context() as changes:
+        keep_computed(changes.setattr)
         yield
 
 
@@ -50,11 +51,15 @@ def another_call():
 
 @contextmanager
 def small_files(most):
-    """Let this process write no file beyond a size [byte]."""
+    """Let this process write no file beyond a size [byte].
+
+    Nor bytecode, which Python would cut there in silence, and read in the next run.
+    """
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (most, hard))
     try:
-        yield
+        with patch.object(sys, "dont_write_bytecode", new=True):
+            yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
