@@ -57,7 +57,7 @@ def judge_file(path, data, kinds=tuple(LOADERS)):
 
     Whatever they raise besides SpecError goes through: that is the finding.
     """
-    path.write_bytes(data)
+    put(path, data)
     loaded = set()
     for kind in kinds:
         try:
@@ -79,6 +79,12 @@ def judge_file(path, data, kinds=tuple(LOADERS)):
     if checked.kind in kinds and "" in (checked.variants or ("",)):
         assert checked.kind in loaded, (checked, loaded)
     return checked.kind
+
+
+def put(path, data):
+    """Write a file anew: one that is cut to nothing waits for the disk as it closes."""
+    path.unlink(missing_ok=True)
+    path.write_bytes(data)
 
 
 def judge_name(name):

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 from fuzz.effort import examples
-from fuzz.grammar import Raw, leaves, mappings, replaced, trees, write
-from fuzz.oracle import LOADERS, judge_file, judge_input, judge_name
+from fuzz.grammar import Raw, leaves, mappings, random_of, replaced, tree_of, write
+from fuzz.oracle import LOADERS, judge_file, judge_input, judge_name, put
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -17,6 +17,7 @@ from budget.spec import reader, validate
 
 pytestmark = pytest.mark.slow  # hostile files
 
+# All of an example follows from one: each draw of hypothesis costs more than a parse.
 SEEDS = st.integers(0, 2**32 - 1)
 
 # What hostile and careless people write; joined at random and put into sound files.
@@ -97,23 +98,16 @@ def test_damaged_files_are_read_or_refused(path, kind):
     """A file as the grammar of its kind allows, then damaged anywhere, does so too."""
 
     @examples(150)
-    @given(
-        tree=trees(kind),
-        seed=SEEDS,
-        damage=st.lists(
-            st.tuples(
-                st.floats(0.0, 1.0), st.integers(0, 12), st.sampled_from(("", *PIECES))
-            ),
-            min_size=1,
-            max_size=3,
-        ),
-        coding=st.sampled_from(("utf-8", "utf-8", *CODINGS)),
-    )
-    def judge(tree, seed, damage, coding):
-        text = write(tree, seed).text
-        for where, gone, piece in damage:
-            start = int(where * len(text))
+    @given(seed=SEEDS)
+    def judge(seed):
+        random = random_of(seed)
+        text = write(tree_of(kind, random), seed).text
+        for _ in range(random.randint(1, 3)):
+            where = random.choice((0.0, 1.0, *(random.random() for _ in range(6))))
+            start, gone = int(where * len(text)), random.randint(0, 12)
+            piece = random.choice(("", *PIECES))
             text = text[:start] + piece + text[start + gone :]
+        coding = random.choice(("utf-8", "utf-8", *CODINGS))
         judge_file(path, encoded(text, coding))
 
     judge()
@@ -128,8 +122,9 @@ def test_files_of_the_grammar_are_read(path, kind):
     read = []
 
     @examples(100)
-    @given(tree=trees(kind), seed=SEEDS)
-    def judge(tree, seed):
+    @given(seed=SEEDS)
+    def judge(seed):
+        tree = tree_of(kind, random_of(seed))
         read.append(judge_file(path, write(tree, seed).text.encode()) == kind)
 
     judge()
@@ -164,15 +159,16 @@ def test_what_is_wrong_is_reported_where_it_stands(path, kind):
     """One wrong value in a file of the grammar has an issue at its line and column."""
 
     @examples(200)
-    @given(tree=trees(kind), seed=SEEDS, pick=SEEDS, data=st.data())
-    def judge(tree, seed, pick, data):
-        found = list(leaves(tree))
-        steps, value = found[pick % len(found)]
+    @given(seed=SEEDS)
+    def judge(seed):
+        random = random_of(seed)
+        tree = tree_of(kind, random)
+        steps, value = random.choice(list(leaves(tree)))
         measured = isinstance(value, str) and value[:1] in set("0123456789.+-")
         measured &= " " in value if isinstance(value, str) else False
-        wrong = data.draw(st.sampled_from(WRONG + (NO_QUANTITY if measured else ())))
+        wrong = random.choice(WRONG + (NO_QUANTITY if measured else ()))
         page = write(replaced(tree, steps, Raw(wrong)), seed)
-        path.write_text(page.text, encoding="utf-8", newline="")
+        put(path, page.text.encode())
         with pytest.raises(SpecError) as caught:
             validate(path)
         line, column = page.places[steps].value
@@ -190,25 +186,23 @@ def test_a_key_too_many_is_reported_where_it_stands(path, kind):
     """An unknown key, an empty one and a duplicate have an issue at the key."""
 
     @examples(120)
-    @given(
-        tree=trees(kind),
-        seed=SEEDS,
-        pick=SEEDS,
-        how=st.sampled_from(["unknown", "empty", "twice", "long", "no value"]),
-    )
-    def judge(tree, seed, pick, how):
+    @given(seed=SEEDS)
+    def judge(seed):
+        random = random_of(seed)
+        tree = tree_of(kind, random)
+        how = random.choice(["unknown", "empty", "twice", "long", "no value"])
         within = [p for p in mappings(tree) if p[-1:] != ("variants",)]
-        steps = within[pick % len(within)]
+        steps = random.choice(within)
         if how == "twice":
             known = [path for path, _ in leaves(tree) if isinstance(path[-1], str)]
-            place = known[pick % len(known)]
+            place = random.choice(known)
             page = write(tree, seed, twice=place)
         else:
             new = {"empty": " ", "long": "k" * 900}.get(how, "unknwon")
             place = (*steps, new)
             value = Raw("" if how == "no value" else "5 deg/h")
             page = write(replaced(tree, place, value), seed)
-        path.write_text(page.text, encoding="utf-8", newline="")
+        put(path, page.text.encode())
         with pytest.raises(SpecError) as caught:
             validate(path)
         places = [(issue.line, issue.column) for issue in caught.value.issues]
@@ -222,9 +216,9 @@ def test_breaks_and_marks_of_other_systems_change_nothing(path, kind):
     """A sound file says the same with CR LF, with a byte order mark and padded."""
 
     @examples(60)
-    @given(tree=trees(kind), seed=SEEDS)
-    def judge(tree, seed):
-        text = write(tree, seed).text
+    @given(seed=SEEDS)
+    def judge(seed):
+        text = write(tree_of(kind, random_of(seed)), seed).text
         told = {
             _told(path, data)
             for data in (
@@ -240,7 +234,7 @@ def test_breaks_and_marks_of_other_systems_change_nothing(path, kind):
 
 def _told(path, data):
     """Return what a file says, or what is said of it."""
-    path.write_bytes(data)
+    put(path, data)
     try:
         return repr(validate(path))
     except SpecError as error:
