@@ -54,16 +54,17 @@ def pytest_collection_finish() -> None:
     gc.freeze()
 
 
-# Modules of a test that takes long alone: begun first, no core waits for it at the end.
-LONG = (
-    *("test_processors", "test_cost", "test_least_squares", "test_readme"),
-    "test_budgets",
-)
+# What takes long alone is begun first, that no core waits for it at the end. A worker
+# takes from the end of what another has: the tests of the first module stay together,
+# whose one run of all commands each worker would make for itself.
+LONG = ("test_wheel", "test_processors", "test_least_squares", "test_cost")
+LONG += ("test_readme", "test_budgets")
 
 
 def pytest_collection_modifyitems(items) -> None:
     """Put the modules with the longest tests first, the others as they are."""
-    items.sort(key=lambda item: item.path.stem not in LONG)
+    places = {name: place for place, name in enumerate(LONG)}
+    items.sort(key=lambda item: places.get(item.path.stem, len(LONG)))
 
 
 # Who draws the figures of every kind of report.
