@@ -88,13 +88,6 @@ class _Stream:
         return getattr(made, name)
 
 
-def _same_inputs(window, table, at):
-    """Return all that rates and forces of a window's samples are computed of."""
-    place = table.place.earth.tobytes(), table.place.force.tobytes()
-    real = table.angle, table.length, table.pace, table.joints.tobytes()
-    return window, at, place, real
-
-
 class Pulses:
     """Runs of one simulated test, drawn, counted and calibrated once.
 
@@ -115,7 +108,6 @@ class Pulses:
             "_draw": lambda owner, line, *_: (run, owner, line.name),
             "_count": lambda sensor, *rest: (run, sensor.kind, rest[-1].place),
             "_calibrate": lambda sensor, *_: (run, sensor.kind, how),
-            "_inputs": _same_inputs,  # of a table with no error the same in all runs
         }
         found = []
         with ExitStack() as stack:
