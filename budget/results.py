@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from budget.errors import NotThereError
-from budget.language import note
+from budget.language import in_a_row, note
 from budget.names import Name
 from budget.ties import first_largest, from_largest, settle
 from budget.units import parse_quantity
@@ -1088,11 +1088,104 @@ class ReadingVerdicts:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Condition:
+    """What must hold for a verdict, or what decides it and has to be asked for.
+
+    Of a line that is not given, or of a use that nobody has stated.
+    """
+
+    kind: str  # 'missing', 'temperature', 'vibration', 'age'
+    line: Name
+    below: float | None  # the bound [SI]; None: none is needed, or none is known
+    unit: str
+    si_per_unit: float
+    text: str
+    largest_comparable: str = ""  # what the worst comparable device prints
+    ceiling: float | None = None  # [SI]
+    decides: bool = False  # whether it leaves the verdict open, being not given
+    # Lines of a use that nobody has stated, which its sheet does not give.
+    silent: tuple[Name, ...] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it, in its unit."""
+
+        def of(size: float | None) -> float | None:
+            return None if size is None else size / self.si_per_unit
+
+        return {
+            "kind": self.kind,
+            "line": self.line,
+            "below": of(self.below),
+            "unit": self.unit,
+            "largest_comparable": self.largest_comparable or None,
+            "ceiling": of(self.ceiling),
+            "decides": self.decides,
+            "not_given": list(self.silent),
+            "text": self.text,
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Caution:
+    """What qualifies a verdict, beside it wherever it stands."""
+
+    kind: str
+    line: Name
+    text: str
+    bound: float | None = None  # [unit]
+    unit: str = ""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it."""
+        return asdict(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Standing:
+    """A verdict and what it stands on, the same in every command.
+
+    In words: after which calibration, at which station, in which use, of which mission.
+    """
+
+    verdict: str
+    conditions: tuple[Condition, ...] = ()  # that it holds if, or that decide
+    cautions: tuple[Caution, ...] = ()
+    # Utilisation with every missing line at its ceiling [1]; None: one has none.
+    at_ceilings: float | None = None
+    calibration: str = ""
+    station: str = ""
+    use: str = ""
+    mission: str = ""
+
+    @property
+    def asks(self) -> tuple[Condition, ...]:
+        """The lines to ask the maker for, that which decides first."""
+        return tuple(one for one in self.conditions if one.decides)
+
+    @property
+    def after(self) -> str:
+        """Say what it is of: calibration, mission, use."""
+        return in_a_row(filter(None, (self.calibration, self.mission, self.use)))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it."""
+        return {
+            "calibration": self.calibration,
+            "station": self.station,
+            "use": self.use,
+            "mission": self.mission or None,
+            "conditions": [one.to_dict() for one in self.conditions],
+            "cautions": [one.to_dict() for one in self.cautions],
+            "utilisation_at_ceilings": self.at_ceilings,
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
 class SensorAssessment:
     """The verdict on one triad."""
 
     sensor: str  # gyro or accelerometer
-    verdict: str  # 'meets', 'fails', 'undecided' or 'undecidable'
+    standing: Standing
     utilisation: float  # the largest over its required outputs [1]
     utilisation_interval: tuple[float, float]  # 95 % sampling, and the law's error [1]
     worst_output: Name
@@ -1105,6 +1198,11 @@ class SensorAssessment:
     doubt: Doubt | None = None  # of a verdict that rests on predicted lines
     not_estimated: tuple[Name, ...] = ()  # parameters with limits, held in the test
     readings: ReadingVerdicts | None = None  # where the meaning of lines is open
+
+    @property
+    def verdict(self) -> str:
+        """'meets', 'meets_if', 'predicted', 'undecided', 'undecidable', 'fails'."""
+        return self.standing.verdict
 
     @property
     def is_open_by_reading(self) -> bool:
@@ -1177,6 +1275,7 @@ class Assessment:
                 {
                     "sensor": one.sensor,
                     "verdict": one.verdict,
+                    **one.standing.to_dict(),
                     "utilisation": one.utilisation,
                     "utilisation_interval": list(one.utilisation_interval),
                     "worst_output": one.worst_output,

@@ -39,6 +39,7 @@ from budget.model.source import (
     Triad,
 )
 from budget.model.sources import ENVIRONMENT, STATION, source_of
+from budget.model.sources.temperature import TemperatureChange
 from budget.names import IMU, ORDERS, Name, every_output
 from budget.problem import Group, Output, Problem, arguments
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G, PPM, STANDARD_GRAVITY
@@ -178,6 +179,8 @@ class _Row:
         effect = self.source.effect
         if isinstance(effect, Disturbance) and self.owner not in SENSORS:
             return any(_is_tested(triad) for triad in triads.values())
+        if isinstance(effect, TemperatureChange) and not self.given.u.any():
+            return False  # stated, and none
         return self.source.varies
 
     def acts_on(self, kind: str) -> bool:

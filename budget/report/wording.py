@@ -5,7 +5,7 @@ from __future__ import annotations
 import string
 from typing import TYPE_CHECKING
 
-from budget.language import Note, say, template, term, words
+from budget.language import Note, key_title, say, template, term, words
 from budget.names import Name
 from budget.report.blocks import Cell, Run
 from budget.report.tables import (
@@ -23,7 +23,13 @@ if TYPE_CHECKING:
     from budget.report.blocks import Words
     from budget.report.formulas import Math
     from budget.report.tables import Number
-    from budget.results import Assessment, Doubt, OutputAssessment, Settings
+    from budget.results import (
+        Assessment,
+        Doubt,
+        OutputAssessment,
+        Settings,
+        Standing,
+    )
 
 
 METHODS = {
@@ -63,20 +69,41 @@ ON_ITS_WAY = term(
 )
 VERDICTS = {
     "meets": term("MEETS"),
+    "meets_if": term("MEETS IF"),
     "fails": term("FAILS"),
     "undecided": term("UNDECIDED"),
     "undecidable": term("UNDECIDABLE"),
     "predicted": term("PREDICTED"),
 }
-SEVERITY = (
-    "fails",
-    "undecidable",
-    "predicted",
-    "undecided",
-    "meets",
-)  # the first is the page's
 MISSING = {"noise": term("a noise line")}
 NOT_KNOWN = term("not known")
+
+
+def standing_lines(standing: Standing) -> tuple[str, ...]:
+    """Say what a verdict stands on: what it holds if, or what decides; cautions.
+
+    The same sentences in every command and on every page.
+    """
+    silent = [say(one.kind) for one in standing.conditions if one.silent]
+    texts = [say(one.text) for one in standing.conditions if not one.silent]
+    if silent:
+        uses = say(", ").join(silent)
+        texts.append(say("its sheet does not say what {use} does", use=uses))
+    told = {str(one.text) for one in standing.conditions}
+    found = []
+    if texts and standing.asks:
+        first, *others = standing.asks
+        said = say("cannot be judged: {first}", first=say(first.text))
+        if others:
+            names = say(", ").join(key_title(one.line) for one in others)
+            said = say("{said}; then for {names}", said=said, names=names)
+        found.append(said)
+    elif texts and standing.verdict == "meets_if":
+        found.append(say("meets {conditions}", conditions=say("; ").join(texts)))
+    elif texts:
+        found.append(say("; ").join(texts))
+    found += [say(one.text) for one in standing.cautions if str(one.text) not in told]
+    return tuple(found)
 
 
 def error_reference(settings: Settings) -> str:

@@ -39,7 +39,7 @@ from budget.spec.records import (
     Station,
 )
 from budget.spec.requirement import read_requirement
-from budget.spec.station import aged, done_at, read_station
+from budget.spec.station import aged, done_at, read_station, used
 from budget.spec.tree import MOST_ISSUES, all_of
 
 if TYPE_CHECKING:
@@ -237,6 +237,7 @@ def load_procedure(
     *,
     station: Station | File | None = None,
     age: str | None = None,
+    environment: str | None = None,
 ) -> Procedure:
     """Read a procedure; without a path that of the paper. Raises as load_device.
 
@@ -248,6 +249,8 @@ def load_procedure(
         A station file to do it at, for a procedure that names no station itself.
     age : str, optional
         Time from the calibration to its use, '1 year', where neither file gives one.
+    environment : str, optional
+        That it is used in, 'temperature 20 degC, vibration 1 g' or 'none', likewise.
     """
     if path is None:
         path = shipped("specs") / FOLDERS["procedure"] / f"{PAPER}.yaml"
@@ -258,11 +261,24 @@ def load_procedure(
         shown = find(path, "procedure").shown
     if station is not None:
         procedure = done_at(procedure, load_station(station), shown)
-    return procedure if age is None else aged(procedure, age, shown)
+    return _used(procedure, age, environment, shown)
+
+
+def _used(
+    procedure: Procedure, age: str | None, environment: str | None, shown: str
+) -> Procedure:
+    """Return a procedure whose unit is used as a call states."""
+    if age is not None:
+        procedure = aged(procedure, age, shown)
+    return procedure if environment is None else used(procedure, environment, shown)
 
 
 def uncalibrated(
-    word: str, *, station: Station | File | None = None, age: str | None = None
+    word: str,
+    *,
+    station: Station | File | None = None,
+    age: str | None = None,
+    environment: str | None = None,
 ) -> Procedure:
     """Return what stands for a procedure where nobody calibrates: all is held.
 
@@ -274,6 +290,8 @@ def uncalibrated(
         Whose environment it is used in; there is no test that the station disturbs.
     age : str, optional
         Time since the maker's calibration.
+    environment : str, optional
+        As of load_procedure.
 
     Raises
     ------
@@ -290,7 +308,7 @@ def uncalibrated(
     if station is not None:
         procedure = done_at(procedure, load_station(station), word)
     found = without_test(procedure, word)
-    return found if age is None else aged(found, age, word)
+    return _used(found, age, environment, word)
 
 
 def without_test(procedure: Procedure, word: str) -> Procedure:

@@ -26,6 +26,7 @@ from budget.spec.trajectory import (
     read_trajectory,
 )
 from budget.spec.tree import all_of, describe
+from budget.spec.use import AGE_FIELD, ENVIRONMENT_FIELD, Age, Environment, stated_lines
 from budget.units import Quantity
 
 if TYPE_CHECKING:
@@ -458,6 +459,8 @@ class MissionFile(Strict):
     format: Literal["budget-mission/1"] = "budget-mission/1"
     name: ShortText | None = Field(default=None, description="unset: the file's name")
     mission: MissionPart = Field(description="place, alignment, what the vehicle does")
+    environment: Environment | None = ENVIRONMENT_FIELD
+    age: Age | None = AGE_FIELD
 
 
 def read_mission(document: Document) -> Mission:
@@ -495,6 +498,7 @@ def read_mission(document: Document) -> Mission:
         assumptions=(*part.assumptions(route.duration), *said),
         origin=Origin(file=document.base_name, sha256=document.sha256),
         trajectory=recorded.origin if recorded else None,
+        use=stated_lines(model.environment, model.age),
     )
 
 

@@ -41,12 +41,14 @@ from budget.spec.station import (
     IDEAL,
     OrFile,
     at_station,
+    environment_type,
     read_station,
     station_file,
     station_of,
     surroundings_type,
 )
 from budget.spec.tree import all_of, describe
+from budget.spec.use import AGE_FIELD, Age, is_none, stated_lines, with_use
 from budget.spec.windows import WindowItem, lay_out
 from budget.units import Quantity
 
@@ -292,9 +294,12 @@ class ProcedureFile(Strict):
         description="uncertainties of table and place, or the file of a station; "
         "unset: none",
     )
-    environment: surroundings_type(ENVIRONMENT) | None = Field(  # type: ignore[valid-type]
-        default=None, description="what changes during the test; unset: nothing"
+    environment: environment_type() | None = Field(  # type: ignore[valid-type]
+        default=None,
+        description="what changes during the test, and that of the use; unset: nothing "
+        "in the test, and of the use nothing is stated; none: neither",
     )
+    age: Age | None = AGE_FIELD
 
     @model_validator(mode="after")
     def _check_place_and_windows(self) -> Self:
@@ -312,6 +317,13 @@ class ProcedureFile(Strict):
                 f"found {self.height.printed!r}, expected {-MOST_HEIGHT:g} m to "
                 f"{MOST_HEIGHT:g} m"
             )
+        earlier = getattr(self.environment, "age", None)
+        if (
+            self.age is not None
+            and earlier is not None
+            and not is_none(self.environment)
+        ):
+            messages["age",] = "stands in the environment, too; remove one of them"
         turn = 2.0 * pi * self.gyro.turns / self.gyro.rate.value
         messages |= self._scheme_faults()
         windows: dict[tuple[str, ...], tuple[str, float]] = {
@@ -497,8 +509,9 @@ def read_procedure(document: Document, station: Document | None = None) -> Proce
         environment=here.environment,
         origin=origin,
     )
+    use = stated_lines(None, model.age)
     if named is None:
-        return procedure
+        return with_use(procedure, use)
     if station is None:
         station = open_file(station_file(document), STATION)
     there = read_station(station)
@@ -506,7 +519,7 @@ def read_procedure(document: Document, station: Document | None = None) -> Proce
         node = document.root.nearest(("environment",))
         message = f"stands beside that of {named}, which has one; remove one of them"
         raise all_of([document.issue(node, message, on_key=True)])
-    return at_station(procedure, there)
+    return with_use(at_station(procedure, there), use)
 
 
 def _idle(gyro: GyroTest) -> tuple[str, ...]:

@@ -321,6 +321,7 @@ class Mission:
     assumptions: tuple[str, ...]
     origin: Origin
     trajectory: Origin | None = None  # where the route was recorded
+    use: tuple[ErrorLine, ...] = ()  # environment and age that it states
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -344,6 +345,7 @@ class Requirement:
     caps: tuple[tuple[str, str], ...]  # ('price', '50000 EUR'), ...
     assumptions: tuple[str, ...]
     origin: Origin
+    use: tuple[ErrorLine, ...] = ()  # environment and age that it states
 
     def coverage_of(self, limit: Limit) -> float:
         """Return the coverage at which a limit is judged [1]."""

@@ -33,6 +33,7 @@ from budget.spec.fields import (
     per_axis,
 )
 from budget.spec.records import Limit, Origin, Requirement
+from budget.spec.use import AGE_FIELD, ENVIRONMENT_FIELD, Age, Environment, stated_lines
 from budget.units import Quantity
 
 if TYPE_CHECKING:
@@ -156,6 +157,8 @@ class RequirementBase(Strict):
         f"{REFERENCE}",
     )
     limits: Strict = Field(description="largest absolute errors allowed")
+    environment: Environment | None = ENVIRONMENT_FIELD
+    age: Age | None = AGE_FIELD
     caps: Caps = Caps()
 
     @model_validator(mode="after")
@@ -215,6 +218,7 @@ def read_requirement(document: Document) -> Requirement:
         caps=tuple((key, text) for key, text in caps.items() if text is not None),
         assumptions=tuple(assumptions),
         origin=Origin(file=document.base_name, sha256=document.sha256),
+        use=stated_lines(model.environment, model.age),
     )
 
 

@@ -17,7 +17,7 @@ from budget.language import note
 from budget.model.sources import ENVIRONMENT, STATION, lines_of, source_of
 from budget.model.sources.later import AGE
 from budget.model.windows import ANGLE, EDGES, RATE, Timing
-from budget.names import Name, keys_of, words
+from budget.names import MISSION, Name, keys_of, words
 from budget.spec.checking import check, nearest
 from budget.spec.fields import (
     ShortText,
@@ -31,6 +31,15 @@ from budget.spec.reader import refuse
 from budget.spec.records import Origin, Station
 from budget.spec.specification import Time, read_value, value_type
 from budget.spec.tree import all_of, describe
+from budget.spec.use import (
+    IN_TEST,
+    LINES,
+    NONE,
+    OPTION,
+    OrPart,
+    read_environment,
+    with_use,
+)
 from budget.units import Quantity, parse_quantity
 
 if TYPE_CHECKING:
@@ -99,6 +108,11 @@ def surroundings_type(owner: str) -> Any:  # noqa: ANN401
             branch = branch.setdefault(folder, {})
         branch[last] = source
     return _mapping(owner, owner, tree, WORDS if owner == STATION else {})
+
+
+def environment_type() -> Any:  # noqa: ANN401
+    """Return the type of an environment, which may be none."""
+    return Annotated[surroundings_type(ENVIRONMENT), OrPart(words=((NONE, IN_TEST),))]
 
 
 def take_surroundings(owner: str, mapping: Strict | None) -> tuple[ReadValue, ...]:
@@ -181,7 +195,7 @@ class StationFile(Strict):
     station: surroundings_type(STATION) | None = Field(  # type: ignore[valid-type]
         default=None, description="uncertainties of table, place and timing"
     )
-    environment: surroundings_type(ENVIRONMENT) | None = Field(  # type: ignore[valid-type]
+    environment: environment_type() | None = Field(  # type: ignore[valid-type]
         default=None, description="what changes during the test; unset: nothing"
     )
 
@@ -309,6 +323,30 @@ def done_at(procedure: Procedure, station: Station, shown: str) -> Procedure:
     return at_station(procedure, station)
 
 
+def used(procedure: Procedure, environment: str, shown: str) -> Procedure:
+    """Return a procedure whose unit is used in an environment, `shown` in messages.
+
+    Raises
+    ------
+    CallError
+        The environment is none.
+    SpecError
+        It states one of its own.
+    """
+    lines = read_environment(environment)
+    if any(line.name in LINES and line.name != AGE for line in procedure.environment):
+        message = (
+            "states an environment of its use, and another is given beside it; remove "
+            "one of them"
+        )
+        raise refuse(shown, message)
+    has_age = any(line.name == AGE for line in procedure.environment)
+    new = [line for line in lines if not (has_age and line.name == AGE)]
+    return with_use(
+        procedure, [replace(line, source=OPTION[ENVIRONMENT]) for line in new]
+    )
+
+
 def aged(procedure: Procedure, age: str, shown: str) -> Procedure:
     """Return a procedure whose calibration is used at an age, `shown` in messages.
 
@@ -331,24 +369,13 @@ def aged(procedure: Procedure, age: str, shown: str) -> Procedure:
         raise CallError(f"age: {error}") from None
     if time.value <= 0.0:
         raise CallError(f"age: found {age!r}, expected a time that is positive")
-    return with_age(procedure, time)
+    return with_age(procedure, time, OPTION[AGE])
 
 
-def with_age(procedure: Procedure, age: Quantity) -> Procedure:
+def with_age(procedure: Procedure, age: Quantity, source: str = "") -> Procedure:
     """Return a procedure with that age, in place of the one that it has."""
-    taken = (read_value(source_of(ENVIRONMENT, AGE), ENVIRONMENT, age),)
-    name = Name(AGE, owner=ENVIRONMENT)
-    return replace(
-        procedure,
-        environment=(
-            *(line for line in procedure.environment if line.name != AGE),
-            *(one.line for one in taken),
-        ),
-        assumptions=(
-            *(text for text in procedure.assumptions if not text.startswith(name)),
-            *describe_surroundings(ENVIRONMENT, taken),
-        ),
-    )
+    line = read_value(source_of(ENVIRONMENT, AGE), ENVIRONMENT, age).line
+    return with_use(procedure, [replace(line, source=source)])
 
 
 def at_station(procedure: Procedure, station: Station) -> Procedure:
@@ -390,7 +417,10 @@ def _mapping(
         fields[key], meanings[key] = kind, meaning
     for key, branch in tree.items():
         if isinstance(branch, dict):
-            fields[key] = _mapping(f"{title} {key}", owner, branch)
+            level = _mapping(f"{title} {key}", owner, branch)
+            # 'temperature: 20 degC' is that of the use, as in a requirement.
+            is_stated = f"{key}.{MISSION}" in LINES
+            fields[key] = Annotated[level, OrPart(key=MISSION)] if is_stated else level
         else:
             source: Source = branch
             fields[key], meanings[key] = value_type(source, owner), source.model

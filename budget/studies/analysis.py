@@ -42,6 +42,7 @@ from budget.results import (
     input_files,
 )
 from budget.spec import load_devices, load_mission, load_procedure, load_requirement
+from budget.spec.use import in_use
 from budget.studies import blunders, cautions
 from budget.studies.compensation import compensations
 from budget.studies.conformity import assess
@@ -268,7 +269,9 @@ def analyze_as(
     place; the mission alone is for limits on it.
     """
     engine = Engine() if engine is None else engine
-    procedure = load_procedure(None) if procedure is None else procedure
+    procedure = in_use(
+        load_procedure(None) if procedure is None else procedure, requirement, mission
+    )
     of_test = carried_to is None
     find = partial(sensors_of, procedure=procedure) if of_test else navigating
     find(devices)  # refuses what does not go together
@@ -301,6 +304,7 @@ def analyze_as(
         asked=choose_outputs(devices, procedure, settings.outputs) if of_test else None,
         mission=mission,
         carried_to=carried_to,
+        catalogue=None if catalogue is None else tuple(catalogue),
     )
     problem, law = analysis.problem, analysis.law
     if engine.talk is not None:

@@ -21,8 +21,9 @@ from budget.studies.judgement import (
     together,
 )
 from budget.studies.lower_bounds import missing_of
-from budget.studies.readings import verdict_of, verdicts_by_reading
+from budget.studies.readings import verdicts_by_reading
 from budget.studies.request import analysis_of
+from budget.studies.verdicts import Case, decide
 from budget.ties import first_largest
 
 if TYPE_CHECKING:
@@ -110,7 +111,7 @@ def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Asses
         outputs += assess_outputs(held, judged, own.lacks)
         if any(sensor.lines for sensor in own.sensors):
             found.append(judged)
-        verdicts.append(_verdict(owner, own, held, judged, seed=seed))
+        verdicts.append(_verdict(owner, own, requirement, held, judged, seed=seed))
     if not verdicts:
         raise CallError(
             f"{requirement.name} sets no limit for what is estimated of a sensor that "
@@ -174,7 +175,13 @@ def _cap(device: Device, merit: str, cap: str) -> CapAssessment:
 
 
 def _verdict(
-    owner: str, own: Analysis, held: Limited, judged: Judged, *, seed: int
+    owner: str,
+    own: Analysis,
+    requirement: Requirement,
+    held: Limited,
+    judged: Judged,
+    *,
+    seed: int,
 ) -> SensorAssessment:
     """Return the verdict on one sensor, or on what belongs to both."""
     readings = _readings(own, judged, seed)
@@ -187,11 +194,27 @@ def _verdict(
     doubt = None
     if prediction is not None and not missing and not held.absent:
         doubt = doubt_of(prediction, held, own.law, judged)
+    standing = decide(
+        Case(
+            devices=own.devices,
+            sensors=own.sensors,
+            procedure=own.procedure,
+            requirement=requirement,
+            mission=own.journey,
+            filling=own.filled,
+            only=own.only,
+            catalogue=own.catalogue,
+        ),
+        held,
+        own.law,
+        judged,
+        seed=seed,
+        doubt=doubt,
+        readings=readings,
+    )
     return SensorAssessment(
         sensor=owner,
-        verdict=verdict_of(
-            judged, (*missing, *held.absent), doubt=doubt, readings=readings
-        ),
+        standing=standing,
         doubt=doubt,
         utilisation=judged.utilisation,
         utilisation_interval=judged.utilisation_interval,

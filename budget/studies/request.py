@@ -138,6 +138,8 @@ class Analysis:
     # Of what follows on it, and at which times besides those of limits [s]; None: the
     # calibration is looked at.
     carried_to: tuple[float, ...] | None = None
+    # Devices that are comparable; None: those that ship.
+    catalogue: tuple[Device, ...] | None = None
 
     @classmethod
     def of(

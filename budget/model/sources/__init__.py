@@ -28,6 +28,7 @@ from budget.model.sources.g_sensitivity import ELEMENTS, GSensitivity
 from budget.model.sources.later import (
     AGE,
     AGEING,
+    MISSION_TEMPERATURE,
     MISSION_VIBRATION,
     TEST_VIBRATION,
     Age,
@@ -372,7 +373,7 @@ SOURCES = (
         points="soak_points",
     ),
     Source(
-        name="temperature.mission",
+        name=MISSION_TEMPERATURE,
         units={ENVIRONMENT: "degC"},
         model="temperature of a later turn-on less that of the test",
         effect=TemperatureChange(),

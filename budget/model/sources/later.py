@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from budget.model.source import Gains
 
+MISSION_TEMPERATURE = "temperature.mission"
 TEST_VIBRATION, MISSION_VIBRATION = "vibration.test", "vibration.mission"
 AGE = "age"
 DRIFT, RANDOM_WALK = "drift", "random_walk"
@@ -44,9 +45,11 @@ class OverTemperature(Change):
 
     target: str
 
-    def gains(self, known: Mapping[str, Given]) -> Mapping[str, Gains]:  # noqa: ARG002
-        """Return nothing in the test, all of it later."""
-        return {self.target: (np.zeros((3, 3)), np.eye(3))}
+    def gains(self, known: Mapping[str, Given]) -> Mapping[str, Gains]:
+        """Return nothing in the test, all of it later; of a stated 0 nothing either."""
+        later = known.get(MISSION_TEMPERATURE)
+        felt = 1.0 if later is None or later.u.any() else 0.0
+        return {self.target: (np.zeros((3, 3)), felt * np.eye(3))}
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from budget.language import beside, key_title, say, words
+from budget.language import beside, counted, key_title, say, words
 from budget.names import IMU, MISSION, by_group
 from budget.report.blocks import (
     Abreast,
@@ -42,7 +42,6 @@ from budget.report.tables import (
 from budget.report.wording import (
     MISSING,
     NOT_KNOWN,
-    SEVERITY,
     VERDICTS,
     capital,
     cell,
@@ -52,9 +51,11 @@ from budget.report.wording import (
     mode_sentence,
     outcome_words,
     say_words,
+    standing_lines,
     value,
 )
 from budget.studies.request import given_lines, sensors_of
+from budget.studies.verdicts import MEETS_IF, gravest
 from budget.ties import first_largest, from_largest, settle
 
 if TYPE_CHECKING:
@@ -91,7 +92,7 @@ def headline(budget: Budget, assessment: Assessment | None) -> str:
             part=part,
         )
     given = {sensor.verdict for sensor in assessment.sensors}
-    overall = next(word for word in SEVERITY if word in given)
+    overall = gravest(given)
     if assessment.not_there:
         present = say(" and ").join(
             key_title(sensor.sensor) for sensor in assessment.sensors
@@ -105,11 +106,28 @@ def headline(budget: Budget, assessment: Assessment | None) -> str:
             chance=print_chance(assessment.chance),
         )
     part += mode_remark(budget.settings)
+    after = say(assessment.sensors[0].standing.after)
+    number = sum(
+        len(sensor.standing.conditions)
+        for sensor in assessment.sensors
+        if sensor.verdict == MEETS_IF
+    )
+    if overall == MEETS_IF:
+        return counted(
+            number,
+            "MEETS {requirement} IF a condition holds{part}, {after}",
+            "MEETS {requirement} IF {number} conditions hold{part}, {after}",
+            number=number,
+            requirement=assessment.requirement,
+            part=part,
+            after=after,
+        )
     return say(
-        "{verdict} {requirement}{part}",
+        "{verdict} {requirement}{part}, {after}",
         verdict=said,
         requirement=assessment.requirement,
         part=part,
+        after=after,
     )
 
 
@@ -409,25 +427,22 @@ def _verdict_card(
             ),
             lines=tuple(lines),
         )
-    if sensor.verdict == "undecidable":
-        reasons = [
-            *(
-                [say("the data sheet does not give {missing}", missing=missing)]
-                if missing
-                else []
-            ),
-            *(
-                say(
-                    "the test does not estimate {parameters}, which is limited",
-                    parameters=parameters,
-                )
-                for parameters in by_group(sensor.not_estimated)
-            ),
-        ]
+    reasons = [
+        say(
+            "the test does not estimate {parameters}, which is limited",
+            parameters=parameters,
+        )
+        for parameters in by_group(sensor.not_estimated)
+    ]
+    if reasons:
         lines.append(
             (say("It would meet, but {reasons}.", reasons=say(" and ").join(reasons)),)
         )
-    elif sensor.is_open_by_reading and sensor.readings is not None:
+    lines += [
+        (Run(text=say("{said}.", said=capital(text)), strong=True),)
+        for text in standing_lines(sensor.standing)
+    ]
+    if sensor.is_open_by_reading and sensor.readings is not None:
         said = verdict_line(sensor.readings)
         lines.append((say("What its data sheet means is open: it {said}.", said=said),))
     elif sensor.verdict == "undecided":

@@ -52,6 +52,7 @@ from budget.report.comparison.wording import (
     nothing_known_line,
     reading_lines,
     rests_on_others_lines,
+    standing_effects,
     undecidable_lines,
     unknown_cap_lines,
     verdict_lines,
@@ -272,9 +273,18 @@ def _remarks(comparison: Comparison, *, on_first_page: bool) -> Section:
 
 def _missing(comparison: Comparison) -> tuple[Section, ...]:
     """Return what 'at worst' stands on; nothing where no line is missing."""
-    effects = missing_effects(comparison)
+    refused = comparison.settings.missing == "refuse"
+    effects = (standing_effects if refused else missing_effects)(comparison)
     if not effects:
         return ()
+    if refused:
+        return (
+            Section(
+                name="standing",
+                title=say("What the verdicts stand on"),
+                blocks=(missing_table(effects, head=say("verdict")),),
+            ),
+        )
     text = missing_note(comparison.settings.missing)
     return (
         Section(

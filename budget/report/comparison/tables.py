@@ -29,8 +29,9 @@ from budget.report.tables import (
     used_part,
 )
 from budget.report.wording import capital, parted
-from budget.studies.comparison.records import VERDICTS, rank_number, ranks
+from budget.studies.comparison.records import rank_number, ranks
 from budget.studies.figures_of_merit import read_amount
+from budget.studies.verdicts import VERDICTS
 from budget.ties import settle
 
 if TYPE_CHECKING:
@@ -96,7 +97,11 @@ class Ranking:
         verdicts += ["undecidable"] * len(self.nothing_known)
         if not verdicts:
             return say(NOT_CALIBRATED)
-        plural = {"meets": term("meet"), "fails": term("fail")}
+        plural = {
+            "meets": term("meet"),
+            "meets_if": term("meet if"),
+            "fails": term("fail"),
+        }
         return say(", ").join(
             f"{verdicts.count(word)} {say(plural.get(word, word))}"
             for word in VERDICTS
@@ -146,7 +151,7 @@ def side_by_side(found: Sequence[Ranking], sensor: str) -> tuple[SideRow, ...]:
     """Return the devices with one sensor under all procedures, as under the first."""
     own = [table for table in found if table.sensor == sensor]
     cells = {
-        (row.of.place, table.procedure): f"{row.utilisation} {say(row.verdict)}"
+        (row.of.place, table.procedure): f"{row.utilisation} {say(words(row.verdict))}"
         for table in own
         for row in table.rows
     }
@@ -267,6 +272,12 @@ def _undecided_last(row: Row, number: float) -> tuple[bool, float]:
     return row.of.verdict == "undecidable", number
 
 
+def _rank(rank: str) -> float | None:
+    """Return a rank as a number; None of what has none."""
+    number = rank_number(rank)
+    return None if number is None else float(number)
+
+
 def _utilisation(row: Row) -> Cell:
     """Return the part of the limit that a device uses."""
     return Cell(text=row.utilisation, exact=PER_CENT * row.of.utilisation)
@@ -288,13 +299,15 @@ RANKING = (
         key="rank",
         head=term("rank"),
         kind="number",
-        cell=lambda row: Cell(text=row.rank, exact=float(rank_number(row.rank))),
-        order=lambda row: rank_number(row.rank),
+        cell=lambda row: Cell(text=row.rank, exact=_rank(row.rank)),
+        order=lambda row: _rank(row.rank) or inf,
     ),
     RankingField(
         key="verdict",
         head=term("verdict"),
-        cell=lambda row: Cell(text=say(row.verdict), strong=row.verdict == "meets"),
+        cell=lambda row: Cell(
+            text=say(words(row.verdict)), strong=row.verdict == "meets"
+        ),
         order=lambda row: (
             VERDICTS.index(row.of.verdict),
             -row.of.doubt.probability if row.of.doubt else 0.0,
@@ -399,9 +412,9 @@ MISSING_NOTES = {
     "refuse": (
         term(
             "; they count as 0, so that the error is this or more (≥), "
-            "and one stops a 'meets'. At worst: with the worst of the "
-            "catalogue of the same technology and grade in their place; ?: there is "
-            "none, and nothing is known."
+            "and a 'meets' holds on conditions at the best. At worst: with each at its "
+            "ceiling, the larger of what the worst comparable device prints and the "
+            "97.5 % point of its prediction; ?: one has none, and decides."
         )
     ),
     "worst": (
@@ -573,7 +586,7 @@ def imus_table(imus: Sequence[tuple[Pair, str]]) -> Table:
         Field(
             head=say("rank"),
             kind="number",
-            cell=lambda one: Cell(text=one[1], exact=float(rank_number(one[1]))),
+            cell=lambda one: Cell(text=one[1], exact=_rank(one[1])),
         ),
         Field(head=say("verdict"), cell=lambda one: _pair_verdict(one[0])),
         Field(
@@ -696,8 +709,8 @@ class MissingEffect:
     effect: str  # 'bias stability 24 deg/h (of NAME)', or that nothing is known
 
 
-def missing_table(effects: Sequence[MissingEffect]) -> Table:
-    """Return what is put in the place of lines that are not given."""
+def missing_table(effects: Sequence[MissingEffect], *, head: str = "") -> Table:
+    """Return what is put in the place of lines that are not given, or under a head."""
     return table_of(
         effects,
         (
@@ -708,7 +721,7 @@ def missing_table(effects: Sequence[MissingEffect]) -> Table:
                 cell=lambda row: say(", ").join(row.devices),
             ),
             Field(
-                head=say("in the place of what is missing"),
+                head=head or say("in the place of what is missing"),
                 weight=2.5,
                 cell=lambda row: row.effect,
             ),

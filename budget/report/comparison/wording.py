@@ -14,8 +14,8 @@ from budget.report.wording import (
     error_reference,
     mode_remark,
     mode_sentence,
+    standing_lines,
 )
-from budget.studies.comparison.records import rank_number
 from budget.studies.prediction import LEAST_DESIGNS
 
 if TYPE_CHECKING:
@@ -179,8 +179,7 @@ def nothing_known_line(table: Ranking) -> str:
 
 def best_of(table: Ranking) -> Row | None:
     """Return the best device that meets, None where none does."""
-    meets = [row for row in table.rows if row.of.verdict == "meets"]
-    return min(meets, key=lambda row: rank_number(row.rank), default=None)
+    return next((row for row in table.rows if row.rank), None)
 
 
 def not_compared_lines(comparison: Comparison) -> tuple[str, ...]:
@@ -267,20 +266,34 @@ def reading_lines(comparison: Comparison) -> Iterator[str]:
             )
 
 
-def missing_effects(comparison: Comparison) -> tuple[MissingEffect, ...]:
-    """Return what the column 'at worst' puts in the place of lines not given.
+def standing_effects(comparison: Comparison) -> tuple[MissingEffect, ...]:
+    """Return what the verdicts hold if, and whom to ask for what.
 
-    Of devices that do not fail in any case; those with the same lines in one.
+    Of devices that do not fail in any case; those with the same words in one.
+    """
+    names: dict[tuple[str, str], list[str]] = {}
+    for one in comparison.devices:
+        effect = say("; ").join(standing_lines(one.standing))
+        if effect and one.verdict != "fails":
+            names.setdefault((one.sensor, effect), []).append(one.name)
+    return tuple(
+        MissingEffect(
+            sensor=sensor, devices=tuple(dict.fromkeys(devices)), effect=effect
+        )
+        for (sensor, effect), devices in names.items()
+    )
+
+
+def missing_effects(comparison: Comparison) -> tuple[MissingEffect, ...]:
+    """Return what stands for lines that are not given.
+
+    Those with the same lines in one.
     """
     names: dict[
         tuple[str, tuple[Name, ...], tuple[FilledLine, ...], bool], list[str]
     ] = {}
-    refused = comparison.settings.missing == "refuse"
-    failed = {
-        id(one) for one in comparison.devices if refused and one.verdict == "fails"
-    }
     for one in comparison.entrants:
-        if one.missing is not None and id(one) not in failed:
+        if one.missing is not None:
             key = (
                 one.sensor,
                 one.missing.lines,
@@ -291,7 +304,7 @@ def missing_effects(comparison: Comparison) -> tuple[MissingEffect, ...]:
     found = []
     predicted = comparison.settings.missing == "predict"
     for (sensor, lines, assumed, of_known), devices in names.items():
-        if not assumed or (refused and len(assumed) < len(lines)):
+        if not assumed:
             why = say(
                 "no {nobody} gives it"
                 if len(lines) == 1
@@ -301,9 +314,7 @@ def missing_effects(comparison: Comparison) -> tuple[MissingEffect, ...]:
             if not (predicted or of_known):
                 why = say(NO_TECHNOLOGY)
             effect = say(
-                "{lines} not given, and {why}: nothing is known at worst"
-                if refused
-                else "{lines} not given, and {why}: nothing is known",
+                "{lines} not given, and {why}: nothing is known",
                 lines=say(", ").join(source_title(name) for name in lines),
                 why=why,
             )
@@ -313,7 +324,7 @@ def missing_effects(comparison: Comparison) -> tuple[MissingEffect, ...]:
                     "{source} {line} ({basis})",
                     source=source_title(line.source, of=sensor),
                     line=line.printed,
-                    basis=say(line.basis if refused else line.origin),
+                    basis=say(line.origin),
                 )
                 for line in assumed
             )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,30 +10,22 @@ import numpy as np
 from budget.calibration.derived import known_outputs
 from budget.calibration.schemes import is_beside
 from budget.errors import CallError
-from budget.methods.gum import covariance_by_source, propagate
+from budget.methods.gum import covariance_by_source
 from budget.methods.radius import principal_variances, probability_within
 from budget.model.sources import GYRO
 from budget.names import IMU, MISSION, Name
 from budget.studies.comparison.records import MissingLines, Remedy
-from budget.studies.judgement import (
-    Limited,
-    interval_by_law,
-    limit_problem,
-    required_problem,
-)
-from budget.studies.lower_bounds import (
-    expecting_device,
-    lacking,
-    lacking_of_mission,
-    missing_of,
-)
-from budget.studies.missing import REFUSE, WORST, Filling, fill
-from budget.ties import first_largest
+from budget.studies.judgement import Limited, limit_problem, required_problem
+from budget.studies.lower_bounds import lacking, lacking_of_mission, missing_of
+from budget.studies.missing import REFUSE, Filling
+from budget.studies.verdicts import Case
+from budget.ties import first_largest, settle
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
 
     from budget.methods.gum import Propagation
+    from budget.results import Standing
     from budget.spec.records import Device, Mission, Procedure, Requirement, Sensor
     from budget.studies.judgement import Judged
 
@@ -57,6 +49,7 @@ class Candidate:
     mission: Mission | None = None  # that both are judged by; None: one by its errors
     # What stands in the device for expected lines that are not given.
     filling: Filling = field(default_factory=Filling)
+    catalogue: tuple[Device, ...] | None = None  # that is comparable
 
     @property
     def owner(self) -> str:
@@ -78,6 +71,19 @@ class Candidate:
             return False  # a gyro is found beside accelerometers
         names = known_outputs((sensor.kind,), self.procedure)
         return any(limit.output in names for limit in self.requirement.limits)
+
+    @property
+    def case(self) -> Case:
+        """What its verdict is made of."""
+        return Case(
+            devices=(self.device,),
+            sensors=self.sensors,
+            procedure=self.procedure,
+            requirement=self.requirement,
+            mission=self.mission,
+            filling=self.filling,
+            catalogue=self.catalogue,
+        )
 
     @property
     def missing(self) -> tuple[Name, ...]:
@@ -174,45 +180,19 @@ def _of_length(
     return float(np.sqrt(brentq(excess, 0.0, most, xtol=1e-15 * most)))
 
 
-def bound_missing(
-    one: Candidate, bare: Device, catalogue: Sequence[Device] | None
-) -> MissingLines | None:
-    """Return what expected lines that are not given could do; None where none miss.
-
-    `bare` is its device as the file gives it.
-    """
+def missing_lines(one: Candidate, standing: Standing | None) -> MissingLines | None:
+    """Return what expected lines that are not given could do; None where none miss."""
     missing = missing_of(one.given, one.procedure)
     if not missing:
         return None
-    if one.filling.mode != REFUSE:
-        return MissingLines(
-            lines=missing,
-            filling=one.filling,
-            utilisation=None,
-            verdict="",
-            is_bound=False,
-        )
-    bare = expecting_device(
-        bare,
-        one.procedure,
-        one.requirement.reference,
-        every=one.mission is not None,
-    )
-    completed, filling = fill(bare, WORST, catalogue)
-    # Beside a sensor of another kind its lines count where the verdict rests on them.
-    filling = filling.of(missing)
-    utilisation = None
-    if len(filling.lines) == len(missing):
-        kinds = [sensor.kind for sensor in one.sensors]
-        sensors = tuple(each for each in completed.sensors if each.kind in kinds)
-        held = replace(one, sensors=sensors).limited()
-        ends = interval_by_law(held, propagate(held.problem))
-        utilisation = float((np.abs(ends).max(axis=1) / held.limits).max())
+    used = None if standing is None else standing.at_ceilings
+    is_bound = one.filling.mode == REFUSE
     return MissingLines(
         lines=missing,
-        filling=filling,
-        utilisation=utilisation,
+        filling=one.filling,
+        utilisation=used if is_bound else None,
         verdict=""
-        if utilisation is None
-        else ("meets" if utilisation <= 1.0 else "fails"),
+        if used is None or not is_bound
+        else ("meets" if settle(used) <= 1.0 else "fails"),
+        is_bound=is_bound,
     )

@@ -15,9 +15,10 @@ from budget.names import IMU, MISSION
 from budget.results import Settings, input_file, named_files
 from budget.spec import load_devices, load_mission, load_procedure, load_requirement
 from budget.spec.load import several
+from budget.spec.use import in_use
 from budget.studies.blunders import against_limits
 from budget.studies.cautions import age_that_counts_not
-from budget.studies.comparison.candidates import Candidate, bound_missing
+from budget.studies.comparison.candidates import Candidate, missing_lines
 from budget.studies.comparison.judging import JudgedCandidate, Judging, judge_all
 from budget.studies.comparison.ranking import pair_up, rank, rank_imus
 from budget.studies.comparison.records import (
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from concurrent.futures import Executor
 
+    from budget.results import Standing
     from budget.spec.files import File
     from budget.spec.records import Device, Mission, Procedure, Requirement, Sensor
     from budget.studies.progress import Progress
@@ -128,9 +130,10 @@ def compare(
     _check_names(tests)
     candidates = [
         one
-        for procedure in tests
+        for test in tests
         for place, device in enumerate(imus)
         for on in ((None,) if journey is None else (None, journey))
+        for procedure in [in_use(test, wanted, on)]
         for bare in [
             expecting_device(device, procedure, wanted.reference, every=on is not None)
         ]
@@ -146,6 +149,7 @@ def compare(
                 requirement=wanted,
                 mission=on,
                 filling=filled[1],
+                catalogue=None if catalogue is None else tuple(catalogue),
             )
         ).is_limited
     ]
@@ -177,8 +181,7 @@ def compare(
             progress=stage(progress, "comparison of devices"),
         )
     verdicts = [
-        _verdict(one, finding, imus[one.place], catalogue)
-        for one, finding in zip(judged, findings, strict=True)
+        _verdict(one, finding) for one, finding in zip(judged, findings, strict=True)
     ]
     ranked = rank(verdicts)
     return Comparison(
@@ -206,11 +209,7 @@ def compare(
         caps=wanted.caps,
         not_compared=_not_compared(imus, wanted),
         devices=ranked,
-        nothing_known=tuple(
-            _entrant(one, imus[one.place], catalogue)
-            for one in candidates
-            if not one.has_lines
-        ),
+        nothing_known=tuple(_entrant(one) for one in candidates if not one.has_lines),
         imus=rank_imus(ranked),
         pairs=pair_up(ranked) if pairs else (),
         assumptions=(() if journey is None else journey.assumptions)
@@ -301,12 +300,7 @@ def _check_names(procedures: Sequence[Procedure]) -> None:
         )
 
 
-def _verdict(
-    one: Candidate,
-    finding: JudgedCandidate,
-    bare: Device,
-    catalogue: Sequence[Device] | None,
-) -> DeviceVerdict:
+def _verdict(one: Candidate, finding: JudgedCandidate) -> DeviceVerdict:
     """Turn a finding into the verdict on one sensor of one device."""
     judged = finding.judged
     advice = ""
@@ -317,8 +311,8 @@ def _verdict(
     elif judged.trials is None and judged.is_open:
         advice = UNSURE
     return DeviceVerdict(
-        **vars(_entrant(one, bare, catalogue)),
-        verdict=finding.verdict,
+        **vars(_entrant(one, finding.standing)),
+        standing=finding.standing,
         utilisation=judged.utilisation,
         utilisation_interval=judged.utilisation_interval,
         worst_output=finding.worst,
@@ -335,13 +329,8 @@ def _verdict(
     )
 
 
-def _entrant(
-    one: Candidate, bare: Device, catalogue: Sequence[Device] | None
-) -> Entrant:
-    """Return what is said of every candidate, whether it can be judged or not.
-
-    `bare` is its device as the file gives it.
-    """
+def _entrant(one: Candidate, standing: Standing | None = None) -> Entrant:
+    """Return what is said of every candidate, whether it can be judged or not."""
     device, caps = one.device, one.requirement.caps
     return Entrant(
         name=device.name,
@@ -351,7 +340,7 @@ def _entrant(
         file=device.origin.file,
         technology=device.technology,
         not_given=tuple(name for one in one.sensors for name in one.not_given),
-        missing=bound_missing(one, bare, catalogue),
+        missing=missing_lines(one, standing),
         price=device.price,
         mass=device.mass,
         power=device.power,

@@ -27,14 +27,15 @@ from budget.studies.judgement import (
     judge_with,
     screen,
 )
-from budget.studies.readings import verdict_of, verdicts_by_reading
+from budget.studies.readings import verdicts_by_reading
+from budget.studies.verdicts import FAILS, decide
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from concurrent.futures import Executor
 
     from budget.names import Name
-    from budget.results import Doubt, OutputAssessment, ReadingVerdicts
+    from budget.results import Doubt, OutputAssessment, ReadingVerdicts, Standing
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,7 +58,7 @@ class JudgedCandidate:
     # With as many trials as the verdict took: what every command says of it.
     judged: Judged
     closer: Judged  # with as many as its rank took, for nothing but the rank
-    verdict: str
+    standing: Standing
     outputs: tuple[OutputAssessment, ...]  # the required ones
     # That which uses most of its limit; that and all that are equal by the law.
     worst: Name
@@ -155,7 +156,15 @@ def _judge(task: tuple[Candidate, None], *, judging: Judging) -> JudgedCandidate
     return JudgedCandidate(
         judged=judged,
         closer=judged,
-        verdict=verdict_of(judged, missing, doubt=doubt, readings=readings),
+        standing=decide(
+            one.case,
+            held,
+            law,
+            judged,
+            seed=judging.seed,
+            doubt=doubt,
+            readings=readings,
+        ),
         outputs=assess_outputs(held, judged, one.lacks(held)),
         worst=names[judged.worst],
         all_worst=tuple(names[place] for place in judged.all_worst),
@@ -200,9 +209,9 @@ def _tied(
     for place, one in enumerate(candidates):
         if one.missing or one.filling.lines:
             continue  # no trial says how a line that is not given would rank it
-        if findings[place].verdict == "fails":
+        if findings[place].standing.verdict == FAILS:
             continue
-        key = (one.owner, one.procedure.name, findings[place].verdict)
+        key = (one.owner, one.procedure.name, findings[place].standing.verdict)
         lists.setdefault(key, []).append(place)
     for places in lists.values():
         order = sorted(places, key=lambda p: findings[p].judged.utilisation)

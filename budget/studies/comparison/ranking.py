@@ -3,29 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import inf, prod
+from math import prod
 from typing import TYPE_CHECKING
 
 from budget.methods.largest import joined, probability_smaller
 from budget.model.sources import SENSORS
-from budget.studies.comparison.records import (
-    VERDICTS,
-    DeviceVerdict,
-    Lead,
-    Pair,
-)
+from budget.studies.comparison.records import DeviceVerdict, Lead, Pair
 from budget.studies.figures_of_merit import MERITS, front, read_amount
 from budget.studies.judgement import together
+from budget.studies.verdicts import FAILS, PREDICTED, UNDECIDABLE, VERDICTS, gravest
 from budget.ties import settle
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.methods.largest import Ends
-
-
-# What a pair is where its parts differ, the last one rules: a part that fails, fails.
-GRAVEST = ("meets", "undecided", "predicted", "undecidable", "fails")
 
 
 def rank(verdicts: Sequence[DeviceVerdict]) -> tuple[DeviceVerdict, ...]:
@@ -64,25 +56,17 @@ def rank(verdicts: Sequence[DeviceVerdict]) -> tuple[DeviceVerdict, ...]:
     return tuple(ranked)
 
 
-def _place(row: DeviceVerdict) -> tuple[int, float, int, float, float]:
+def _place(row: DeviceVerdict) -> tuple[int, float, float, float]:
     """Return what a device is ranked by: less is better.
 
-    A line that is taken from a data sheet never improves it: decided ones come first,
-    then those that lack fewer lines, then the least utilisation at worst and now. What
-    rests on predicted lines stands between those that meet and those that fail, the
-    most probable first: of equal probability the decided one is the better.
+    The verdict, of predicted ones the probability, the utilisation with every missing
+    line at its ceiling, what it is on what is given: what is hidden is no better.
     """
-    lacks = 0 if row.missing is None else len(row.missing.lines)
-    verdict = row.verdict
-    if verdict == "undecided" and lacks:  # no trial will make it meet
-        verdict = "undecidable"
-    elif verdict == "undecidable" and not lacks:  # a limit by which none is judged
-        verdict = "meets"
-    elif row.doubt is not None and row.doubt.probability == 0.0:
-        verdict = "fails"  # of equal probability the decided one is the better
-    worst = inf if row.at_worst is None else settle(row.at_worst)
     p = 0.0 if row.doubt is None else row.doubt.probability
-    return VERDICTS.index(verdict), -p, lacks, worst, settle(row.utilisation)
+    worst = row.utilisation if row.at_worst is None else row.at_worst
+    if row.verdict in {UNDECIDABLE, FAILS}:
+        worst = row.utilisation  # the smaller `>=` first
+    return VERDICTS.index(row.verdict), -p, settle(worst), settle(row.utilisation)
 
 
 def _ahead(row: DeviceVerdict, following: DeviceVerdict | None) -> Lead | None:
@@ -110,7 +94,7 @@ def _both(gyro: DeviceVerdict, other: DeviceVerdict) -> float | None:
     then it is more.
     """
     doubts = [one.doubt for one in (gyro, other) if one.doubt is not None]
-    if not doubts or max(gyro.verdict, other.verdict, key=GRAVEST.index) != "predicted":
+    if not doubts or gravest((gyro.verdict, other.verdict)) != PREDICTED:
         return None
     return prod(doubt.probability for doubt in doubts)
 
@@ -167,12 +151,11 @@ class _Imu:
     parts: tuple[DeviceVerdict, DeviceVerdict]
 
     @property
-    def place(self) -> tuple[int, float, int, float, float]:
+    def place(self) -> tuple[int, float, float, float]:
         """What it is ranked by: less is better."""
-        _, _, lacks, worst, used = zip(*map(_place, self.parts), strict=True)
-        verdict = VERDICTS.index(self.pair.verdict)
+        _, _, worst, used = zip(*map(_place, self.parts), strict=True)
         p = self.pair.probability or 0.0
-        return verdict, -p, sum(lacks), max(worst), max(used)
+        return VERDICTS.index(self.pair.verdict), -p, max(worst), max(used)
 
     @property
     def ends(self) -> Ends:
@@ -199,7 +182,7 @@ def _pair(gyro: DeviceVerdict, other: DeviceVerdict) -> Pair:
         gyro=gyro.name,
         accelerometer=other.name,
         procedure=gyro.procedure,
-        verdict=max(gyro.verdict, other.verdict, key=GRAVEST.index),
+        verdict=gravest((gyro.verdict, other.verdict)),
         probability=_both(gyro, other),
         at_medians=gyro.at_medians or other.at_medians,
         lower_bound=gyro.lower_bound or other.lower_bound,

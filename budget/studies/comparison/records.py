@@ -19,16 +19,13 @@ if TYPE_CHECKING:
         Probability,
         ReadingVerdicts,
         Settings,
+        Standing,
     )
     from budget.studies.judgement import Judged
     from budget.studies.missing import Filling
 
-# Best first; what nobody can decide comes after all that is decided, so that a maker
-# who publishes less is not ranked higher.
-# One that rests on predicted lines stands between: its probability says where.
-VERDICTS = ("meets", "undecided", "predicted", "fails", "undecidable")
-
 UNKNOWN_CONFORMANCE = {"conformance": None, "conformance_interval": None}
+NUMBERED = ("meets", "meets_if")  # verdicts that a rank is of
 DEVICES = "devices"  # in the JSON document, best first
 
 
@@ -137,7 +134,7 @@ class Entrant:
 class DeviceVerdict(Entrant):
     """One sensor of one device under one procedure, held against the requirement."""
 
-    verdict: str  # one of VERDICTS
+    standing: Standing
     utilisation: float  # the largest of its required outputs [1]
     utilisation_interval: tuple[float, float]  # 95 % sampling, and the law's error [1]
     worst_output: Name
@@ -153,6 +150,11 @@ class DeviceVerdict(Entrant):
     closer: Judged = field(repr=False, compare=False)  # for the rank
     doubt: Doubt | None = None  # of a verdict that rests on predicted lines
     readings: ReadingVerdicts | None = None  # where the meaning of lines is open
+
+    @property
+    def verdict(self) -> str:
+        """One of verdicts.VERDICTS."""
+        return self.standing.verdict
 
     @property
     def lower_bound(self) -> bool:
@@ -201,6 +203,7 @@ class DeviceVerdict(Entrant):
             **super().to_dict(),
             "rank": None,  # its place, filled in by its list
             "verdict": self.verdict,
+            **self.standing.to_dict(),
             "lower_bound": self.lower_bound,
             "utilisation": self.utilisation,
             "utilisation_interval": list(self.utilisation_interval),
@@ -293,13 +296,13 @@ class Comparison(Tabled):
 
     @property
     def is_met(self) -> bool:
-        """Whether each required sensor has a device that meets by what it gives."""
+        """Whether each required sensor has a device that meets."""
+        return self.has(("meets",))
+
+    def has(self, verdicts: Sequence[str]) -> bool:
+        """Whether each required sensor has a device with one of these verdicts."""
         return all(
-            any(
-                d.verdict == "meets" and d.missing is None
-                for d in self.devices
-                if d.sensor == sensor
-            )
+            any(d.verdict in verdicts for d in self.devices if d.sensor == sensor)
             for sensor in self.required
         )
 
@@ -362,7 +365,10 @@ class Comparison(Tabled):
 
 
 def ranks(devices: Sequence[DeviceVerdict | Pair]) -> tuple[str, ...]:
-    """Return ranks; neighbours that cannot be told apart at 95 % share one, '2='."""
+    """Return ranks; neighbours that cannot be told apart at 95 % share one, '2='.
+
+    '' of those that neither meet nor meet on conditions.
+    """
     numbers, tied = [1], [False] * len(devices)
     for place, (better, _) in enumerate(pairwise(devices)):
         is_tied = better.ahead is not None and better.ahead.is_tied
@@ -370,11 +376,11 @@ def ranks(devices: Sequence[DeviceVerdict | Pair]) -> tuple[str, ...]:
         if is_tied:
             tied[place] = tied[place + 1] = True
     return tuple(
-        f"{number}{'=' if share else ''}"
-        for number, share in zip(numbers, tied, strict=False)
+        f"{number}{'=' if share else ''}" if one.verdict in NUMBERED else ""
+        for one, number, share in zip(devices, numbers, tied, strict=False)
     )
 
 
-def rank_number(rank: str) -> int:
-    """Return a rank without the mark of a tie."""
-    return int(rank.rstrip("="))
+def rank_number(rank: str) -> int | None:
+    """Return a rank without the mark of a tie; None of what has none."""
+    return int(rank.rstrip("=")) if rank else None

@@ -1,0 +1,884 @@
+"""Verdicts that can be signed: what overturns them, and what they hold if.
+
+On what is given the largest error is within its limit or beyond it
+(budget.studies.judgement). Where it is within, three things may still overturn it: an
+expected line that reaches a limited output and is not given; an environment or an age
+that nobody has stated; a range. By the law of propagation, of a line of size s that is
+not given, at its ceiling s_c (budget.studies.ceilings),
+
+    U(s) = |mean| + k sqrt(V + sum of V_m + (s/s_c)^2 V_s) ,
+
+V of what is given, V_m of the others that are not, at their ceilings. Its bound is the
+largest s at which every U is within its limit; so it is of a temperature (variance
+going with its square), of a vibration (with the fourth power of its rms) and of an age
+(as its lines grow). Of a length, the ellipse in the place of V gives a circle.
+
+    meets        nothing of that matters
+    meets_if     it holds with every line at its ceiling, or a use is not stated
+    undecidable  a line below its ceiling overturns it, or it has none
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import inf
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.calibration.schemes import with_accelerometers
+from budget.distributions import normal_coverage_factor
+from budget.language import in_a_row, note
+from budget.methods.gum import covariance_by_source, propagate
+from budget.methods.radius import principal_variances, radius_of
+from budget.model.sources import ENVIRONMENT, GYRO, source_of
+from budget.model.sources.later import (
+    AGE,
+    AGEING,
+    MISSION_TEMPERATURE,
+    growth,
+)
+from budget.model.sources.temperature import BIAS_COEFFICIENT, SCALE_COEFFICIENT
+from budget.names import Name, key_title, time_text
+from budget.results import TINY, Caution, Condition, Standing
+from budget.spec.records import FACTORY, NONE
+from budget.spec.specification import read_value, time_of
+from budget.spec.station import IDEAL
+from budget.spec.use import STATED, stated_of
+from budget.studies.ceilings import ceilings
+from budget.studies.grades import family
+from budget.studies.judgement import (
+    TRIALS,
+    interval_by_law,
+    judge,
+    limit_problem,
+    required_problem,
+)
+from budget.studies.missing import Filling, line_of
+from budget.studies.prediction import stand_in
+from budget.studies.readings import verdict_of
+from budget.ties import first_largest, settle
+from budget.units import parse_quantity
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping, Sequence
+
+    from budget.arrays import Array
+    from budget.methods.gum import Propagation
+    from budget.results import Doubt, ReadingVerdicts
+    from budget.spec.records import (
+        Device,
+        ErrorLine,
+        Mission,
+        Procedure,
+        Requirement,
+        Sensor,
+    )
+    from budget.studies.ceilings import Ceiling
+    from budget.studies.judgement import Judged, Limited
+
+MEETS, MEETS_IF, PREDICTED = "meets", "meets_if", "predicted"
+UNDECIDED, UNDECIDABLE, FAILS = "undecided", "undecidable", "fails"
+# Best first; so are parts put together: the last one rules.
+VERDICTS = (MEETS, MEETS_IF, PREDICTED, UNDECIDED, UNDECIDABLE, FAILS)
+LATER = "next_turn_on"  # the error reference that a use is of
+# By the parameter: coefficient, and the residual over temperature that says it too.
+BY_TEMPERATURE = {
+    "bias": (BIAS_COEFFICIENT, "bias_over_temperature"),
+    "scale_factor": (SCALE_COEFFICIENT, "scale_factor_over_temperature"),
+}
+RECTIFICATION, G_SENSITIVITY = "vibration_rectification", "g_sensitivity"
+MEMS = "mems"
+# What a use that nobody has stated is tried at.
+PROBE = {
+    key: read_value(source_of(ENVIRONMENT, STATED[key][0]), ENVIRONMENT, quantity).line
+    for key, quantity in (
+        ("temperature", parse_quantity("1 degC", "degC")),
+        ("vibration", parse_quantity("1 g", "g")),
+        ("age", parse_quantity("1 year", "s")),
+    )
+}
+SAME = 1e-9  # relative, of a bound [1]
+# By the line of a sensor: the use that it acts in.
+USE_OF = {
+    **dict.fromkeys((BIAS_COEFFICIENT, SCALE_COEFFICIENT), "temperature"),
+    "bias_over_temperature": "temperature",
+    "scale_factor_over_temperature": "temperature",
+    RECTIFICATION: "vibration",
+    **dict.fromkeys(AGEING.values(), "age"),
+}
+DOUBLINGS = 200  # of a bound, from one probe on
+HALVINGS = 60  # to the rounding of a double
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Case:
+    """What is judged: triads of devices under a procedure, or both on a mission."""
+
+    devices: tuple[Device, ...]
+    sensors: tuple[Sensor, ...]  # with what stands for lines that are not given
+    procedure: Procedure  # with the use that is stated
+    requirement: Requirement
+    mission: Mission | None = None  # None: the calibration is judged
+    filling: Filling = field(default_factory=Filling)
+    only: frozenset[Name] | None = None
+    catalogue: tuple[Device, ...] | None = None  # that is comparable
+
+    @cached_property
+    def there(self) -> tuple[Sensor, ...]:
+        """The triads that the verdict rests on."""
+        if self.mission is not None:
+            return self.sensors
+        return with_accelerometers(self.sensors, self.procedure)
+
+    @property
+    def is_later(self) -> bool:
+        """Whether it is of a use, so that its environment and its age count."""
+        return self.mission is not None or self.requirement.reference == LATER
+
+    def limited(
+        self, sensors: tuple[Sensor, ...], procedure: Procedure
+    ) -> Limited | None:
+        """Return the same of other triads, or of another use."""
+        problem = required_problem(sensors, procedure, self.requirement, self.mission)
+        return limit_problem(problem, self.requirement)
+
+
+def decide(
+    case: Case,
+    held: Limited,
+    law: Propagation,
+    judged: Judged,
+    *,
+    seed: int,
+    doubt: Doubt | None = None,
+    readings: ReadingVerdicts | None = None,
+) -> Standing:
+    """Return the verdict on a case, the same in every command.
+
+    Parameters
+    ----------
+    case : Case
+    held, law, judged
+        Its Problem with the limits, the law of that, and how it stands on what is given
+        and on what stands for lines that are not.
+    seed : int
+        Of trials, where the law is not sure enough.
+    doubt : Doubt, optional
+        Of missing lines that are predicted.
+    readings : ReadingVerdicts, optional
+        Verdicts under other readings of lines whose meaning is open.
+    """
+    cautions = cautions_of(case)
+    words = Standing(
+        verdict=UNDECIDABLE,
+        calibration=calibration_words(case.procedure),
+        station=station_words(case.procedure),
+        use=use_words(case.procedure) if case.is_later else "",
+        mission="" if case.mission is None else case.mission.name,
+    )
+    given = verdict_of(judged, held.absent, doubt=doubt, readings=readings)
+    if any(one.kind == "saturates" for one in cautions):
+        given = FAILS
+    if case.only is not None and given == MEETS:
+        return replace(
+            words, verdict=MEETS_IF, conditions=(_only(case.only),), cautions=cautions
+        )
+    if given == FAILS or case.only or not any(one.lines for one in case.there):
+        found = given if given == FAILS or case.only else UNDECIDABLE
+        return replace(words, verdict=found, cautions=cautions)
+    margin = Margin.of(case, held, law, judged, seed=seed)
+    decisive = margin.decisive if doubt is None else ()
+    conditions = tuple(
+        margin.of_line(name, alone=bool(decisive))
+        for name in (decisive or margin.missing)
+        if doubt is None
+    )
+    uses = tuple(one for key in unstated(case) for one in margin.of_use(key, case))
+    verdict = given
+    if decisive and given in {MEETS, UNDECIDED}:
+        verdict = UNDECIDABLE
+    elif given == MEETS and (conditions or uses):
+        verdict = MEETS_IF
+    return replace(
+        words,
+        verdict=verdict,
+        conditions=(*conditions, *uses),
+        cautions=(*_as_cautions((*conditions, *uses)), *cautions),
+        at_ceilings=margin.at_ceilings,
+    )
+
+
+def _only(sources: frozenset[Name]) -> Condition:
+    """Return the condition of a verdict on some sources alone."""
+    return Condition(
+        kind="only",
+        line=min(sources),
+        below=None,
+        unit="",
+        si_per_unit=1.0,
+        text=note("if no other source acts than those that are chosen"),
+    )
+
+
+def gravest(verdicts: Iterable[str]) -> str:
+    """Return what parts are together: one that fails, fails."""
+    return max(verdicts, key=VERDICTS.index)
+
+
+def _as_cautions(conditions: Sequence[Condition]) -> tuple[Caution, ...]:
+    """Return what conditions say as cautions."""
+    return tuple(
+        Caution(
+            kind=one.kind,
+            line=one.line,
+            text=one.text,
+            bound=None if one.below is None else one.below / one.si_per_unit,
+            unit=one.unit,
+        )
+        for one in conditions
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Margin:
+    """Room that a case has for what is not given and what nobody has stated.
+
+    Attributes
+    ----------
+    missing : tuple of Name
+        Expected lines that are not given and reach a limited output.
+    tops : mapping of Name to Ceiling
+        Of those that have one.
+    groups : mapping of str to tuple of int
+        Groups of `parts` that a missing line, or a use by its key, stands for.
+    ages : mapping of int to ErrorLine
+        Lines of ageing, by their group.
+    silent : mapping of str to tuple of Name
+        By the use: lines of it that reach a limited output and are not given.
+    parts : ndarray, shape (n_groups, n_required, 2, 2)
+        Covariance that each group makes: of a length of both components, of others the
+        variance in the first place [SI squared].
+    rest : ndarray, shape (n_required, 2, 2)
+        Of all that is given.
+    mean : ndarray, shape (n_required,)
+        Absolute [SI].
+    factor : ndarray, shape (2, n_required)
+        Coverage factors on what is given, and with all lines at their ceilings [1].
+    ratio : ndarray, shape (n_required,)
+        Of a length what was judged over the circle of the law [1].
+    """
+
+    held: Limited
+    missing: tuple[Name, ...]
+    filled: tuple[Name, ...]  # those that something stands for
+    sizes: Mapping[Name, float]  # that their groups are of [SI]
+    tops: Mapping[Name, Ceiling]
+    groups: Mapping[str, tuple[int, ...]]
+    ages: Mapping[int, ErrorLine]
+    silent: Mapping[str, tuple[Name, ...]]
+    parts: Array
+    rest: Array
+    mean: Array
+    factor: Array
+    ratio: Array
+
+    @classmethod
+    def of(
+        cls, case: Case, held: Limited, law: Propagation, judged: Judged, *, seed: int
+    ) -> Margin:
+        """Compute what each missing line and each use that is not stated makes."""
+        names = expected_of(case)
+        stands = {one.expected: one for one in case.filling.lines}
+        tops = {
+            name: one
+            for device in case.devices
+            for own in [{sensor.kind for sensor in device.sensors}]
+            for name, one in ceilings(
+                device, [name for name in names if name.owner in own], case.catalogue
+            ).items()
+        }
+        sizes = {name: tops[name].u if name in tops else _one(name) for name in names}
+        lines = {name: _standing(case, name, u) for name, u in sizes.items()}
+        silent = silent_of(case)
+        probes = {
+            name: _standing(case, name, _one(name))
+            for x in silent.values()
+            for name in x
+        }
+        whole = case.limited(completed(case.sensors, lines | probes), _tried(case))
+        whole = held if whole is None else whole
+        found = propagate(whole.problem)
+        parts = _parts(whole, found)
+        places = {group.name: k for k, group in enumerate(whole.problem.groups)}
+        known: dict[str, tuple[Name, ...]] = {
+            **{
+                name: (Name(line.name, owner=name.owner),)
+                for name, line in (lines | probes).items()
+            },
+            **{name: (one.source,) for name, one in stands.items()},
+            **{key: _felt_by(case, key) for key in unstated(case)},
+        }
+        groups = {
+            name: tuple(places[own] for own in every if own in places)
+            for name, every in known.items()
+        }
+        least = np.array([output.resolution for output in held.outputs]) ** 2
+
+        def reaches(name: str) -> bool:
+            own = parts[list(groups[name])].sum(axis=0)
+            return bool((own[:, [0, 1], [0, 1]].max(axis=1) > least).any())
+
+        rest = _parts(held, law, whole=True)[0]
+        rest = rest - sum(
+            (parts[list(groups[name])].sum(axis=0) for name in stands), 0.0
+        )
+        circle = np.abs(interval_by_law(held, law)).max(axis=1)
+        is_length = held.rows >= law.value.size - law.legs.shape[1]
+        margin = cls(
+            held=held,
+            missing=tuple(name for name in (*names, *stands) if reaches(name)),
+            filled=tuple(stands),
+            sizes=sizes | {name: one.u for name, one in stands.items()},
+            tops=tops,
+            groups=groups,
+            ages={
+                places[Name(line.name, owner=sensor.kind)]: line
+                for sensor in case.there
+                for line in sensor.lines
+                if line.name in AGEING.values()
+                if Name(line.name, owner=sensor.kind) in places
+            },
+            silent={
+                key: tuple(name for name in every if reaches(name))
+                for key, every in silent.items()
+            },
+            parts=parts,
+            rest=rest,
+            mean=np.abs(law.mean[held.rows]),
+            factor=np.stack([_factor(held, judged)] * 2),
+            ratio=np.where(
+                is_length, judged.used * held.limits / np.maximum(circle, TINY), 0.0
+            ),
+        )
+        if margin.without_ceiling or not (lines and judged.by_trials.any()):
+            return margin
+        top = case.limited(completed(case.sensors, lines), case.procedure) or held
+        at_top = judge(top, propagate(top.problem), seed=seed, max_trials=TRIALS)
+        return replace(
+            margin, factor=np.stack([margin.factor[0], _factor(top, at_top)])
+        )
+
+    @cached_property
+    def weights(self) -> Array:
+        """Times that the variance of each group counts at the ceilings, (n_groups,)."""
+        found = np.zeros(len(self.parts))
+        for name in self.missing:
+            found[list(self.groups[name])] = name in self.tops or name in self.filled
+        return found
+
+    @property
+    def without_ceiling(self) -> tuple[Name, ...]:
+        """Missing lines that nothing bounds."""
+        return tuple(x for x in self.missing if x not in {*self.tops, *self.filled})
+
+    @cached_property
+    def at_ceilings(self) -> float | None:
+        """Utilisation with all missing lines at their ceilings; None: one has none."""
+        if self.without_ceiling:
+            return None
+        return self.used(self.weights)
+
+    @cached_property
+    def decisive(self) -> tuple[Name, ...]:
+        """Missing lines that overturn a verdict, the one to ask for first."""
+        if none := self.without_ceiling:
+            return none
+        if self.at_ceilings is None or settle(self.at_ceilings) <= 1.0:
+            return ()
+        places = [list(self.groups[name]) for name in self.missing]
+        sizes = [
+            float((self.parts[own].sum(axis=0)[:, 0, 0] / self.held.limits**2).max())
+            for own in places
+        ]
+        return (self.missing[first_largest(sizes)],)
+
+    def used(self, weights: Array) -> float:
+        """Return the utilisation with groups at so many times their variance [1].
+
+        Parameters
+        ----------
+        weights : ndarray, shape (n_groups,)
+            Of what is not among the given.
+        """
+        added = np.tensordot(weights, self.parts, axes=1)
+        C = self.rest + added
+        top = np.tensordot(self.weights, self.parts, axes=1)[:, 0, 0]
+        # From the factor of what is given to that with all lines at their ceilings.
+        grown = np.minimum(added[:, 0, 0] / np.maximum(top, TINY), 1.0)
+        k = self.factor[0] + (self.factor[1] - self.factor[0]) * grown
+        ends = self.mean + k * np.sqrt(np.maximum(C[:, 0, 0], 0.0))
+        for j in np.flatnonzero(self.ratio):
+            axes = principal_variances(C[j, :1, 0], C[j, 1:, 1], C[j, :1, 1])
+            circle = radius_of(np.array([self.held.coverage[j]]), axes)
+            ends[j] = self.ratio[j] * float(circle[0])
+        return float((ends / self.held.limits).max())
+
+    def bound(self, change: Callable[[Array, float], None], *, alone: bool) -> float:
+        """Return the largest size at which every output is within its limit.
+
+        `change` puts a size into the weights; all others are at their ceilings, or
+        `alone` at 0. inf where no size matters, 0 where none will do.
+        """
+
+        def excess(size: float) -> float:
+            weights = np.zeros_like(self.weights) if alone else self.weights.copy()
+            change(weights, size)
+            return self.used(weights) - 1.0
+
+        if settle(1.0 + excess(0.0)) > 1.0:
+            return 0.0
+        high = 1.0
+        for _ in range(DOUBLINGS):
+            if excess(high) > 0.0:
+                break
+            high *= 2.0
+        else:
+            return inf
+        low = 0.0
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            low, high = (low, middle) if excess(middle) > 0.0 else (middle, high)
+            if high - low <= SAME * high:
+                break
+        return low
+
+    def of_line(self, name: Name, *, alone: bool) -> Condition:
+        """Return what a missing line may be; `alone`: all other missing ones 0."""
+        places = list(self.groups[name])
+
+        def change(weights: Array, times: float) -> None:
+            weights[places] = times**2
+
+        below = self.bound(change, alone=alone) * self.sizes[name]
+        top = self.tops.get(name)
+        largest = None if top is None else top.largest_comparable
+        line = line_of(stand_in(name), name.owner, below if 0.0 < below < inf else None)
+        texts = {
+            "line": note(key_title(name)),
+            "bound": line.printed,
+            "largest": "" if largest is None else largest.printed,
+        }
+        if below == inf:
+            text = note("whatever {line} is", **texts)
+        elif alone and below == 0.0:
+            text = note("{line} decides, and is not given: ask for it", **texts)
+        elif alone:
+            text = note(
+                "{line} is not given, and from {bound} on it fails: ask for it", **texts
+            )
+        elif largest is None:
+            text = note("if {line} stays below {bound}", **texts)
+        else:
+            text = note(
+                "if {line} stays below {bound}; comparable devices print up to "
+                "{largest}",
+                **texts,
+            )
+        return Condition(
+            kind="missing",
+            line=name,
+            below=None if below == inf else below,
+            unit=line.unit,
+            si_per_unit=line.si_per_unit,
+            largest_comparable=texts["largest"],
+            ceiling=None if top is None else top.u,
+            decides=alone,
+            text=text,
+        )
+
+    def of_use(self, key: str, case: Case) -> tuple[Condition, ...]:
+        """Return the conditions of a use that nobody has stated, and that reaches."""
+        places = [k for k in self.groups.get(key, ()) if self._reaches(k)]
+        found = []
+        if places:
+
+            def change(weights: Array, size: float) -> None:
+                for k in places:
+                    weights[k] = self._grown(key, k, size)
+
+            below = self.bound(change, alone=False) * _tried_at(key)
+            found.append(_bounded(key, below))
+        held_over = _horizon(case) if key == "age" else None
+        if held_over is not None:
+            found.append(held_over)
+        if self.silent.get(key):
+            found.append(_silent(key, self.silent[key]))
+        if not found and _is_felt(case, key):
+            found.append(_over_its_range(key))
+        return tuple(found)
+
+    def _reaches(self, group: int) -> bool:
+        """Say whether a group makes anything of what is limited."""
+        return bool(self.parts[group].any())
+
+    def _grown(self, key: str, group: int, size: float) -> float:
+        """Return the variance of a group at so many times the use that was tried."""
+        if key != "age":
+            return size ** (2 if key == "temperature" else 4)
+        line, year = self.ages[group], _tried_at(key)
+        return (growth(line, size * year) / growth(line, year)) ** 2
+
+
+def _tried_at(key: str) -> float:
+    """Return the size at which a use that nobody has stated is tried [SI]."""
+    return float(PROBE[key].u[0])
+
+
+def _one(name: Name) -> float:
+    """Return a size of 1 in the most usual unit of a line [SI]."""
+    return float(line_of(stand_in(name), name.owner).u[0])
+
+
+def _factor(held: Limited, judged: Judged) -> Array:
+    """Return the coverage factors that were judged by; of what is 0 the normal ones."""
+    usual = np.array([normal_coverage_factor(p) for p in held.coverage.tolist()])
+    return np.where(judged.factor > 0.0, judged.factor, usual)
+
+
+def _parts(held: Limited, law: Propagation, *, whole: bool = False) -> Array:
+    """Return the covariance that each group makes, as Margin has it.
+
+    Of the `whole` law in one.
+    """
+    n = law.value.size - law.legs.shape[1]
+    has_lengths = bool((held.rows >= n).any())
+    variance = np.diag(law.covariance)[None] if whole else law.source_variance
+    found = np.zeros((len(variance), held.rows.size, 2, 2))
+    found[:, :, 0, 0] = variance[:, held.rows]
+    if has_lengths:
+        each = (
+            law.covariance[None, :n, :n]
+            if whole
+            else covariance_by_source(held.problem, law)[:-1]
+        )
+        for j in np.flatnonzero(held.rows >= n):
+            legs = law.legs[:, held.rows[j] - n]
+            found[:, j] = each[:, legs[:, None], legs[None, :]]
+    return found
+
+
+def expected_of(case: Case) -> tuple[Name, ...]:
+    """Return the lines that are not given and that the question exercises.
+
+    The expected ones; what temperature and vibration do where these are stated; the
+    g-sensitivity of a MEMS gyro on a route that turns or climbs.
+    """
+    if case.only is not None:
+        return ()
+    names = [name for sensor in case.there for name in sensor.expected_missing]
+    stated = stated_of(case.procedure) if case.is_later else {}
+    for key, line in stated.items():
+        if key != "age" and line.u.any():
+            names += lacking_use(case, key)
+    technologies = {
+        sensor.kind: family(device.technology)
+        for device in case.devices
+        for sensor in device.sensors
+    }
+    gyros = [one for one in case.there if one.kind == GYRO]
+    if (
+        gyros
+        and gyros[0].line(G_SENSITIVITY) is None
+        and technologies.get(GYRO) == MEMS
+        and case.mission is not None
+        and manoeuvres(case.mission)
+    ):
+        names.append(Name(G_SENSITIVITY, owner=GYRO))
+    filled = {one.expected for one in case.filling.lines}
+    return tuple(dict.fromkeys(name for name in names if name not in filled))
+
+
+def manoeuvres(mission: Mission) -> bool:
+    """Say whether a route turns, climbs or speeds up; a recorded one may always."""
+    legs = getattr(mission.route, "legs", None)
+    if legs is None:
+        return True
+    return any(leg.turn_rate or leg.climb_rate or leg.acceleration for leg in legs)
+
+
+def lacking_use(case: Case, key: str) -> tuple[Name, ...]:
+    """Return the lines of a use that a case is not given: what it does to the triads.
+
+    A figure that holds over temperature says what temperature does, and one that holds
+    over a time what age does.
+    """
+    found: list[Name] = []
+    for sensor in case.there:
+        if key == "vibration" and sensor.line(RECTIFICATION) is None:
+            found.append(Name(RECTIFICATION, owner=sensor.kind))
+        for parameter, (coefficient, residual) in BY_TEMPERATURE.items():
+            own = sensor.line(f"{parameter}_repeatability")
+            says = sensor.line(coefficient) or sensor.line(residual)
+            if key == "temperature" and not says and not _includes(own, "temperature"):
+                found.append(Name(coefficient, owner=sensor.kind))
+            ageing = AGEING[parameter]
+            if key == "age" and not sensor.line(ageing) and not _lasts(own):
+                found.append(Name(ageing, owner=sensor.kind))
+    return tuple(found)
+
+
+def _includes(line: ErrorLine | None, word: str) -> bool:
+    """Say whether a line includes something, by its maker's words."""
+    parts = "" if line is None else line.includes.replace(";", ",")
+    return word in {part.strip() for part in parts.split(",")}
+
+
+def _lasts(line: ErrorLine | None) -> bool:
+    """Say whether a line holds over a time that its maker names."""
+    return line is not None and time_of(line.horizon) is not None
+
+
+def unstated(case: Case) -> tuple[str, ...]:
+    """Return what of its use nobody has stated: temperature, vibration, age."""
+    if not case.is_later:
+        return ()
+    stated = stated_of(case.procedure)
+    return tuple(key for key in STATED if key not in stated)
+
+
+def silent_of(case: Case) -> Mapping[str, tuple[Name, ...]]:
+    """Return by the use that is not stated the lines of it that are not given."""
+    return {key: lacking_use(case, key) for key in unstated(case)}
+
+
+def _tried(case: Case) -> Procedure:
+    """Return the procedure with every use that is not stated at its probe."""
+    lines = [PROBE[key] for key in unstated(case)]
+    own = case.procedure
+    return replace(own, environment=(*own.environment, *lines))
+
+
+def _felt_by(case: Case, key: str) -> tuple[Name, ...]:
+    """Return the sources that a use acts through."""
+    if key == "temperature":
+        return (Name(MISSION_TEMPERATURE, owner=ENVIRONMENT),)
+    lines = (RECTIFICATION,) if key == "vibration" else tuple(AGEING.values())
+    return tuple(
+        Name(line.name, owner=sensor.kind)
+        for sensor in case.there
+        for line in sensor.lines
+        if line.name in lines
+    )
+
+
+def _standing(case: Case, name: Name, u: float) -> ErrorLine:
+    """Return the line that stands for one that is not given, of a size [SI].
+
+    Of a coefficient of temperature what it makes of the temperature that is stated: a
+    residual on each axis, whose sign nobody knows.
+    """
+    for coefficient, residual in BY_TEMPERATURE.values():
+        if name.quantity == coefficient:
+            stated = stated_of(case.procedure).get("temperature")
+            size = float((stated or PROBE["temperature"]).u[0])
+            return line_of(source_of(name.owner, residual), name.owner, u * size)
+    return line_of(stand_in(name), name.owner, u)
+
+
+def completed(
+    sensors: tuple[Sensor, ...], lines: Mapping[Name, ErrorLine]
+) -> tuple[Sensor, ...]:
+    """Return triads, and those beside them, with more lines."""
+
+    def whole(sensor: Sensor) -> Sensor:
+        own = [line for name, line in lines.items() if name.owner == sensor.kind]
+        found = sensor.with_lines((*sensor.lines, *sensor.initial, *own))
+        beside = sensor.beside
+        return replace(found, beside=beside and whole(beside))
+
+    return tuple(map(whole, sensors))
+
+
+def _bounded(key: str, below: float) -> Condition:
+    """Return the condition on a use that lines are given of."""
+    unit, size = PROBE[key].unit, PROBE[key].si_per_unit
+    texts = {
+        "temperature": "while the temperature at use is within {bound} of the test's",
+        "vibration": "while the vibration at use stays below {bound} rms",
+        "age": "for use within {bound} of the calibration",
+    }
+    is_open = below == inf
+    bound = f"{float(f'{below / size:.2g}'):g} {unit}"
+    if key == "age" and not is_open:
+        bound = time_text(float(f"{below:.2g}"))
+    return Condition(
+        kind=key,
+        line=Name(STATED[key][0], owner=ENVIRONMENT),
+        below=None if is_open else below,
+        unit=unit,
+        si_per_unit=size,
+        text=note("whatever the {key} at use is", key=note(key))
+        if is_open
+        else note(texts[key], bound=bound),
+    )
+
+
+def _silent(key: str, lines: tuple[Name, ...]) -> Condition:
+    """Return the condition on a use that a sheet does not say enough of."""
+    return Condition(
+        kind=key,
+        line=Name(STATED[key][0], owner=ENVIRONMENT),
+        below=None,
+        unit=PROBE[key].unit,
+        si_per_unit=PROBE[key].si_per_unit,
+        silent=lines,
+        text=note("its sheet does not say what {use} does", use=note(key)),
+    )
+
+
+def _horizon(case: Case) -> Condition | None:
+    """Return the shortest time that a figure holds over, where no age is stated."""
+    found = [
+        (time.value, time.printed)
+        for sensor in case.there
+        for line in sensor.lines
+        if line.name not in AGEING.values()
+        if (time := time_of(line.horizon)) is not None
+    ]
+    if not found:
+        return None
+    seconds, printed = min(found)
+    return Condition(
+        kind="age",
+        line=Name(AGE, owner=ENVIRONMENT),
+        below=seconds,
+        unit="s",
+        si_per_unit=1.0,
+        text=note("for use within {time} of a calibration", time=printed),
+    )
+
+
+def _is_felt(case: Case, key: str) -> bool:
+    """Say whether a figure is given that holds over a temperature."""
+    return key == "temperature" and any(
+        sensor.line(residual) is not None
+        or _includes(sensor.line(f"{parameter}_repeatability"), key)
+        for sensor in case.there
+        for parameter, (_, residual) in BY_TEMPERATURE.items()
+    )
+
+
+def _over_its_range(key: str) -> Condition:
+    """Return the condition of a figure that holds over temperature."""
+    return Condition(
+        kind=key,
+        line=Name(STATED[key][0], owner=ENVIRONMENT),
+        below=None,
+        unit=PROBE[key].unit,
+        si_per_unit=PROBE[key].si_per_unit,
+        text=note("while the temperature at use is one that its figures are for"),
+    )
+
+
+def cautions_of(case: Case) -> tuple[Caution, ...]:
+    """Return what qualifies a verdict whatever it is.
+
+    What is given and nothing exercises; figures that hold over less than the age of the
+    use; what its sheet leaves to the procedure.
+    """
+    found: list[Caution] = []
+    stated = stated_of(case.procedure) if case.is_later else {}
+    for sensor in case.there:
+        for line in sensor.lines:
+            name = Name(line.name, owner=sensor.kind)
+            key = USE_OF.get(line.name, "")
+            if key in stated and not stated[key].u.any() and line.u.any():
+                found.append(_idle(name, line, key))
+            time = time_of(line.horizon)
+            age = stated.get("age")
+            if (
+                age is not None
+                and time is not None
+                and line.name not in AGEING.values()
+                and time.value < age.u[0]
+            ):
+                found.append(
+                    Caution(
+                        kind="horizon",
+                        line=name,
+                        text=note(
+                            "{line} holds over {time}, and the use is {age} after the "
+                            "calibration",
+                            line=note(key_title(name)),
+                            time=time.printed,
+                            age=age.printed,
+                        ),
+                    )
+                )
+    return tuple(found)
+
+
+def _idle(name: Name, line: ErrorLine, key: str) -> Caution:
+    """Say that a line is given and that nothing exercises it."""
+    return Caution(
+        kind="not_exercised",
+        line=name,
+        text=note(
+            "{line} {printed} is given and not exercised: no {use} is stated",
+            line=note(key_title(name)),
+            printed=line.printed,
+            use=note(key),
+        ),
+    )
+
+
+def calibration_words(procedure: Procedure) -> str:
+    """Say after which calibration a verdict is: 'as the maker calibrated it'."""
+    if procedure.formulas == FACTORY:
+        return note("as the maker calibrated it")
+    if procedure.formulas == NONE:
+        return note("as it was made, not calibrated")
+    return note(
+        "after the test {name} on {station}",
+        name=procedure.name,
+        station=station_words(procedure),
+    )
+
+
+def station_words(procedure: Procedure) -> str:
+    """Say at which station: 'an ideal table', or the name of its file."""
+    if procedure.station_origin is not None:
+        return procedure.station_origin.file.partition(".")[0]
+    return (
+        note("an ideal table")
+        if IDEAL in procedure.assumptions
+        else note("the table of its file")
+    )
+
+
+def use_words(procedure: Procedure) -> str:
+    """Say in which use: 'in the environment of its test', or at which one."""
+    stated = stated_of(procedure)
+    if not stated:
+        return note("its environment not stated")
+    if all(not line.u.any() for line in stated.values()):
+        every = set(STATED) <= stated.keys()
+        return note(
+            "in the environment of its test"
+            if every
+            else "in the environment of its test, as far as it is stated"
+        )
+    says = {
+        "temperature": "{use} from the temperature of the test",
+        "vibration": "{use} rms of vibration",
+        "age": "{use} after the calibration",
+    }
+    return in_a_row(
+        [
+            note(says[key], use=line.printed)
+            for key, line in stated.items()
+            if line.u.any()
+        ]
+    )
