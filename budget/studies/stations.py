@@ -56,6 +56,7 @@ from budget.spec import (
 )
 from budget.spec.records import ErrorLine
 from budget.spec.station import IDEAL, at_station
+from budget.spec.use import in_use
 from budget.studies.blunders import against_limits
 from budget.studies.request import given_lines, not_weighted, sensors_of
 from budget.ties import first_largest, largest, settle
@@ -328,7 +329,7 @@ def qualify(
         Options that mean nothing, or no limit on what the test estimates.
     """
     imus, wanted = load_devices(devices), load_requirement(requirement)
-    how = load_procedure(procedure)
+    how = in_use(load_procedure(procedure), wanted, None)
     _check(ratio, guard, strategy or STRATEGIES[0], how)
     sensors = sensors_of(imus, how)
     names = known_outputs([sensor.kind for sensor in sensors], how)

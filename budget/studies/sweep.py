@@ -8,6 +8,7 @@ from budget.errors import CallError
 from budget.spec import load_device, load_procedure, load_requirement
 from budget.spec.changes import read_change
 from budget.spec.load import several
+from budget.spec.use import in_use
 from budget.studies.analysis import analyze
 from budget.studies.request import choose_basis
 
@@ -70,8 +71,9 @@ def sweep(
     """
     import pandas as pd
 
-    start, how = load_device(device), load_procedure(procedure)
+    start = load_device(device)
     wanted = None if requirement is None else load_requirement(requirement)
+    how = in_use(load_procedure(procedure), wanted, None)
     basis = choose_basis(wanted, coverage=coverage, reference=reference)
     given = () if isinstance(values, str) else several(values)
     if not given:

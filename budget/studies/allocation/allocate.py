@@ -24,6 +24,7 @@ from budget.spec import (
     load_procedure,
     load_requirement,
 )
+from budget.spec.use import in_use
 from budget.studies.allocation.cases import (
     NO_BOUNDS,
     STRATEGIES,
@@ -139,8 +140,8 @@ def allocate(
         for any sensor that is there.
     """
     imus, wanted = load_devices(devices), load_requirement(requirement)
-    how = load_procedure(procedure)
     journey = None if mission is None else load_mission(mission)
+    how = in_use(load_procedure(procedure), wanted, journey)
     mission_for(wanted, journey)
     prices = None if costs is None else load_costs(costs)
     strategy = _choose_strategy(strategy, prices)
