@@ -38,6 +38,8 @@ SCHEMA = "budget/1"
 SHOWN_BY = "budget.report.notebook"
 INTERACTION = Name("interaction")  # the row of products of two sources
 TOTAL = Name("total")
+# Verdicts, best first; of parts put together the last one rules.
+VERDICTS = ("meets", "meets_if", "predicted", "undecided", "undecidable", "fails")
 TINY = 1e-300  # in the place of a utilisation of 0 [1]
 KEY = ("sensor", "parameter", "axis", "unit")  # of an output in every record
 AT_A_TIME = "time"  # further key of what is of a mission, after the axis
@@ -1156,6 +1158,7 @@ class Standing:
     station: str = ""
     use: str = ""
     mission: str = ""
+    decision: str = ""  # by which rule limits are held
 
     @property
     def asks(self) -> tuple[Condition, ...]:
@@ -1174,6 +1177,7 @@ class Standing:
             "station": self.station,
             "use": self.use,
             "mission": self.mission or None,
+            "decision": self.decision,
             "conditions": [one.to_dict() for one in self.conditions],
             "cautions": [one.to_dict() for one in self.cautions],
             "utilisation_at_ceilings": self.at_ceilings,
@@ -1232,6 +1236,8 @@ class Assessment:
     conformance: Probability | None  # of all outputs together; None: nothing known
     not_there: tuple[str, ...] = ()  # sensors with limits that no device has
     caps: tuple[CapAssessment, ...] = ()
+    # Probability that all limits are to be kept together with; None: each alone [1].
+    together: float | None = None
 
     @property
     def chance(self) -> float | None:
@@ -1242,6 +1248,15 @@ class Assessment:
         """
         doubts = [one.doubt for one in self.sensors if one.doubt is not None]
         return prod(one.probability for one in doubts) if doubts else None
+
+    @property
+    def verdict(self) -> str:
+        """The gravest of the sensors; of limits to be kept together that of all."""
+        found = max((one.verdict for one in self.sensors), key=VERDICTS.index)
+        p = self.conformance
+        if self.together is not None and p is not None and p.value < self.together:
+            return VERDICTS[-1]
+        return found
 
     @property
     def judged(self) -> tuple[OutputAssessment, ...]:
@@ -1270,6 +1285,7 @@ class Assessment:
         """Return what documents say of it, in printed units."""
         return {
             "requirement": self.requirement,
+            "verdict": self.verdict,
             **_conformance(self.conformance),
             "sensors": [
                 {

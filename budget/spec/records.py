@@ -324,6 +324,9 @@ class Mission:
     use: tuple[ErrorLine, ...] = ()  # environment and age that it states
 
 
+EACH, JOINT = "each", "joint"
+
+
 @dataclass(frozen=True, kw_only=True)
 class Limit:
     """The largest absolute error allowed for one output."""
@@ -346,6 +349,7 @@ class Requirement:
     assumptions: tuple[str, ...]
     origin: Origin
     use: tuple[ErrorLine, ...] = ()  # environment and age that it states
+    decision: str = EACH  # every limit alone, or JOINT: all together
 
     def coverage_of(self, limit: Limit) -> float:
         """Return the coverage at which a limit is judged [1]."""

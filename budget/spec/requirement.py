@@ -32,7 +32,7 @@ from budget.spec.fields import (
     mapping_of,
     per_axis,
 )
-from budget.spec.records import Limit, Origin, Requirement
+from budget.spec.records import EACH, Limit, Origin, Requirement
 from budget.spec.use import AGE_FIELD, ENVIRONMENT_FIELD, Age, Environment, stated_lines
 from budget.units import Quantity
 
@@ -159,6 +159,11 @@ class RequirementBase(Strict):
     limits: Strict = Field(description="largest absolute errors allowed")
     environment: Environment | None = ENVIRONMENT_FIELD
     age: Age | None = AGE_FIELD
+    decision: Literal["each", "joint"] | None = Field(
+        default=None,
+        description="each (unset): every limit alone, at its coverage; joint: all of "
+        "them together, at the coverage of the requirement",
+    )
     caps: Caps = Caps()
 
     @model_validator(mode="after")
@@ -219,6 +224,7 @@ def read_requirement(document: Document) -> Requirement:
         assumptions=tuple(assumptions),
         origin=Origin(file=document.base_name, sha256=document.sha256),
         use=stated_lines(model.environment, model.age),
+        decision=model.decision or EACH,
     )
 
 

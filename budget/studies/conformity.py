@@ -10,6 +10,7 @@ from budget.errors import CallError
 from budget.names import MISSION
 from budget.results import INTERACTION, Assessment, CapAssessment, SensorAssessment
 from budget.spec import load_devices, load_requirement
+from budget.spec.records import JOINT
 from budget.studies.doubt import doubt_of
 from budget.studies.figures_of_merit import over_cap, read_amount
 from budget.studies.judgement import (
@@ -128,6 +129,7 @@ def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Asses
         if found and analysis.filled.prediction is None
         else None,
         not_there=tuple(kind for kind in requirement.kinds if kind not in judged_kinds),
+        together=requirement.coverage if requirement.decision == JOINT else None,
         caps=tuple(
             _cap(device, merit, cap)
             for merit, cap in requirement.caps

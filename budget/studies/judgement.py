@@ -39,6 +39,7 @@ from budget.results import (
     OutputAssessment,
     Probability,
 )
+from budget.spec.records import JOINT
 from budget.studies.request import on_mission
 from budget.ties import equal_to, first_largest, settle
 
@@ -71,6 +72,7 @@ class Limited:
     usual: float  # the requirement's coverage, of limits without their own [1]
     # Parameters with a limit that the calibration does not estimate.
     absent: tuple[Name, ...] = ()
+    is_joint: bool = False  # whether all limits are to be kept together
 
     @property
     def outputs(self) -> tuple[Output, ...]:
@@ -129,6 +131,7 @@ def limit_problem(
         coverage=np.array([requirement.coverage_of(limit) for limit in required]),
         printed=tuple(limit.printed for limit in required),
         usual=requirement.coverage,
+        is_joint=requirement.decision == JOINT,
         absent=tuple(
             limit.output
             for limit in requirement.limits
@@ -184,6 +187,8 @@ class Judged:
     # (n_required,) [1].
     sampled: Array = field(repr=False)
     trials: int | None  # none: by the law alone
+    # Probability that all limits are to be kept together with; None: each alone [1].
+    together: float | None = None
 
     @property
     def worst(self) -> int:
@@ -202,7 +207,10 @@ class Judged:
 
     @property
     def is_open(self) -> bool:
-        """Whether the limit lies within the interval of the utilisation."""
+        """Whether the limit lies within the interval of what is held against it."""
+        if self.together is not None:
+            p = self.conformance
+            return p.low is not None and p.low < self.together <= (p.high or 0.0)
         low, high = (settle(end) for end in self.utilisation_interval)
         return low <= 1.0 < high
 
@@ -214,7 +222,12 @@ class Judged:
         """
         if self.is_open:
             return "undecided"
-        if settle(self.utilisation) > 1.0:
+        kept = (
+            settle(self.utilisation) <= 1.0
+            if self.together is None
+            else self.conformance.value >= self.together
+        )
+        if not kept:
             return "fails"
         return "undecidable" if missing else "meets"
 
@@ -235,7 +248,9 @@ def judge(
     while True:
         values = _first_trials(held, number, seed, known=values)
         judged = _judge_by(values, held, law)
-        settles = judged.is_open and can_sharpen(judged, max_trials, above=1.0)
+        settles = judged.is_open and (
+            held.is_joint or can_sharpen(judged, max_trials, above=1.0)
+        )
         if not settles or number >= max_trials:
             return judged
         number = min(STEP * number, max_trials)
@@ -409,6 +424,7 @@ def _judged(
         ends=ends,
         sampled=sampled,
         trials=trials,
+        together=held.usual if held.is_joint else None,
     )
 
 

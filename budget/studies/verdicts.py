@@ -41,8 +41,8 @@ from budget.model.sources.later import (
 )
 from budget.model.sources.temperature import BIAS_COEFFICIENT, SCALE_COEFFICIENT
 from budget.names import Name, key_title, time_text
-from budget.results import TINY, Caution, Condition, Standing
-from budget.spec.records import FACTORY, NONE
+from budget.results import TINY, VERDICTS, Caution, Condition, Standing
+from budget.spec.records import FACTORY, JOINT, NONE
 from budget.spec.specification import read_value, time_of
 from budget.spec.station import IDEAL
 from budget.spec.use import STATED, stated_of
@@ -78,10 +78,7 @@ if TYPE_CHECKING:
     from budget.studies.ceilings import Ceiling
     from budget.studies.judgement import Judged, Limited
 
-MEETS, MEETS_IF, PREDICTED = "meets", "meets_if", "predicted"
-UNDECIDED, UNDECIDABLE, FAILS = "undecided", "undecidable", "fails"
-# Best first; so are parts put together: the last one rules.
-VERDICTS = (MEETS, MEETS_IF, PREDICTED, UNDECIDED, UNDECIDABLE, FAILS)
+MEETS, MEETS_IF, PREDICTED, UNDECIDED, UNDECIDABLE, FAILS = VERDICTS
 LATER = "next_turn_on"  # the error reference that a use is of
 # By the parameter: coefficient, and the residual over temperature that says it too.
 BY_TEMPERATURE = {
@@ -177,6 +174,7 @@ def decide(
         station=station_words(case.procedure),
         use=use_words(case.procedure) if case.is_later else "",
         mission="" if case.mission is None else case.mission.name,
+        decision=decision_words(case.requirement),
     )
     given = verdict_of(judged, held.absent, doubt=doubt, readings=readings)
     if any(one.kind == "saturates" for one in cautions):
@@ -421,7 +419,7 @@ class Margin:
         ends = self.mean + k * np.sqrt(np.maximum(C[:, 0, 0], 0.0))
         for j in np.flatnonzero(self.ratio):
             axes = principal_variances(C[j, :1, 0], C[j, 1:, 1], C[j, :1, 1])
-            circle = radius_of(np.array([self.held.coverage[j]]), axes)
+            circle = radius_of(_coverages(self.held)[[j]], axes)
             ends[j] = self.ratio[j] * float(circle[0])
         return float((ends / self.held.limits).max())
 
@@ -541,9 +539,23 @@ def _one(name: Name) -> float:
     return float(line_of(stand_in(name), name.owner).u[0])
 
 
+def _coverages(held: Limited) -> Array:
+    """Return the coverages that limits are held at, shape (n_required,) [1].
+
+    Of n that are to be kept together 1 - (1 - p)/n of each keeps all with p at the
+    least (Bonferroni).
+    """
+    if not held.is_joint:
+        return held.coverage
+    each = 1.0 - (1.0 - held.usual) / held.rows.size
+    return np.asarray(np.maximum(held.coverage, each))
+
+
 def _factor(held: Limited, judged: Judged) -> Array:
     """Return the coverage factors that were judged by; of what is 0 the normal ones."""
-    usual = np.array([normal_coverage_factor(p) for p in held.coverage.tolist()])
+    usual = np.array([normal_coverage_factor(p) for p in _coverages(held).tolist()])
+    if held.is_joint:
+        return np.asarray(np.maximum(judged.factor, usual))
     return np.where(judged.factor > 0.0, judged.factor, usual)
 
 
@@ -855,6 +867,16 @@ def station_words(procedure: Procedure) -> str:
         note("an ideal table")
         if IDEAL in procedure.assumptions
         else note("the table of its file")
+    )
+
+
+def decision_words(requirement: Requirement) -> str:
+    """Say by which rule limits are held."""
+    return note(
+        "all limits together, with {coverage} %"
+        if requirement.decision == JOINT
+        else "each limit alone, at {coverage} % coverage",
+        coverage=f"{float(f'{100.0 * requirement.coverage:.6g}'):g}",
     )
 
 

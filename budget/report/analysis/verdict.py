@@ -55,7 +55,7 @@ from budget.report.wording import (
     value,
 )
 from budget.studies.request import given_lines, sensors_of
-from budget.studies.verdicts import MEETS_IF, gravest
+from budget.studies.verdicts import MEETS_IF
 from budget.ties import first_largest, from_largest, settle
 
 if TYPE_CHECKING:
@@ -91,8 +91,7 @@ def headline(budget: Budget, assessment: Assessment | None) -> str:
             coverage=coverage,
             part=part,
         )
-    given = {sensor.verdict for sensor in assessment.sensors}
-    overall = gravest(given)
+    overall = assessment.verdict
     if assessment.not_there:
         present = say(" and ").join(
             key_title(sensor.sensor) for sensor in assessment.sensors
@@ -397,13 +396,19 @@ def _jointly(assessment: Assessment) -> str:
     most = any(
         sensor.expected_missing or sensor.not_estimated for sensor in assessment.sensors
     )
-    return say(
+    said = say(
         "{what} with a probability of at the most {probability} %. "
         if most
         else "{what} with a probability of {probability} %. ",
         what=what,
         probability=(print_most if most else print_probability)(assessment.conformance),
     )
+    if assessment.together is not None:
+        said += say(
+            "They are to be kept together with {needed} %. ",
+            needed=print_coverage(assessment.together),
+        )
+    return said
 
 
 def _verdict_card(

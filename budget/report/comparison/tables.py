@@ -29,9 +29,9 @@ from budget.report.tables import (
     used_part,
 )
 from budget.report.wording import capital, parted
+from budget.results import VERDICTS
 from budget.studies.comparison.records import rank_number, ranks
 from budget.studies.figures_of_merit import read_amount
-from budget.studies.verdicts import VERDICTS
 from budget.ties import settle
 
 if TYPE_CHECKING:

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 
 from budget.methods.largest import joined, probability_smaller
 from budget.model.sources import SENSORS
+from budget.results import VERDICTS
 from budget.studies.comparison.records import DeviceVerdict, Lead, Pair
 from budget.studies.figures_of_merit import MERITS, front, read_amount
 from budget.studies.judgement import together
-from budget.studies.verdicts import FAILS, PREDICTED, UNDECIDABLE, VERDICTS, gravest
+from budget.studies.verdicts import FAILS, PREDICTED, UNDECIDABLE, gravest
 from budget.ties import settle
 
 if TYPE_CHECKING:
@@ -178,16 +179,20 @@ class _Imu:
 def _pair(gyro: DeviceVerdict, other: DeviceVerdict) -> Pair:
     """Put a gyro and an accelerometer together."""
     worst = max(gyro, other, key=lambda one: settle(one.utilisation))
+    verdict = gravest((gyro.verdict, other.verdict))
+    both, needed = together((gyro.judged, other.judged)), gyro.judged.together
+    if needed is not None and both.value < needed:
+        verdict = FAILS
     return Pair(
         gyro=gyro.name,
         accelerometer=other.name,
         procedure=gyro.procedure,
-        verdict=gravest((gyro.verdict, other.verdict)),
+        verdict=verdict,
         probability=_both(gyro, other),
         at_medians=gyro.at_medians or other.at_medians,
         lower_bound=gyro.lower_bound or other.lower_bound,
         utilisation=max(gyro.utilisation, other.utilisation),
         worst_outputs=worst.worst_outputs,
         limiting_source=worst.remedy.source,
-        conformance=together((gyro.judged, other.judged)),
+        conformance=both,
     )
