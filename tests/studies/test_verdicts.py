@@ -1,0 +1,449 @@
+"""Verdicts that can be signed: environment, age, what is missing, what is hidden."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+from math import pi, sqrt
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import budget
+from budget.studies.comparison.compare import compare
+
+G = 9.80665
+DEG_PER_HOUR = pi / 180.0 / 3600.0
+OUTAGE = {
+    "name": "outage of a minute",
+    "mission": {"latitude": "45 deg", "segments": [{"stand": "60 s"}]},
+}
+NEED = {
+    "name": "need",
+    "limits": {
+        "mission": {
+            "position": {"horizontal": "300 m", "at": "60 s", "probability": "50 %"}
+        }
+    },
+}
+SHEET = {
+    "name": "whole sheet",
+    "technology": "MEMS",
+    "gyro": {
+        "errors": {
+            "bias_repeatability": "3 deg/h",
+            "bias_stability": {"value": "1 deg/h", "correlation_time": "100 s"},
+            "angle_random_walk": "0.1 deg/sqrt(h)",
+            "scale_factor_repeatability": "100 ppm",
+            "mounting_repeatability": "10 arcsec",
+        }
+    },
+    "accelerometer": {
+        "errors": {
+            "bias_repeatability": "0.5 mg",
+            "bias_stability": {"value": "50 ug", "correlation_time": "100 s"},
+            "velocity_random_walk": "0.05 m/s/sqrt(h)",
+            "scale_factor_repeatability": "300 ppm",
+            "mounting_repeatability": "10 arcsec",
+        }
+    },
+}
+
+
+def sheet_with(
+    lines: dict[str, Any], without: tuple[str, ...] = (), **more: Any
+) -> dict[str, Any]:
+    """Return the whole sheet with more lines, as 'gyro.ageing', and less others."""
+    found = deepcopy(SHEET) | more
+    for name, value in lines.items():
+        kind, line = name.split(".")
+        found[kind]["errors"][line] = value
+    for name in without:
+        kind, line = name.split(".")
+        del found[kind]["errors"][line]
+    return found
+
+
+def standing_of(device: dict[str, Any], environment: str | None = None, **need: Any):
+    """Return the verdict on a device on the outage, as its maker calibrated it."""
+    found = budget.analyze(
+        device,
+        mission=OUTAGE,
+        requirement=NEED | need,
+        procedure=budget.uncalibrated("factory", environment=environment),
+        validate=False,
+    )
+    (sensor,) = found.assessment.sensors
+    return sensor, found
+
+
+def texts_of(standing) -> str:
+    """Return all that stands beside a verdict."""
+    return "; ".join(
+        str(one.text) for one in (*standing.conditions, *standing.cautions)
+    )
+
+
+HOT = sheet_with({"gyro.bias_temperature_coefficient": "54 deg/h/degC"})
+SHAKEN = sheet_with({"gyro.vibration_rectification": "500 deg/h/g^2"})
+
+
+class TestEnvironment:
+    """What nobody states is a condition, what is stated counts."""
+
+    def test_temperature_that_nobody_states_bounds_the_verdict(self):
+        """At the bound in degC that is named the limit is used up."""
+        sensor, _ = standing_of(HOT)
+        assert sensor.verdict == "meets_if"
+        (bound,) = [
+            one.below
+            for one in sensor.standing.conditions
+            if one.kind == "temperature" and one.below is not None
+        ]
+        assert f"{bound:.2g} degC" in texts_of(sensor.standing)
+        at_bound, _ = standing_of(HOT, f"temperature {bound!r} degC, vibration 0 g")
+        assert_allclose(at_bound.utilisation, 1.0, rtol=1e-6)
+
+    def test_a_temperature_of_20_degC_fails(self):
+        """54 deg/h/degC x 20 degC make 1.8 km in 60 s: sigma = w g t^3/6 on a line."""
+        sensor, found = standing_of(HOT, "temperature 20 degC, vibration 0 g")
+        assert sensor.verdict == "fails"
+        radii = found.output("mission.position.horizontal.60").radii
+        # One temperature moves north and east alike: a line of sqrt(2) sigma.
+        sigma = sqrt(2.0) * 54.0 * 20.0 * DEG_PER_HOUR * G * 60.0**3 / 6.0
+        assert_allclose(radii.cep, 0.67449 * sigma, rtol=5e-3)
+
+    def test_a_vibration_of_1_g_fails(self):
+        """500 deg/h/g^2 x (1 g)^2 turn 60 s into 1.0 km: a circle of 1.1774 sigma."""
+        sensor, found = standing_of(SHAKEN, "temperature 0 degC, vibration 1 g")
+        assert sensor.verdict == "fails"
+        radii = found.output("mission.position.horizontal.60").radii
+        sigma = 500.0 * DEG_PER_HOUR * G * 60.0**3 / 6.0
+        assert_allclose(radii.cep, 1.17741 * sigma, rtol=5e-3)
+
+    def test_vibration_that_nobody_states_bounds_the_verdict(self):
+        """At the bound in g that is named the limit is used up."""
+        sensor, _ = standing_of(SHAKEN)
+        assert sensor.verdict == "meets_if"
+        (bound,) = [
+            one.below
+            for one in sensor.standing.conditions
+            if one.kind == "vibration" and one.below is not None
+        ]
+        needed = f"temperature 0 degC, vibration {bound / G!r} g"
+        at_bound, _ = standing_of(SHAKEN, needed)
+        assert_allclose(at_bound.utilisation, 1.0, rtol=1e-6)
+
+    @pytest.mark.parametrize("sheet", [HOT, SHAKEN], ids=["hot", "shaken"])
+    def test_in_the_environment_of_the_test_it_meets_and_the_headline_says_so(
+        self, sheet
+    ):
+        """`environment: none` exercises neither, which is said as a caution, too."""
+        sensor, _ = standing_of(sheet, "none")
+        assert sensor.verdict == "meets"
+        assert "in the environment of its test" in sensor.standing.after
+        assert "as the maker calibrated it" in sensor.standing.after
+        assert "not exercised" in texts_of(sensor.standing)
+
+    def test_a_sheet_that_hides_is_not_better_off(self):
+        """Without the coefficient the verdict is the same, in every environment."""
+        for environment in (None, "temperature 20 degC, vibration 1 g"):
+            hidden, _ = standing_of(SHEET, environment)
+            assert hidden.verdict != "meets"
+
+    def test_two_files_that_state_different_ones_are_refused(self):
+        """The requirement says none, the mission 20 degC."""
+        hot = OUTAGE | {"environment": {"temperature": "20 degC", "vibration": "0 g"}}
+        with pytest.raises(budget.CallError, match=r"20 degC.*--environment"):
+            budget.analyze(
+                SHEET,
+                mission=hot,
+                requirement=NEED | {"environment": "none"},
+                validate=False,
+            )
+
+    def test_what_a_call_states_goes_before_files(self):
+        """--environment none beside a mission at 20 degC."""
+        hot = OUTAGE | {"environment": {"temperature": "20 degC", "vibration": "0 g"}}
+        found = budget.analyze(
+            HOT,
+            mission=hot,
+            requirement=NEED,
+            procedure=budget.uncalibrated("factory", environment="none"),
+            validate=False,
+        )
+        assert found.assessment.sensors[0].verdict == "meets"
+
+    def test_a_residual_over_temperature_is_nothing_where_no_temperature_is(self):
+        """It is 0 at the temperature of the test; unstated it counts in full."""
+        sheet = sheet_with({"gyro.bias_over_temperature": "5000 deg/h"})
+        assert standing_of(sheet)[0].verdict == "fails"
+        assert standing_of(sheet, "none")[0].verdict == "meets"
+
+
+class TestAge:
+    """An age that nobody states is a condition, too."""
+
+    AGED = sheet_with(
+        {"gyro.ageing": {"value": "100 deg/h", "horizon": "1 year", "law": "drift"}}
+    )
+
+    def test_ageing_bounds_the_age(self):
+        """At the age that is named the limit is used up."""
+        environment = "temperature 0 degC, vibration 0 g"
+        sensor, _ = standing_of(self.AGED, environment)
+        assert sensor.verdict == "meets_if"
+        (bound,) = [
+            one.below
+            for one in sensor.standing.conditions
+            if one.kind == "age" and one.below is not None
+        ]
+        found = budget.analyze(
+            self.AGED,
+            mission=OUTAGE,
+            requirement=NEED,
+            procedure=budget.uncalibrated(
+                "factory", environment=environment, age=f"{bound!r} s"
+            ),
+            validate=False,
+        )
+        assert_allclose(found.assessment.sensors[0].utilisation, 1.0, rtol=1e-6)
+
+    def test_a_horizon_without_an_age_is_named(self):
+        """A repeatability that holds over 10 s says nothing of a later use."""
+        sheet = sheet_with(
+            {"gyro.bias_repeatability": {"value": "3 deg/h", "horizon": "10 s"}}
+        )
+        sensor, _ = standing_of(sheet)
+        assert sensor.verdict == "meets_if"
+        assert "within 10 s of a calibration" in texts_of(sensor.standing)
+
+    def test_a_horizon_shorter_than_the_age_is_named(self):
+        """And the ageing that is not given decides."""
+        sheet = sheet_with(
+            {"gyro.bias_repeatability": {"value": "3 deg/h", "horizon": "10 s"}}
+        )
+        found = budget.analyze(
+            sheet,
+            mission=OUTAGE,
+            requirement=NEED,
+            procedure=budget.uncalibrated("factory", environment="none", age="1 year"),
+            validate=False,
+        )
+        (sensor,) = found.assessment.sensors
+        assert sensor.verdict == "undecidable"
+        assert "holds over 10 s" in texts_of(sensor.standing)
+
+
+class TestMissing:
+    """What a line may be that is not given, by its ceiling."""
+
+    def test_a_line_that_reaches_no_limit_is_not_missing(self):
+        """A limit on the scale factor of a gyro does not ask for its mounting."""
+        sheet = sheet_with({}, without=("gyro.mounting_repeatability",))
+        need = {
+            "name": "scale factor",
+            "environment": "none",
+            "limits": {"gyro": {"scale_factor": "1000 ppm"}},
+        }
+        found = budget.analyze(sheet, requirement=need, validate=False)
+        assert found.assessment.sensors[0].verdict == "meets"
+
+    def test_the_bound_of_a_line_is_where_the_limit_is_used_up(self):
+        """A device with the line at its bound uses 100 % of its worst limit."""
+        name = "accelerometer.bias_repeatability"
+        sheet = sheet_with({}, without=(name,))
+        sensor, _ = standing_of(sheet, "none")
+        (bound,) = [one for one in sensor.standing.conditions if one.line == name]
+        assert sensor.verdict in {"meets_if", "undecidable"}
+        size = bound.below / (1e-6 * G)
+        there, _ = standing_of(sheet_with({name: f"{size!r} ug"}), "none")
+        assert_allclose(there.utilisation, 1.0, rtol=1e-6)
+
+    def test_at_its_ceiling_it_meets_where_the_verdict_says_meets_if(self):
+        """And above a limit that the ceiling overturns it is undecidable."""
+        name = "accelerometer.bias_repeatability"
+        sheet = sheet_with({}, without=(name,))
+        wide = deepcopy(NEED)
+        wide["limits"]["mission"]["position"]["horizontal"] = "30 km"
+        assert standing_of(sheet, "none", **wide)[0].verdict == "meets_if"
+        narrow = deepcopy(NEED)
+        narrow["limits"]["mission"]["position"]["horizontal"] = "25 m"
+        sensor, _ = standing_of(sheet, "none", **narrow)
+        assert sensor.verdict == "undecidable"
+        assert sensor.standing.asks[0].line == name
+
+    def test_what_fails_on_what_is_given_fails(self):
+        """No line that is missing mends it."""
+        narrow = deepcopy(NEED)
+        narrow["limits"]["mission"]["position"]["horizontal"] = "1 m"
+        sheet = sheet_with({}, without=("accelerometer.bias_repeatability",))
+        assert standing_of(sheet, "none", **narrow)[0].verdict == "fails"
+
+    def test_g_sensitivity_of_a_mems_gyro_is_expected_on_a_route_that_turns(self):
+        """And not on one that stands, nor of another technology."""
+        turning = {
+            "name": "turns",
+            "environment": "none",
+            "mission": {
+                "latitude": "45 deg",
+                "segments": [
+                    {"straight": "10 s", "speed": "20 m/s"},
+                    {"turn": "360 deg", "rate": "9 deg/s"},
+                    {"straight": "10 s"},
+                ],
+            },
+        }
+        for technology, expected in (("MEMS", True), ("FOG", False)):
+            found = budget.analyze(
+                SHEET | {"technology": technology},
+                mission=turning,
+                requirement=NEED,
+                procedure=budget.uncalibrated("factory"),
+                validate=False,
+            )
+            lines = {
+                one.line for one in found.assessment.sensors[0].standing.conditions
+            }
+            assert ("gyro.g_sensitivity" in lines) is expected
+
+
+LIMITS = {
+    "gyro": {
+        "scale_factor": "160 ppm",
+        "mounting_angle": "6 arcsec",
+        "bias": "0.16 deg/h",
+    },
+    "accelerometer": {
+        "scale_factor": "120 ppm",
+        "mounting_angle": "9 arcsec",
+        "bias": "120 ug",
+    },
+}
+
+
+class TestDecision:
+    """All limits alone, or all together."""
+
+    @pytest.mark.parametrize(
+        ("decision", "verdict"), [("each", "meets"), ("joint", "fails")]
+    )
+    def test_each_limit_alone_is_kept_and_all_together_are_not(self, decision, verdict):
+        """24 limits at 95 % each: a unit keeps all of them with 57 %."""
+        need = {
+            "name": "tight",
+            "environment": "none",
+            "decision": decision,
+            "limits": LIMITS,
+        }
+        found = budget.analyze("zhao-2019", requirement=need, validate=False)
+        assert found.assessment.verdict == verdict
+        p = found.assessment.conformance
+        # 3 standard errors of 1e5 trials about a count of its own seed.
+        assert abs(p.value - 0.565) < 3.0 * sqrt(0.25 / 1e5) + 5e-3
+
+
+def random_case(rng: np.random.Generator) -> tuple[dict, dict, str]:
+    """Return a full sheet that fails by one line, the same less that line, and how.
+
+    The line is made so large that it overturns the verdict by itself.
+    """
+    scale = {kind: 10.0 ** rng.uniform(-1.0, 0.3) for kind in ("gyro", "accelerometer")}
+    full = deepcopy(SHEET)
+    full["technology"] = str(rng.choice(["MEMS", "FOG", "RLG", "novel"]))
+    sizes = {
+        "gyro": (
+            ("bias_repeatability", 3.0, "deg/h"),
+            ("angle_random_walk", 0.1, "deg/sqrt(h)"),
+            ("scale_factor_repeatability", 100.0, "ppm"),
+            ("mounting_repeatability", 10.0, "arcsec"),
+        ),
+        "accelerometer": (
+            ("bias_repeatability", 500.0, "ug"),
+            ("velocity_random_walk", 0.05, "m/s/sqrt(h)"),
+            ("scale_factor_repeatability", 300.0, "ppm"),
+            ("mounting_repeatability", 10.0, "arcsec"),
+        ),
+    }
+    for kind, lines in sizes.items():
+        for line, size, unit in lines:
+            value = size * scale[kind] * 10.0 ** rng.uniform(-0.3, 0.3)
+            full[kind]["errors"][line] = f"{value!r} {unit}"
+    more = {
+        "gyro.bias_temperature_coefficient": ("deg/h/degC", 60.0),
+        "gyro.vibration_rectification": ("deg/h/g^2", 600.0),
+        "gyro.bias_repeatability": ("deg/h", 600.0),
+        "accelerometer.bias_repeatability": ("mg", 50.0),
+        "accelerometer.bias_temperature_coefficient": ("mg/degC", 5.0),
+        "accelerometer.vibration_rectification": ("mg/g^2", 50.0),
+        "gyro.ageing": ("deg/h", 600.0),
+        "accelerometer.mounting_repeatability": ("deg", 5.0),
+    }
+    name = str(rng.choice(list(more)))
+    unit, size = more[name]
+    value: Any = f"{size * 10.0 ** rng.uniform(0.0, 0.5)!r} {unit}"
+    if name == "gyro.ageing":
+        value = {"value": value, "horizon": "1 year"}
+    kind, line = name.split(".")
+    less = deepcopy(full)
+    less[kind]["errors"].pop(line, None)
+    full[kind]["errors"][line] = value
+    return full, less, name
+
+
+STATED = {
+    "environment": {"temperature": "10 degC", "vibration": "1 g"},
+    "age": "1 year",
+}
+SWEEP = 200
+
+
+@pytest.fixture(scope="module")
+def cases():
+    """Return the sheets, full and reduced, each under a name of its own."""
+    rng = np.random.default_rng(20)
+    found = [random_case(rng) for _ in range(SWEEP)]
+    for place, (full, less, _) in enumerate(found):
+        full["name"], less["name"] = f"full {place}", f"less {place}"
+    return found
+
+
+def verdicts(devices, stated):
+    """Return the verdicts on devices by the law, by name."""
+    found = compare(
+        devices,
+        NEED,
+        budget.uncalibrated("factory"),
+        mission=OUTAGE | stated,
+        method="gum",
+    )
+    return {one.name: one for one in found.devices}
+
+
+@pytest.fixture(scope="module")
+def overturned(cases):
+    """Return the places of full sheets that fail where the use is stated."""
+    full = verdicts([case[0] for case in cases], STATED)
+    return [place for place in range(SWEEP) if full[f"full {place}"].verdict == "fails"]
+
+
+@pytest.mark.slow
+class TestSweep:
+    """Random sheets: what is hidden or not exercised never makes a verdict `meets`."""
+
+    def test_no_sheet_meets_that_hides_what_overturns_it(self, cases, overturned):
+        """One line left out, the use stated; a control says `meets` in most of them."""
+        less = verdicts([case[1] for case in cases], STATED)
+        assert len(overturned) > SWEEP / 2
+        found = [less[f"less {place}"] for place in overturned]
+        assert [one.name for one in found if one.verdict == "meets"] == []
+        # The control: what is given alone, as if a missing line were 0.
+        assert sum(one.utilisation <= 1.0 for one in found) > SWEEP / 4
+
+    def test_no_sheet_meets_where_its_use_is_not_stated(self, cases, overturned):
+        """The full sheet fails at 10 degC, 1 g, a year; nobody states them."""
+        unstated = verdicts([case[0] for case in cases], {})
+        found = [unstated[f"full {place}"] for place in overturned]
+        assert [one.name for one in found if one.verdict == "meets"] == []
+        assert sum(one.utilisation <= 1.0 for one in found) > SWEEP / 10
