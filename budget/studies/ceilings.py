@@ -1,0 +1,189 @@
+"""Ceilings of lines that a data sheet does not give: what they hardly exceed.
+
+The larger of what the worst comparable device of the catalogue prints, which has the
+same sensor, family of technology and grade, and the 97.5 % point of the prediction
+(budget.studies.prediction), which there is of expected lines:
+
+    u_c = max(max over comparable of |u|, exp(m + t(0.975; df) s)),
+
+m location and s scale of ln u. A sheet that hides is never better off: where nobody
+can tell its technology or its grade, devices of any are comparable with it, so that to
+tell can only make fewer of them, and lower the largest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.model.sources.later import AGEING, growth
+from budget.names import Name
+from budget.studies.grades import FAMILIES, UNKNOWN, family, grade
+from budget.studies.missing import line_of, shipped_devices
+from budget.studies.prediction import figures_of, predict, stand_in
+from budget.ties import first_largest
+from budget.units import YEAR
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from budget.spec.records import Device, ErrorLine
+
+BY_DEVICES, BY_PREDICTION = ORIGINS = ("comparable devices", "prediction")
+TECHNOLOGY, GRADE = UNTOLD = ("technology", "grade")
+COVERAGE = 0.95  # of the central interval whose upper end is a ceiling [1]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Comparable:
+    """A line as a device of the catalogue prints it."""
+
+    u: float  # of the largest axis, of an ageing after a year [SI]
+    printed: str  # as its file gives it, beside its own meaning
+    owner: str  # name of the device
+    family: str
+    grade: str
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Ceiling:
+    """A line that is not given at what it hardly exceeds.
+
+    Attributes
+    ----------
+    name : Name
+        As it was asked for, 'gyro.noise'.
+    line : ErrorLine
+        What stands for it, at the ceiling.
+    u : float
+        [SI]
+    origin : str
+        'comparable devices' or 'prediction': the larger of the two.
+    largest_comparable : Comparable or None
+        What the worst comparable device prints; None where none prints it.
+    untold : tuple of str
+        What nobody told, 'technology' or 'grade': devices of any count as comparable.
+    """
+
+    name: Name
+    line: ErrorLine
+    u: float
+    origin: str
+    largest_comparable: Comparable | None = None
+    untold: tuple[str, ...] = ()
+
+    @property
+    def printed(self) -> str:
+        """Its size to three digits, as makers print it: '0.2 deg'."""
+        return self.line.printed
+
+
+def ceilings(
+    device: Device, names: Sequence[Name], catalogue: Sequence[Device] | None = None
+) -> Mapping[Name, Ceiling]:
+    """Return what lines that a device does not give hardly exceed.
+
+    Parameters
+    ----------
+    device : Device
+        Of the catalogue or not: it is not comparable with itself.
+    names : sequence of Name
+        Any lines of its sensors that it does not give, 'gyro.noise' or
+        'gyro.g_sensitivity'; of several that may stand for an expected one the first
+        is taken.
+    catalogue : sequence of Device, optional
+        Without it the devices that ship.
+
+    Returns
+    -------
+    mapping of Name to Ceiling
+        Without those that nobody comparable prints and that cannot be predicted.
+
+    Raises
+    ------
+    CallError
+        A name is none of a line.
+    """
+    devices = tuple(shipped_devices() if catalogue is None else catalogue)
+    meant = {name: _expected(name) for name in names}
+    there = {sensor.kind: sensor for sensor in device.sensors}
+    wanted = [own for own in dict.fromkeys(meant.values()) if own.owner in there]
+    given = figures_of(device)  # of which nothing is left to predict
+    expected = [own for own in wanted if stand_in(own).expected]
+    prediction = predict(device, [own for own in expected if own not in given], devices)
+    upper = {}
+    if prediction is not None:
+        ends = prediction.interval(COVERAGE)[:, 1].tolist()
+        upper = dict(zip(prediction.names, ends, strict=True))
+    found = {}
+    for name, own in meant.items():
+        if own not in wanted:
+            continue
+        source = stand_in(own)
+        own_family, own_grade = _family(device), grade(there[own.owner])
+        offers = [
+            one
+            for one in _printed(devices).get((own.owner, source.name), ())
+            if one.owner != device.as_printed
+            if own_family in {one.family, ""} and own_grade in {one.grade, UNKNOWN}
+        ]
+        worst = offers[first_largest([one.u for one in offers])] if offers else None
+        sizes = [0.0 if worst is None else worst.u, upper.get(own, 0.0)]
+        if max(sizes) == 0.0:
+            continue
+        origin = first_largest(sizes)
+        found[name] = Ceiling(
+            name=name,
+            line=line_of(source, own.owner, sizes[origin], meaning="ceiling"),
+            u=sizes[origin],
+            origin=ORIGINS[origin],
+            largest_comparable=worst,
+            untold=tuple(
+                word
+                for word, is_told in zip(
+                    UNTOLD, (own_family, own_grade != UNKNOWN), strict=True
+                )
+                if not is_told
+            ),
+        )
+    return found
+
+
+def _expected(name: Name) -> Name:
+    """Return the expected line that a name is of, or the name itself."""
+    source = stand_in(name)
+    return Name(source.expected or source.name, owner=name.owner)
+
+
+def _family(device: Device) -> str:
+    """Return the family of a device; '' of a word that is no technology we know."""
+    found = family(device.technology)
+    return found if found in FAMILIES else ""
+
+
+@lru_cache(maxsize=2)
+def _printed(
+    catalogue: tuple[Device, ...],
+) -> Mapping[tuple[str, str], Sequence[Comparable]]:
+    """Return what devices print, by sensor and line; those that print 0 print none."""
+    found: dict[tuple[str, str], list[Comparable]] = {}
+    for device in catalogue:
+        for sensor in device.sensors:
+            for line in (*sensor.lines, *sensor.initial):
+                u = float(np.abs(line.u).max())
+                if line.name in AGEING.values():
+                    u *= growth(line, YEAR)
+                if u > 0.0:
+                    found.setdefault((sensor.kind, line.name), []).append(
+                        Comparable(
+                            u=u,
+                            printed=line.printed,
+                            owner=device.as_printed,
+                            family=_family(device),
+                            grade=grade(sensor),
+                        )
+                    )
+    return found
