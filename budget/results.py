@@ -51,6 +51,7 @@ COLUMNS = (  # of the flat records
 )
 BY_LAW = "law"  # an interval mean +- k u
 BY_TRIALS = "monte-carlo"  # an interval of trials
+BY_PREDICTION = "prediction"  # one over what missing lines may be
 
 
 class Tabled:
@@ -207,7 +208,7 @@ class OutputBudget:
     standard_uncertainty: float
     interval: tuple[float, float]
     contributions: tuple[Contribution, ...]
-    interval_by: str = BY_LAW  # or 'monte-carlo', 'simulation'
+    interval_by: str = BY_LAW  # or 'monte-carlo', 'simulation', 'prediction'
     u_by: str = BY_LAW  # what mean and standard uncertainty are of, likewise
     law_factor: float | None = None  # k of the law [1], whatever the interval is of
     validation: Validation | None = None

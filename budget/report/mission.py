@@ -21,12 +21,13 @@ from budget.report.tables import (
     used_part,
 )
 from budget.report.wording import capital, cell, outcome_words
+from budget.results import BY_PREDICTION
 from budget.studies.cautions import SMALL
 from budget.ties import from_largest, settle
 from budget.units import ARCSEC
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from budget.report.blocks import Table
     from budget.report.tables import Number
@@ -52,6 +53,18 @@ CIRCLES = term(
     "50 % and with 95 % probability; DRMS: root of the sum of the squared standard "
     "uncertainties north and east. All other numbers are standard uncertainties."
 )
+OVER = term(
+    "All are of the predictive mixture, over what the lines that are not given may be. "
+    "It has no variance: a standard uncertainty is half of the interval of 68.3 %, and "
+    "shares are those at the medians of these lines."
+)
+
+
+def what_sizes_are(moments: Sequence[AtTime]) -> Iterator[str]:
+    """Say what CEP, R95, DRMS and all other numbers of the tables are."""
+    yield say(CIRCLES)
+    if any(row.interval_by == BY_PREDICTION for at in moments for row in at.rows):
+        yield say(OVER)
 
 
 @dataclass(frozen=True, kw_only=True)

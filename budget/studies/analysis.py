@@ -27,6 +27,7 @@ from budget.model.sources import SENSORS
 from budget.names import IMU, MISSION, Name
 from budget.results import (
     BY_LAW,
+    BY_PREDICTION,
     BY_TRIALS,
     CEP,
     INTERACTION,
@@ -50,6 +51,7 @@ from budget.studies.input_quantities import input_quantities, sensitivities
 from budget.studies.lower_bounds import could_widen, expecting_device
 from budget.studies.missing import REFUSE, Filling, fill_all
 from budget.studies.mission import bought
+from budget.studies.mixture import ONE_SIGMA, WORDS, Mixture
 from budget.studies.progress import Engine, describe_cost, seconds_per_trial
 from budget.studies.readings import effects
 from budget.studies.request import (
@@ -97,6 +99,9 @@ class Estimate:
     interval: Array  # shape (n_out, 2)
     validations: tuple[Validation | None, ...]  # of the law, output by output
     warnings: tuple[str, ...] = ()
+    # CEP and R95 of the lengths, shape (2, n_lengths); None: of a normal law.
+    circles: Array | None = None
+    assumptions: tuple[str, ...] = ()
 
 
 def analyze(
@@ -321,6 +326,7 @@ def analyze_as(
         warnings += cautions.say_unfelt(cautions.unfelt(analysis))
         warnings += blunders.worth_saying(procedure, sensors, law, problem, requirement)
     estimate = ESTIMATORS[settings.method](analysis, settings, engine)
+    estimate = _over_missing(analysis, estimate)
     warnings += estimate.warnings
     warnings += cautions.few_trials(estimate.trials, settings.coverage)
     indices = None
@@ -371,6 +377,7 @@ def analyze_as(
             *(() if of_test else cautions.left_behind(sensors, procedure)),
             *not_weighted(sensors, procedure),
             *cautions.shared_constants(sensors, procedure, settings.reference),
+            *estimate.assumptions,
         ),
         warnings=warnings,
         could_widen=could_widen(sensors, procedure, reference=settings.reference)
@@ -491,6 +498,34 @@ ESTIMATORS = {
 }
 
 
+def _over_missing(analysis: Analysis, estimate: Estimate) -> Estimate:
+    """Return an estimate over what predicted lines may be, not at their medians.
+
+    Of a mission; all others as they are. Correlations are those at the medians.
+    """
+    mixture = Mixture.of(analysis)
+    if mixture is None:
+        return estimate
+    law, legs = analysis.law, analysis.problem.legs
+    half = mixture.half_widths(analysis.coverage, analysis)
+    u = mixture.half_widths(ONE_SIGMA, analysis)
+    first = u.size - legs.shape[1]
+    u[first:] = np.hypot(*u[legs])  # as of DRMS, which no circle is of
+    before = law.standard_uncertainty
+    ratio = np.divide(u, before, out=np.ones_like(u), where=before > 0.0)
+    return replace(
+        estimate,
+        method=BY_PREDICTION,
+        mean=law.mean,
+        covariance=law.covariance * np.outer(ratio, ratio),
+        interval=np.stack([law.mean - half, law.mean + half], axis=1),
+        circles=np.stack(
+            [mixture.half_widths(p, analysis)[first:] for p in (CEP, R95)]
+        ),
+        assumptions=(WORDS,),
+    )
+
+
 def _judge(budget: Budget, requirement: Requirement) -> Budget:
     """Judge a budget; its required outputs get the intervals that were judged."""
     assessment = assess(budget, requirement)
@@ -509,6 +544,8 @@ def _judge(budget: Budget, requirement: Requirement) -> Budget:
                 budget.settings.coverage,
             )
             if (found := judged.get(row.output.name)) is not None
+            # What is judged is judged at the medians.
+            and row.interval_by != BY_PREDICTION
             else row
             for row in budget.outputs
         ),
@@ -615,11 +652,14 @@ def _output_budgets(
 
 
 def _radii(problem: Problem, estimate: Estimate) -> dict[Name, Radii]:
-    """Return CEP and R95 of the lengths among the outputs, of the normal law."""
+    """Return CEP and R95 of the lengths among the outputs."""
     lengths = [output.name for output in problem.outputs if output.length_of]
     if not lengths:
         return {}
-    found = [circles(estimate.covariance, problem.legs, p) for p in (CEP, R95)]
+    found = estimate.circles
+    if found is None:
+        C, legs = estimate.covariance, problem.legs
+        found = np.stack([circles(C, legs, p) for p in (CEP, R95)])
     return {
         name: Radii(cep=float(cep), r95=float(r95))
         for name, cep, r95 in zip(lengths, *found, strict=True)

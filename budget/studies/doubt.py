@@ -124,7 +124,7 @@ def weigh(
     for m in range(n):
         # The line that becomes known comes first: draws are in the order of its size.
         order = [m, *(k for k in range(n) if k != m)]
-        squared = _squared(prediction, order)
+        squared = squared_lines(prediction, order)
         meets = np.ones(POINTS, dtype=bool)
         for k in range(room.size):
             if unit[:, k].any():
@@ -144,7 +144,7 @@ def _range(prediction: Prediction, ends: Array) -> tuple[float, float]:
 
     A row of `ends` has |mean|, k, limit, unit variances and room of one output.
     """
-    squared = _squared(prediction, range(len(prediction.names)))[:, ::STRIDE]
+    squared = squared_lines(prediction, range(len(prediction.names)))[:, ::STRIDE]
     used = np.zeros(squared.shape[1])
     for mean, k, limit, *unit, room in ends.tolist():
         rest = max(((limit - mean) / k) ** 2 - room, 0.0) if k > 0.0 else 0.0
@@ -154,8 +154,11 @@ def _range(prediction: Prediction, ends: Array) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def _squared(prediction: Prediction, order: Sequence[int]) -> Array:
-    """Return draws of squared lines over their medians, by the first of the order."""
+def squared_lines(prediction: Prediction, order: Sequence[int]) -> Array:
+    """Return draws of squared lines over their medians, by the first of the order.
+
+    Shape (n_missing, POINTS).
+    """
     root = np.linalg.cholesky(prediction.scale[np.ix_(order, order)])
     return np.asarray(np.exp(2.0 * (root @ standard(len(order), prediction.df))))
 

@@ -16,11 +16,12 @@ from budget.calibration.mission import (
 )
 from budget.errors import CallError
 from budget.methods.gum import covariance_by_source, derivatives
-from budget.methods.radius import plane_variances, radius_of
+from budget.methods.radius import principal_variances, radius_of
 from budget.names import HORIZONTAL, LENGTHS, MISSION, Name
 from budget.results import CEP, INTERACTION, R95, Calibrated
 from budget.spec import without_test
 from budget.spec.records import UNCALIBRATED
+from budget.studies.mixture import ONE_SIGMA, Mixture
 from budget.studies.request import analysis_of, seconds
 from budget.ties import first_largest
 
@@ -50,28 +51,47 @@ class Curve:
     sources : tuple of Name
         The lines, then products of two: `interaction`.
     covariance : ndarray, shape (n_sources, n_times, 9, 9)
-        Of position, velocity, attitude at one time, in the order of SEEN [SI squared].
+        Of position, velocity, attitude at one time, in the order of SEEN [SI squared];
+        of lines that are predicted at their medians.
+    mixture : Mixture or None
+        What those may be: radii and standard uncertainties are over that.
     """
 
     times: tuple[float, ...]
     sources: tuple[Name, ...]
     covariance: Array
+    mixture: Mixture | None = None
 
     def standard_uncertainty(self, quantity: str, axis: str) -> Array:
         """Return that of one error at all times, shape (n_times,) [SI]."""
         row = SEEN.index((quantity, axis))
-        return np.asarray(np.sqrt(self.covariance[:, :, row, row].sum(axis=0)))
+        own = self.covariance[:, :, row, row]
+        if self.mixture is None:
+            return np.asarray(np.sqrt(own.sum(axis=0)))
+        each = np.stack([own, 0.0 * own, 0.0 * own], axis=1)
+        return self.mixture.radius(ONE_SIGMA, self.sources, each)
+
+    def drms(self, quantity: str = "position") -> Array:
+        """Return the root of the sum of squared u north and east, (n_times,) [SI]."""
+        u = [self.standard_uncertainty(quantity, axis) for axis in HORIZONTAL]
+        return np.asarray(np.hypot(*u))
 
     def horizontal_variance(self, quantity: str = "position") -> Array:
-        """Return what each source adds to DRMS squared, (n_sources, n_times) [SI]."""
+        """Return what each source adds to DRMS squared, (n_sources, n_times) [SI].
+
+        Of lines that are predicted at their medians.
+        """
         rows = _plane(quantity)
         return np.asarray(self.covariance[..., rows, rows].sum(axis=-1))
 
     def radius(self, coverage: float, quantity: str = "position") -> Array:
         """Return the radii of circles of a coverage, shape (n_times,) [SI]."""
-        legs = _plane(quantity)[:, None]
-        variances = plane_variances(self.covariance.sum(axis=0), legs)
-        return radius_of(coverage, variances[..., 0])
+        a, b = _plane(quantity)
+        C = self.covariance
+        each = np.stack([C[..., a, a], C[..., b, b], C[..., a, b]], axis=1)
+        if self.mixture is not None:
+            return self.mixture.radius(coverage, self.sources, each)
+        return radius_of(coverage, principal_variances(*each.sum(axis=0)))
 
     def to_frame(self) -> pd.DataFrame:
         """Return a pandas table, a row for each time [s, m, m/s].
@@ -85,10 +105,8 @@ class Curve:
                 "time": self.times,
                 "cep": self.radius(CEP),
                 "r95": self.radius(R95),
-                "drms": np.sqrt(self.horizontal_variance().sum(axis=0)),
-                "velocity_drms": np.sqrt(
-                    self.horizontal_variance("velocity").sum(axis=0)
-                ),
+                "drms": self.drms(),
+                "velocity_drms": self.drms("velocity"),
                 "dominant": self.dominant,
             }
         )
@@ -167,7 +185,12 @@ def curve(analysis: Analysis, times: Sequence[float] | None = None) -> Curve:
         analysis.sensors, journey, sample_rate=rate, only=analysis.only
     ):
         C[sources.index(name)] += noise[here, :, here]
-    return Curve(times=tuple(times), sources=sources, covariance=C)
+    return Curve(
+        times=tuple(times),
+        sources=sources,
+        covariance=C,
+        mixture=Mixture.of(analysis),
+    )
 
 
 def drawn_times(duration: float, asked: Sequence[float]) -> tuple[float, ...]:

@@ -10,7 +10,6 @@ from budget.report.analysis.groups import rest_sections, verdict_sections
 from budget.report.blocks import Abreast, Card, ForPages, Paragraph, Section
 from budget.report.figures.growth import growth_pictures
 from budget.report.mission import (
-    CIRCLES,
     bought_table,
     by_time,
     contributions_table,
@@ -21,6 +20,7 @@ from budget.report.mission import (
     position_table,
     rate_per_hour,
     size,
+    what_sizes_are,
 )
 from budget.report.tables import (
     AT_LEAST,
@@ -115,7 +115,8 @@ def mission_blocks(budget: Budget, moments: Sequence[AtTime]) -> Iterator[Block]
     for text in finding(moments):
         yield Paragraph(words=(text,))
     yield position_table(moments)
-    yield Paragraph(words=(say(CIRCLES),), small=True)
+    for text in what_sizes_are(moments):
+        yield Paragraph(words=(text,), small=True)
     yield motion_table(moments)
     if gaps := lower_bounds(budget):
         yield Paragraph(words=(gaps,), small=True)
