@@ -14,6 +14,8 @@ from budget.methods.intervals import interval_of_trials
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from numpy.typing import NDArray
+
     from budget.arrays import Array
     from budget.problem import Problem
 
@@ -23,7 +25,7 @@ def first_trials(
     *,
     trials: int,
     seed: int = 0,
-    outputs: Sequence[int] | Array | None = None,
+    outputs: Sequence[int] | NDArray[np.intp] | None = None,
     known: Array | None = None,
 ) -> Array:
     """Return the values of the first trials, in their order.

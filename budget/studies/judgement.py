@@ -6,13 +6,17 @@ no more than the sampling error of the trials made; elsewhere it is that of the 
 So a linear model with normal inputs is judged exactly, and a bound of uniform shape by
 Monte Carlo. Trials are four times as many until the limit lies outside the interval of
 the utilisation, or until there are as many as may be: then it is undecided.
+
+Outputs that are equal by the law, source by source, as equal axes are, have one
+distribution: the trials of the first of them stand for all, so that they have one
+interval and tie. What has no limit gets the interval of the first trials.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import lru_cache
-from math import sqrt
+from math import exp, pi, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,6 +25,7 @@ from budget.arrays import root_of_correlation
 from budget.calibration.derived import outputs_for
 from budget.calibration.mission import mission_problem
 from budget.calibration.problem import calibration_problem
+from budget.distributions import normal_coverage_factor
 from budget.methods.execution import BLOCK, small_blocks, stream
 from budget.methods.intervals import interval_of_values
 from budget.methods.largest import (
@@ -41,10 +46,10 @@ from budget.results import (
 )
 from budget.spec.records import JOINT
 from budget.studies.request import on_mission
-from budget.ties import equal_to, first_largest, settle
+from budget.ties import ALIKE, equal_to, first_largest, settle
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Container, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -57,6 +62,9 @@ if TYPE_CHECKING:
 TRIALS = 100_000  # at first
 MAX_TRIALS = 1_600_000  # where more trials stop trying to settle a verdict
 STEP = 4  # times as many trials in each try
+# Of what sampling leaves open of an end of a normal output: a law that is surer is
+# surer than trials of any output that is so nearly normal [1].
+SURE = 0.5
 NORMAL_TRIALS = 16_384  # of the joint normal law, where there are no others
 
 
@@ -65,7 +73,8 @@ class Limited:
     """What is judged: the Problem of a sensor or a mission, and limits on outputs."""
 
     problem: Problem
-    rows: Array  # required outputs among those of the Problem, shape (n_required,)
+    # Required outputs among those of the Problem, shape (n_required,).
+    rows: NDArray[np.intp]
     limits: Array  # on their absolute errors, shape (n_required,) [SI]
     coverage: Array  # probabilities of the intervals, shape (n_required,) [1]
     printed: tuple[str, ...]  # the limits as the requirement file gives them
@@ -164,7 +173,7 @@ class Judged:
 
     interval: Array  # coverage intervals, shape (n_required, 2) [SI]
     # Whether an interval is of the trials, else it is the law's, shape (n_required,).
-    by_trials: Array
+    by_trials: NDArray[np.bool_]
     # Coverage factors: what times u gives the largest end from |mean| on, shape
     # (n_required,) [1].
     factor: Array
@@ -246,7 +255,7 @@ def judge(
     """
     number, values = trials, None
     while True:
-        values = _first_trials(held, number, seed, known=values)
+        values = _first_trials(held, law, number, seed, known=values)
         judged = _judge_by(values, held, law)
         settles = judged.is_open and (
             held.is_joint or can_sharpen(judged, max_trials, above=1.0)
@@ -258,49 +267,199 @@ def judge(
 
 def judge_with(held: Limited, law: Propagation, *, seed: int, trials: int) -> Judged:
     """Judge with so many trials and no more; arguments as of `judge`."""
-    return _judge_by(_first_trials(held, trials, seed), held, law)
+    return _judge_by(_first_trials(held, law, trials, seed), held, law)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Intervals:
+    """Coverage intervals of all outputs of a Problem."""
+
+    ends: Array  # shape (n_out, 2) [SI]
+    # Whether they are of the trials, else the law's, shape (n_out,).
+    by_trials: NDArray[np.bool_]
+
+
+def intervals_of(
+    problem: Problem,
+    law: Propagation,
+    *,
+    coverage: float,
+    seed: int,
+    besides: Container[Name] = (),
+) -> Intervals:
+    """Return the intervals that `judge` takes from its first trials; no limit counts.
+
+    Trials are drawn for outputs that the law could be off by half of what sampling
+    leaves open of the end of a normal output: for all others they would be less sure
+    than the law. Outputs `besides` are left with the law's.
+    """
+    found = Intervals(
+        ends=law.interval(coverage), by_trials=np.zeros(law.value.size, dtype=bool)
+    )
+    off = end_accuracy(problem, law, coverage)
+    least = SURE * _sampled_of_normal(coverage) * law.standard_uncertainty
+    rows = np.array(
+        [
+            k
+            for k in np.flatnonzero(off > least)
+            if problem.outputs[k].name not in besides
+        ],
+        dtype=int,
+    )
+    if not rows.size:
+        return found
+    held = Limited(
+        problem=problem,
+        rows=rows,
+        limits=np.ones(rows.size),
+        coverage=np.full(rows.size, coverage),
+        printed=("",) * rows.size,
+        usual=coverage,
+    )
+    drawn = _of_trials(_first_trials(held, law, TRIALS, seed), held, law)
+    taken = rows[drawn.by_trials]
+    found.ends[taken] = drawn.interval[drawn.by_trials]
+    found.by_trials[taken] = True
+    return found
+
+
+def _sampled_of_normal(coverage: float) -> float:
+    """Return half the sampling interval of an end of a normal output, over its u [1].
+
+    The quantile of probability p of M trials has the standard error
+    sqrt(p (1 - p)/M)/f, f the density there (of normal outputs that at z).
+    """
+    z, p = normal_coverage_factor(coverage), (1.0 + coverage) / 2.0
+    error = sqrt(p * (1.0 - p) / TRIALS) * sqrt(2.0 * pi) * exp(z**2 / 2.0)
+    return float(normal_coverage_factor(CONFIDENCE) * error)
+
+
+def alike(problem: Problem, law: Propagation) -> NDArray[np.intp]:
+    """Return for every output the first one that it is equal to, shape (n_out,).
+
+    Of one parameter, equal in its mean and in the variance of every source: equal axes
+    have equal distributions, of which trials draw one after the other.
+    """
+    parts = np.vstack([law.source_variance, law.interaction_variance])
+    u = law.standard_uncertainty
+    found = np.arange(u.size)
+    firsts: dict[tuple[Name, float | None], list[int]] = {}
+    for k, output in enumerate(problem.outputs):
+        known = firsts.setdefault((output.name.group, output.name.time), [])
+        for j in known:
+            off = np.abs(parts[:, k] - parts[:, j]).max()
+            shift = abs(law.mean[k] - law.mean[j])
+            if off <= ALIKE * u[j] ** 2 and shift <= ALIKE * u[j]:
+                found[k] = j
+                break
+        else:
+            known.append(k)
+    return found
 
 
 def _first_trials(
-    held: Limited, trials: int, seed: int, *, known: Array | None = None
+    held: Limited,
+    law: Propagation,
+    trials: int,
+    seed: int,
+    *,
+    known: Array | None = None,
 ) -> Array:
-    """Return the required outputs in the first trials, (n_required, trials) [SI]."""
+    """Return the outputs `_drawn_rows` in the first trials, (n_drawn, trials) [SI]."""
+    rows = _drawn_rows(held, law)
     return first_trials(
-        held.problem, trials=trials, seed=seed, outputs=held.rows, known=known
+        held.problem, trials=trials, seed=seed, outputs=rows, known=known
+    )
+
+
+def _drawn_rows(held: Limited, law: Propagation) -> NDArray[np.intp]:
+    """Return the required outputs and those that stand for them, ascending."""
+    return np.union1d(held.rows, alike(held.problem, law)[held.rows])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _OfTrials:
+    """What trials say of the required outputs; equal ones have the same."""
+
+    interval: Array  # shape (n_required, 2) [SI]
+    within: Array  # parts of the trials within the limits, shape (n_required,) [1]
+    ends: Ends
+    # Half the 95 % sampling interval over the limit, shape (n_required,) [1].
+    sampled: Array
+    given: Ends  # by the law
+    # Whether the law is less sure than the trials, shape (n_required,).
+    by_trials: NDArray[np.bool_]
+
+
+def _of_trials(values: Array, held: Limited, law: Propagation) -> _OfTrials:
+    """Take intervals of trials of the outputs `_drawn_rows`, shape (n_drawn, trials).
+
+    An output that varies by rounding alone is left to the law.
+    """
+    first = alike(held.problem, law)[held.rows]
+    place = np.searchsorted(_drawn_rows(held, law), first)
+    (each, coverage), back = np.unique(
+        np.stack([place, held.coverage]), axis=1, return_inverse=True
+    )
+    own, back = values[each.astype(int)], back.ravel()
+    ordered = ends_in_order(own, coverage)
+    ends = ends_of_trials(own, ordered, np.ones(coverage.size), coverage)
+    both = np.concatenate([back, back + coverage.size])
+    scale = np.tile(held.limits, 2)
+    drawn = Ends(
+        value=ends.value[both] / scale,
+        noise=ends.noise[:, both] / scale,
+        bound=np.zeros(both.size),
+    )
+    given = _ends_of_law(held, law)
+    sampled = half_widths(drawn).reshape(2, -1).max(axis=0)
+    # Of equal ones the largest: they stay together.
+    off = np.zeros(coverage.size)
+    np.maximum.at(off, back, given.bound[: back.size] * held.limits)
+    varies = law.standard_uncertainty[held.rows] > [
+        output.resolution for output in held.outputs
+    ]
+    return _OfTrials(
+        interval=interval_of_values(ordered, coverage, "symmetric")[back],
+        within=np.array(
+            [
+                (np.abs(values[k]) <= limit).mean()
+                for k, limit in zip(place, held.limits, strict=True)
+            ]
+        ),
+        ends=drawn,
+        sampled=sampled,
+        given=given,
+        by_trials=(off[back] > sampled * held.limits) & varies,
     )
 
 
 def _judge_by(values: Array, held: Limited, law: Propagation) -> Judged:
-    """Judge by these trials, shape (n_required, trials) [SI]."""
-    limits, trials = held.limits, values.shape[1]
-    ordered = ends_in_order(values, held.coverage)
-    drawn = ends_of_trials(values, ordered, limits, held.coverage)
-    given = _ends_of_law(held, law)
-    sampled = half_widths(drawn).reshape(2, -1).max(axis=0)
-    by_trials = given.bound.reshape(2, -1)[0] > sampled
-    chosen = np.tile(by_trials, 2)
-    inside = np.abs(values) <= limits[:, None]
-    all_inside = np.logical_and.reduce(inside)
+    """Judge by trials of the outputs `_drawn_rows`, shape (n_drawn, trials) [SI]."""
+    found = _of_trials(values, held, law)
+    chosen = np.tile(found.by_trials, 2)
+    places = np.searchsorted(_drawn_rows(held, law), held.rows)
+    inside = np.ones(values.shape[1], dtype=bool)
+    for place, limit in zip(places, held.limits, strict=True):
+        inside &= np.abs(values[place]) <= limit
     return _judged(
         held,
         law,
         interval=np.where(
-            by_trials[:, None],
-            interval_of_values(ordered, held.coverage, "symmetric"),
-            interval_by_law(held, law),
+            found.by_trials[:, None], found.interval, interval_by_law(held, law)
         ),
-        by_trials=by_trials,
-        within=inside.mean(axis=1),
-        conformance=_binomial(int(all_inside.sum()), trials),
-        inside=all_inside,
+        by_trials=found.by_trials,
+        within=found.within,
+        conformance=_binomial(int(inside.sum()), inside.size),
+        inside=inside,
         ends=Ends(
-            value=np.where(chosen, drawn.value, given.value),
-            noise=np.where(chosen, drawn.noise, 0.0),
-            bound=np.where(chosen, 0.0, given.bound),
+            value=np.where(chosen, found.ends.value, found.given.value),
+            noise=np.where(chosen, found.ends.noise, 0.0),
+            bound=np.where(chosen, 0.0, found.given.bound),
         ),
-        given=given,
-        sampled=sampled,
-        trials=trials,
+        given=found.given,
+        sampled=found.sampled,
+        trials=inside.size,
     )
 
 
@@ -397,7 +556,7 @@ def _judged(
     law: Propagation,
     *,
     interval: Array,
-    by_trials: Array,
+    by_trials: NDArray[np.bool_],
     within: Array,
     conformance: Probability,
     inside: Array,

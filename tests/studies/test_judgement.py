@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from dataclasses import replace
 from math import erf, log, sqrt
 
 import numpy as np
@@ -32,10 +33,12 @@ from budget.methods.largest import (
 )
 from budget.methods.largest import sampling_interval as interval_of
 from budget.methods.normality import end_accuracy
+from budget.names import Name
 from budget.problem import Group, Output, Problem
 from budget.studies.analysis import analyze
 from budget.studies.judgement import (
     Limited,
+    alike,
     judge,
     judge_with,
     limit_problem,
@@ -56,12 +59,17 @@ def one_output(*groups, function=lambda x: x.sum(axis=0, keepdims=True)):
 
 
 def several(n, *, distribution=UNIFORM, u=1.0):
-    """Return a Problem of n independent equal outputs."""
+    """Return a Problem of n independent equal outputs, each a parameter of its own."""
     return Problem(
         groups=(Group.independent("a.x", u=[u] * n, distribution=distribution),),
         outputs=tuple(Output(name=f"a.y.{k}") for k in range(n)),
         function=lambda x: x,
     )
+
+
+def equal_axes(axes):
+    """Return outputs that are axes of one parameter."""
+    return tuple(Output(name=Name("y", owner="a", axis=axis)) for axis in axes)
 
 
 def held(problem, limit):
@@ -339,6 +347,67 @@ def largest(y, limits):
     """Return the largest utilisation of trials."""
     ends = interval_of_values(np.sort(y, axis=1), 0.95, "symmetric")
     return (np.abs(ends).max(axis=1) / limits).max()
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_equal_axes_have_one_interval_by_trials(seed):
+    """Three equal uniform axes: one k and one utilisation, and the first is the worst.
+
+    Control: outputs that are parameters of their own are told apart by their trials.
+    """
+    axes = replace(several(3), outputs=equal_axes("xyz"))
+    found, apart = (
+        judge_with(
+            held(problem, 2.0 * sqrt(3.0)), propagate(problem), seed=seed, trials=TRIALS
+        )
+        for problem in (axes, several(3))
+    )
+
+    assert found.by_trials.all()
+    assert len({*found.used.tolist()}) == len({*found.factor.tolist()}) == 1
+    assert len({*found.within.tolist()}) == 1
+    assert (found.worst, found.all_worst) == (0, (0, 1, 2))
+    assert_array_equal(found.interval[2], apart.interval[0])
+    assert len({*apart.used.tolist()}) == 3
+
+
+def test_equal_axes_share_an_interval_where_their_limits_differ():
+    """One interval over each limit; what differs in size is drawn for itself."""
+    problem = replace(
+        several(4),
+        groups=(
+            Group.independent("a.x", u=[1.0, 1.0, 1.01, 1.0], distribution=UNIFORM),
+        ),
+        outputs=equal_axes("wxyz"),
+    )
+    limited = replace(
+        held(problem, 2.0),
+        rows=np.array([1, 2, 3]),
+        limits=np.array([2.0, 2.0, 4.0]),
+        coverage=np.array([0.95, 0.95, 0.95]),
+    )
+    law = propagate(problem)
+    found = judge_with(limited, law, seed=0, trials=TRIALS)
+
+    assert alike(problem, law).tolist() == [0, 0, 2, 0]
+    assert_array_equal(found.interval[0], found.interval[2])
+    assert_allclose(found.used[0], 2.0 * found.used[2], rtol=1e-12)
+    assert found.used[1] != found.used[0]
+    # It is that of the first of the Problem, whatever has a limit.
+    all_of_them = judge_with(held(problem, 2.0), law, seed=0, trials=TRIALS)
+    assert_array_equal(found.interval[0], all_of_them.interval[0])
+
+
+def test_an_interval_of_each_coverage_is_of_its_own():
+    """Equal axes with limits at 50 % and 95 % have intervals of 50 % and 95 %."""
+    axes = replace(several(2), outputs=equal_axes("xy"))
+    limited = replace(held(axes, 4.0), coverage=np.array([0.5, 0.95]))
+    found = judge_with(limited, propagate(axes), seed=0, trials=100_000)
+
+    for interval, coverage in zip(found.interval, (0.5, 0.95), strict=True):
+        p = (1.0 + coverage) / 2.0
+        error = sqrt(p * (1.0 - p) / 100_000) * 2.0 * sqrt(3.0)
+        assert_allclose(interval[1], coverage * sqrt(3.0), rtol=0, atol=4.0 * error)
 
 
 def test_what_the_law_can_be_off_by_is_in_the_rank():
