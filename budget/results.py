@@ -230,6 +230,11 @@ class OutputBudget:
         return (self.interval[1] - self.interval[0]) / 2.0 / self.standard_uncertainty
 
     @property
+    def by_trials(self) -> bool:
+        """Whether the interval is of Monte Carlo."""
+        return self.interval_by == BY_TRIALS
+
+    @property
     def sensor(self) -> str:
         """Owner of the output: gyro, accelerometer or, of both together, imu."""
         return self.output.name.owner

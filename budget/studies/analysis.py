@@ -48,6 +48,7 @@ from budget.studies import blunders, cautions
 from budget.studies.compensation import compensations
 from budget.studies.conformity import assess
 from budget.studies.input_quantities import input_quantities, sensitivities
+from budget.studies.judgement import intervals_of
 from budget.studies.lower_bounds import could_widen, expecting_device
 from budget.studies.missing import REFUSE, Filling, fill_all
 from budget.studies.mission import bought
@@ -73,6 +74,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
     from concurrent.futures import Executor
 
+    from numpy.typing import NDArray
+
     from budget.arrays import Array
     from budget.problem import Problem
     from budget.spec.files import File
@@ -97,7 +100,10 @@ class Estimate:
     mean: Array  # shape (n_out,)
     covariance: Array  # shape (n_out, n_out)
     interval: Array  # shape (n_out, 2)
-    validations: tuple[Validation | None, ...]  # of the law, output by output
+    # Of the law, output by output, where it gives the interval.
+    validations: tuple[Validation | None, ...]
+    # Whether the interval is of trials by the method gum too, shape (n_out,).
+    by_trials: NDArray[np.bool_] | None = None
     warnings: tuple[str, ...] = ()
     # CEP and R95 of the lengths, shape (2, n_lengths); None: of a normal law.
     circles: Array | None = None
@@ -394,18 +400,39 @@ def analyze_as(
         bought=() if of_test or chosen is not None else bought(analysis),
         analysis=analysis,
     )
-    return budget if requirement is None else _judge(budget, requirement)
+    budget = budget if requirement is None else _judge(budget, requirement)
+    return replace(
+        budget,
+        warnings=(
+            *budget.warnings,
+            *cautions.judged_otherwise(budget),
+            *cautions.doubts(budget.outputs),
+        ),
+    )
 
 
 def _by_law(analysis: Analysis, settings: Settings, engine: Engine) -> Estimate:
-    """Propagate, and have Monte Carlo check it."""
+    """Propagate, and have Monte Carlo check it.
+
+    Where the law is not sure enough of an interval, it is that of the trials by which
+    limits are judged; what has a limit is judged later.
+    """
     problem, law, coverage = analysis.problem, analysis.law, settings.coverage
+    wanted = analysis.requirement
+    found = intervals_of(
+        problem,
+        law,
+        coverage=coverage,
+        seed=settings.seed,
+        besides=() if wanted is None else wanted.outputs,
+    )
     estimate = Estimate(
         method=BY_LAW,
         trials=None,
         mean=law.mean,
         covariance=law.covariance,
-        interval=law.interval(coverage),
+        interval=found.ends,
+        by_trials=found.by_trials,
         validations=(None,) * len(problem.outputs),
     )
     if not settings.validate:
@@ -429,8 +456,13 @@ def _by_law(analysis: Analysis, settings: Settings, engine: Engine) -> Estimate:
         executor=engine.executor,
         progress=engine.stage("Monte Carlo check of the law"),
     )
-    warnings = cautions.doubts(problem, validations)
-    return replace(estimate, validations=validations, warnings=warnings)
+    return replace(
+        estimate,
+        validations=tuple(
+            None if by_trials else validation
+            for by_trials, validation in zip(found.by_trials, validations, strict=True)
+        ),
+    )
 
 
 def _by_trials(analysis: Analysis, settings: Settings, engine: Engine) -> Estimate:
@@ -540,6 +572,7 @@ def _judge(budget: Budget, requirement: Requirement) -> Budget:
                     interval=found.interval,
                     interval_by=found.interval_by,
                     coverage=found.coverage,
+                    validation=None if found.by_monte_carlo else row.validation,
                 ),
                 budget.settings.coverage,
             )
@@ -548,10 +581,6 @@ def _judge(budget: Budget, requirement: Requirement) -> Budget:
             and row.interval_by != BY_PREDICTION
             else row
             for row in budget.outputs
-        ),
-        warnings=(
-            *budget.warnings,
-            *cautions.judged_otherwise(assessment, budget.settings.interval),
         ),
     )
 
@@ -599,6 +628,7 @@ def _output_budgets(
     u = np.sqrt(np.diag(estimate.covariance))
     factor = law.coverage_factor(analysis.coverage)
     of_others = {one.source for one in analysis.filled.lines}
+    by_trials = estimate.by_trials
     budgets = []
     for k, output in enumerate(problem.outputs):
         # The other triad's own sources stand here only if they reach this output.
@@ -637,7 +667,9 @@ def _output_budgets(
                     )
                     for name, variance in variances
                 ),
-                interval_by=estimate.method,
+                interval_by=BY_TRIALS
+                if by_trials is not None and by_trials[k]
+                else estimate.method,
                 u_by=estimate.method,
                 law_factor=float(factor[k]),
                 validation=estimate.validations[k],

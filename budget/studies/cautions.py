@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from budget.methods.gum import Propagation
     from budget.methods.monte_carlo import Sample
     from budget.problem import Problem
-    from budget.results import Assessment, Validation
+    from budget.results import Budget, OutputBudget
     from budget.spec.records import Procedure, Sensor
     from budget.studies.request import Analysis
 
@@ -66,12 +66,12 @@ def few_trials(trials: int | None, coverage: float) -> tuple[str, ...]:
     return (text,)
 
 
-def doubts(problem: Problem, validations: Sequence[Validation]) -> tuple[str, ...]:
-    """Warn of outputs for which Monte Carlo does not confirm the law."""
+def doubts(rows: Sequence[OutputBudget]) -> tuple[str, ...]:
+    """Warn of outputs whose interval is the law's, and not confirmed by Monte Carlo."""
     doubtful = [
-        output.name
-        for output, validation in zip(problem.outputs, validations, strict=True)
-        if not validation.holds
+        row.output.name
+        for row in rows
+        if row.validation is not None and not row.validation.holds
     ]
     if not doubtful:
         return ()
@@ -84,17 +84,29 @@ def doubts(problem: Problem, validations: Sequence[Validation]) -> tuple[str, ..
     return (text,)
 
 
-def judged_otherwise(assessment: Assessment, interval: str) -> tuple[str, ...]:
+def judged_otherwise(budget: Budget) -> tuple[str, ...]:
     """Say which intervals are not of the kind that was asked for."""
-    if interval == "symmetric" or not any(r.by_monte_carlo for r in assessment.outputs):
+    interval, found = budget.settings.interval, budget.assessment
+    if interval == "symmetric":
         return ()
+    if found is not None and any(row.by_monte_carlo for row in found.outputs):
+        text = note(
+            "limits are judged by intervals symmetric in probability, "
+            "as everywhere: those of required outputs are, not the "
+            "{interval}",
+            interval=interval,
+        )
+        return (text,)
+    if budget.settings.method != "gum":
+        return ()
+    names = [r.output.name for r in budget.outputs if r.by_trials]
     text = note(
-        "limits are judged by intervals symmetric in probability, "
-        "as everywhere: those of required outputs are, not the "
-        "{interval}",
+        "the intervals of {names} are of Monte Carlo and symmetric in probability, as "
+        "limits are judged, not the {interval}",
+        names=", ".join(names),
         interval=interval,
     )
-    return (text,)
+    return (text,) if names else ()
 
 
 def unsettled(problem: Problem, drawn: Sample) -> tuple[str, ...]:

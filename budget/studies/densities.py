@@ -13,7 +13,6 @@ import numpy as np
 
 from budget.methods.intervals import interval_of_trials
 from budget.methods.trials import first_trials
-from budget.results import BY_TRIALS
 from budget.ties import first_largest
 
 if TYPE_CHECKING:
@@ -78,7 +77,7 @@ def critical_densities(
     ]
     for place, k in enumerate(rows):  # one interval of each output on a page
         row = budget.outputs[k]
-        if row.interval_by == BY_TRIALS:
+        if row.by_trials:
             ends_mc[place] = np.array(row.interval)
     densities = []
     for place, k in enumerate(rows):

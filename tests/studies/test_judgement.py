@@ -36,6 +36,7 @@ from budget.methods.normality import end_accuracy
 from budget.names import Name
 from budget.problem import Group, Output, Problem
 from budget.studies.analysis import analyze
+from budget.studies.comparison.compare import compare
 from budget.studies.judgement import (
     Limited,
     alike,
@@ -46,6 +47,7 @@ from budget.studies.judgement import (
     together,
 )
 from budget.studies.request import Analysis
+from budget.studies.sweep import sweep
 from budget.studies.what_if import what_if
 
 K95 = float(ndtri(0.975))
@@ -506,6 +508,92 @@ def test_compare_and_analyze_say_the_same(made):
     assert sensor.worst_output == row.worst_output
     assert budget.assessment.outputs == row.outputs
     assert [one.interval for one in budget.outputs] == [o.interval for o in row.outputs]
+
+
+@pytest.fixture
+def hard_bound(tmp_path):
+    """Return the file of a gyro of which nothing but a bound of its bias is known."""
+    file = tmp_path / "bound.yaml"
+    file.write_text(
+        "name: bound\ngyro:\n  errors:\n"
+        "    bias_repeatability: {value: 1.75 deg/h, meaning: max}\n"
+    )
+    return file
+
+
+def test_a_hard_bound_has_one_interval_whoever_asks(hard_bound, tmp_path):
+    """+-1.75 deg/h: 95 % lie within 1.6625, with a limit or without, digit for digit.
+
+    The law says 1.98, which is beyond the bound itself.
+    """
+    file = tmp_path / "r.yaml"
+    file.write_text(
+        "name: r\ncoverage: 95 %\nreference: nominal\n"
+        "limits: {gyro: {bias: 2.4 deg/h}}\n"
+    )
+    budgets = [
+        analyze(hard_bound),
+        analyze(hard_bound, validate=False),
+        analyze(hard_bound, validate=False, interval="shortest"),
+        analyze(hard_bound, validate=False, only=["gyro.bias_repeatability"]),
+        analyze(hard_bound, requirement=file, validate=False),
+    ]
+    shown = [
+        row["interval"]
+        for budget in budgets
+        for row in budget.to_dict()["outputs"]
+        if row["parameter"] == "bias" and row["interval_by"] == "monte-carlo"
+    ]
+    (device_row,) = compare(hard_bound, file).devices
+    shown += [
+        [end / row.output.si_per_unit for end in row.interval]
+        for row in device_row.outputs
+    ]
+    table = sweep(
+        hard_bound, "gyro.bias_repeatability", ["{value: 1.75 deg/h, meaning: max}"]
+    )
+    table = table[table.parameter == "bias"]
+    shown += table[["interval_low", "interval_high"]].to_numpy().tolist()
+
+    assert len(shown) == 3 * (len(budgets) + 2)
+    assert_allclose(shown, np.tile(shown[0], (len(shown), 1)), rtol=1e-12)
+    error = sqrt(0.025 * 0.975 / 100_000) * 2.0 * 1.75
+    assert_allclose(shown[0], [-1.6625, 1.6625], rtol=0, atol=4.0 * error)
+    law = (
+        budgets[0].analysis.law.interval(0.95)[-1, 1]
+        / budgets[0].outputs[-1].output.si_per_unit
+    )
+    assert_allclose(law, 1.96 * 1.75 / sqrt(3.0), rtol=1e-4)  # control
+    page = what_if(budgets[0].analysis, budget=budgets[0]).evaluate({})
+    row = budgets[0].outputs[-1]
+    assert_allclose(page.interval[-1], row.interval, rtol=1e-12)
+
+
+def test_the_law_is_not_checked_where_trials_give_the_interval(hard_bound):
+    """No validation, no warning that sends to Monte Carlo, and k of neither method."""
+    budget = analyze(hard_bound)
+    by_trials = [row for row in budget.outputs if row.by_trials]
+
+    assert {row.parameter for row in by_trials} == {"bias"}
+    assert {row.validation for row in by_trials} == {None}
+    assert {row.coverage_factor for row in by_trials} == {None}
+    others = [row for row in budget.outputs if not row.by_trials]
+    assert all(row.validation.holds for row in others)
+    assert not [text for text in budget.warnings if "not confirmed" in text]
+
+
+def test_no_trial_is_drawn_where_the_law_is_sure(monkeypatch):
+    """Normal sources: the intervals are the law's, and nothing is drawn for them."""
+
+    def refuse(*_args, **_options):
+        raise AssertionError
+
+    monkeypatch.setattr("budget.studies.judgement.first_trials", refuse)
+    asked = {"procedure": procedure(), "validate": False}
+    budget = analyze(paper_device(), **asked)
+    assert not any(row.by_trials for row in budget.outputs)
+    with pytest.raises(AssertionError):  # control
+        analyze(bounded_bias("bound", 0.5), **asked)
 
 
 @pytest.mark.parametrize(("used", "verdict"), [(0.905, "meets"), (1.05, "fails")])

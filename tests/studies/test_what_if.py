@@ -94,11 +94,11 @@ def analyzed(device, **options):
 
 
 def agrees(outlook, budget):
-    """Compare mean, u, interval and shares of all outputs."""
+    """Compare mean, u and the law's intervals of all outputs."""
     resolution = np.array([row.output.resolution for row in budget.outputs])
     u = np.array([row.standard_uncertainty for row in budget.outputs])
     mean = np.array([row.mean for row in budget.outputs])
-    interval = np.array([row.interval for row in budget.outputs])
+    interval = budget.analysis.law.interval(budget.settings.coverage)
     # Where a mean or a spread is below what doubles resolve, the rounding differs.
     assert_allclose(outlook.u, np.where(u > resolution, u, outlook.u), rtol=RTOL)
     assert (outlook.u[u <= resolution] <= resolution[u <= resolution]).all()

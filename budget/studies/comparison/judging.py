@@ -133,7 +133,9 @@ def _judge(task: tuple[Candidate, None], *, judging: Judging) -> JudgedCandidate
             held.problem, law, coverage=judging.coverage, seed=judging.seed
         )
         doubtful = tuple(
-            held.problem.outputs[row].name for row in held.rows if not checks[row].holds
+            held.problem.outputs[row].name
+            for row, by_trials in zip(held.rows, judged.by_trials, strict=True)
+            if not (by_trials or checks[row].holds)
         )
     beyond = np.abs(law.value[held.rows]) >= held.limits
     names = [output.name for output in held.outputs]
