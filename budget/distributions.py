@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import exp, expm1, inf, isfinite, pi, sqrt
+from statistics import NormalDist
 from typing import TYPE_CHECKING, overload
 
 import numpy as np
@@ -113,10 +114,11 @@ def normal_coverage_factor(coverage: Array) -> Array: ...
 def normal_coverage_factor(coverage: float | Array) -> float | Array: ...
 def normal_coverage_factor(coverage: float | Array) -> float | Array:
     """Return k with which a normal error is within k u with that probability [1]."""
+    if np.ndim(coverage) == 0:  # without scipy, which takes long to load
+        return NormalDist().inv_cdf((1.0 + float(coverage)) / 2.0)
     from scipy.special import ndtri
 
-    k = ndtri((1.0 + coverage) / 2.0)
-    return float(k) if np.ndim(k) == 0 else np.asarray(k)
+    return np.asarray(ndtri((1.0 + coverage) / 2.0))
 
 
 def _normal(p: Array) -> Array:
