@@ -40,6 +40,7 @@ SMALL_SHARE = 0.01  # of the variance [1]; one below it is not worth a sentence
 ALL = 1.0 - 1e-9  # [1]; a share above is the whole, short of it by rounding only
 NO_SHARE = 1e-20  # [1]; a share below is what the rounding of doubles leaves of zero
 CERTAIN = 4  # decimals of a per cent that nearly certain probabilities get at most
+ONE_OF_1000 = 1e-3  # [1]; nearer to 0 and 1 the draws of the normal law do not tell
 PER_CENT = 100.0
 MINOR, FEW = {"<0.1 %", "0 %"}, 3  # such shares, so many of them have a row each
 NAMED = 2  # contributions of a sentence
@@ -347,8 +348,10 @@ def print_three(value: float) -> str:
 def print_probability(p: Probability) -> str:
     """Print a probability in per cent as far as its 95 % interval makes it sure."""
     if p.low is None or p.high is None:  # of the joint normal law
-        if p.value in {0.0, 1.0}:
-            return ">99.9" if p.value else "<0.1"
+        if not ONE_OF_1000 <= p.value <= 1.0 - ONE_OF_1000:
+            return ">99.9" if p.value > ONE_OF_1000 else "<0.1"
+        if p.value > 1.0 - SMALL_SHARE:  # three digits of 99.87 are not 100
+            return print_decimals(PER_CENT * p.value, 1)
         return print_three(PER_CENT * p.value)
     if p.low == p.high:
         return print_given(PER_CENT * p.value)
@@ -356,7 +359,9 @@ def print_probability(p: Probability) -> str:
         nines = min(max(floor(-log10(1.0 - p.low)) - 2, 0), CERTAIN)
         return f">{floor(PER_CENT * p.low * 10**nines) / 10**nines:.{nines}f}"
     if p.value == 0.0:
-        return f"<{print_given(PER_CENT * p.high, digits=1)}"
+        first = 10.0 ** floor(log10(settle(PER_CENT * p.high)))
+        most = ceil(settle(PER_CENT * p.high / first)) * first  # up: it is a bound
+        return f"<{print_given(most, digits=1)}"
     return round_value(PER_CENT * p.value, 10.0 * PER_CENT * (p.high - p.low) / 2.0)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from functools import partial
 from math import inf
@@ -35,7 +35,7 @@ from budget.studies.figures_of_merit import read_amount
 from budget.ties import settle
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     from budget.names import Name
     from budget.report.blocks import Table
@@ -51,6 +51,7 @@ if TYPE_CHECKING:
 
 
 PAIRS_SHOWN = 20
+CONFORMANCE = term("conformance [%]")
 NOT_CALIBRATED = term("not calibrated")  # a sensor under a procedure that leaves it out
 MOST_FACTOR = 1000.0  # beyond, a line does not limit anything in any case
 SURE = 5e-4  # of a utilisation [1]: half a unit in the third digit
@@ -189,6 +190,18 @@ def _row(one: DeviceVerdict, rank: str) -> Row:
         ask="" if one.doubt is None else print_ask(one.doubt, one.sensor),
         of=one,
     )
+
+
+def _named_after(
+    fields: Iterable[Field[Any]], found: Iterable[Probability]
+) -> list[Field[Any]]:
+    """Say in the head where conformances are the screen's, which draws no trials."""
+    if all(p.low is not None for p in found):
+        return list(fields)
+    by_law = term("conformance by the normal law [%]")
+    return [
+        replace(one, head=by_law) if one.head == CONFORMANCE else one for one in fields
+    ]
 
 
 def _conformance(one: DeviceVerdict) -> str:
@@ -330,7 +343,7 @@ RANKING = (
     ),
     RankingField(
         key="conformance",
-        head=term("conformance [%]"),
+        head=CONFORMANCE,
         kind="number",
         cell=lambda row: Cell(
             text=row.conformance,
@@ -448,7 +461,7 @@ def ranking_table(devices: Ranking, name: str) -> Table:
     """Return the devices with one sensor under one procedure, best first."""
     return table_of(
         devices.rows,
-        RANKING,
+        _named_after(RANKING, (row.of.conformance for row in devices.rows)),
         name=name,
         caption=say("Ranking of the {sensor} devices", sensor=say(devices.sensor)),
         is_wide=True,
@@ -566,7 +579,7 @@ PAIRS = (
     Field["Pair"](head=term("verdict"), cell=_pair_verdict),
     Field["Pair"](head=term("% of limit"), kind="number", cell=_pair_utilisation),
     Field["Pair"](
-        head=term("conformance [%]"),
+        head=CONFORMANCE,
         kind="number",
         cell=_pair_conformance,
     ),
@@ -595,7 +608,7 @@ def imus_table(imus: Sequence[tuple[Pair, str]]) -> Table:
             cell=lambda one: _pair_utilisation(one[0]),
         ),
         Field(
-            head=say("conformance [%]"),
+            head=CONFORMANCE,
             kind="number",
             cell=lambda one: _pair_conformance(one[0]),
         ),
@@ -614,7 +627,10 @@ def imus_table(imus: Sequence[tuple[Pair, str]]) -> Table:
     )
     return table_of(
         imus,
-        [field for field in fields if several or field.head != "procedure"],
+        _named_after(
+            (field for field in fields if several or field.head != "procedure"),
+            (pair.conformance for pair, _ in imus),
+        ),
         name="imus-table",
         caption=say("IMUs as one device, best first"),
         is_wide=True,
@@ -627,7 +643,10 @@ def pairs_table(pairs: Sequence[Pair]) -> Table:
     several = len({pair.procedure for pair in pairs}) > 1
     return table_of(
         pairs[:PAIRS_SHOWN],
-        [field for field in PAIRS if several or field.head != "procedure"],
+        _named_after(
+            (field for field in PAIRS if several or field.head != "procedure"),
+            (pair.conformance for pair in pairs),
+        ),
         name="pairs-table",
         caption=say("Pairs of gyro and accelerometer, best first"),
         is_wide=True,

@@ -98,7 +98,15 @@ def test_parts_of_a_limit(value, interval, printed):
         (Probability(value=1.0, low=0.99977, high=1.0), ">99.9"),
         (Probability(value=1.0, low=0.5, high=1.0), ">50"),
         (Probability(value=0.0, low=0.0, high=0.0002), "<0.02"),
+        # Up: nobody knows that it is below 0.0009 %.
+        (Probability(value=0.0, low=0.0, high=9.22e-6), "<0.001"),
+        (Probability(value=0.0, low=0.0, high=2.31e-6), "<0.0003"),
+        (Probability(value=1.0, low=1.0 - 3.69e-5, high=1.0), ">99.99"),
         (Probability(value=0.7512, low=0.745, high=0.757), "75.1"),
+        (Probability(value=0.99994, low=None, high=None), ">99.9"),
+        (Probability(value=1.0, low=None, high=None), ">99.9"),
+        (Probability(value=0.00006, low=None, high=None), "<0.1"),
+        (Probability(value=0.9987, low=None, high=None), "99.9"),
     ],
 )
 def test_probabilities_claim_no_more_than_is_known(p, printed):
@@ -320,6 +328,26 @@ def test_rankings_hold_every_number_exactly(comparison, document):
             assert by_head["% of limit"].exact == 100.0 * row.of.utilisation
             assert by_head["conformance [%]"].exact == 100.0 * row.of.conformance.value
             assert by_head["device"].strong == (row.verdict == "meets")
+
+
+@pytest.mark.parametrize("method", ["gum", "monte-carlo"])
+def test_the_conformance_of_the_screen_says_what_it_is(method):
+    """What no trial was drawn for is of the normal law, in every table of it."""
+    both = ("gyro", "accelerometer")
+    found = compared(
+        [paper_device(sensors=both)], requirement(sensors=both), method=method
+    )
+    tables = find(
+        comparison_document(found, date=DATE, command_line="budget compare x"), Table
+    )
+    heads = {
+        column.head
+        for table in tables
+        for column in table.columns
+        if column.head.startswith("conformance")
+    }
+    by_law = {"conformance by the normal law [%]"}
+    assert heads == (by_law if method == "gum" else {"conformance [%]"})
 
 
 def test_the_map_has_its_data_behind_it(comparison, document):
