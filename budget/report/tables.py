@@ -46,6 +46,7 @@ MINOR, FEW = {"<0.1 %", "0 %"}, 3  # such shares, so many of them have a row eac
 NAMED = 2  # contributions of a sentence
 HALF_DIGIT = 5e-3  # half of the last digit of a probability of two decimals [1]
 ROUNDING = 1e-9  # [1] of divisors and degrees of freedom
+MORE_DIGITS = 4  # at the most, to tell on which side of a limit a number is
 NEAR_LIMIT = 0.01  # [1]; a utilisation this close to 1 gets one more digit
 
 
@@ -251,14 +252,34 @@ def round_value(value: float, u: float, *, resolution: float = 0.0) -> str:
     return _print_decimal(_quantize(value, _last_place(u)))
 
 
-def round_error(error: float, u: float, output: Output) -> Number:
+def round_error(
+    error: float, u: float, output: Output, *, limit: float | None = None
+) -> Number:
     """Round an error [SI] to the last digit of its u [SI], in the unit of its output.
 
-    The one rule for every mean, interval end and largest error of a result.
+    The one rule for every mean, interval end and largest error of a result. Beside a
+    limit [SI] it has as many digits more as tell on which side of it it is: 2.39 of a
+    limit of 2.4, not 2.4.
     """
     scale = output.si_per_unit
     text = round_value(error / scale, u / scale, resolution=output.resolution / scale)
+    if limit is not None and output.resolution < u:
+        place = _last_place(u / scale)
+        text = _beside(error / scale, limit / scale, place)
     return Number(text=text, exact=error / scale)
+
+
+def _beside(value: float, limit: float, place: int) -> str:
+    """Round to a decimal place, or to one that leaves it on its side of a limit."""
+
+    def side(number: float) -> tuple[bool, bool]:
+        return settle(number) < settle(limit), settle(number) > settle(limit)
+
+    for more in range(MORE_DIGITS + 1):
+        rounded = _quantize(value, place - more)
+        if side(float(rounded)) == side(value):
+            return _print_decimal(rounded)
+    return _print_decimal(_quantize(value, place))
 
 
 def round_u(u: float, output: Output) -> Number:
@@ -296,7 +317,9 @@ def as_limited(row: OutputAssessment) -> OutputAssessment:
 
 def largest_error(row: OutputAssessment) -> Number:
     """Round a largest error, in the unit of the output; marked where it is a bound."""
-    error = round_error(row.largest_error, row.standard_uncertainty, row.output)
+    error = round_error(
+        row.largest_error, row.standard_uncertainty, row.output, limit=row.limit
+    )
     return bound_number(error, lower_bound=row.lower_bound, unknown=row.is_unknown)
 
 
@@ -321,18 +344,20 @@ def print_share(share: float) -> str:
 def print_utilisation(utilisation: float) -> str:
     """Print a part of a limit in three digits: '143 %', '98.7 %', '4.20 %'.
 
-    100 % stands only where the limit is met exactly; near it a digit more is printed.
+    100 % stands only where the limit is met exactly; near it as many digits are printed
+    as tell on which side it is: '99.96 %'.
     """
     used = settle(utilisation)
     if used == 1.0:
         return "100 %"
-    if abs(used - 1.0) < NEAR_LIMIT:
-        text = print_decimals(100.0 * used, 1)
-    else:
-        text = round_value(100.0 * used, 10.0 * abs(used))  # two digits of a tenth
-    if text in {"100", "100.0"}:
-        return "<100 %" if used < 1.0 else ">100 %"
-    return f"{text} %"
+    if abs(used - 1.0) >= NEAR_LIMIT:
+        # Two digits of a tenth.
+        return f"{round_value(PER_CENT * used, 10.0 * abs(used))} %"
+    for decimals in range(1, MORE_DIGITS + 1):
+        text = print_decimals(PER_CENT * used, decimals)
+        if float(text) != PER_CENT:
+            return f"{text} %"
+    return "<100 %" if used < 1.0 else ">100 %"
 
 
 def print_decimals(value: float, decimals: int) -> str:
@@ -348,11 +373,7 @@ def print_three(value: float) -> str:
 def print_probability(p: Probability) -> str:
     """Print a probability in per cent as far as its 95 % interval makes it sure."""
     if p.low is None or p.high is None:  # of the joint normal law
-        if not ONE_OF_1000 <= p.value <= 1.0 - ONE_OF_1000:
-            return ">99.9" if p.value > ONE_OF_1000 else "<0.1"
-        if p.value > 1.0 - SMALL_SHARE:  # three digits of 99.87 are not 100
-            return print_decimals(PER_CENT * p.value, 1)
-        return print_three(PER_CENT * p.value)
+        return _print_by_law(p.value)
     if p.low == p.high:
         return print_given(PER_CENT * p.value)
     if p.value == 1.0:  # every trial: what is known is the lower end
@@ -363,6 +384,15 @@ def print_probability(p: Probability) -> str:
         most = ceil(settle(PER_CENT * p.high / first)) * first  # up: it is a bound
         return f"<{print_given(most, digits=1)}"
     return round_value(PER_CENT * p.value, 10.0 * PER_CENT * (p.high - p.low) / 2.0)
+
+
+def _print_by_law(p: float) -> str:
+    """Print in per cent a probability that draws of the normal law count."""
+    if not ONE_OF_1000 <= p <= 1.0 - ONE_OF_1000:
+        return ">99.9" if p > ONE_OF_1000 else "<0.1"
+    if p > 1.0 - SMALL_SHARE:  # three digits of 99.87 are not 100
+        return print_decimals(PER_CENT * p, 1)
+    return print_three(PER_CENT * p)
 
 
 def print_most(p: Probability) -> str:

@@ -10,6 +10,7 @@ from saying import assert_says
 
 from budget import load_device, load_procedure
 from budget.names import Name, key_title
+from budget.problem import Output
 from budget.report.tables import (
     align_decimals,
     group_tables,
@@ -17,6 +18,7 @@ from budget.report.tables import (
     print_given,
     print_share,
     print_utilisation,
+    round_error,
     round_uncertainty,
     round_value,
     settings_lines,
@@ -25,6 +27,7 @@ from budget.report.tables import (
 from budget.report.wording import NOTHING, not_given_lines
 from budget.results import Validation
 from budget.studies.lower_bounds import could_widen
+from budget.units import DEG_PER_HOUR
 
 
 @pytest.mark.parametrize(
@@ -140,16 +143,45 @@ def test_share_says_nothing_and_all_only_where_it_is_so(share, printed):
         (1.0 - 1e-13, "100 %"),
         (1.0 + 1e-13, "100 %"),
         (0.9949, "99.5 %"),
-        (0.99999, "<100 %"),
+        (0.9996, "99.96 %"),
+        (0.99999, "99.999 %"),
+        (1.0 - 1e-8, "<100 %"),
         (1.0, "100 %"),
-        (1.00001, ">100 %"),
+        (1.0 + 1e-8, ">100 %"),
+        (1.0004, "100.04 %"),
+        (1.00001, "100.001 %"),
         (1.004, "100.4 %"),
         (1.37, "137 %"),
     ],
 )
 def test_utilisation_does_not_round_across_the_limit(utilisation, printed):
-    """A failing output never prints as 100 % of its limit."""
+    """A failing output never prints as 100 % of its limit, nor one that meets."""
     assert print_utilisation(utilisation) == printed
+
+
+@pytest.mark.parametrize(
+    ("error", "limit", "printed"),
+    [
+        (2.388, 2.4, "2.39"),
+        (2.412, 2.4, "2.41"),
+        (2.4004, 2.4, "2.4004"),
+        (2.4, 2.4, "2.4"),
+        (2.435, 2.435, "2.435"),
+        (2.1, 2.4, "2.1"),
+        (2.4, None, "2.4"),
+        (2.4 - 1e-9, 2.4, "2.4"),  # no digits tell: the part of the limit says <100 %
+    ],
+)
+def test_an_error_does_not_round_across_its_limit(error, limit, printed):
+    """Digits are added to two of u until it stands on its side of the limit."""
+    output = Output(name="gyro.bias.x", unit="deg/h", si_per_unit=DEG_PER_HOUR)
+    found = round_error(
+        error * DEG_PER_HOUR,
+        1.2 * DEG_PER_HOUR,
+        output,
+        limit=None if limit is None else limit * DEG_PER_HOUR,
+    )
+    assert found.text == printed
 
 
 @pytest.mark.parametrize(
