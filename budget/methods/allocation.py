@@ -29,6 +29,11 @@ TARGET = 1.0 - 1e-9
 AT_LIMIT = 1.0 - 1e-6
 SMALLEST = 1e-30  # factor that stands for none where a logarithm is taken [1]
 TOUCHES = 1e-6  # relative distance at which a bound counts as reached
+# Share of an output's variance up to which a source does not matter there [1].
+SPARED = 0.01
+# Part of a squared limit that sources may take and still be spared: what is left is
+# for the others, which would have to become very small for the sake of those [1].
+MOST_SPARED = 0.9
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -107,9 +112,58 @@ class Headroom:
     stopped_by: tuple[int, ...]  # places of the outputs; (): its ceiling or nothing
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sparing:
+    """One factor on the sources that matter, the others as they are."""
+
+    s: Array  # factors, shape (n_src,) [1]
+    spared: NDArray[np.bool_]  # free, and left as they are, shape (n_src,)
+
+
 def proportional(task: Task) -> Array:
     """Return one common factor on all free sources, shape (n_src,) [1]."""
     return grow(task, task.now, task.free)
+
+
+def sparing(task: Task) -> Sparing:
+    """Bring outputs to their limits by one factor on the sources that matter there.
+
+    One factor on all free sources says which outputs come to their limits first. A
+    source matters where its variance alone is more than SPARED of the variance of one
+    of these now; the others stay as they are. Of those the one that takes most is taken
+    in, one after the other, as long as a limit has less than 1 - MOST_SPARED of its
+    square left for the sources that matter; and so are those that matter at an output
+    that comes to its limit only then. Where no limit is reached none is spared.
+    """
+    start = task.clip(task.now)
+    everyone = grow(task, start, task.free)
+    variance = task.law.variance(start)[:, None]
+    alone = task.law.variance_alone(start)
+    share = np.divide(alone, variance, out=np.zeros_like(alone), where=variance > 0.0)
+    matters = (share > SPARED) & task.free
+    reached = task.binding(everyone)
+    if not reached.any():
+        return Sparing(s=everyone, spared=np.zeros_like(task.free))
+    who = np.asarray(matters[reached].any(axis=0))
+    while True:
+        left = np.where(who, np.minimum(task.low, start), start)
+        crowded = task.utilisation(left) ** 2 > MOST_SPARED
+        takes = np.where(task.free & ~who, task.part(left), 0.0)
+        takes[~crowded] = 0.0
+        if takes.max() > SPARED:
+            who[largest(takes.max(axis=0).tolist()),] = True
+            continue
+        s = grow(task, start, who)
+        used = task.utilisation(s)
+        more = matters[used >= AT_LIMIT].any(axis=0)
+        if (used > 1.0).any():  # what matters cannot do it
+            more |= task.free & (task.part(s)[used > 1.0] >= NEGLIGIBLE).any(axis=0)
+        if not (more & ~who).any():
+            break
+        who |= more
+    if not task.binding(s).any():  # all at their ceilings
+        return Sparing(s=everyone, spared=np.zeros_like(task.free))
+    return Sparing(s=s, spared=task.free & ~who)
 
 
 def equal(task: Task) -> Array:

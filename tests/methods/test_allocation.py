@@ -8,7 +8,15 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from budget.methods.allocation import Task, equal, grow, headroom, proportional
+from budget.methods.allocation import (
+    MOST_SPARED,
+    Task,
+    equal,
+    grow,
+    headroom,
+    proportional,
+    sparing,
+)
 from budget.methods.gum import propagate
 from budget.methods.least_cost import Prices, judge, least_cost
 from budget.methods.scaling import scaled_law
@@ -158,6 +166,86 @@ def test_proportional_is_one_factor():
 
     assert_allclose(s, s[0], rtol=1e-15)
     assert_allclose(task.utilisation(s).max(), 1.0, rtol=2e-9)
+
+
+def test_a_source_of_half_a_percent_is_spared_and_one_of_two_is_not():
+    """Of 100, 2 and 0.5 the last stays 1: s = sqrt((limit^2 - 0.5)/102) of the others.
+
+    Up and down: from 102.5 to limits of 400 and 25.
+    """
+    for limit in (20.0, 5.0):
+        found = sparing(
+            task_of(linear([[10.0, 2**0.5, 0.5**0.5]], np.ones(3)), [limit])
+        )
+        s = np.sqrt((limit**2 - 0.5) / 102.0)
+        assert found.spared.tolist() == [False, False, True]
+        assert_allclose(found.s, [s, s, 1.0], rtol=1e-8)
+
+
+def test_what_leaves_too_little_is_taken_in_from_the_largest_on():
+    """Of 1e6, 900, 60 and 20 against 90 the second is taken in, the others are not.
+
+    900 alone is above nine tenths of 90, 60 + 20 is just below: 10 are left.
+    """
+    u = np.sqrt([1e6, 900.0, 60.0, 20.0])
+    found = sparing(task_of(linear([np.ones(4)], u), [90.0**0.5]))
+
+    assert MOST_SPARED * 90.0 > 80.0
+    s = np.sqrt(10.0 / (1e6 + 900.0))
+    assert found.spared.tolist() == [False, False, True, True]
+    # What is left, 10 of 90, has the limit's rounding nine times.
+    assert_allclose(found.s, [s, s, 1.0, 1.0], rtol=1e-7)
+    # A control: against 85 that leaves less than a tenth, and 60 is taken in too.
+    tighter = sparing(task_of(linear([np.ones(4)], u), [85.0**0.5]))
+    assert tighter.spared.tolist() == [False, False, False, True]
+
+
+def test_a_limit_that_is_passed_elsewhere_has_the_same_factor():
+    """y0 must shrink to 1/10, y1, of another source, to 1/2: both have 1/10."""
+    task = task_of(linear([[10.0, 0.0, 0.0], [0.0, 2.0, 0.01]], np.ones(3)), [1.0, 1.0])
+    found = sparing(task)
+
+    assert found.spared.tolist() == [False, False, True]
+    assert_allclose(found.s, [0.1, 0.1, 1.0], rtol=1e-8)
+
+
+def test_a_source_at_another_output_grows_only_where_that_is_reached():
+    """y0 is reached first, y1 has another source and room: that stays as it is."""
+    task = task_of(linear([[1.0, 0.0], [0.0, 1.0]], np.ones(2)), [2.0, 50.0])
+    found = sparing(task)
+
+    assert found.spared.tolist() == [False, True]
+    assert_allclose(found.s, [2.0, 1.0], rtol=1e-8)
+
+
+def test_sparing_never_passes_a_limit():
+    """Of random laws, limits, held sources and ceilings, whenever they can be met."""
+    rng = np.random.default_rng(5)
+    spared = met = 0
+    for _ in range(200):
+        C = rng.lognormal(0.0, 2.0, (3, 6)) * rng.integers(0, 2, (3, 6))
+        limit = rng.lognormal(0.0, 2.0, 3)
+        task = task_of(linear(C, np.ones(6)), limit, free=rng.random(6) < 0.8)
+        task = replace(task, high=rng.lognormal(2.0, 2.0, 6))
+        if not task.is_feasible:
+            continue
+        found = sparing(task)
+        met += 1
+        spared += int(found.spared.sum())
+        assert task.utilisation(found.s).max() <= 1.0
+        assert_allclose(found.s[~task.free], 1.0, rtol=1e-15)
+        at = np.minimum(1.0, task.high)[found.spared]
+        assert_allclose(found.s[found.spared], at, rtol=1e-15)
+    assert met > 50
+    assert spared > met
+
+
+def test_where_no_limit_is_reached_none_is_spared():
+    """All end at their ceilings, as by one factor on all."""
+    found = sparing(task_of(linear([[1.0, 0.001]], np.ones(2)), [1e6], high=7.0))
+
+    assert_allclose(found.s, 7.0, rtol=1e-15)
+    assert not found.spared.any()
 
 
 def test_equal_parts_fill_one_limit():
