@@ -554,8 +554,9 @@ def _allocation(schema: _Schema) -> Node:
     source = schema.entry(
         "allotment",
         SourceAllotment,
-        "source unit status now allowed uncorrected at_ceiling at_least ceiling least "
-        "binding_outputs best_offered counts=is_significant",
+        "source unit status now allowed uncorrected at_ceiling at_least "
+        "spared=is_spared ceiling least binding_outputs best_offered "
+        "counts=is_significant",
         sensor=str,
         binding_output=str | None,
         headroom=_or_none(room),

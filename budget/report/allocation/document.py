@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 
 COLUMNS = (
     *("sensor", "source", "unit", "status", "now", "allowed", "uncorrected"),
-    *("binding_output", "at_ceiling", "at_least", "ceiling", "least"),
+    *("binding_output", "at_ceiling", "at_least", "spared"),
+    *("ceiling", "least"),
     *("headroom", "stopped_by", "best_offered", "counts"),
 )
 

@@ -26,10 +26,12 @@ from budget.spec import (
 )
 from budget.spec.use import in_use
 from budget.studies.allocation.cases import (
+    COVERAGE_OFF,
     NO_BOUNDS,
     STRATEGIES,
     resize,
     set_up,
+    shared_by_equals,
     solve,
 )
 from budget.studies.allocation.longer_tests import find_longer_tests
@@ -76,7 +78,6 @@ if TYPE_CHECKING:
     from budget.studies.progress import Progress
 
 TRIALS = 250_000  # for which 0.2 % of coverage are 4.6 standard errors at 95 %
-COVERAGE_OFF = 0.002  # [1]; a coverage further off corrects the allocation
 MARGIN = 0.001  # that a corrected k has over the trials', which vary by as much [1]
 SETTLED = 0.001  # relative change of k that needs no further correction [1]
 CORRECTIONS = 6  # at the most
@@ -164,7 +165,8 @@ def allocate(
     cases = [
         case
         for several, on in subjects
-        if (case := set_up(several, how, wanted, bounds, least, mission=on)) is not None
+        if (case := set_up(several, how, wanted, bounds, least, mission=on, seed=seed))
+        is not None
     ]
     if not cases:
         raise CallError(
@@ -172,6 +174,8 @@ def allocate(
             "that is there "
             f"({', '.join(sensor.kind for sensor in sensors)}); add limits for it"
         )
+    if validate:  # begins with what Monte Carlo found of the present state
+        cases = [replace(case, task=case.present) for case in cases]
     feasible = all(case.task.is_feasible for case in cases)
     longer_tests = tuple(test for case in cases for test in find_longer_tests(case))
     share_out = partial(solve, strategy=strategy, costs=prices)
@@ -283,9 +287,10 @@ def _correct(
 
     The k of an output whose law misses the coverage becomes what the trials need, so
     that their largest interval end is |m| + k u, and a little more. Allocating again
-    moves the mixture of shapes, so this goes on until k has settled.
+    moves the mixture of shapes, so this goes on until k has settled. Equal outputs
+    share one k.
     """
-    law_factor, by_law = case.task.coverage_factor, case.s
+    law_factor = case.normal_factor
     for _ in range(CORRECTIONS):
         task, s = case.task, case.factors
         problem = case.allocated_problem()
@@ -326,14 +331,23 @@ def _correct(
         )
         needed = (ends - np.abs(law.mean[rows])) / np.where(u > 0.0, u, np.inf)
         k_next = np.where(off, needed / shape * (1.0 + MARGIN), law_factor)
+        k_next = shared_by_equals(task, s, k_next)
         moved = np.abs(k_next / task.coverage_factor - 1.0)
-        if not (task.binding(s) & (moved > SETTLED)).any():
-            break
+        k_next = np.where(moved > SETTLED, k_next, task.coverage_factor)
         corrected = replace(task, coverage_factor=k_next)
+        at_limit = task.binding(s) | (corrected.utilisation(s) > 1.0)
+        if not (at_limit & (moved > SETTLED)).any():
+            case = replace(case, task=corrected)
+            break
         if not corrected.is_feasible:
             break
-        case = share_out(replace(case, task=corrected, by_law=by_law))
-    return case
+        case = share_out(replace(case, task=corrected))
+    if not any(check.is_corrected for check in case.checks):
+        return case
+    by_law = replace(case.task, coverage_factor=law_factor)
+    if not by_law.is_feasible:
+        return case
+    return replace(case, by_law=share_out(replace(case, task=by_law)).s)
 
 
 def _assure(

@@ -10,20 +10,24 @@ import numpy as np
 
 from budget.calibration.derived import known_outputs
 from budget.calibration.schemes import with_accelerometers
-from budget.distributions import normal_coverage_factor
+from budget.distributions import NORMAL, normal_coverage_factor
 from budget.errors import CallError
-from budget.methods.allocation import Task, equal, proportional
+from budget.methods.allocation import Task, equal, sparing
+from budget.methods.gum import propagate
 from budget.methods.least_cost import LeastCost, Prices, least_cost
 from budget.methods.scaling import scaled_law
 from budget.names import MISSION, Name
 from budget.studies.allocation.records import FREE, HELD, SHARED, ZERO, CoverageCheck
-from budget.studies.judgement import required_problem
+from budget.studies.judgement import judge, limit_problem, required_problem
 from budget.studies.lower_bounds import lacking, lacking_of_mission
 from budget.studies.request import given_lines
+from budget.ties import equal_to
 from budget.units import DEGREE
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+
+    from numpy.typing import NDArray
 
     from budget.arrays import Array
     from budget.problem import Output, Problem
@@ -35,6 +39,7 @@ if TYPE_CHECKING:
         Requirement,
         Sensor,
     )
+    from budget.studies.judgement import Judged
 
 STRATEGIES = ("proportional", "equal", "cost")
 
@@ -43,6 +48,7 @@ SCALE_FACTOR_CEILING = 0.01  # [1]
 ANGLE_CEILING = DEGREE  # [rad]
 OTHER_CEILING = 100.0  # times the present value [1]
 MOST_DECADES = 50  # of a price: what lies further apart adds to no sum
+COVERAGE_OFF = 0.002  # [1]; a coverage further off corrects the allocation
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,6 +78,12 @@ class SensorCase:
     task: Task  # with the coverage factors that were allocated with in the end
     outputs: Mapping[Name, Output]  # of its owner, by name
     statuses: tuple[str, ...]  # of each source
+    # The present state, as every command judges it, and coverage factors from that
+    # which equal outputs share, shape (n_out,) [1].
+    judged: Judged
+    present_factor: Array
+    # Free sources that are left as they are as they do not matter, shape (n_src,).
+    spared: NDArray[np.bool_]
     # Factors; None where the limits cannot be met, shape (n_src,).
     s: Array | None = None
     # Factors before Monte Carlo corrected them; None where it did not, shape (n_src,).
@@ -94,6 +106,21 @@ class SensorCase:
     def factors(self) -> Array:
         """The allocated factors, of the present state where there are none."""
         return self.task.now if self.s is None else self.s
+
+    @property
+    def present(self) -> Task:
+        """The task by the coverage factors of the present state."""
+        return replace(self.task, coverage_factor=self.present_factor)
+
+    @property
+    def normal_factor(self) -> Array:
+        """Coverage factors of a normal error, shape (n_out,) [1]."""
+        limited = {one.output: one for one in self.requirement.limits}
+        coverage = [
+            self.requirement.coverage_of(limited[name])
+            for name in self.task.law.outputs
+        ]
+        return np.asarray(normal_coverage_factor(np.array(coverage)))
 
     def allocated_problem(self) -> Problem:
         """Return the calibration, or the mission, with the lines as allocated."""
@@ -121,10 +148,13 @@ def set_up(
     market: Mapping[Name, float],
     *,
     mission: Mission | None = None,
+    seed: int = 0,
 ) -> SensorCase | None:
     """Return the task of one sensor, None where nothing is required of it.
 
-    Or of a gyro and an accelerometer by a mission.
+    Or of a gyro and an accelerometer by a mission. Its coverage factors are those of
+    the law; the present state is judged as every command does, and has the k of trials
+    where these find another coverage than the law's.
     """
     kinds = [sensor.kind for sensor in sensors]
     names = known_outputs(kinds, procedure)
@@ -146,7 +176,24 @@ def set_up(
         low.append(least)
         high.append(most)
     required = tuple(limit.output for limit in limits)
-    coverage = [requirement.coverage_of(limit) for limit in limits]
+    coverage = np.array([requirement.coverage_of(limit) for limit in limits])
+    held = limit_problem(problem, requirement)
+    if held is None:
+        raise ValueError(f"none of {', '.join(required)} is an output of the problem")
+    judged = judge(held, propagate(problem), seed=seed)
+    task = Task(
+        law=law.select(required),
+        limit=np.array([limit.limit for limit in limits]),
+        coverage_factor=normal_coverage_factor(coverage),
+        coverage=None if mission is None else coverage,
+        free=np.array([status == FREE for status in statuses], dtype=bool),
+        low=np.array(low),
+        high=np.array(high),
+    )
+    k = judged.factor / task.roundness(task.now)
+    is_off = np.abs(2.0 * NORMAL.probability(k) - 1.0 - coverage) > COVERAGE_OFF
+    factor = np.where(judged.by_trials & is_off, k, task.coverage_factor)
+    factor = shared_by_equals(task, task.now, factor)
     return SensorCase(
         sensors=sensors,
         mission=mission,
@@ -158,15 +205,28 @@ def set_up(
         else lacking_of_mission(sensors, procedure, mission, required),
         outputs={output.name: output for output in problem.outputs},
         statuses=tuple(statuses),
-        task=Task(
-            law=law.select(required),
-            limit=np.array([limit.limit for limit in limits]),
-            coverage_factor=np.array([normal_coverage_factor(p) for p in coverage]),
-            coverage=None if mission is None else np.array(coverage),
-            free=np.array([status == FREE for status in statuses], dtype=bool),
-            low=np.array(low),
-            high=np.array(high),
-        ),
+        judged=judged,
+        present_factor=factor,
+        spared=np.zeros(len(statuses), dtype=bool),
+        task=task,
+    )
+
+
+def shared_by_equals(task: Task, s: Array, factor: Array) -> Array:
+    """Return coverage factors of which equal outputs share the largest one.
+
+    Equal are those of one parameter that use as much of their limits by one k: trials
+    tell equal axes apart by their sampling alone. Shapes (n_src,) of the sources'
+    factors and (n_out,) [1].
+    """
+    one_k = replace(task, coverage_factor=np.ones_like(factor))
+    used = one_k.utilisation(s).tolist()
+    groups = [name.group for name in task.law.outputs]
+    return np.array(
+        [
+            max(float(factor[j]) for j in equal_to(used, k) if groups[j] == groups[k])
+            for k in range(len(used))
+        ]
     )
 
 
@@ -176,8 +236,10 @@ def solve(case: SensorCase, strategy: str, costs: Costs | None) -> SensorCase:
         prices = _prices(case, costs)
         solution = least_cost(case.task, prices)
         return replace(case, s=solution.s, prices=prices, solution=solution)
-    share_out = proportional if strategy == "proportional" else equal
-    return replace(case, s=share_out(case.task))
+    if strategy == "equal":
+        return replace(case, s=equal(case.task))
+    shared = sparing(case.task)
+    return replace(case, s=shared.s, spared=shared.spared)
 
 
 def resize(sensor: Sensor, sources: Sequence[Name], factors: Array) -> Sensor:

@@ -96,6 +96,7 @@ class SourceAllotment:
     least: float | None = None  # bound below [SI]; None for what is not free
     at_ceiling: bool = False
     at_least: bool = False
+    is_spared: bool = False  # left as it is: it does not matter at a limit in reach
     binding_outputs: tuple[Name, ...] = ()  # at their limits, where it takes most
     # Takes a thousandth of a squared limit, at its ceiling at the latest.
     is_significant: bool = False
@@ -142,6 +143,7 @@ class SourceAllotment:
             "binding_output": next(iter(self.binding_outputs), None),
             "at_ceiling": self.at_ceiling,
             "at_least": self.at_least,
+            "spared": self.is_spared,
             "ceiling": size(self.ceiling),
             "least": size(self.least),
             "binding_outputs": list(self.binding_outputs),

@@ -43,9 +43,15 @@ def limited_outputs(case: SensorCase) -> tuple[LimitedOutput, ...]:
     """Say of each limit who takes how much of it, now and after the allocation."""
     task, s = case.task, case.s
     printed = {limit.output: limit.printed for limit in case.requirement.limits}
-    states = [task.now, task.least, *([] if s is None else [s])]
-    used = [task.utilisation(state) for state in states]
-    parts = [_parts(task, state) for state in states]
+    # What is now is as every command judges it, each output by its own k.
+    judged = case.judged.factor / task.roundness(task.now)
+    states = [
+        (replace(task, coverage_factor=judged), task.now),
+        (case.present, task.least),
+        *([] if s is None else [(task, s)]),
+    ]
+    used = [by.utilisation(state) for by, state in states]
+    parts = [_parts(by, state) for by, state in states]
     bound = np.zeros(len(task.limit), bool) if s is None else task.binding(s)
     names = (*task.law.sources, INTERACTION, MEAN)
     return tuple(
@@ -108,6 +114,7 @@ def _both(first: SourceAllotment | None, last: SourceAllotment) -> SourceAllotme
         last,
         ceiling=first.ceiling,
         at_ceiling=first.at_ceiling and last.at_ceiling,
+        is_spared=first.is_spared if by_sensor else last.is_spared,
         binding_outputs=first.binding_outputs if by_sensor else last.binding_outputs,
         is_significant=first.is_significant or last.is_significant,
         headroom=min(rooms, key=lambda room: room.value, default=None),
@@ -149,7 +156,7 @@ def _allotments(
 ) -> tuple[SourceAllotment, ...]:
     """Say it of the lines of some owners."""
     task, s = case.task, case.s
-    room = headroom(task, task.now)
+    room = headroom(case.present, task.now)
     rows = []
     for g, name in enumerate(task.law.sources):
         if name.owner not in owners:
@@ -179,8 +186,9 @@ def _allotments(
                 and bool(case.factors[g] >= task.high[g] * (1.0 - TOUCHES)),
                 at_least=allotted
                 and bool(case.factors[g] <= task.low[g] * (1.0 + TOUCHES)),
+                is_spared=allotted and bool(case.spared[g]),
                 binding_outputs=_binding_outputs(task, case.factors, g)
-                if allotted
+                if allotted and not case.spared[g]
                 else (),
                 is_significant=significant,
                 headroom=_headroom(task, room[g], g, now) if significant else None,

@@ -210,6 +210,91 @@ def test_the_law_is_corrected_where_coverage_is_off():
     assert_allclose(row.uncorrected, 20 * PPM / 1.959964, rtol=1e-6)
 
 
+HARD = builders.sensor(
+    "gyro",
+    [
+        builders.line(
+            "bias_repeatability", 1.75 * DEG_PER_HOUR / 3**0.5, distribution=UNIFORM
+        )
+    ],
+)
+
+
+def test_what_is_now_is_what_every_command_says():
+    """A hard bound of 1.75 deg/h uses 0.95 of a limit as large, not 1.96/sqrt(3).
+
+    To the last digit what analyze finds with the requirement; and equal axes stop the
+    line together.
+    """
+    wanted = requirement({"gyro.bias": 1.75 * DEG_PER_HOUR}, reference="nominal")
+    unit = device(HARD)
+    allocation = allot(unit, wanted=wanted, validate=True)
+    budget = analyze(
+        unit, requirement=wanted, validate=False, coverage=0.95, reference="nominal"
+    )
+    rows = assess(budget, wanted).outputs
+
+    for row, said in zip(allocation.outputs, rows, strict=True):
+        assert_allclose(row.now, said.utilisation, rtol=1e-12)
+        # 100 000 trials: 0.0007 of 0.95, and some rounding of the test's own noise.
+        assert_allclose(row.now, 0.95, rtol=5e-3)
+    (line,) = allocation.sources
+    # A control: by the law the line would have to shrink to 1/1.13.
+    by_law = allot(unit, wanted=wanted).sources[0]
+    assert_allclose(by_law.factor, 3**0.5 / 1.959964, rtol=1e-6)
+    assert_allclose(line.factor, 1.0 / 0.95, rtol=5e-3)
+    axes = tuple(Name("bias", owner="gyro", axis=axis) for axis in AXES)
+    assert line.binding_outputs == line.headroom.stopped_by == axes
+
+
+def test_what_is_held_is_now():
+    """With every line held a hard bound within its limit can be met, by its trials."""
+    wanted = requirement({"gyro.bias": 1.75 * DEG_PER_HOUR}, reference="nominal")
+    held = Bounds(held=frozenset({"gyro.bias_repeatability"}), most={}, least={})
+    found = [
+        allot(device(HARD), wanted=wanted, bounds=held, validate=validate)
+        for validate in (True, False)
+    ]
+
+    assert [one.feasible for one in found] == [True, False]  # the law alone: no
+    for row in found[0].outputs:
+        assert_allclose(row.floor, row.now, rtol=5e-3)
+
+
+def test_lines_that_do_not_matter_stay_as_they_are():
+    """A limit on the scale factor asks nothing of the bias; what is spared says so."""
+    wanted = requirement({"gyro.scale_factor": 20 * PPM})
+    allocation = allot(replace(ZHAO, accelerometer=None), wanted=wanted)
+    rows = {row.source.quantity: row for row in allocation.sources}
+
+    spared = {name for name, row in rows.items() if row.is_spared}
+    assert spared == {*rows} - {"scale_factor_repeatability"}
+    for name in spared:
+        assert rows[name].allowed == rows[name].now
+        assert rows[name].binding_outputs == ()
+        assert rows[name].to_dict()["spared"] is True
+    assert rows["scale_factor_repeatability"].factor < 1.0
+    assert not any(row.is_spared for row in allot(strategy="equal").sources)
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES)
+def test_flicker_is_shared_out_as_any_line(strategy):
+    """An instability that is flicker noise gets its part of the limit."""
+    gyro = builders.sensor(
+        "gyro",
+        {"bias_repeatability": 0.05 * DEG_PER_HOUR, "flicker": 0.04 * DEG_PER_HOUR},
+    )
+    wanted = requirement({"gyro.bias": 0.02 * DEG_PER_HOUR})
+    allocation = allot(device(gyro), wanted=wanted, strategy=strategy, validate=True)
+    (row,) = (one for one in allocation.sources if one.source == "gyro.flicker")
+
+    assert allocation.feasible
+    assert 0.0 < row.allowed < row.now
+    assert row.binding_outputs[0].group == "gyro.bias"
+    (found,) = compare([device(*allocation.sensors)], wanted).devices
+    assert found.utilisation <= 1.0
+
+
 def test_next_turn_on_counts_a_repeatability_twice():
     """Under next_turn_on a repeatability may be sqrt(2) less than under nominal."""
     gyro = builders.sensor("gyro", {"bias_repeatability": 0.05 * DEG_PER_HOUR})

@@ -21,6 +21,7 @@ from budget.studies.allocation.cases import STRATEGIES, Bounds, resize
 from budget.studies.allocation.longer_tests import find_longer_tests
 from budget.studies.comparison.compare import compare
 from budget.studies.judgement import required_problem
+from budget.units import ARCSEC
 
 ZHAO = load_device("zhao-2019")
 BENCH = load_mission("bench")
@@ -125,6 +126,45 @@ def test_limits_on_sensors_and_mission_hold_together():
     # A control: the limits of the gyro bind, or this would be the mission alone.
     assert any(row.allowed < 0.9 * without[row.source] for row in of_gyro)
     assert any(row.is_binding for row in both.outputs if row.sensor == MISSION)
+
+
+@pytest.mark.parametrize("limit", [6.0, 120.0])  # [arcmin]
+def test_a_limit_on_heading_asks_nothing_of_accelerometers(limit):
+    """They give less than a thousandth of its variance: they stay, the gyro does it.
+
+    At 6 arcmin they take half of the squared limit, so that the gyro has the rest.
+    """
+    heading = Name("attitude", owner=MISSION, axis="heading", time=600.0)
+    basis = requirement(sensors=(), reference="next_turn_on")
+    wanted = replace(
+        basis,
+        limits=(
+            Limit(output=heading, limit=60.0 * limit * ARCSEC, printed=f"{limit}"),
+        ),
+    )
+    allocation = allocate(
+        load_device("hg4930#C"),
+        requirement=wanted,
+        mission=BENCH,
+        catalogue=(),
+        validate=False,
+    )
+    rows = [row for row in allocation.sources if row.source.owner == "accelerometer"]
+
+    assert allocation.feasible
+    assert all(row.factor == 1.0 and row.is_spared for row in rows)
+    (output,) = allocation.outputs
+    assert_allclose(output.allowed, 1.0, rtol=1e-8)
+    of_gyro = [row for row in allocation.sources if row.source.owner == "gyro"]
+    assert min(row.factor for row in of_gyro) < 0.7
+
+
+def test_what_a_mission_limits_now_is_what_compare_says():
+    """The circle is judged by trials, and so is what it is now."""
+    wanted = on_mission()
+    (row,) = allot(wanted).outputs
+
+    assert_allclose(row.now, by_mission(ZHAO, wanted).utilisation, rtol=1e-12)
 
 
 def test_what_cannot_be_met_says_so(monkeypatch):
