@@ -70,7 +70,10 @@ if TYPE_CHECKING:
     )
 
 STRATEGIES = {
-    "proportional": term("one factor on all lines of a sensor"),
+    "proportional": term(
+        "one factor on the lines of a sensor that matter at its limits, the others as "
+        "they are"
+    ),
     "equal": term("each line gets an equal part of the limit it uses most"),
     "cost": term("the least total cost"),
 }
@@ -85,7 +88,8 @@ def allocation_section(allocation: Allocation) -> Section:
     settings = say(
         "Strategy {strategy}: {strategies}. Coverage {coverage} %, "
         "error reference {reference}, procedure {procedure}. "
-        "Values are standard uncertainties of the largest axis.",
+        "Values are standard uncertainties of the largest axis. Alone: what one line "
+        "could be, the others as they are now.",
         strategy=say(allocation.strategy),
         strategies=say(STRATEGIES[allocation.strategy]),
         coverage=coverage,
@@ -156,11 +160,11 @@ def _by_sensor(
 
 
 def _pictures(allocation: Allocation) -> Iterator[Picture]:
-    """Draw what takes how much of the limits, and how far each line could go."""
-    yield from (chart_picture(waterfall_chart(row)) for row in figured(allocation))
+    """Draw how far each line could go, and what takes how much of the limits."""
     for _, rows in _by_sensor(allocation):
         if (headroom := headroom_chart(rows)) is not None:
             yield chart_picture(headroom)
+    yield from (chart_picture(waterfall_chart(row)) for row in figured(allocation))
 
 
 def _correction(row: SourceAllotment) -> str:
@@ -201,19 +205,19 @@ def _lines_table(sensor: str, rows: Sequence[SourceAllotment]) -> Table:
             ),
         ),
         Field(head=say("now"), kind="number", cell=lambda row: _value(row.now, row)),
+        Field(head=say("alone up to"), kind="number", cell=_alone),
+        Field(head=say("unit"), kind="unit", cell=lambda row: row.unit),
+        Field(head=say("alone stopped by"), cell=lambda row: print_headroom(row)[1]),
         Field(
             head=say("allowed"),
             kind="number",
             cell=lambda row: _value(row.allowed, row),
         ),
-        Field(head=say("unit"), kind="unit", cell=lambda row: row.unit),
         Field(head=say("allowed / now"), kind="number", cell=_factor),
         Field(
             head=say("stopped by"),
             cell=lambda row: print_stop(row.binding_outputs, row.source.owner),
         ),
-        Field(head=say("alone up to"), kind="number", cell=_alone),
-        Field(head=say("then stopped by"), cell=lambda row: print_headroom(row)[1]),
     )
     return table_of(
         rows,

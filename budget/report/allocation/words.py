@@ -130,6 +130,8 @@ def remarks(row: SourceAllotment) -> str:
         found.append(say(row.status))
     if row.is_idle:
         found.append(say(IDLE))
+    elif row.is_spared:
+        found.append(say("does not matter"))
     if row.at_ceiling:
         found.append(say("at its ceiling"))
     if row.at_least:

@@ -103,9 +103,31 @@ def test_every_line_has_its_values_in_the_unit_of_the_file(allocation):
     assert len(cells) == len(allocation.sources) == 10
     for row, source in zip(cells, allocation.sources, strict=True):
         assert row[1].exact == source.now / source.si_per_unit
-        assert row[2].exact == source.allowed / source.si_per_unit
+        alone = source.headroom.value if source.headroom else 0.0
+        assert row[2].exact == (alone / source.si_per_unit or None)
         assert row[3].text == source.unit
-        assert row[4].exact == source.factor
+        assert row[5].exact == source.allowed / source.si_per_unit
+        assert row[6].exact == source.factor
+
+
+def test_what_does_not_matter_is_marked():
+    """A line that the strategy spares says so, as one that it moves does not."""
+    found = allocate(
+        load_device("hg4930#C"),
+        requirement=load_requirement("tactical-grade"),
+        validate=False,
+    )
+    tables = tables_of(allocation_section(found))
+    rows = [
+        row
+        for sensor in ("gyro", "accelerometer")
+        for row in cells_of(tables[f"allocation-{sensor}"])
+    ]
+
+    assert any(source.is_spared for source in found.sources)
+    for row, source in zip(rows, found.sources, strict=True):
+        assert ("does not matter" in row[0].note) == source.is_spared
+        assert (row[6].exact == 1.0) == source.is_spared
 
 
 def test_waterfalls_are_those_of_the_tightest_outputs(allocation):
@@ -150,7 +172,7 @@ def test_what_cannot_be_met_says_what_is_held(impossible):
 
     assert any(head.endswith(", held") for head in heads)
     assert "What would make it feasible" in lines(section)
-    assert {row[2].text for row in cells_of(lines_table)} == {"-"}
+    assert {row[5].text for row in cells_of(lines_table)} == {"-"}
 
 
 @pytest.mark.parametrize("which", ["allocation", "impossible"])
@@ -234,10 +256,10 @@ def test_lines_that_count_nothing_get_no_number(as_tested):
         "scale_factor_nonlinearity",
     }
     for cells, row in zip(cells_of(table), own, strict=True):
-        said = (cells[6].text, cells[7].text)
+        said = (cells[2].text, cells[4].text)
         assert (said == ("-", "counts nothing here")) == row.is_idle
         assert ("counts nothing here" in cells[0].note) == row.is_idle
-        assert (cells[6].exact is None) == row.is_idle
+        assert (cells[2].exact is None) == row.is_idle
     assert_says(chart.title, "2 of 2 accelerometer lines", "grow")
     assert_says(chart.alt, "counts nothing here: bias repeatability")
 
@@ -258,8 +280,8 @@ def test_page_and_terminal_say_headroom_alike(as_tested, impossible):
             own = of_sensor(allocation, sensor)
             for row, words, shown in zip(cells, printed[: len(own)], own, strict=True):
                 up_to, stop = print_headroom(shown)
-                assert (row[6].text, row[7].text) == (up_to, stop)
-                assert tuple(words[6:8]) == (up_to, stop)
+                assert (row[2].text, row[4].text) == (up_to, stop)
+                assert (words[2], words[4]) == (up_to, stop)
 
 
 def test_limits_of_a_sensor_not_given_are_said():
