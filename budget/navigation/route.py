@@ -83,6 +83,22 @@ class Steps:
     ends: Moment
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Moments:
+    """How a vehicle moves at times of its route, both of shape (s, 4)."""
+
+    time: Array  # from the start [s]
+    moment: Moment
+
+    @classmethod
+    def of(cls, durations: Array, nodes: Moment) -> Moments:
+        """Return the nodes of steps with their times."""
+        begins = np.cumsum(durations) - durations
+        return cls(
+            time=begins[:, None] + durations[:, None] * np.array(NODES), moment=nodes
+        )
+
+
 class Route(Protocol):
     """Where a vehicle goes, and how it moves there."""
 
@@ -93,6 +109,10 @@ class Route(Protocol):
     @property
     def first(self) -> Moment:
         """When it begins."""
+
+    @property
+    def course(self) -> Moments:
+        """All of it, at the points of Gauss of its steps."""
 
     def steps(self, times: Sequence[float]) -> Steps:
         """Return it in short steps, one of which ends at every asked time."""
@@ -114,6 +134,17 @@ class Legs:
     def first(self) -> Moment:
         """When the route begins."""
         return moments([self.start], [self.legs[0]], ())
+
+    @property
+    def course(self) -> Moments:
+        """All of it, at the points of Gauss of its steps."""
+        steps = self.steps((self.duration,))
+        return Moments.of(steps.durations, steps.nodes)
+
+    def leg_at(self, time: float) -> int:
+        """Return the place of the leg that a time after the start is in."""
+        ends = np.cumsum([leg.duration for leg in self.legs])
+        return min(int(np.searchsorted(ends, time)), len(self.legs) - 1)
 
     def steps(self, times: Sequence[float]) -> Steps:
         """Return the route in short steps, one of which ends at every asked time.
@@ -220,6 +251,12 @@ class Track:
         """When it begins."""
         return self._moments(np.array(0.0))
 
+    @property
+    def course(self) -> Moments:
+        """All of it, at the points of Gauss of its steps."""
+        edges, _ = self._edges((self.duration,))
+        return Moments.of(np.diff(edges), self._nodes(edges))
+
     def steps(self, times: Sequence[float]) -> Steps:
         """Return the route to the last asked time; see Route.
 
@@ -230,6 +267,21 @@ class Track:
         """
         checked(times, self.duration)
         edges, asked = self._edges(times)
+        ends = self._moments(edges[np.array(asked) + 1])
+        if np.hypot(*np.moveaxis(ends.body[..., :2, 1], -1, 0)).min() < UPRIGHT:
+            raise ProblemError(
+                "the vehicle points straight up or down at a time that is asked for; "
+                "it has no heading then: ask for another"
+            )
+        return Steps(
+            durations=np.diff(edges), nodes=self._nodes(edges), asked=asked, ends=ends
+        )
+
+    def _nodes(self, edges: Array) -> Moment:
+        """Return what the errors grow by at the points of Gauss between ends of steps.
+
+        Of shape (steps, 4).
+        """
         a, b = edges[:-1], edges[1:]
         h = b - a
         at = a[:, None] + h[:, None] * np.array(NODES)
@@ -242,14 +294,7 @@ class Track:
             one.as_rotvec() for one in (begun.inv() * half, half.inv() * ended)
         )
         turning = _linear(-first, 0.0 * first, second, h)
-        nodes = self._moments(at, acceleration=acceleration, turning=turning)
-        ends = self._moments(edges[np.array(asked) + 1])
-        if np.hypot(*np.moveaxis(ends.body[..., :2, 1], -1, 0)).min() < UPRIGHT:
-            raise ProblemError(
-                "the vehicle points straight up or down at a time that is asked for; "
-                "it has no heading then: ask for another"
-            )
-        return Steps(durations=h, nodes=nodes, asked=asked, ends=ends)
+        return self._moments(at, acceleration=acceleration, turning=turning)
 
     def _edges(self, times: Sequence[float]) -> tuple[Array, tuple[int, ...]]:
         """Return the ends of steps, and which steps end at the asked times.
