@@ -355,6 +355,8 @@ def validate(
         name = found.file
         with printing():
             tell(f"{in_line(name)}: {found.kind}, valid\n")
+            for text in found.ranges:
+                tell(f"  range: {text}\n")
             for text in found.assumptions:
                 tell(f"  assumed: {text}\n")
             if found.kind == "device" and found.assumptions:

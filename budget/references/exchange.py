@@ -30,7 +30,7 @@ VALUE = "value"
 TEXTS = {
     "device": {
         *("format", "name", "source", "vendor", "technology", "price", "mass"),
-        *("power", "range", "notes", "figures", "abstract"),
+        *("power", "notes", "figures", "abstract"),
     },
     "procedure": {"format", "name"},
     "station": {"format", "name"},
@@ -39,6 +39,8 @@ TEXTS = {
     "costs": {"format"},
 }
 FIGURE_TEXTS = {"includes", "horizon", "condition", "source"}
+RANGE = "range"  # of the device, or under a sensor
+RANGE_TEXTS = {"options", "condition"}
 
 Steps = tuple[str | int, ...]
 
@@ -162,6 +164,7 @@ def is_text(role: str, steps: Steps) -> bool:
     return steps[:1] != () and (
         steps[0] in TEXTS[role]
         or (_is_in_figure(steps) and not FIGURE_TEXTS.isdisjoint(steps[FIGURE:]))
+        or (RANGE in steps[:2] and steps[-1] in RANGE_TEXTS)
     )
 
 

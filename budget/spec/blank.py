@@ -13,6 +13,7 @@ from budget.names import keys_of
 from budget.spec.checking import nearest
 from budget.spec.device import read_device
 from budget.spec.makers import MEANINGS, PAGE, UNITS, printed_as
+from budget.spec.ranges import IS
 from budget.spec.reader import parse
 from budget.spec.specification import HALF_WIDTHS, SIGMAS
 
@@ -87,6 +88,7 @@ def _text(
     yield "# vendor:"
     yield "# technology: FOG, RLG, MEMS, ..."
     yield "# gravity_unit: 9.80708 m/s^2 # where g is not 9.80665 m/s^2"
+    yield f"# range: {{gyro: {BLANK} deg/s, accelerometer: {BLANK} g}} # {IS}"
     for sensor in SENSORS:
         off = "" if sensor in sensors else "# "
         mine = {line: value for (own, line), value in lines.items() if own == sensor}
@@ -114,7 +116,7 @@ def _text(
             yield f"    {scalar(line)}: {_value(mine[line])}"
     yield "# Printed values that are no line:"
     yield "# figures:"
-    yield "#   - {name: gyro.range, value: 400 deg/s, condition: full scale}"
+    yield "#   - {name: gyro.bandwidth, value: 262 Hz, condition: configurable}"
 
 
 def _value(text: str) -> str:

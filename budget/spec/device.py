@@ -35,6 +35,7 @@ from budget.spec.fields import (
     per_axis,
 )
 from budget.spec.makers import printed_as
+from budget.spec.ranges import IS, RANGES, TYPES, read_range
 from budget.spec.records import (
     ANGLES,
     AXES,
@@ -59,6 +60,7 @@ if TYPE_CHECKING:
 
     from budget.model.source import Source
     from budget.spec.changes import Change
+    from budget.spec.ranges import RangeValue
     from budget.spec.tree import Document, Node
 
 PLAUSIBLE_GRAVITY = (9.5, 10.5)  # what a maker may mean by g [m/s^2]
@@ -193,6 +195,7 @@ def _sensor_type(sensor: str, type_of: Callable[[Source, str], Any]) -> Any:  # 
         {line.name: f"{line.model}; {printed_as(line.name)}" for line in lines},
     )
     types: dict[str, Any] = {
+        "range": (TYPES[sensor] | None, Field(default=None, description=IS)),
         "nominal": (nominal | None, SensorPart.model_fields["nominal"]),
         "errors": (errors | None, SensorPart.model_fields["errors"]),
     }
@@ -209,7 +212,9 @@ class Sheet(Strict):
     price: ShortText = ""
     mass: ShortText = ""
     power: ShortText = ""
-    range: ShortText = ""
+    range: RANGES | None = Field(
+        default=None, description=f"of each sensor, or under it: {IS}"
+    )
     notes: LongText = ""
     gravity_unit: (
         Annotated[Quantity, Measured("m/s^2", Sign.POSITIVE, bare=True)] | None
@@ -247,6 +252,26 @@ class Base(Sheet):
     def _check_sensors(self) -> Self:
         if self.model_fields_set.isdisjoint(SENSORS):
             raise faults({(): "has no sensor, expected gyro, accelerometer or both"})
+        return self
+
+    @model_validator(mode="after")
+    def _check_ranges(self) -> Self:
+        found = {}
+        for kind in SENSORS:
+            part = getattr(self, kind)
+            if getattr(self.range, kind, None) is None:
+                continue
+            if part is None:
+                found["range", kind] = (
+                    f"is of {kind}, and the file has none; remove it, or put it under "
+                    "figures, as what is printed and not budgeted"
+                )
+            elif getattr(part, "range", None) is not None:
+                found["range", kind] = (
+                    f"stands under {kind}, too; expected one of them, remove the other"
+                )
+        if found:
+            raise faults(found)
         return self
 
 
@@ -302,7 +327,10 @@ def read_device(
         kind: getattr(sheet, kind) for kind in SENSORS
     }
     read = {
-        kind: _read_sensor(kind, name, part, gravity=_gravity(root))
+        kind: _with_range(
+            _read_sensor(kind, name, part, gravity=_gravity(root)),
+            getattr(part, "range", None) or getattr(sheet.range, kind, None),
+        )
         for kind, part in parts.items()
         if part is not None
     }
@@ -326,7 +354,6 @@ def read_device(
         price=sheet.price,
         mass=sheet.mass,
         power=sheet.power,
-        range=sheet.range,
         notes=sheet.notes,
     )
 
@@ -445,6 +472,15 @@ def _read_sensor(
         ).with_lines(one.line for one in read),
         assumptions=tuple(assumptions),
     )
+
+
+def _with_range(read: _ReadSensor, given: Quantity | RangeValue | None) -> _ReadSensor:
+    """Return a sensor with its range, where the file gives it."""
+    if given is None:
+        return read
+    found = read_range(given)
+    sensor = replace(read.sensor, range=found.values, range_printed=found.printed)
+    return replace(read, sensor=sensor)
 
 
 def _nominal(part: SensorPart, key: str, axes: tuple[str, ...]) -> dict[str, float]:

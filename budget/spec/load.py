@@ -446,6 +446,7 @@ def _validate(path: File, changes: Sequence[Change]) -> Checked:
             assumptions=record.assumptions,
         )
     assumptions: list[str] = []
+    ranges: list[str] = []
     used: list[str] = []
     issues: list[Issue] = []
     names: tuple[str, ...] = ("",)
@@ -457,6 +458,7 @@ def _validate(path: File, changes: Sequence[Change]) -> Checked:
         try:
             device = _read(document, file, name, changes)
             assumptions.extend(device.assumptions)
+            ranges.append(device.range)
             used.extend(device.origin.used)
         except SpecError as error:
             issues.extend(error.issues)
@@ -469,6 +471,7 @@ def _validate(path: File, changes: Sequence[Change]) -> Checked:
         kind=document.kind,
         variants=names,
         assumptions=tuple(dict.fromkeys(assumptions)),
+        ranges=tuple(dict.fromkeys(filter(None, ranges))),
         changes=tuple(dict.fromkeys(used)),
     )
 

@@ -117,6 +117,11 @@ class Sensor:
     initial : tuple of ErrorLine
         Tolerances of a new unit, that every calibration finds; they count for what is
         held at the design.
+    range : ndarray, shape (3,), or None
+        The largest input of either sign that each axis reads [rad/s or m/s^2]; None
+        where it is not given.
+    range_printed : str
+        As the file gives it, for people: '±400 °/s (saturates at ±480 °/s)'.
     """
 
     kind: str
@@ -129,6 +134,8 @@ class Sensor:
     gravity_unit: float = STANDARD_GRAVITY
     beside: Sensor | None = None
     initial: tuple[ErrorLine, ...] = ()
+    range: Array | None = None
+    range_printed: str = ""
 
     def line(self, name: str) -> ErrorLine | None:
         """Return the line of that name, or None where the data sheet has none."""
@@ -195,7 +202,6 @@ class Device:
     price: str = ""
     mass: str = ""
     power: str = ""
-    range: str = ""
     notes: str = ""
     # Reads the same file again with changes, where it was read from one.
     read_again: Callable[[Changes], Device] | None = field(default=None, repr=False)
@@ -222,6 +228,15 @@ class Device:
                 "be named; make it with budget.load_device"
             )
         return self.read_again(changes)
+
+    @property
+    def range(self) -> str:
+        """The ranges of its triads, for people; '' where none is given."""
+        return "; ".join(
+            f"{one.kind} {one.range_printed}"
+            for one in (self.gyro, self.accelerometer)
+            if one is not None and one.range_printed
+        )
 
     @property
     def as_printed(self) -> str:
@@ -393,4 +408,5 @@ class Checked:
     kind: str  # as `budget schema` takes it
     variants: tuple[str, ...]  # of a device, '' for its base; () of the others
     assumptions: tuple[str, ...]  # of the base and every variant, each once
+    ranges: tuple[str, ...] = ()  # of its sensors, likewise
     changes: tuple[str, ...] = ()  # those of the call that it has

@@ -88,6 +88,7 @@ def silent(kind, path):
             "an asymmetry of an accelerometer": path[0] == "accelerometer"
             and path[-1] in keys,
             "an ageing": is_ageing and path[-1] in keys,
+            "a range": "range" in path[:2] and path[-1] in keys,
             "a limit on a mission": path[:2] == ("limits", "mission")
             and path[-1] in keys,
             "g sensitivity by axis": "g_sensitivity" in path

@@ -11,6 +11,7 @@ from reference_examples import DEVICE, parts_of
 
 from budget.references.exchange import (
     FIGURE_TEXTS,
+    RANGE_TEXTS,
     TEXTS,
     differences,
     effective,
@@ -204,6 +205,7 @@ def test_texts_are_those_of_the_docs():
         "costs": every,
     } == TEXTS
     assert rows["a specification value"] == FIGURE_TEXTS
+    assert rows["a range"] == RANGE_TEXTS
 
 
 def test_an_exchange_leaves_the_file_it_was_made_of():

@@ -21,6 +21,7 @@ from places import ROOT
 
 import budget
 from budget.calibration.problem import calibration_problem
+from budget.calibration.saturation import Peak, beyond
 from budget.errors import SpecError
 from budget.methods.gum import propagate
 from budget.model.sources import SENSORS, lines_of, walk_of
@@ -33,6 +34,7 @@ from budget.spec.files import find, open_file
 from budget.spec.records import ANGLES, AXES
 from budget.studies.allocation.allocate import allocate
 
+DEG, G = np.pi / 180.0, 9.80665
 CHANGED = 1e-9  # relative; far above rounding, far below what any perturbation does
 PAPER = budget.load_procedure()
 # With a temperature that changes, so that its coefficients are felt.
@@ -86,6 +88,7 @@ def steps_of(key):
 
 # Keys whose value has to stand beside another one to be allowed, or to mean something.
 BIASES = {"gyro": "deg/h", "accelerometer": "ug"}
+RANGES = {"gyro": "deg/s", "accelerometer": "g"}
 AXES_OF = {"bias": AXES, "mounting_angle": ANGLES}
 FIGURE_KEYS = (
     *("value", "meaning", "distribution", "includes", "horizon"),
@@ -101,8 +104,29 @@ DENSITIES = {
 }
 
 
+def ranged(key):
+    """Return a device with a range that no test is beyond, and with that key of it."""
+    kinds = [step for step in key.path if step in SENSORS]
+    if not kinds:  # a text, of the kind of the last form that it has
+        kinds = [one for one in SENSORS if example(key).endswith(f" {RANGES[one]}")]
+    (sensor,) = kinds
+    errors = {"bias_stability": f"100 {BIASES[sensor]}"}
+    tree = {"name": "x", sensor: {"errors": errors}}
+    given = {"value": f"90 {RANGES[sensor]}"}
+    if key.path[0] == sensor:
+        tree[sensor]["range"] = given
+    else:
+        tree["range"] = {sensor: given}
+    return tree, replaced(tree, steps_of(key), example(key))
+
+
 def device(key):
     """Return a device as small as the key allows, without the key and with it."""
+    return ranged(key) if "range" in key.path[:2] else lined(key)
+
+
+def lined(key):
+    """Return the same for a key that is not of a range."""
     sensor = key.path[0] if key.path[0] in SENSORS else "gyro"
     tree = {
         "name": "x",
@@ -196,7 +220,17 @@ def choices(kind, *, moving, const=False):
     ]
 
 
-DEVICE = [key for key in choices("device", moving=True) if key.path[0] != "variants"]
+DEVICE = [
+    key
+    for key in choices("device", moving=True)
+    # What a range decides is a test of its own.
+    if key.path[0] != "variants" and "range" not in key.path[:2]
+]
+RANGED = [
+    key
+    for key in choices("device", moving=True)
+    if key.path[0] != "variants" and "range" in key.path[:2]
+]
 # What `abstract` hides is a test of its own.
 QUIET = [
     key
@@ -304,6 +338,29 @@ def test_a_key_of_a_device_moves_a_number(keys):
     assert unmoved(keys, budgeted) == []
 
 
+def asked_beyond(tree):
+    """Return the ranges of a device that 8 deg/s and 8 g on every axis are beyond."""
+    size = {"gyro": 8.0 * DEG, "accelerometer": 8.0 * G}
+    return [
+        one.range
+        for sensor in load_device(tree).sensors
+        for axis in AXES
+        for one in beyond(
+            sensor,
+            [Peak(sensor=sensor.kind, axis=axis, size=size[sensor.kind], where="")],
+        )
+    ]
+
+
+@pytest.mark.parametrize("key", RANGED, ids=str)
+def test_a_key_of_a_range_decides_what_may_be_asked(key):
+    """8 deg/s and 8 g are within a range of 90, and beyond one of 7 by any key."""
+    assert [len(asked_beyond(tree)) for tree in device(key)] == [
+        0,
+        1 if key.path[-1] in AXES else 3,
+    ]
+
+
 @pytest.mark.parametrize("keys", by_file(QUIET), ids=lambda keys: str(keys[0]))
 def test_keys_of_the_table_move_no_number_and_are_printed(keys):
     """No output changes with such keys, and `budget devices` shows what they say.
@@ -356,7 +413,7 @@ def test_a_key_of_a_variant_does_what_it_does_in_the_base(place):
 def override_by(key):
     """Return a variant that says one key otherwise than its base."""
     steps = steps_of(key)
-    if steps[0] not in SENSORS:
+    if steps[0] not in SENSORS and (steps[0] != "range" or len(steps) == 1):
         return {steps[0]: device(key)[1][steps[0]]}
     value = example(key)
     if 0 in steps:  # a list is overridden as a whole

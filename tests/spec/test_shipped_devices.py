@@ -28,10 +28,10 @@ REFS = [
     for name in variants(path.stem)
 ]
 # A spelling that the reader does not know, and the one that stands for it.
-READ_AS = {"deg/Hr": "deg/hr", "mG": "mg", "µG/√Hz": "µg/√Hz"}
-WHERE = {"gyro.range": "gyro", "accel.range": "accelerometer"}  # first word of a range
+READ_AS = {"deg/Hr": "deg/hr", "mG": "mg", "µG/√Hz": "µg/√Hz", "G": "g"}
+RANGES = {"gyro.range": "gyro.range", "accel.range": "accelerometer.range"}
 LIKE = {f"{s}.{line.name}": line.like(s) for s in SENSORS for line in lines_of(s)}
-LIKE["gravity_unit"] = "m/s^2"
+LIKE |= {"gravity_unit": "m/s^2", "gyro.range": "deg/s", "accelerometer.range": "g"}
 CONSTANTS = (
     *("repeatability", "nonlinearity", "asymmetry", "quadratic", "g_sensitivity"),
     *("temperature_coefficient", "over_temperature"),
@@ -95,6 +95,15 @@ def lines_in(device):
             yield f"{sensor}.{name}", figure
 
 
+def split(text):
+    """Return the numbers of one range or of several that can be chosen, and the unit.
+
+    '250, 500, 1000 dps', '15.625 to 2000 dps'.
+    """
+    numbers, _, unit = text.rpartition(" ")
+    return numbers.replace(" to ", ", ").split(", "), unit
+
+
 def said_by_file(device):
     """Return every figure of a file: place, figure, words and source."""
     for place, figure in lines_in(device):
@@ -105,9 +114,16 @@ def said_by_file(device):
     for figure in device.get("figures", ()):
         named = f"{figure['name']} {figure['value']}"
         yield "figures", named, figure.get("condition", ""), figure["source"]
-    for key in ("range", "mass", "power", "price"):
+    for key in ("mass", "power", "price"):
         for text in device[key].split("; ") if key in device else ():
             yield key, text
+    for sensor, given in device.get("range", {}).items():
+        figure = {"value": given} if isinstance(given, str) else given
+        numbers, unit = split(figure.get("options", figure["value"]))
+        assert figure["value"] in {f"{number} {unit}" for number in numbers}
+        place = f"{sensor}.range"
+        si = [measured(place, f"{number} {unit}") for number in numbers]
+        yield place, *si, figure.get("condition", "")
     if "gravity_unit" in device:
         yield "gravity_unit", measured("gravity_unit", device["gravity_unit"])
 
@@ -121,6 +137,14 @@ def said_by_makers(rows):
             if place == "figures":
                 named = f"{row['parameter']} {figure}"
                 yield place, named, row["words"], title
+            elif place == "range":
+                numbers, unit = split(figure)
+                where = RANGES[row["parameter"]]
+                # Both signs are meant by a range, and options stand by themselves.
+                words = row["words"].lstrip("±, ;").removeprefix("options").strip()
+                words = words[1:-1] if words.startswith("(") else words
+                si = [measured(where, f"{number} {unit}") for number in numbers]
+                yield where, *si, words
             elif place == "gravity_unit":
                 yield place, measured(place, figure)
             elif place in LIKE:
@@ -131,10 +155,9 @@ def said_by_makers(rows):
                     figure = f"{10.0 * float(row['value']):g} mrad"
                 yield place, measured(place, figure), words, title
             else:
-                text = f"{WHERE.get(row['parameter'], '')} {figure}".strip()
                 words = f" ({row['words']})" if row["words"] else ""
                 # The words may hold a '; ' of their own, as the text in the file may.
-                yield from ((place, part) for part in f"{text}{words}".split("; "))
+                yield from ((place, part) for part in f"{figure}{words}".split("; "))
 
 
 def differences(device, rows):
@@ -363,3 +386,40 @@ def test_the_catalogue_page_has_a_row_for_every_device_file():
     text = CATALOGUE.read_text(encoding="utf-8")
     for path in FILES:
         assert f"| `{path.stem}` |" in text
+
+
+def test_a_changed_range_is_caught():
+    """Control: one digit of a range, or of what can be chosen, is not as printed."""
+    device = copy.deepcopy(raw("bmi088"))
+    device["range"]["gyro"]["options"] = "125, 250, 500, 1000, 2001 °/s"
+    device["range"]["gyro"]["value"] = "2001 °/s"
+    assert len(differences(device, rows_of("bmi088"))["file"]) == 1
+    device["range"]["gyro"]["value"] = "1500 °/s"
+    with pytest.raises(AssertionError, match="1500"):
+        differences(device, rows_of("bmi088"))
+
+
+FIRST = "_SEL=0"  # the first of the ranges that can be chosen, as TDK names it
+
+
+def test_the_range_of_several_is_that_of_the_figures_or_the_largest():
+    """Of ranges to choose from it is what the lines name, else the largest."""
+    found = {}
+    for ref in REFS:
+        for sensor, given in raw(ref).get("range", {}).items():
+            if "options" not in given:
+                continue
+            numbers, unit = split(given["options"])
+            said = " ".join(
+                figure.get("condition", "")
+                for place, figure in lines_in(raw(ref))
+                if place.startswith(sensor)
+            )
+            named = {n for n in numbers if f"±{n} {unit}" in said or f"RFS{n}" in said}
+            if FIRST in said or "ACCEL_FS=0" in said:
+                named.add(numbers[0])
+            largest = max(named or numbers, key=float)
+            if given["value"] != f"{largest} {unit}":
+                found[ref] = given["value"]
+    # By the name of the part, and by the mode that the file is of.
+    assert found == {"adis16495-1": "125 °/sec", "sca3300-d01": "1.5 g"}
