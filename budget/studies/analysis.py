@@ -328,6 +328,7 @@ def analyze_as(
     if chosen is None:
         warnings += cautions.unknown_zeros(problem, law)
     warnings += cautions.beyond_first_order(problem, law)
+    warnings += cautions.saturated(analysis)
     if chosen is None and of_test:
         warnings += cautions.say_unfelt(cautions.unfelt(analysis))
         warnings += blunders.worth_saying(procedure, sensors, law, problem, requirement)

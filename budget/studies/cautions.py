@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.calibration.mission import not_carried
+from budget.calibration.saturation import saturations
 from budget.calibration.schemes import removal
 from budget.language import in_a_row, note, term
 from budget.model.source import Change, Coefficient, Disturbance
@@ -328,6 +329,14 @@ def left_behind(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[str, .
             )
         )
     return tuple(said)
+
+
+def saturated(analysis: Analysis) -> tuple[str, ...]:
+    """Name the axes that the mission asks for more than they read; () of a test."""
+    mission = analysis.journey
+    if mission is None:
+        return ()
+    return tuple(one.said for one in saturations(analysis.sensors, mission))
 
 
 # Standard uncertainty of an attitude up to which first order holds, 5.7 deg [rad].
