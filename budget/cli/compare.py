@@ -69,7 +69,12 @@ def compare(
     ] = None,
     missing: options.Missing = "refuse",
     strict: Annotated[
-        bool, typer.Option("--strict", help="Compute nothing if any file is bad.")
+        bool,
+        typer.Option(
+            "--strict",
+            help="Compute nothing if any file is bad, or a test takes any device "
+            "beyond its range.",
+        ),
     ] = False,
     validate: Annotated[
         bool,
@@ -162,6 +167,7 @@ def compare(
             max_trials=max_trials,
             validate=validate,
             pairs=pairs,
+            strict=strict,
             seed=seed,
             workers=engine.workers,
             executor=engine.executor,

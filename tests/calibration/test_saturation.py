@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import budget
+from budget.calibration.problem import calibration_problem
 from budget.calibration.saturation import (
     ROUNDED,
     beyond,
@@ -15,8 +16,9 @@ from budget.calibration.saturation import (
     peaks_of_test,
     saturations,
 )
-from budget.calibration.schemes import schedule_of
+from budget.calibration.schemes import refusals, schedule_of
 from budget.earth import ROTATION_RATE, meridian_radius, normal_gravity
+from budget.errors import CallError
 from budget.navigation.route import Track
 from budget.spec import load_device, load_mission, load_procedure, uncalibrated
 from budget.spec.records import Mission
@@ -265,6 +267,55 @@ def test_a_vehicle_that_ends_straight_up_has_peaks():
 
     # d/dt of 90 deg (t/40 s)^3 at its end.
     assert_allclose(about.size, 3.0 * np.pi / 2.0 / 40.0, rtol=3e-2)
+
+
+def test_a_gyro_that_the_turns_are_beyond_is_refused_for_the_test():
+    """Device, sensor, range, what the test asks, and where."""
+    unit = device(gyro="10 deg/s", accelerometer="5 g")
+
+    (text,) = refusals(unit.sensors, load_procedure())
+    for word in ("unit", "gyro", "±10 deg/s", "20 deg/s", "turn x+", "Zhao 2019"):
+        assert word in text
+    with pytest.raises(CallError, match="cannot be tested"):
+        calibration_problem(unit.sensors, load_procedure())
+
+
+def test_an_accelerometer_that_gravity_is_beyond_is_refused_for_the_test():
+    """0.5 g at a face, whoever tests it by itself or beside a gyro."""
+    unit = device(gyro="100 deg/s", accelerometer="0.5 g")
+    for sensors in (unit.sensors, unit.sensors[1:]):
+        (text,) = refusals(sensors, load_procedure())
+        for word in ("accelerometer", "±0.5 g", "0.999 g", "up"):
+            assert word in text
+
+
+def test_a_test_as_quick_as_the_range_is_no_test_beyond_it():
+    """20 deg/s of 20 deg/s, and 1 g of 1 g, at any gravity of the earth."""
+    unit = device(gyro="20 deg/s", accelerometer="1 g")
+    assert refusals(unit.sensors, load_procedure()) == ()
+    pole = load_procedure({"name": "pole", "latitude": "89 deg", "sample_rate": "1 Hz"})
+    assert pole.gravity > STANDARD_GRAVITY
+    assert refusals(unit.sensors, pole) == ()
+
+
+@pytest.mark.parametrize("word", ["none", "factory"])
+def test_without_a_test_nothing_is_beyond(word):
+    """A unit that nobody calibrates is turned by nobody."""
+    unit = device(gyro="10 deg/s", accelerometer="0.5 g")
+    assert refusals(unit.sensors, uncalibrated(word)) == ()
+    calibration_problem(
+        unit.sensors, uncalibrated(word), reference="next_turn_on", every=True
+    )
+
+
+def test_windows_of_the_other_triad_alone_do_not_count():
+    """A gyro is read in its own windows: a quick turn of accelerometers is no test."""
+    quick = {"face": "z up", "turn": "vertical", "turns": 1, "rate": "90 deg/s"}
+    dwell = {"face": "z up", "dwell": "60 s"}
+    shy = device(gyro="50 deg/s")
+    alone = procedure_of(dwell, {**quick, "use": "accelerometer"})
+    assert refusals(shy.sensors, alone) == ()
+    assert len(refusals(shy.sensors, procedure_of(dwell, quick))) == 1
 
 
 def test_the_mission_of_an_analysis_warns_of_what_saturates():

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.calibration.saturation import beyond, peaks_of_test
 from budget.calibration.schemes import zhao_2019
 from budget.calibration.schemes.least_squares import scheme_by_least_squares
 from budget.calibration.schemes.norm import scheme_by_norm
 from budget.calibration.schemes.rotation import scheme_by_rotation
 from budget.errors import CallError
+from budget.language import note
 from budget.model.norm import NormScheme
 from budget.model.response import SIGN, STATISTICS, statistics_of
 from budget.model.rotation import RotationScheme
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.arrays import Array
+    from budget.calibration.saturation import Peak
     from budget.model.source import Given
     from budget.spec.records import ErrorLine, Procedure, Sensor
 
@@ -40,7 +43,15 @@ def schemes_of(
     """Return windows and weights of triads by kind, with what each needs of another.
 
     With `every` those of triads that the procedure does not calibrate, too: none.
+
+    Raises
+    ------
+    CallError
+        The test takes an axis beyond its range, or its windows cannot tell some
+        parameters apart.
     """
+    if refused := refusals(sensors, procedure):
+        raise CallError("\n".join(refused))
     found = {
         one.kind: scheme_of(one.kind, procedure, one)
         if calibrates(one.kind, procedure) or not every
@@ -51,6 +62,37 @@ def schemes_of(
     if isinstance(gyro, RotationScheme) and isinstance(norm, NormScheme):
         found[ACCELEROMETER] = norm.beside(gyro.directions)
     return found
+
+
+def refusals(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[str, ...]:
+    """Say which axes a procedure takes beyond their range, and what to do; () if none.
+
+    Where nobody calibrates there is no test.
+    """
+    return tuple(
+        note(
+            "{device} cannot be tested by {procedure}: its {sensor} reads up to "
+            "{range} along {axis} (range), and '{where}' asks {peak}; take a procedure "
+            "that stays within, another device, or, for a mission, --calibration "
+            "factory",
+            device=found.device,
+            procedure=procedure.name,
+            sensor=note(found.peak.sensor),
+            range=found.range_shown,
+            axis=found.peak.axis,
+            where=found.peak.where,
+            peak=found.peak.shown,
+        )
+        for one in sensors
+        if one.range is not None and calibrates(one.kind, procedure)
+        for found in beyond(one, _peaks(one.kind, procedure))[:1]
+    )
+
+
+@lru_cache(maxsize=64)
+def _peaks(owner: str, procedure: Procedure) -> tuple[Peak, ...]:
+    """Return the largest input of each axis of a triad in a test, for all devices."""
+    return peaks_of_test(owner, schedule_of(owner, procedure), procedure.place)
 
 
 def is_beside(procedure: Procedure) -> bool:

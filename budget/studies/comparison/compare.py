@@ -6,6 +6,7 @@ from collections import Counter
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from budget.calibration.schemes import refusals, with_accelerometers
 from budget.errors import CallError
 from budget.language import note
 from budget.methods.execution import local_executor
@@ -69,6 +70,7 @@ def compare(
     max_trials: int | None = None,
     validate: bool = False,
     pairs: bool = False,
+    strict: bool = False,
     seed: int = 0,
     workers: int = 1,
     executor: Executor | None = None,
@@ -105,6 +107,9 @@ def compare(
     pairs : bool
         Whether every gyro is paired with every accelerometer too; the two of one
         device are ranked as an IMU in any case.
+    strict : bool
+        Refuse devices that a procedure takes beyond their range, which else are named
+        and left out.
     seed, workers, executor
         As of monte_carlo.sample; workers share out devices.
     progress : callable, optional
@@ -157,6 +162,19 @@ def compare(
         replace(one, filling=one.filling.of(missing_of(one.given, one.procedure)))
         for one in candidates
     ]
+    refused = {
+        id(one): refusals(
+            with_accelerometers(one.sensors, one.procedure), one.procedure
+        )
+        for one in candidates
+    }
+    reasons = tuple(dict.fromkeys(text for some in refused.values() for text in some))
+    tested = [one for one in candidates if not refused[id(one)]]
+    if reasons and (strict or not tested):
+        raise CallError("\n".join(reasons))
+    owners = {one.owner for one in tested}
+    untested = dict.fromkeys(one.owner for one in candidates if one.owner not in owners)
+    candidates = tested
     judged = [one for one in candidates if one.has_lines]
     if not candidates:
         raise CallError(
@@ -210,6 +228,7 @@ def compare(
         not_compared=_not_compared(imus, wanted),
         devices=ranked,
         nothing_known=tuple(_entrant(one) for one in candidates if not one.has_lines),
+        untested=tuple(untested),
         imus=rank_imus(ranked),
         pairs=pair_up(ranked) if pairs else (),
         assumptions=(() if journey is None else journey.assumptions)
@@ -254,6 +273,7 @@ def compare(
                 )
             ),
             *not_of_one_sensor(wanted),
+            *reasons,
             *_warnings(imus, wanted, judged, findings),
         ),
     )

@@ -278,6 +278,8 @@ class Comparison(Tabled):
     not_compared: tuple[str, ...]  # sensors that have limits and no candidate
     devices: tuple[DeviceVerdict, ...]
     nothing_known: tuple[Entrant, ...]  # no error line given: undecidable, not ranked
+    # Sensors that have limits and candidates, of which none can be tested (range).
+    untested: tuple[str, ...] = ()
     # Devices of both sensors as one, best first under each procedure.
     imus: tuple[Pair, ...] = ()
     pairs: tuple[Pair, ...]  # every gyro with every accelerometer, where asked for
@@ -301,7 +303,7 @@ class Comparison(Tabled):
 
     def has(self, verdicts: Sequence[str]) -> bool:
         """Whether each required sensor has a device with one of these verdicts."""
-        return all(
+        return not self.untested and all(
             any(d.verdict in verdicts for d in self.devices if d.sensor == sensor)
             for sensor in self.required
         )
