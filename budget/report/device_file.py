@@ -163,7 +163,7 @@ def _open(line: ErrorLine) -> _Opened:
         return _Opened()
     taken = next(word for word, one in line.readings if np.array_equal(one.u, line.u))
     factor = divisor(line.meaning, line.distributions[0])
-    if line.name == "bias_stability" and taken == "allan_minimum":
+    if taken == "allan_minimum" and line.correlation_time is not None:
         factor *= ALLAN_MINIMUM
     # A shape that is not that of the meaning stands in the file.
     told = [

@@ -25,6 +25,7 @@ from budget.errors import UnitError
 from budget.language import note
 from budget.model.sources import (
     ACCELEROMETER,
+    FLICKER,
     GYRO,
     LOW_CUT,
     SAMPLE_NOISE,
@@ -88,6 +89,7 @@ DENSITY_NOTE = note(
     "over sqrt(2), a factor of {walk_per_density:.4f}",
     walk_per_density=WALK_PER_DENSITY[ONE_SIDED],
 )
+LOW_CUT_NOTE = note("low cut not given, once a day (1.157e-05 Hz) assumed")
 CORRELATION_TIME = 300.0  # of a stability that names none [s]
 
 
@@ -397,19 +399,82 @@ class StabilityValue(ProcessValue):
         default="sigma",
         description="sigma of the process, or the lowest point of the Allan curve",
     )
-    correlation_time: Annotated[Quantity, Measured("s", Sign.POSITIVE)] | None = Field(
-        default=None, description="of the process; unset: 300 s"
+    correlation_time: Time | None = Field(
+        default=None,
+        description="of the process; unset: 300 s of a sigma, none of a flicker",
+    )
+    averaging_time: Time | None = Field(
+        default=None, description="at which the Allan curve is lowest"
     )
 
     @model_validator(mode="after")
     def _check_definition(self) -> Self:
-        if self.definition == "allan_minimum" and SIGMAS.get(self.meaning, 1.0) != 1.0:
+        is_floor = self.definition == "allan_minimum"
+        if is_floor and SIGMAS.get(self.meaning, 1.0) != 1.0:
             message = (
                 f"found 'allan_minimum' with meaning {self.meaning!r}; a point of the "
                 "Allan curve is 1 sigma, expected that meaning"
             )
             raise faults({("definition",): message})
+        floor, time = self.averaging_time, self.correlation_time
+        if floor and not is_floor:
+            message = (
+                "is of a floor of the Allan curve, expected definition: allan_minimum "
+                "beside it; or remove it"
+            )
+            raise faults({("averaging_time",): message})
+        if floor and time and time.value < floor.value:
+            message = (
+                f"found {time.printed!r}, below the {floor.printed!r} at which the "
+                "Allan curve is lowest, expected that time or more: a Gauss-Markov "
+                "process of a shorter one is on its way down there. Remove it, and the "
+                "floor is taken as that of flicker noise"
+            )
+            raise faults({("correlation_time",): message})
+        if len({part.is_flicker for part in self._parts()}) > 1:
+            message = (
+                "is flicker noise (allan_minimum without a correlation time) on some "
+                "axes and a Gauss-Markov process on others, expected one of them; say "
+                "definition and correlation_time of every axis alike"
+            )
+            raise faults({("axes",): message})
         return self
+
+    @property
+    def is_flicker(self) -> bool:
+        """Whether it is the floor of a curve, and nothing tells of another process."""
+        return self.definition == "allan_minimum" and self.correlation_time is None
+
+    def _parts(self) -> list[StabilityValue]:
+        """Return what speaks for the axes: mappings of their own, and the line."""
+        axes = vars(getattr(self, "axes", None) or self).values()
+        own = [one for one in axes if isinstance(one, StabilityValue)]
+        return own if own and len(own) == len(axes) else [self, *own]
+
+    def curve(self) -> _Form:
+        """Return flicker noise, whose Allan deviation is 0.664 B at its floor."""
+        parts = self._parts()
+        floors = [one.averaging_time for one in parts if one.averaging_time]
+        shortest = min(floors, key=lambda one: one.value, default=None)
+        says = (("averaging_time", shortest.printed),) if shortest else ()
+        if not all(part.is_flicker for part in parts):
+            return _Form(says=says)
+        return _Form(
+            form=FLICKER,
+            factor=1.0 / ALLAN_MINIMUM,
+            reading=1.0 / ALLAN_MINIMUM,
+            low_cut=LOW_CUT,
+            says=(("definition", "allan_minimum"), *says),
+            definition="allan_minimum",
+            notes=(
+                note(
+                    "the lowest Allan deviation over {allan_minimum} taken as the "
+                    "coefficient of flicker noise, as no correlation time is given",
+                    allan_minimum=ALLAN_MINIMUM,
+                ),
+                LOW_CUT_NOTE,
+            ),
+        )
 
 
 class FlickerValue(ProcessValue):
@@ -429,7 +494,6 @@ class FlickerValue(ProcessValue):
         low = f"{LOW_CUT!r} Hz" if self.low_cut is None else self.low_cut.printed
         is_minimum = self.definition == "allan_minimum"
         reading = 1.0 / ALLAN_MINIMUM if is_minimum else 1.0
-        notes = [note("low cut not given, once a day (1.157e-05 Hz) assumed")]
         return _Form(
             factor=reading,
             reading=reading,
@@ -437,7 +501,7 @@ class FlickerValue(ProcessValue):
             says=(("definition", self.definition), ("low_cut", low)),
             definition=f"{self.definition}, no power below "
             + ("once a day" if self.low_cut is None else low),
-            notes=tuple(notes if self.low_cut is None else ()),
+            notes=(LOW_CUT_NOTE,) if self.low_cut is None else (),
         )
 
 
@@ -780,7 +844,7 @@ def _value_type(
     return Annotated[whole, text]
 
 
-FORMED = NonlinearityValue | RateAsymmetry | FlickerValue | AgeingValue
+FORMED = NonlinearityValue | RateAsymmetry | StabilityValue | FlickerValue | AgeingValue
 SPECIAL: dict[tuple[str, str], type[SpecificationValue]] = {
     ("scale_factor_nonlinearity", GYRO): RateNonlinearity,
     ("scale_factor_nonlinearity", ACCELEROMETER): ForceNonlinearity,
@@ -834,6 +898,7 @@ def _axis(given: SpecificationValue, axis: str) -> _Axis:
     if isinstance(own, SpecificationValue):
         stated = {
             *("meaning", "distribution", "definition", "correlation_time", "density"),
+            "averaging_time",
         }
         lost = sorted((given.model_fields_set - own.model_fields_set) & stated)
         if lost:
@@ -847,7 +912,7 @@ def _axis(given: SpecificationValue, axis: str) -> _Axis:
     u = level.u
     notes += level.notes
     definition, correlation_time = "", None
-    if isinstance(part, StabilityValue):
+    if isinstance(part, StabilityValue) and not part.is_flicker:
         definition = part.definition if "definition" in part.model_fields_set else ""
         if definition == "allan_minimum":
             u /= ALLAN_MINIMUM

@@ -94,7 +94,7 @@ def _quantity(name: Name, line: ErrorLine, origin: str) -> InputQuantity:
     meaning = line.meaning
     # Axes that mean different things have a text each, 'x max, y 3 sigma'; of what was
     # predicted nothing is printed.
-    is_minimum = line.definition == "allan_minimum"
+    is_minimum = line.definition == "allan_minimum" and not line.form
     differ = len(shapes) > 1 or meaning not in {*SIGMAS, *HALF_WIDTHS}
     differ |= not is_minimum and line.definition.startswith(("x ", "y ", "z "))
     own = None if differ else divisor(meaning, next(iter(shapes)))

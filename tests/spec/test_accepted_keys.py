@@ -94,7 +94,11 @@ FIGURE_KEYS = (
     *("value", "meaning", "distribution", "includes", "horizon"),
     *("condition", "source"),
 )
-BESIDE = {"distribution": {"meaning": "max"}}
+BESIDE = {
+    "distribution": {"meaning": "max"},
+    "averaging_time": {"definition": "allan_minimum"},
+}
+OF_AXES = BESIDE | {"definition": {"correlation_time": "300 s"}}  # as all axes have
 # A unit per root of hertz, beside which `density` may stand.
 DENSITIES = {
     "deg/sqrt(h)": "deg/h/sqrt(Hz)",
@@ -145,7 +149,7 @@ def lined(key):
         name, *rest = key.path[2:]
         (line,) = (one for one in lines_of(sensor) if one.name == name)
         figure = {"value": f"1 {line.like(sensor)}"}
-        beside = BESIDE.get(key.path[-1], {})
+        beside = (OF_AXES if rest[:1] == ["axes"] else BESIDE).get(key.path[-1], {})
         if key.path[-1] in {"line", "shape"}:
             beside = {"full_scale": "400 deg/s" if sensor == "gyro" else "9 g"}
         if key.path[-1] == "density":
@@ -235,8 +239,10 @@ RANGED = [
 QUIET = [
     key
     for key in choices("device", moving=False)
-    # What a force along x or y does not do is tested with the source.
-    if key.path[0] not in {"variants", "abstract"} and "g_sensitivity" not in key.path
+    # What a force along x or y does not do is tested with the source, and what a time
+    # of the Allan curve does not do with the reader.
+    if key.path[0] not in {"variants", "abstract"}
+    and {"g_sensitivity", "averaging_time"}.isdisjoint(key.path)
 ]
 VARIED: dict = {}  # by line, or what else stands so deep
 for key in KEYS["device"]:

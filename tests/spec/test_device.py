@@ -9,7 +9,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from budget.errors import SpecError
-from budget.model.sources import SENSORS, lines_of
+from budget.model.sources import SENSORS, lines_of, source_of
+from budget.model.sources.processes import FlickerNoise, Stability
 from budget.spec import load_device
 
 DEG = pi / 180.0
@@ -496,10 +497,66 @@ def test_a_correlation_time_is_kept(gyro):
         ("definition: allan_minimum, meaning: max", 6.0 / 0.664),
     ],
 )
-def test_a_definition_gives_the_sigma_of_the_process(gyro, words, u):
-    """The lowest point of the Allan curve is 0.664 of the sigma taken."""
+def test_a_definition_gives_the_size_of_the_process(gyro, words, u):
+    """The lowest point of the Allan curve is 0.664 of the sigma or of B taken."""
     line = gyro(f"bias_stability: {{value: 6 deg/h, {words}}}").gyro.lines[0]
     assert_allclose(line.u, [u * DEG_H] * 3, rtol=1e-14)
+
+
+FLOOR = "value: 6 deg/h, definition: allan_minimum"
+
+
+def test_an_allan_floor_without_a_correlation_time_is_flicker(gyro):
+    """Its low cut is once a day, and both are said; with a time it is Gauss-Markov."""
+    device = gyro(f"bias_stability: {{{FLOOR}}}")
+    (line,) = device.gyro.lines
+    assert_allclose(line.low_cut, [1.0 / 86400.0] * 3, rtol=1e-14)
+    assert line.correlation_time is None
+    effect = source_of("gyro", line.name).meant(line).effect
+    assert isinstance(effect, FlickerNoise)
+    (said,) = (text for text in device.assumptions if "0.664" in text)
+    assert "coefficient of flicker noise" in said
+    assert any("low cut not given" in text for text in device.assumptions)
+
+    device = gyro(f"bias_stability: {{{FLOOR}, correlation_time: 300 s}}")
+    (line,) = device.gyro.lines
+    assert_allclose(line.correlation_time, [300.0] * 3, rtol=0)
+    effect = source_of("gyro", line.name).meant(line).effect
+    assert isinstance(effect, Stability)
+
+
+@pytest.mark.parametrize(
+    ("words", "place", "told"),
+    [
+        (
+            f"{FLOOR}, correlation_time: 99 s, averaging_time: 100 s",
+            "correlation_time",
+            "below the '100 s' at which",
+        ),
+        (
+            "value: 6 deg/h, averaging_time: 100 s",
+            "averaging_time",
+            "expected definition: allan_minimum",
+        ),
+        (
+            f"{FLOOR}, axes: {{x: {{value: 6 deg/h}}}}",
+            "axes",
+            "flicker noise (allan_minimum without a correlation time) on some axes",
+        ),
+    ],
+)
+def test_what_no_allan_floor_can_be_is_refused(gyro, words, place, told):
+    """A time below the floor's own, a floor's time without one, one of each kind."""
+    with pytest.raises(SpecError, match=rf"bias_stability\.{place}: ") as error:
+        gyro(f"bias_stability: {{{words}}}")
+    assert told in str(error.value)
+
+
+def test_a_correlation_time_from_the_averaging_time_on_is_allowed(gyro):
+    """Of a Gauss-Markov process; without one the averaging time decides nothing."""
+    for words in (", correlation_time: 100 s", ""):
+        device = gyro(f"bias_stability: {{{FLOOR}, averaging_time: 100 s{words}}}")
+        assert_allclose(device.gyro.lines[0].u, [6.0 / 0.664 * DEG_H] * 3, rtol=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -555,7 +612,7 @@ def test_a_line_keeps_the_words_of_the_file(gyro):
     ).gyro.lines[0]
     assert line.printed == "x 0.02 \N{DEGREE SIGN}/h, y 0.03 deg/h, z 0.02 deg/h"
     assert line.unit == "\N{DEGREE SIGN}/h"
-    assert_allclose(line.si_per_unit, DEG_H, rtol=1e-15)
+    assert_allclose(line.si_per_unit, DEG_H / 0.664, rtol=1e-15)
     assert line.definition == "allan_minimum"
     assert line.meaning == "1 sigma"
     assert (line.includes, line.horizon) == ("turn-on", "1 year")

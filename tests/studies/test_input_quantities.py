@@ -8,6 +8,7 @@ import pytest
 from keeping import catalogue
 from numpy.testing import assert_allclose
 
+from budget.model.sources import FLICKER
 from budget.names import Name
 from budget.results import INTERACTION
 from budget.spec import load_device
@@ -16,6 +17,7 @@ from budget.studies.input_quantities import input_quantities
 from budget.studies.request import Analysis
 from budget.units import parse_quantity
 
+FLOOR = "definition: allan_minimum"
 DEVICE = """\
 name: Axes that differ
 gyro:
@@ -91,9 +93,9 @@ def test_printed_over_divisor_is_u_in_the_whole_catalogue():
             assert_allclose(one.u, u, rtol=1e-9, err_msg=told)
             found += 1
             line = lines.get(one.source)
-            if (
-                line is None or line.form or "g" in one.unit
-            ):  # another quantity, local g
+            if (  # another quantity, local g
+                line is None or line.form not in {"", FLICKER} or "g" in one.unit
+            ):
                 continue
             size = parse_quantity(f"1 {one.unit}", one.unit).si_per_unit
             assert_allclose(line.u, u * size, rtol=1e-9, err_msg=told)
@@ -105,7 +107,8 @@ def test_printed_over_divisor_is_u_in_the_whole_catalogue():
 @pytest.mark.parametrize(
     ("source", "given", "divisor"),
     [
-        ("bias_stability", "definition: allan_minimum", 0.664),
+        ("bias_stability", f"{FLOOR}, correlation_time: 300 s", 0.664),
+        ("bias_stability", FLOOR, 0.664),
         ("flicker", "definition: allan_minimum", 0.664),
         ("flicker", "definition: coefficient", 1.0),
         ("angle_random_walk", "density: one-sided", sqrt(2.0)),
@@ -137,12 +140,14 @@ def test_how_a_number_is_read_is_in_its_divisor(tmp_path, source, given, divisor
     assert_allclose(quantity(budget, source).u, 0.5 / divisor, rtol=1e-12)
     assert_allclose(quantity(budget, source).divisor, divisor, rtol=1e-12)
     plain = "definition: coefficient" if source == "flicker" else "density: two-sided"
-    plain = "definition: sigma" if source == "bias_stability" else plain
+    if source == "bias_stability":  # a floor is of flicker noise, without a time
+        source = "flicker" if given == FLOOR else source
+        plain = "definition: coefficient" if given == FLOOR else "definition: sigma"
     same = [
         next(
             part["sensitivity"]
             for part in one.to_dict()["outputs"][-1]["contributions"]
-            if part["source"] == f"gyro.{source}"
+            if part["source"] in {"gyro.bias_stability", f"gyro.{source}"}
         )
         for one in (budget, read(plain))
     ]

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import log, sqrt
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.linalg import toeplitz
+from scipy.special import sici
 
 from budget.errors import CallError
 from budget.methods.gum import covariance_by_source, propagate
 from budget.methods.trials import first_trials
 from budget.names import MISSION, Name
 from budget.results import INTERACTION
-from budget.spec import load_device, load_mission, load_procedure
+from budget.spec import load_device, load_mission, load_procedure, uncalibrated
 from budget.studies.analysis import analyze
 from budget.studies.mission import bought, curve, growth
 from budget.studies.request import Analysis
@@ -73,6 +76,64 @@ def test_covariances_by_source_add_up(bench):
     assert_allclose(diagonal[:-1], law.source_variance[:, :n], rtol=1e-12, atol=0)
     assert_allclose(diagonal[-1], law.interaction_variance[:n], rtol=1e-9, atol=0)
     assert diagonal[-1].max() > 0.0
+
+
+FLOOR = "{value: 0.5 deg/h, definition: allan_minimum}"
+TIMED = FLOOR.replace("}", ", correlation_time: 300 s}")
+
+
+def channel(correlation, *, n=2000):
+    """Return u(p) after an hour of a level channel driven by a process of sigma 1 [m].
+
+    p(t) = R int_0^t (1 - cos ws (t - s)) e(s) ds, ws^2 = g/R: the double integral of
+    the autocovariance of e over cells of an hour, that of a cell with itself by the
+    mean over lags below its length.
+    """
+    R, g, hour = 6371000.0, 9.80665, 3600.0
+    cell = hour / n
+    left = hour - cell * (np.arange(n) + 0.5)
+    k = R * (1.0 - np.cos(sqrt(g / R) * left)) * cell
+    near = (np.arange(10_000) + 0.5) / 10_000
+    own = 2.0 * np.mean((1.0 - near) * correlation(near * cell))
+    return sqrt(k @ toeplitz([own, *correlation(cell * np.arange(1, n))]) @ k)
+
+
+@pytest.mark.parametrize(
+    ("words", "printed", "correlation"),
+    [
+        # Flicker above f_L has the autocovariance -(B^2/pi) Ci(2 pi f_L tau).
+        (FLOOR, "110", lambda lag: -sici(2.0 * np.pi / 86400.0 * lag)[1] / np.pi),
+        (TIMED, "54", lambda lag: np.exp(-lag / 300.0)),
+    ],
+)
+@pytest.mark.parametrize(
+    "only", [None, frozenset({Name("bias_stability", owner="gyro")})]
+)
+def test_an_allan_floor_on_the_bench(tmp_path, words, printed, correlation, only):
+    """0.5 deg/h alone: CEP after an hour in km, and by a channel of its own to 2 %."""
+    path = tmp_path / "floor.yaml"
+    path.write_text(
+        f"name: floor\ngyro: {{errors: {{bias_stability: {words}}}}}\n"
+        "accelerometer: {errors: {}}\n"
+    )
+    analysis = Analysis(
+        devices=(load_device(path),),
+        procedure=uncalibrated("factory"),
+        reference="next_turn_on",
+        mission=load_mission("bench"),
+        carried_to=(3600.0,),
+        only=only,
+    )
+    names = [output.name for output in analysis.problem.outputs]
+    rows = [
+        names.index(Name("position", owner="mission", axis=axis, time=3600.0))
+        for axis in ("north", "east")
+    ]
+    u = analysis.law.standard_uncertainty[rows]
+    circle = sqrt(2.0 * log(2.0))  # CEP over sigma of a circular Gaussian
+    assert_allclose(circle * sqrt(np.mean(u**2)) / 1e3, float(printed), rtol=0, atol=1)
+    sigma = 0.5 / 0.664 * np.pi / 180.0 / 3600.0
+    assert_allclose(u, sigma * channel(correlation), rtol=0.02)
 
 
 def test_a_calibration_alone_has_no_curve(bench):

@@ -204,7 +204,9 @@ def test_effects_are_what_the_law_gives_for_each(gyro):
     """U of the bias, of two turn-ons: the ratio of the two sizes."""
     sensor = gyro(
         bias_repeatability=OPEN["bias_repeatability"],
-        bias_stability=OPEN["bias_stability"],
+        bias_stability=OPEN["bias_stability"].replace(
+            "{", "{correlation_time: 300 s, "
+        ),
     )
     one, other = effects((sensor,), PAPER, reference="next_turn_on")
     a, b = 2.0 * 3.0**2, 2.0 * 3.0**2 / 3.0

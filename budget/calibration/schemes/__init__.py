@@ -207,7 +207,8 @@ def noise_of(owner: str, lines: Sequence[Given]) -> list[Given]:
     return [
         line
         for line in lines
-        if line.u.any() and isinstance(source_of(owner, line.name).effect, Noise)
+        if line.u.any()
+        and isinstance(source_of(owner, line.name).meant(line).effect, Noise)
     ]
 
 
@@ -299,7 +300,7 @@ def _covariance(
     """Return the covariance of the window averages of one axis, shape (n, n)."""
     C = np.zeros((len(schedule.windows), len(schedule.windows)))
     for line in noise:
-        effect = source_of(owner, line.name).effect
+        effect = source_of(owner, line.name).meant(line).effect
         if isinstance(effect, Noise):
             process = effect.process(line, axis, sample_rate)
             C += process.reduce(schedule, np.eye(len(C)))

@@ -77,6 +77,7 @@ __all__ = [
     "ACCELEROMETER",
     "DEVICE",
     "ENVIRONMENT",
+    "FLICKER",
     "GYRO",
     "IN_RUN",
     "LOW_CUT",
@@ -93,6 +94,8 @@ __all__ = [
     "twin_of",
     "walk_of",
 ]
+
+FLICKER = "flicker"  # form of a bias stability that is the floor of an Allan curve
 
 # In the order of tables, figures and inputs.
 SOURCES = (
@@ -113,6 +116,7 @@ SOURCES = (
         stays=IN_RUN,
         expected="bias_stability",
         colour="orange",
+        forms={FLICKER: FlickerNoise()},
     ),
     Source(
         name="flicker",

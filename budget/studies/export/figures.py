@@ -4,8 +4,10 @@ White noise of density N, and of a sample sigma_s at the rate f:
 N^2 + sigma_s^2/f. A drift of the bias as the random walk that it is, K, and as the one
 that a Gauss-Markov process of sigma and T looks like over times well below T,
 sqrt(K^2 + 2 sigma^2/T): the increments of a first-order Gauss-Markov process have the
-variance 2 sigma^2 (1 - e^(-t/T)), so 2 sigma^2 t/T where t << T. Constants are the root
-sum square of the lines that shift a parameter; or what a calibration leaves of it.
+variance 2 sigma^2 (1 - e^(-t/T)), so 2 sigma^2 t/T where t << T. No filter here has the
+flicker noise of an Allan minimum: a Gauss-Markov process of sigma = B stands for it, of
+the correlation time that is assumed elsewhere, and the steps say so. Constants are the
+root sum square of the lines that shift a parameter; or what a calibration leaves of it.
 """
 
 from __future__ import annotations
@@ -16,8 +18,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.model.source import Offset
-from budget.model.sources import GYRO, SAMPLE_NOISE, source_of, walk_of
+from budget.model.sources import FLICKER, GYRO, SAMPLE_NOISE, source_of, walk_of
 from budget.names import AXES, PARAMETERS, Name
+from budget.spec.specification import CORRELATION_TIME
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -184,22 +187,29 @@ def _stability(known: Known) -> Figure | Missing:
         if known.sensor.line("flicker") is not None:
             why += ", and flicker is no Gauss-Markov process"
         return Missing(needs=known.name("bias_stability"), why=why)
-    unit = _unit(known.sensor.kind)
+    said = f"sigma = {print_values(line.u)} {_unit(known.sensor.kind)}"
+    if line.form == FLICKER:
+        said += ", the coefficient B of flicker noise, which a Gauss-Markov process "
+        said += "stands for"
     return Figure(
         value=line.u,
         symbol="sigma",
         lines=(line.name,),
-        steps=(origin(known, line), f"sigma = {print_values(line.u)} {unit}"),
+        steps=(origin(known, line), said),
     )
 
 
 def _time(known: Known) -> Figure | Missing:
     """Return the correlation time of the Gauss-Markov process [s]."""
     line = known.sensor.line("bias_stability")
-    if line is None or line.correlation_time is None:
+    if line is None:
         return Missing(needs=known.name("bias_stability"))
-    value = line.correlation_time
-    said = f"T = {print_values(value)} s, correlation time of {known.name(line.name)}"
+    name, value = known.name(line.name), line.correlation_time
+    said = f"correlation time of {name}"
+    if value is None:
+        value = np.full(len(AXES), CORRELATION_TIME)
+        said = f"assumed, as {name} is flicker noise, which has none"
+    said = f"T = {print_values(value)} s, {said}"
     return Figure(value=value, symbol="T", lines=(line.name,), steps=(said,))
 
 

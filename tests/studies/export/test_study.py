@@ -55,6 +55,19 @@ accelerometer:
 """
 
 
+def test_a_floor_of_the_allan_curve_is_exported_as_a_process_of_300_s(tmp_path):
+    """No target has flicker noise: B and 300 s stand for it, and it says so."""
+    text = "value: 0.5 deg/h, definition: allan_minimum"
+    own = "value: 0.5 deg/h, correlation_time: 200 s"
+    assert own in WHOLE
+    floor = export(device(tmp_path, WHOLE.replace(own, text)), to="gazebo", rate=RATE)
+    timed = f"{text}, correlation_time: 300 s"
+    plain = export(device(tmp_path, WHOLE.replace(own, timed)), to="gazebo", rate=RATE)
+    assert values(floor) == values(plain)
+    assert_says(floor.text, "the coefficient B of flicker noise")
+    assert "flicker" not in plain.text
+
+
 def values(found):
     """Return the values of an export by key, one where all axes are equal."""
     return {
