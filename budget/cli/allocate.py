@@ -182,6 +182,7 @@ def _values(
                 gravity = kinds[full.owner].gravity_unit
                 quantity = parse_quantity(printed, unit, gravity=gravity)
                 value = standard_size(quantity, given.density if given else "")
+                value *= given.factor if given else 1.0
             except UnitError as error:
                 raise CallError(f"{option} {name.strip()}: {error}") from None
             if value <= 0.0:

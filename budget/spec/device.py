@@ -34,7 +34,7 @@ from budget.spec.fields import (
     mapping_of,
     per_axis,
 )
-from budget.spec.makers import printed_as
+from budget.spec.makers import density_of, printed_as
 from budget.spec.ranges import IS, RANGES, TYPES, read_range
 from budget.spec.records import (
     ANGLES,
@@ -60,6 +60,7 @@ if TYPE_CHECKING:
 
     from budget.model.source import Source
     from budget.spec.changes import Change
+    from budget.spec.makers import Density
     from budget.spec.ranges import RangeValue
     from budget.spec.tree import Document, Node
 
@@ -328,7 +329,13 @@ def read_device(
     }
     read = {
         kind: _with_range(
-            _read_sensor(kind, name, part, gravity=_gravity(root)),
+            _read_sensor(
+                kind,
+                name,
+                part,
+                gravity=_gravity(root),
+                density=density_of(sheet.vendor),
+            ),
             getattr(part, "range", None) or getattr(sheet.range, kind, None),
         )
         for kind, part in parts.items()
@@ -439,11 +446,20 @@ class _ReadSensor:
 
 
 def _read_sensor(
-    kind: str, device: str, part: SensorPart, *, gravity: float
+    kind: str,
+    device: str,
+    part: SensorPart,
+    *,
+    gravity: float,
+    density: Density | None,
 ) -> _ReadSensor:
     """Turn one sensor of a file into its record."""
     values = {line: getattr(part.errors, line.name, None) for line in lines_of(kind)}
-    read = [read_value(line, kind, value) for line, value in values.items() if value]
+    read = [
+        read_value(line, kind, value, known=density)
+        for line, value in values.items()
+        if value
+    ]
     bias = _nominal(part, "bias", AXES)
     angle = _nominal(part, "mounting_angle", ANGLES)
     assumptions = [text for one in read for text in one.assumptions]

@@ -9,12 +9,43 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from budget.units import ONE_SIDED
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
 PAGE = "docs/datasheets.md"
 MEANINGS = f"{PAGE}#what-a-value-means"
 UNITS = f"{PAGE}#units"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Density:
+    """Sides of the noise density that a maker prints, where a sheet of theirs shows it.
+
+    A sheet shows it that prints density and random walk of one noise, or a density and
+    the rms of a band.
+    """
+
+    vendors: tuple[str, ...]  # as files name them
+    sides: str
+    source: str  # the sheet, and what it prints
+
+
+DENSITIES = (
+    Density(
+        vendors=("Analog Devices", "ADI"),
+        sides=ONE_SIDED,
+        # 0.008 x 60 / sqrt(2) is 0.339.
+        source="ADIS16470: 0.008 deg/s/sqrt(Hz) beside 0.34 deg/sqrt(h)",
+    ),
+)
+
+
+def density_of(vendor: str) -> Density | None:
+    """Return how a vendor means a density; None where nobody knows."""
+    named = bare(vendor)
+    return next((x for x in DENSITIES if named in map(bare, x.vendors)), None)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,8 +109,8 @@ READINGS = (
             ),
         },
         says="a value per root of hour or second is the random walk N, one per root of "
-        "hertz a density D, N = D/√2 if one-sided; one in a band or per sample needs "
-        "its bandwidth",
+        "hertz a density D, N = D/√2 if one-sided, else D; one in a band or per sample "
+        "needs its bandwidth",
     ),
     Reading(
         anchor="rate-random-walk",

@@ -58,7 +58,10 @@ from budget.units import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from budget.model.source import Source
+    from budget.spec.makers import Density
 
 # What is printed, over the standard uncertainty [1].
 SIGMAS = {"1 sigma": 1.0, "2 sigma": 2.0, "3 sigma": 3.0, "rms": 1.0, "typical": 1.0}
@@ -85,8 +88,9 @@ SHAPES = {**GAUSSIAN, "rectangular": "uniform"}
 # to three digits, as data sheets use it [1].
 ALLAN_MINIMUM = 0.664
 DENSITY_NOTE = note(
-    "density taken as one-sided, the random walk is the value "
-    "over sqrt(2), a factor of {walk_per_density:.4f}",
+    "the sides of the density are not said: taken as two-sided, the random walk is "
+    "the value itself; one-sided it is that over sqrt(2), a factor of "
+    "{walk_per_density:.4f}",
     walk_per_density=WALK_PER_DENSITY[ONE_SIDED],
 )
 LOW_CUT_NOTE = note("low cut not given, once a day (1.157e-05 Hz) assumed")
@@ -98,11 +102,12 @@ CORRELATION_TIME = 300.0  # of a stability that names none [s]
 MEANING_READINGS = tuple(SIGMAS) + tuple(HALF_WIDTHS)
 PER_AXIS, TOGETHER = "per axis", "root sum square"
 OVER_TEMPERATURE = "over temperature"
+SIDES = (ONE_SIDED, TWO_SIDED)  # a smaller noise, and a larger one
 READINGS = (  # by the key that says it, '' where none does
     ("meaning", MEANING_READINGS),
     ("definition", ("sigma", "allan_minimum")),
     ("definition", ("coefficient", "allan_minimum")),
-    ("density", (ONE_SIDED, TWO_SIDED)),
+    ("density", SIDES),
     ("", (PER_AXIS, TOGETHER)),
     ("", ("in-run", OVER_TEMPERATURE)),
     ("", ("turn-on", OVER_TEMPERATURE)),
@@ -374,15 +379,13 @@ class WalkValue(ProcessValue):
 
     density: Literal["one-sided", "two-sided"] | None = Field(
         default=None,
-        description="of a value per root of hertz; unset: one-sided, N = D / sqrt(2)",
+        description="of a value per root of hertz; unset: open, the larger N = D taken",
     )
 
     @model_validator(mode="after")
     def _check_density(self) -> Self:
-        own = getattr(getattr(self, "axes", None), "__dict__", {})
-        governed = [self.value, *(q for q in own.values() if isinstance(q, Quantity))]
-        for quantity in governed:
-            if self.density and quantity and not per_root_hertz(quantity.unit):
+        for quantity in self._governed():
+            if self.density and not per_root_hertz(quantity.unit):
                 message = (
                     f"found {self.density!r} with {quantity.printed!r}, which is the "
                     "random walk itself and no density, expected a value per root of "
@@ -390,6 +393,17 @@ class WalkValue(ProcessValue):
                 )
                 raise faults({("density",): message})
         return self
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it is a density, and the sides of it are not said."""
+        units = [quantity.unit for quantity in self._governed()]
+        return self.density is None and any(map(per_root_hertz, units))
+
+    def _governed(self) -> list[Quantity]:
+        """Return its values, without those of axes that are mappings of their own."""
+        own = getattr(getattr(self, "axes", None), "__dict__", {})
+        return [q for q in (self.value, *own.values()) if isinstance(q, Quantity)]
 
 
 class StabilityValue(ProcessValue):
@@ -638,15 +652,25 @@ ELSEWHERE = {
 
 
 def read_value(
-    line: Source, sensor: str, given: Quantity | SpecificationValue
+    line: Source,
+    sensor: str,
+    given: Quantity | SpecificationValue,
+    *,
+    known: Density | None = None,
 ) -> ReadValue:
     """Turn a value as printed into standard uncertainties by axis [SI].
 
     Where the file leaves open what it means, the reading with the largest; the line
-    holds the others.
+    holds the others. A density of which no sides are said is open, unless it is
+    `known` how its maker means it.
     """
+    if isinstance(given, Quantity):
+        given = _family(line, sensor)(value=given)
     readings: tuple[str, ...] = getattr(given, "reading", ())
-    if not readings or isinstance(given, Quantity):
+    if isinstance(given, WalkValue) and given.is_open and not readings:
+        sided = {one: _under(line, sensor, given, one) for one in SIDES}
+        return _of_sides(sided, Name(line.name, owner=sensor), known)
+    if not readings:
         return _read(line, sensor, given)
     # In an order that is not the file's: of equal ones, what stays in this line.
     readings = tuple(sorted(readings, key=_ORDER.index))
@@ -666,6 +690,25 @@ def read_value(
     )
 
 
+def _of_sides(
+    sided: Mapping[str, ReadValue], key: Name, known: Density | None
+) -> ReadValue:
+    """Return a density as its maker means it, or as the larger where it is open."""
+    if known is None:
+        taken, text = sided[TWO_SIDED], DENSITY_NOTE
+        readings = tuple((word, one.line) for word, one in sided.items())
+        taken = replace(taken, line=replace(taken.line, readings=readings))
+    else:
+        taken = sided[known.sides]
+        text = note(
+            "density taken as {sides}, as this maker prints it ({source})",
+            sides=note(known.sides),
+            source=known.source,
+        )
+    said = note("{key}: {text}", key=key, text=text)
+    return replace(taken, assumptions=(said, *taken.assumptions))
+
+
 def _under(
     line: Source, sensor: str, given: SpecificationValue, word: str
 ) -> ReadValue:
@@ -673,7 +716,7 @@ def _under(
     says: dict[str, object] = {"reading": ()}
     if word in MEANING_READINGS:
         says["meaning"] = word
-    elif word in {ONE_SIDED, TWO_SIDED}:
+    elif word in SIDES:
         says["density"] = word
     elif word == OVER_TEMPERATURE:
         name = ELSEWHERE[line.name][1]
@@ -709,7 +752,8 @@ def _read(line: Source, sensor: str, given: Quantity | SpecificationValue) -> Re
     larger, not that the noise of one never exceeds it.
 
     A value per root of hertz is a spectral density D, whose random walk coefficient is
-    N = D / sqrt(2) if it is one-sided (rms in a band B is D sqrt(B)), and N = D if not.
+    N = D / sqrt(2) if it is one-sided (rms in a band B is D sqrt(B)), and N = D if not:
+    the larger, which is taken where nobody says it.
     """
     family = _family(line, sensor)
     part = family(value=given) if isinstance(given, Quantity) else given
@@ -787,11 +831,11 @@ def _text(horizon: str | Quantity | None) -> str:
 def standard_size(quantity: Quantity, density: str = "") -> float:
     """Return the u that a bare value of a line is [SI]: of a density the random walk.
 
-    `density` says of which sides it is; one-sided where nobody has said it.
+    `density` says of which sides it is; two-sided where nobody has said it.
     """
     if not per_root_hertz(quantity.unit):
         return quantity.value
-    return quantity.value * WALK_PER_DENSITY[density or ONE_SIDED]
+    return quantity.value * WALK_PER_DENSITY[density or TWO_SIDED]
 
 
 @cache
@@ -973,7 +1017,7 @@ def _level(part: SpecificationValue, quantity: Quantity) -> _Level:
     notes: list[str] = []
     density = ""
     if isinstance(part, WalkValue) and per_root_hertz(quantity.unit):
-        density = part.density or ONE_SIDED
+        density = part.density or TWO_SIDED
         if part.density is None:
             notes.append(DENSITY_NOTE)
     if part.meaning in HALF_WIDTHS and isinstance(part, ProcessValue):

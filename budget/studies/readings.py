@@ -17,9 +17,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.calibration.problem import calibration_problem
+from budget.calibration.schemes import WEIGHTED
 from budget.methods.gum import propagate
 from budget.names import Name
 from budget.results import Reading, ReadingEffect, ReadingVerdicts
+from budget.spec.specification import SIDES
 from budget.studies.judgement import (
     judge,
     limit_problem,
@@ -90,8 +92,15 @@ def verdicts_by_reading(
     than MOST combinations those that are taken, each other one alone, and the smallest
     of every line. `taken` is how the sensor stands as it is, where that is known: it is
     the first of them.
+
+    The sides of a density are not changed: the larger noise is taken, and less of it is
+    never worse, but for an estimator that weighs by it.
     """
-    lines = _open_lines(sensor)
+    lines = {
+        name: words
+        for name, words in _open_lines(sensor).items()
+        if procedure.formulas == WEIGHTED or {*words} != {*SIDES}
+    }
     if not lines:
         return None
     total = prod(len(words) for words in lines.values())

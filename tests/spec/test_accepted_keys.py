@@ -73,8 +73,12 @@ def example(key):
         return lists.get(key.path[-1], ["scale_factor"])  # of what is estimated
     if key.path[-1] == "distribution" and "arcsine" in schema.get("enum", ()):
         return "arcsine"  # the last words of the list are other words for uniform
-    if key.path == ("station",):  # the name of a file
-        return "three-axis-table"
+    said = {  # two-sided, the larger, is what is taken without it; the name of a file
+        "density": "one-sided",
+        "station": "three-axis-table" if key.path == ("station",) else None,
+    }
+    if word := said.get(key.path[-1]):
+        return word
     if "enum" in schema:
         return next(word for word in reversed(schema["enum"]) if word != default)
     others = {"boolean": True, "integer": 7, "number": 7}

@@ -317,10 +317,16 @@ def test_makers_words_are_read_as_ours(gyro, word, meaning, shape):
 
 
 # Printed density, unit, and the random walk of it in that of the sensor's walk line.
-# One-sided by default: N = D / sqrt(2); deg/h/sqrt(Hz) is a 60th of deg/sqrt(h).
+# One-sided N = D / sqrt(2), else N = D; deg/h/sqrt(Hz) is a 60th of deg/sqrt(h).
 DENSITIES = [
-    ("angle_random_walk: 0.008 deg/s/sqrt(Hz)", "0.34 deg/sqrt(h)", 1.0 / 480.0),
-    ("angle_random_walk: 8.485281374 deg/h/sqrt(Hz)", "0.1 deg/sqrt(h)", 1e-9),
+    (
+        "angle_random_walk: {value: 0.008 deg/s/sqrt(Hz), density: one-sided}",
+        "0.34 deg/sqrt(h)",
+        1.0 / 480.0,
+    ),
+    # Some makers of fibre-optic gyros equate 0.7 deg/h/sqrt(Hz) and 0.012 deg/sqrt(h).
+    ("angle_random_walk: 0.7 deg/h/sqrt(Hz)", "0.0116666666666667 deg/sqrt(h)", 1e-14),
+    ("angle_random_walk: 6 deg/h/sqrt(Hz)", "0.1 deg/sqrt(h)", 1e-14),
     (
         "angle_random_walk: {value: 8.485281374 deg/h/sqrt(Hz), density: one-sided}",
         "0.1 deg/sqrt(h)",
@@ -335,7 +341,7 @@ DENSITIES = [
 
 
 @pytest.mark.parametrize(("density", "walk", "rtol"), DENSITIES)
-def test_a_density_is_one_sided_unless_said(gyro, density, walk, rtol):
+def test_a_density_is_the_random_walk_that_its_sides_make_it(gyro, density, walk, rtol):
     """ADIS16470 prints both 0.008 deg/s/sqrt(Hz) and 0.34 deg/sqrt(h) for one noise.
 
     0.008 x 60 / sqrt(2) is 0.3394, which rounds to what is printed: half of its last
@@ -361,10 +367,14 @@ def test_a_two_sided_density_would_contradict_the_maker(gyro):
 def test_the_default_of_a_density_is_said_and_a_stated_one_is_not(gyro):
     """The assumption names the factor 0.7071; what the file says is none."""
     head = "accelerometer: {}\n"
-    texts = gyro("angle_random_walk: 1 deg/h/sqrt(Hz)", head=head).assumptions
-    (said,) = [text for text in texts if "density" in text]
-    assert said.startswith("gyro.angle_random_walk: density taken as one-sided")
+    device = gyro("angle_random_walk: 1 deg/h/sqrt(Hz)", head=head)
+    (said,) = [text for text in device.assumptions if "density" in text]
+    assert said.startswith("gyro.angle_random_walk: the sides of the density are not")
     assert "0.7071" in said
+    line = device.gyro.lines[0]
+    sizes = {word: float(read.u[0]) for word, read in line.readings}
+    assert_allclose(sizes["one-sided"], line.u[0] * sqrt(0.5), rtol=1e-14)
+    assert_allclose(sizes["two-sided"], line.u[0], rtol=0)
     for sides in ("one-sided", "two-sided"):
         figure = f"{{value: 1 deg/h/sqrt(Hz), density: {sides}}}"
         stated = gyro(f"angle_random_walk: {figure}", head=head).assumptions
@@ -379,7 +389,26 @@ def test_axes_may_be_densities_and_walks(gyro):
         "angle_random_walk: {value: 1 deg/s/sqrt(Hz), axes: {y: 60 deg/sqrt(h), "
         "z: {value: 1 deg/s/sqrt(Hz), density: two-sided}}}"
     ).gyro.lines[0]
-    assert_allclose(line.u / line.u[1], [sqrt(0.5), 1.0, 1.0], rtol=1e-14)
+    assert_allclose(line.u / line.u[1], [1.0, 1.0, 1.0], rtol=1e-14)
+    sizes = {word: read.u / line.u[1] for word, read in line.readings}
+    assert_allclose(sizes["one-sided"], [sqrt(0.5), 1.0, 1.0], rtol=1e-14)
+
+
+def test_the_sides_of_a_known_maker_are_no_question(gyro):
+    """Analog Devices prints them one-sided; whoever says otherwise is believed."""
+    walk = "angle_random_walk: 1 deg/s/sqrt(Hz)"
+    for vendor in ("Analog Devices", "analog devices", "ADI"):
+        device = gyro(walk, head=f"vendor: {vendor}\n")
+        (line,) = device.gyro.lines
+        assert (line.density, line.readings) == ("one-sided", ())
+        assert any("ADIS16470" in text for text in device.assumptions)
+    own = walk.replace(
+        "1 deg/s/sqrt(Hz)", "{value: 1 dps/sqrt(Hz), density: two-sided}"
+    )
+    (line,) = gyro(own, head="vendor: ADI\n").gyro.lines
+    assert (line.density, line.readings) == ("two-sided", ())
+    (line,) = gyro(walk, head="vendor: Quagga\n").gyro.lines
+    assert (line.density, len(line.readings)) == ("two-sided", 2)
 
 
 @pytest.mark.parametrize(

@@ -152,7 +152,7 @@ def in_si(text):
         except UnitError:
             continue
         is_density = per_root_hertz(quantity.unit)
-        walk = WALK_PER_DENSITY["one-sided"] if is_density else 1.0
+        walk = WALK_PER_DENSITY["two-sided"] if is_density else 1.0
         return like, quantity.value * walk
     raise AssertionError(text)
 

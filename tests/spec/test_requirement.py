@@ -109,15 +109,15 @@ def test_costs_are_read_by_line(write):
     assert validate(path).kind == "costs"
 
 
-def test_a_density_of_costs_is_one_sided(write):
-    """1 ug/sqrt(Hz) stands for a random walk of 1/sqrt(2), as it does in a device."""
+def test_a_density_of_costs_is_two_sided(write):
+    """1 ug/sqrt(Hz) stands for that random walk, the larger, as it does in a device."""
     figure = "{a: 1, p: 1, u_ref: 1 ug/sqrt(Hz)}"
     costs = load_costs(
         write(f"costs: {{accelerometer.velocity_random_walk: {figure}}}")
     )
-    assert_allclose(costs.costs[0].u_ref, 9.80665e-6 / 2.0**0.5, rtol=1e-15)
+    assert_allclose(costs.costs[0].u_ref, 9.80665e-6, rtol=1e-15)
     (said,) = costs.assumptions
-    assert "one-sided" in said
+    assert "taken as two-sided" in said
 
 
 def test_limits_on_what_is_derived_follow_those_on_parameters(write):

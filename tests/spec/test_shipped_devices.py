@@ -302,6 +302,31 @@ def test_both_figures_of_a_maker_decide_the_sides_of_a_density():
     assert_allclose(line.u, 34e-6 * 9.80665 / math.sqrt(2.0), rtol=1e-14)
 
 
+@pytest.mark.parametrize(
+    ("ref", "rms", "band"),
+    [
+        ("bmi088", "0.1", 47.0),
+        ("icm-42688-p", "0.028", 100.0),
+        ("mpu-6050", "0.05", 100.0),
+        ("mpu-6500", "0.1", 92.0),
+        ("mpu-9250", "0.1", 92.0),
+        ("mpu-9255", "0.1", 92.0),
+    ],
+)
+def test_a_density_and_the_rms_of_a_band_decide_its_sides(ref, rms, band):
+    """One-sided rms = D sqrt(B) is what is printed; two-sided, D sqrt(2 B), is not."""
+    figures = [one for one in raw(ref)["figures"] if one["value"].startswith(f"{rms} ")]
+    assert any(f"{band:g} Hz" in one["condition"] for one in figures)
+    line = load_device(ref).gyro.line("angle_random_walk")
+    D = float(line.printed.split()[0])  # deg/s/sqrt(Hz)
+    printed = float(rms)
+    last = 10.0 ** -len(rms.partition(".")[2])
+    assert_allclose(D * math.sqrt(band), printed, rtol=0, atol=last / 2)
+    assert abs(D * math.sqrt(2.0 * band) - printed) > last / 4
+    assert line.density == "one-sided"
+    assert not line.readings
+
+
 def test_nothing_is_invented():
     """No correlation time, no shape and no nominal value: no maker here prints one."""
     printed = {

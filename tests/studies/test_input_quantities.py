@@ -74,7 +74,7 @@ def test_printed_over_divisor_is_u_in_the_whole_catalogue():
     """Of every shipped line with one value: what is printed over its divisor is u(x).
 
     In the printed unit and, where the model has the maker's quantity, in SI too: how a
-    number is read (one-sided density, Allan minimum) is in the divisor, not in c.
+    number is read (sides of a density, Allan minimum) is in the divisor, not in c.
     """
     found, read = 0, set()
     for device in catalogue():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from math import sqrt
 
 import pytest
@@ -30,6 +31,12 @@ OPEN = {
         "{value: 90 ppm, reading: [per axis, root sum square]}"
     ),
     "mounting_repeatability": "{value: 20 arcsec, reading: [1 sigma, 3 sigma]}",
+}
+
+
+# Of a random walk that is no density, whose readings are judged one by one.
+JUDGED = OPEN | {
+    "angle_random_walk": "{value: 0.01 deg/sqrt(h), reading: [1 sigma, 2 sigma]}"
 }
 
 
@@ -187,17 +194,45 @@ def test_few_combinations_are_all_computed_and_many_are_not(gyro, limits):
     wanted = limits(bias="8 deg/h", scale_factor="300 ppm", mounting_angle="70 arcsec")
     how = {"seed": 0, "by_law": True}  # by trials others ask
     some = verdicts_by_reading(
-        gyro(**dict(list(OPEN.items())[:4])), PAPER, wanted, **how
+        gyro(**dict(list(JUDGED.items())[:4])), PAPER, wanted, **how
     )
     assert some.total == len(some.found) == MOST
     assert len({one.words for one in some.found}) == MOST
-    many = verdicts_by_reading(gyro(**OPEN), PAPER, wanted, **how)
+    many = verdicts_by_reading(gyro(**JUDGED), PAPER, wanted, **how)
     assert (many.total, len(many.found)) == (32, 7)
     used = [one.utilisation for one in many.found]
     assert many.found[0].utilisation == max(used)
     assert many.found[-1].utilisation == min(used)
     assert many.passes == "some"
     assert_says(verdict_line(many), "32 combinations there are, 7 were computed")
+
+
+def test_the_smaller_density_is_shown_and_not_judged(gyro, limits):
+    """Less noise is never worse: no verdict waits for it, and analyze still says it."""
+    walk = "300 deg/h/sqrt(Hz)"
+    wanted = limits(bias="1000 deg/h")
+    for text in (walk, f"{{value: {walk}, reading: [one-sided, two-sided]}}"):
+        sensor = gyro(angle_random_walk=text)
+        assert verdicts_by_reading(sensor, PAPER, wanted, seed=0, by_law=True) is None
+        (one,) = effects((sensor,), PAPER, reference="nominal")
+        assert (one.taken, one.reading) == ("two-sided", "one-sided")
+        assert_allclose(one.ratio, sqrt(0.5), rtol=1e-9)
+
+
+def test_an_estimator_that_weighs_by_the_noise_is_judged_under_both(gyro, limits):
+    """There less noise moves the weights, of what is no noise too."""
+    sensor = gyro(angle_random_walk="300 deg/h/sqrt(Hz)")
+    found = verdicts_by_reading(
+        sensor,
+        replace(PAPER, formulas="weighted"),
+        limits(bias="1000 deg/h"),
+        seed=0,
+        by_law=True,
+    )
+    assert [dict(one.words).popitem()[1] for one in found.found] == [
+        "two-sided",
+        "one-sided",
+    ]
 
 
 def test_effects_are_what_the_law_gives_for_each(gyro):
@@ -222,13 +257,13 @@ def test_effects_are_what_the_law_gives_for_each(gyro):
 
 def test_commands_say_what_readings_do(gyro, limits, tmp_path):
     """compare, report and analyze: one record, printed and in JSON."""
-    gyro(**OPEN)
+    gyro(**JUDGED)
     limits(bias="8 deg/h", scale_factor="300 ppm", mounting_angle="70 arcsec")
     device, wanted = tmp_path / "device.yaml", tmp_path / "limits.yaml"
     said = call("analyze", device, "--no-validate", "--json", tmp_path / "a.json").out
     assert_says(said, "Open readings", "bias stability read as sigma")
     document = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
-    assert len(document["readings"]) == len(OPEN)
+    assert len(document["readings"]) == len(JUDGED)
     how = ("--requirement", wanted, "--json", tmp_path / "c.json", "--method", "gum")
     said = call("compare", device, *how, "--validate").out
     assert_says(said, "meets under 2 of 7 readings")
