@@ -21,18 +21,26 @@ going with its square), of a vibration (with the fourth power of its rms) and of
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property
 from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.calibration.schemes import with_accelerometers
+from budget.calibration.saturation import (
+    UNITS as SHOWN,
+)
+from budget.calibration.saturation import (
+    needed_range,
+    peaks_of_test,
+    saturations,
+)
+from budget.calibration.schemes import calibrates, scheme_of, with_accelerometers
 from budget.distributions import normal_coverage_factor
 from budget.language import in_a_row, note
 from budget.methods.gum import covariance_by_source, propagate
 from budget.methods.radius import principal_variances, radius_of
-from budget.model.sources import ENVIRONMENT, GYRO, source_of
+from budget.model.sources import ACCELEROMETER, ENVIRONMENT, GYRO, source_of
 from budget.model.sources.later import (
     AGE,
     AGEING,
@@ -55,16 +63,17 @@ from budget.studies.judgement import (
     limit_problem,
     required_problem,
 )
-from budget.studies.missing import Filling, line_of
+from budget.studies.missing import Filling, line_of, shipped_devices
 from budget.studies.prediction import stand_in
 from budget.studies.readings import verdict_of
 from budget.ties import first_largest, settle
-from budget.units import parse_quantity
+from budget.units import STANDARD_GRAVITY, parse_quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from budget.arrays import Array
+    from budget.calibration.saturation import Peak
     from budget.methods.gum import Propagation
     from budget.results import Doubt, ReadingVerdicts
     from budget.spec.records import (
@@ -87,6 +96,7 @@ BY_TEMPERATURE = {
 }
 RECTIFICATION, G_SENSITIVITY = "vibration_rectification", "g_sensitivity"
 MEMS = "mems"
+SATURATES = "saturates"
 # What a use that nobody has stated is tried at.
 PROBE = {
     key: read_value(source_of(ENVIRONMENT, STATED[key][0]), ENVIRONMENT, quantity).line
@@ -177,7 +187,7 @@ def decide(
         decision=decision_words(case.requirement),
     )
     given = verdict_of(judged, held.absent, doubt=doubt, readings=readings)
-    if any(one.kind == "saturates" for one in cautions):
+    if any(one.kind == SATURATES for one in cautions):
         given = FAILS
     if case.only is not None and given == MEETS:
         return replace(
@@ -193,7 +203,10 @@ def decide(
         for name in (decisive or margin.missing)
         if doubt is None
     )
-    uses = tuple(one for key in unstated(case) for one in margin.of_use(key, case))
+    uses = (
+        *(one for key in unstated(case) for one in margin.of_use(key, case)),
+        *ranges_of(case),
+    )
     verdict = given
     if decisive and given in {MEETS, UNDECIDED}:
         verdict = UNDECIDABLE
@@ -800,7 +813,7 @@ def cautions_of(case: Case) -> tuple[Caution, ...]:
     What is given and nothing exercises; figures that hold over less than the age of the
     use; what its sheet leaves to the procedure.
     """
-    found: list[Caution] = []
+    found = [*_ranges_needed(case), *_saturations(case)]
     stated = stated_of(case.procedure) if case.is_later else {}
     for sensor in case.there:
         for line in sensor.lines:
@@ -830,6 +843,89 @@ def cautions_of(case: Case) -> tuple[Caution, ...]:
                     )
                 )
     return tuple(found)
+
+
+def _peaks(case: Case) -> tuple[Peak, ...]:
+    """Return the largest input of each triad whose range is not given."""
+    if case.mission is not None:
+        return needed_range(case.there, case.mission)
+    place = case.procedure.place
+    return tuple(
+        max(
+            peaks_of_test(
+                one.kind, scheme_of(one.kind, case.procedure, one).schedule, place
+            ),
+            key=lambda peak: peak.size,
+        )
+        for one in case.there
+        if one.range is None and calibrates(one.kind, case.procedure)
+    )
+
+
+def _ranges_needed(case: Case) -> Iterator[Caution]:
+    """Yield what range is needed of triads that do not give theirs."""
+    for peak in _peaks(case):
+        yield Caution(
+            kind="range",
+            line=Name("range", owner=peak.sensor),
+            text=note(
+                "the range of the {sensor} is not given, and {needed} are needed",
+                sensor=note(peak.sensor),
+                needed=f"±{peak.shown}",
+            ),
+        )
+
+
+def _saturations(case: Case) -> Iterator[Caution]:
+    """Yield the axes that a mission asks for more than they read."""
+    if case.mission is not None:
+        for one in saturations(case.sensors, case.mission):
+            yield Caution(
+                kind=SATURATES,
+                line=Name("range", owner=one.peak.sensor),
+                text=one.said,
+            )
+
+
+def ranges_of(case: Case) -> tuple[Condition, ...]:
+    """Return the conditions on ranges that are not given, where they may not do.
+
+    Some device of the catalogue that reads gravity reads less than the mission asks.
+    """
+    if case.mission is None:
+        return ()
+    found = []
+    for peak in _peaks(case):
+        unit, size = SHOWN[peak.sensor]
+        if peak.size > least_range(peak.sensor):
+            found.append(
+                Condition(
+                    kind="range",
+                    line=Name("range", owner=peak.sensor),
+                    below=None,
+                    unit=unit,
+                    si_per_unit=size,
+                    text=note(
+                        "if the {sensor} reads {needed} at least",
+                        sensor=note(peak.sensor),
+                        needed=f"±{peak.shown}",
+                    ),
+                )
+            )
+    return tuple(found)
+
+
+@cache
+def least_range(kind: str) -> float:
+    """Return the least range of a device that ships and reads gravity [SI]."""
+    least = STANDARD_GRAVITY if kind == ACCELEROMETER else 0.0
+    return min(
+        float(sensor.range.min())
+        for device in shipped_devices()
+        for sensor in device.sensors
+        if sensor.kind == kind and sensor.range is not None
+        if sensor.range.min() > least
+    )
 
 
 def _idle(name: Name, line: ErrorLine, key: str) -> Caution:

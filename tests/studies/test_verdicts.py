@@ -236,6 +236,70 @@ class TestAge:
         assert "holds over 10 s" in texts_of(sensor.standing)
 
 
+TURNING = {
+    "name": "turns",
+    "environment": "none",
+    "mission": {
+        "latitude": "45 deg",
+        "segments": [
+            {"straight": "10 s", "speed": "20 m/s"},
+            {"turn": "360 deg", "rate": "36 deg/s"},
+            {"straight": "50 s"},
+        ],
+    },
+}
+
+
+def on_the_turn(device: dict[str, Any]):
+    """Return the verdict on a device on a route with a turn of 36 deg/s."""
+    found = budget.analyze(
+        device,
+        mission=TURNING,
+        requirement=NEED,
+        procedure=budget.uncalibrated("factory"),
+        validate=False,
+    )
+    return found.assessment.sensors[0]
+
+
+class TestRange:
+    """What a sensor cannot read fails, whatever its errors are."""
+
+    FOG = SHEET | {"technology": "FOG"}
+
+    def test_a_mission_beyond_the_range_fails_and_names_the_segment(self):
+        """A gyro of 30 deg/s on a turn of 36 deg/s."""
+        ranged = self.FOG | {"range": {"gyro": "30 deg/s", "accelerometer": "10 g"}}
+        sensor = on_the_turn(ranged)
+        assert sensor.verdict == "fails"
+        (caution,) = [
+            one for one in sensor.standing.cautions if one.kind == "saturates"
+        ]
+        assert "segment 2 (turn 360 deg)" in caution.text
+
+    def test_a_mission_within_the_range_meets(self):
+        """The same with 400 deg/s."""
+        wide = self.FOG | {"range": {"gyro": "400 deg/s", "accelerometer": "10 g"}}
+        assert on_the_turn(wide).verdict == "meets"
+
+    def test_what_range_is_needed_is_said_where_none_is_given(self):
+        """As a caution; as a condition where a device that is sold reads less."""
+        sensor = on_the_turn(self.FOG)
+        needs = [one.text for one in sensor.standing.cautions if one.kind == "range"]
+        assert any("±36 deg/s" in text for text in needs)
+        fast = deepcopy(TURNING)
+        fast["mission"]["segments"][1]["rate"] = "3600 deg/s"
+        found = budget.analyze(
+            self.FOG,
+            mission=fast,
+            requirement=NEED,
+            procedure=budget.uncalibrated("factory"),
+            validate=False,
+        )
+        (sensor,) = found.assessment.sensors
+        assert sensor.verdict != "meets"
+
+
 class TestMissing:
     """What a line may be that is not given, by its ceiling."""
 
@@ -283,29 +347,9 @@ class TestMissing:
 
     def test_g_sensitivity_of_a_mems_gyro_is_expected_on_a_route_that_turns(self):
         """And not on one that stands, nor of another technology."""
-        turning = {
-            "name": "turns",
-            "environment": "none",
-            "mission": {
-                "latitude": "45 deg",
-                "segments": [
-                    {"straight": "10 s", "speed": "20 m/s"},
-                    {"turn": "360 deg", "rate": "9 deg/s"},
-                    {"straight": "10 s"},
-                ],
-            },
-        }
         for technology, expected in (("MEMS", True), ("FOG", False)):
-            found = budget.analyze(
-                SHEET | {"technology": technology},
-                mission=turning,
-                requirement=NEED,
-                procedure=budget.uncalibrated("factory"),
-                validate=False,
-            )
-            lines = {
-                one.line for one in found.assessment.sensors[0].standing.conditions
-            }
+            sensor = on_the_turn(SHEET | {"technology": technology})
+            lines = {one.line for one in sensor.standing.conditions}
             assert ("gyro.g_sensitivity" in lines) is expected
 
 
