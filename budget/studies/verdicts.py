@@ -144,12 +144,15 @@ class Case:
         """Whether it is of a use, so that its environment and its age count."""
         return self.mission is not None or self.requirement.reference == LATER
 
-    def limited(
-        self, sensors: tuple[Sensor, ...], procedure: Procedure
-    ) -> Limited | None:
-        """Return the same of other triads, or of another use."""
-        problem = required_problem(sensors, procedure, self.requirement, self.mission)
-        return limit_problem(problem, self.requirement)
+    def like(
+        self, held: Limited, sensors: tuple[Sensor, ...], procedure: Procedure
+    ) -> Limited:
+        """Return what is held against its limits, of other triads or in another use."""
+        names = {output.name for output in held.outputs}
+        limits = tuple(one for one in self.requirement.limits if one.output in names)
+        own = replace(self.requirement, limits=limits)
+        problem = required_problem(sensors, procedure, own, self.mission)
+        return limit_problem(problem, own) or held
 
 
 def decide(
@@ -318,8 +321,7 @@ class Margin:
             for x in silent.values()
             for name in x
         }
-        whole = case.limited(completed(case.sensors, lines | probes), _tried(case))
-        whole = held if whole is None else whole
+        whole = case.like(held, completed(case.sensors, lines | probes), _tried(case))
         found = propagate(whole.problem)
         parts = _parts(whole, found)
         places = {group.name: k for k, group in enumerate(whole.problem.groups)}
@@ -375,7 +377,7 @@ class Margin:
         )
         if margin.without_ceiling or not (lines and judged.by_trials.any()):
             return margin
-        top = case.limited(completed(case.sensors, lines), case.procedure) or held
+        top = case.like(held, completed(case.sensors, lines), case.procedure)
         at_top = judge(top, propagate(top.problem), seed=seed, max_trials=TRIALS)
         return replace(
             margin, factor=np.stack([margin.factor[0], _factor(top, at_top)])
