@@ -17,15 +17,15 @@ _RATIO = re.compile(rf"({_NUMBER})(?: *: *1)?")
 
 
 def _ratio(text: str) -> float:
-    """Read a test uncertainty ratio, '4:1' or '4'."""
+    """Read the ratio of a limit to an uncertainty, '4:1' or '4'."""
     from budget.studies.stations import LEAST_RATIO, MOST_RATIO
 
     match = _RATIO.fullmatch(text.strip())
     value = float(match[1]) if match else inf
     if not LEAST_RATIO <= value <= MOST_RATIO:
         raise typer.BadParameter(
-            f"{text!r} is no test uncertainty ratio, which is the limit over the "
-            f"expanded uncertainty of the station; give one of {LEAST_RATIO:g}:1 to "
+            f"{text!r} is no ratio of a limit to the expanded uncertainty of the "
+            f"station alone; give one of {LEAST_RATIO:g}:1 to "
             f"{MOST_RATIO:g}:1, as 4:1, 3:1 or 10"
         )
     return value
@@ -40,8 +40,8 @@ def _guard(text: str) -> float:
     if value > MOST_GUARD:
         raise typer.BadParameter(
             f"{text!r} is no factor of a guard band, which is R times the expanded "
-            f"uncertainty of the station; give a number of 0 (none) to {MOST_GUARD:g}, "
-            "as 1"
+            "uncertainty of the measurement; give a number of 0 (none) to "
+            f"{MOST_GUARD:g}, as 1"
         )
     return value
 
@@ -57,8 +57,7 @@ def station(
         typer.Option(
             parser=_ratio,
             metavar="N:1",
-            help="Test uncertainty ratio: limit over the expanded uncertainty of the "
-            "station (4:1).",
+            help="Limit over the expanded uncertainty of the station alone (4:1).",
             show_default=False,
         ),
     ] = None,
@@ -68,7 +67,7 @@ def station(
             parser=_guard,
             metavar="R",
             help="Guard band of the acceptance limits, over the expanded uncertainty "
-            "of the station (1).",
+            "of the whole measurement (1).",
             show_default=False,
         ),
     ] = None,

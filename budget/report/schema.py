@@ -619,16 +619,21 @@ def _station(schema: _Schema) -> Node:
     output = schema.entry(
         "station_output",
         StationOutput,
-        "limit expanded_uncertainty=expanded utilisation acceptance_limit=acceptance",
+        "limit expanded_uncertainty=expanded utilisation acceptance_limit=acceptance "
+        "station_acceptance_limit=station_acceptance false_accept "
+        "measurement_expanded_uncertainty=whole parameter_standard_uncertainty=prior "
+        "test_uncertainty_ratio=test_ratio",
         output=str,
         unit=str,
         ratio=float | None,
         limiting_source=str | None,
+        measurement_limiting_source=str | None,
     )
     station = schema.entry(
         "station_verdict",
         StationVerdict,
-        "name file own=is_own verdict utilisation",
+        "name file own=is_own verdict utilisation test_uncertainty_ratio=test_ratio "
+        "false_accept",
         ratio=float | None,
         worst_output=str | None,
         limiting_source=str | None,
@@ -640,6 +645,7 @@ def _station(schema: _Schema) -> Node:
         "strategy ratio guard coverage coverage_factor reference",
         method=str,
         formulas=str,
+        most_false_accept=float,
     )
     return schema.entry(
         "stations",

@@ -36,7 +36,7 @@ from budget.report.tables import (
 )
 from budget.report.wording import capital
 from budget.studies.request import given_lines
-from budget.studies.stations import DOES, NO_FIGURES
+from budget.studies.stations import DOES, MOST_FALSE_ACCEPT, NO_FIGURES
 from budget.ties import settle
 
 if TYPE_CHECKING:
@@ -52,6 +52,7 @@ if TYPE_CHECKING:
 
 ANY = "any"
 PER_CENT = 100.0
+LEAST_RISK = 1e-4  # of a false accept: less is printed as less than this [1]
 COLUMNS = (
     *("owner", "source", "unit", "any", "alone", "alone_stopped_by", "together"),
     *("binding_outputs", "now", "takes_now", "within", "why"),
@@ -65,8 +66,9 @@ def station_answer(found: Qualification) -> tuple[Section, ...]:
 
 def station_section(found: Qualification) -> Section:
     """Return how good each figure must be and which station will do."""
+    measured = "".join(f" {_measured(one)}" for one in _headed(found))
     blocks: list[Block] = [
-        Paragraph(words=(Run(text=headline(found), strong=True),)),
+        Paragraph(words=(Run(text=headline(found), strong=True), measured)),
         Paragraph(words=(_settings(found),), small=True),
     ]
     for owner in (STATION, ENVIRONMENT):
@@ -168,9 +170,34 @@ def headline(found: Qualification) -> str:
     )
 
 
+def _headed(found: Qualification) -> Iterator[StationVerdict]:
+    """Yield the station that the headline is about, if one gives figures."""
+    tried = [one for one in found.stations if one.has_figures]
+    if tried:
+        yield found.own or min(
+            found.doing or tried, key=lambda one: settle(one.utilisation)
+        )
+
+
+def _measured(row: StationVerdict) -> str:
+    """Say how far the whole measurement is below the limits at one station."""
+    if row.test_ratio is None:
+        return ""
+    return say(
+        "With the noise of the device in this test the test uncertainty ratio "
+        "at {name} is {ratio} ({outputs}, most of U by {sources}).",
+        name=row.name,
+        ratio=print_ratio(row.test_ratio),
+        outputs=join_outputs([one.output.name for one in row.all_coarsest]),
+        sources=say(", ").join(
+            source_title(name) for name in row.all_coarsest[0].whole_sources
+        ),
+    )
+
+
 def print_ratio(ratio: float) -> str:
-    """Print a test uncertainty ratio: '4:1'."""
-    return f"{print_given(ratio)}:1"
+    """Print a ratio of a limit to an uncertainty: '4:1'."""
+    return f"{print_given(ratio, digits=DIGITS)}:1"
 
 
 def station_csv(found: Qualification) -> str:
@@ -228,11 +255,13 @@ def _settings(found: Qualification) -> str:
         "proportional": say("one factor on all figures of the procedure's own station"),
     }[found.strategy]
     return say(
-        "Test uncertainty ratio {ratio}: the expanded uncertainty "
+        "Asked for is {ratio}: the expanded uncertainty "
         "of the station alone (coverage {coverage} %, k = "
         "{coverage_factor:.4g}, law of propagation to second "
         "order, every line of the device 0) is to be at most limit "
-        "/ {number}; used is U over that. Alone: all other sources "
+        "/ {number}; used is U over that. limit / U of a station "
+        "is the least test uncertainty ratio there, U being of the "
+        "whole measurement. Alone: all other sources "
         "0; together: {shared}. Values are standard uncertainties "
         "(1 sigma), of every axis alike. Procedure {name}, error "
         "reference {reference}.",
@@ -348,10 +377,7 @@ def _verdicts_table(found: Qualification) -> Table:
         return Cell(text=text, exact=PER_CENT * row.utilisation)
 
     def ratio(row: StationVerdict) -> Cell | str:
-        if not row.utilisation:
-            return DASH
-        reached = found.ratio / row.utilisation
-        return Cell(text=print_given(reached, digits=DIGITS), exact=reached)
+        return _ratio_cell(row.test_ratio)
 
     def worst(row: StationVerdict) -> str:
         return join_outputs(row.all_worst) if row.utilisation else DASH
@@ -369,9 +395,9 @@ def _verdicts_table(found: Qualification) -> Table:
             kind="number",
             cell=used,
         ),
-        Field(head=say("limit / U"), kind="number", cell=ratio),
         Field(head=say("worst output"), weight=1.4, cell=worst),
         Field(head=say("most of it from"), cell=_from),
+        Field(head=say("limit / U"), kind="number", cell=ratio),
     )
     return table_of(
         found.stations,
@@ -380,6 +406,13 @@ def _verdicts_table(found: Qualification) -> Table:
         caption=say("Which station will do, by its worst output"),
         is_wide=True,
     )
+
+
+def _ratio_cell(ratio: float | None) -> Cell | str:
+    """Return a test uncertainty ratio, a dash where nothing is uncertain."""
+    if ratio is None:
+        return DASH
+    return Cell(text=print_given(ratio, digits=DIGITS), exact=ratio)
 
 
 def _from(row: StationVerdict) -> str:
@@ -409,21 +442,44 @@ def _acceptance_blocks(found: Qualification) -> Iterator[Block]:
     risk = float(NORMAL.probability([-found.guard * found.coverage_factor])[0])
     text = say(
         "The measured value of an error is accepted up to limit - "
-        "{band}, U being the expanded uncertainty of the station "
-        "alone (guarded acceptance, JCGM 106:2012, 8.3.2; r = "
-        "{guard}). By an accepted value the error is beyond its "
-        "limit with a probability of {risk} % at the most, as far "
-        "as the value is uncertain by the station: noise of the "
-        "device and other errors of the measurement are not in U. "
-        "None: {band} is not below the limit.",
+        "{band}, U being the expanded uncertainty of the whole "
+        "measurement, of the error as tested: noise of the device "
+        "in this test and the station together (guarded acceptance, "
+        "JCGM 106:2012, 8.3.2; r = {guard}). By an accepted value "
+        "the error is beyond its limit with a probability of {risk} "
+        "% at the most. None: {band} is not below the limit. limit / "
+        "U is the test uncertainty ratio; station alone: accepted "
+        "up to, were its U all.",
         band=band,
         guard=guard,
         risk=print_given(PER_CENT * risk, digits=2),
     )
     yield Paragraph(words=(text,), small=True)
+    text = say(
+        "False accept is the part of all items that is accepted and "
+        "beyond the limit, with the spread that the lines of the "
+        "device give the parameter before it is measured (JCGM "
+        "106:2012, 9.5.2); ANSI/NCSL Z540.3 allows {most} %. A dash: "
+        "nothing is accepted, or no line says how far it is from "
+        "nominal.",
+        most=print_given(PER_CENT * MOST_FALSE_ACCEPT),
+    )
+    yield Paragraph(words=(text,), small=True)
     shown = [found.own] if found.own else [s for s in found.stations if s.has_figures]
     for one in shown:
         yield _acceptance_table(one, found)
+        if beyond := [
+            row.output.name for row in one.outputs if row.is_accepted_too_often
+        ]:
+            text = say(
+                "At {name} false accept is {risk} %, above the {most} % of ANSI/NCSL "
+                "Z540.3: {outputs}. A guard band lowers it (--guard).",
+                name=one.name,
+                risk=print_given(PER_CENT * (one.false_accept or 0.0), digits=2),
+                most=print_given(PER_CENT * MOST_FALSE_ACCEPT),
+                outputs=join_outputs(beyond),
+            )
+            yield Paragraph(words=(Run(text=text, strong=True),))
 
 
 def _acceptance_table(station: StationVerdict, found: Qualification) -> Table:
@@ -431,20 +487,24 @@ def _acceptance_table(station: StationVerdict, found: Qualification) -> Table:
     scale = attrgetter("output.si_per_unit")
 
     def expanded(row: StationOutput) -> str:
-        value = row.expanded / scale(row)
+        value = row.whole / scale(row)
         return print_three(value) if value > 0.0 else "0"
 
-    def accepted(row: StationOutput) -> str:
-        if row.acceptance is None:
+    def up_to(value: float | None, u: float, row: StationOutput) -> str:
+        if value is None:
             return say("none")
-        return print_down(row.acceptance / scale(row), row.expanded / scale(row))
+        return print_down(value / scale(row), u / scale(row))
 
-    def used(row: StationOutput) -> str:
-        return print_utilisation(row.utilisation).removesuffix(" %")
+    def accepted(row: StationOutput) -> str:
+        return up_to(row.acceptance, row.whole, row)
+
+    def by_station(row: StationOutput) -> str:
+        return up_to(row.station_acceptance, row.whole, row)
 
     def alike(row: StationOutput) -> tuple[str, ...]:
         group = row.output.name.group
-        return (group, row.printed_limit, expanded(row), used(row), accepted(row))
+        values = expanded(row), accepted(row), by_station(row)
+        return (group, row.printed_limit, *values, print_risk(row))
 
     rows: list[list[StationOutput]] = [
         [*rows] for _, rows in groupby(station.outputs, alike)
@@ -453,10 +513,12 @@ def _acceptance_table(station: StationVerdict, found: Qualification) -> Table:
     def number(text: str, exact: float | None) -> Cell:
         return Cell(text=text, exact=exact)
 
+    def size(value: float | None, row: StationOutput) -> float | None:
+        return None if value is None else value / scale(row)
+
     fields: tuple[Field[list[StationOutput]], ...] = (
         Field(
             head=station.name,
-            weight=1.4,
             cell=lambda same: capital(join_outputs([row.output.name for row in same])),
         ),
         Field(
@@ -470,27 +532,38 @@ def _acceptance_table(station: StationVerdict, found: Qualification) -> Table:
         Field(
             head="U",
             kind="number",
-            cell=lambda same: number(
-                expanded(same[0]), same[0].expanded / scale(same[0])
-            ),
+            cell=lambda same: number(expanded(same[0]), same[0].whole / scale(same[0])),
         ),
         Field(
-            head=say("accepted up to"),
+            head=say("accept up to"),
             kind="number",
             cell=lambda same: number(
-                accepted(same[0]),
-                None
-                if same[0].acceptance is None
-                else same[0].acceptance / scale(same[0]),
+                accepted(same[0]), size(same[0].acceptance, same[0])
             ),
         ),
         Field(head=say("unit"), kind="unit", cell=lambda same: same[0].output.unit),
         Field(
-            head=say("used [%]"),
+            head=say("limit / U"),
+            kind="number",
+            cell=lambda same: _ratio_cell(same[0].test_ratio),
+        ),
+        Field(
+            head=say("false accept [%]"),
             kind="number",
             cell=lambda same: Cell(
-                text=used(same[0]),
-                exact=PER_CENT * same[0].utilisation,
+                text=print_risk(same[0]),
+                exact=None
+                if same[0].false_accept is None
+                else PER_CENT * same[0].false_accept,
+                strong=same[0].is_accepted_too_often,
+            ),
+        ),
+        Field(
+            head=say("station alone"),
+            kind="number",
+            cell=lambda same: Cell(
+                text=by_station(same[0]),
+                exact=size(same[0].station_acceptance, same[0]),
                 strong=settle(same[0].utilisation) > 1.0,
             ),
         ),
@@ -505,6 +578,16 @@ def _acceptance_table(station: StationVerdict, found: Qualification) -> Table:
         by=lambda same: key_title(same[0].output.name.group),
         is_wide=True,
     )
+
+
+def print_risk(row: StationOutput) -> str:
+    """Print a false accept in per cent: a dash for none, and what is hardly any."""
+    risk = row.false_accept
+    if risk is None or row.acceptance is None:
+        return DASH
+    if risk < LEAST_RISK:
+        return f"<{print_given(PER_CENT * LEAST_RISK)}"
+    return print_given(PER_CENT * risk, digits=2)
 
 
 def print_down(value: float, u: float) -> str:

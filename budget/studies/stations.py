@@ -6,17 +6,28 @@ and environment that are uncertainties of the test itself,
 
     u_k^2 = sum_s a_ks u_s^2 + sum_st P_kst u_s^2 u_t^2 ,
 
-all lines of the device being 0 (budget.methods.scaling). The test uncertainty ratio of
-an output is limit / U_k; a station does where none is below the ratio R asked for:
-R U_k <= limit. Turned round it is an allocation with the limits limit / R, solved as
-every allocation is (budget.methods.allocation). What is measured at such a station is
-accepted up to limit - r U_k: guarded acceptance, JCGM 106:2012, 8.3.2.
+all lines of the device being 0 (budget.methods.scaling). A station does where it takes
+no more of a limit than the ratio R asked for allows: R U_k <= limit. Turned round it is
+an allocation with the limits limit / R, solved as every allocation is
+(budget.methods.allocation).
+
+What is measured there has more than the station in it: U_m = k_p u_m is the expanded
+uncertainty of the whole measurement, the noise of the device in that test and the
+station together, of the error as tested. The test uncertainty ratio is limit / U_m, and
+a measured value is accepted up to A = limit - r U_m: guarded acceptance, JCGM 106:2012,
+8.3.2. The probability of false accept is that of all items that are accepted and beyond
+the limit (JCGM 106:2012, 9.5.2; 2 % at the most by ANSI/NCSL Z540.3, 5.3 b),
+
+    PFA = P(|eta| > limit and |eta + e| <= A) ,  eta ~ N(0, u_0), e ~ N(0, u_m) ,
+
+u_0 being what the lines of the device say of the parameter before anything is measured:
+the variance of the error against its nominal value less that of the error as tested.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import isfinite
+from math import isfinite, sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -33,7 +44,7 @@ from budget.distributions import NORMAL, normal_coverage_factor
 from budget.errors import CallError
 from budget.language import note
 from budget.methods.allocation import Task, equal, headroom, proportional
-from budget.methods.decisions import acceptance_interval
+from budget.methods.decisions import acceptance_interval, global_risks
 from budget.methods.gum import propagate
 from budget.methods.scaling import NEGLIGIBLE, scaled_law
 from budget.model.source import Disturbance, Statistics, Triad
@@ -81,8 +92,9 @@ if TYPE_CHECKING:
         Station,
     )
 
-RATIO, LEAST_RATIO, MOST_RATIO = 4.0, 1.0, 1000.0  # test uncertainty ratio [1]
+RATIO, LEAST_RATIO, MOST_RATIO = 4.0, 1.0, 1000.0  # limit over U of the station [1]
 GUARD, MOST_GUARD = 1.0, 10.0  # r, of a guard band r U [1]
+MOST_FALSE_ACCEPT = 0.02  # ANSI/NCSL Z540.3, 5.3 b [1]
 STRATEGIES = ("equal", "proportional")
 
 # Up to where the law of second order is trusted, by the usual unit of a source.
@@ -166,14 +178,32 @@ class StationOutput:
     printed_limit: str
     expanded: float  # U of the station alone, at the coverage of the requirement [SI]
     utilisation: float  # U over limit / R [1]
+    sources: tuple[Name, ...]  # that take most of it; () where it is 0
+    whole: float  # U of the whole measurement, device and station, as tested [SI]
+    whole_sources: tuple[Name, ...]  # that take most of that
     # Largest absolute measured value that is accepted [SI]; None: there is none.
     acceptance: float | None
-    sources: tuple[Name, ...]  # that take most of it; () where it is 0
+    station_acceptance: float | None  # the same, were the station's U all [SI]
+    # u_0 of the parameter by the lines of the device, before the measurement [SI].
+    prior: float
+    # Of all items, those that are accepted and beyond the limit [1]; None where no line
+    # of the device says how far they are from nominal.
+    false_accept: float | None
+
+    @property
+    def test_ratio(self) -> float | None:
+        """Test uncertainty ratio, limit over U of the whole; None where that is 0."""
+        return self.limit / self.whole if self.whole > 0.0 else None
+
+    @property
+    def is_accepted_too_often(self) -> bool:
+        """Whether more false accepts are to be expected than Z540.3 allows."""
+        return settle(self.false_accept or 0.0) > MOST_FALSE_ACCEPT
 
     def to_dict(self) -> dict[str, Any]:
         """Return what documents say of it, in the unit of the output."""
         size = self.output.si_per_unit
-        accepted = self.acceptance
+        accepted, by_station = self.acceptance, self.station_acceptance
         return {
             "output": self.output.name,
             "unit": self.output.unit,
@@ -181,8 +211,16 @@ class StationOutput:
             "expanded_uncertainty": self.expanded / size,
             "utilisation": self.utilisation,
             "ratio": self.limit / self.expanded if self.expanded > 0.0 else None,
-            "acceptance_limit": None if accepted is None else accepted / size,
+            "station_acceptance_limit": None
+            if by_station is None
+            else by_station / size,
             "limiting_source": next(iter(self.sources), None),
+            "measurement_expanded_uncertainty": self.whole / size,
+            "measurement_limiting_source": next(iter(self.whole_sources), None),
+            "test_uncertainty_ratio": self.test_ratio,
+            "acceptance_limit": None if accepted is None else accepted / size,
+            "parameter_standard_uncertainty": self.prior / size,
+            "false_accept": self.false_accept,
         }
 
 
@@ -213,6 +251,23 @@ class StationVerdict:
         return self.worst.utilisation
 
     @property
+    def all_coarsest(self) -> tuple[StationOutput, ...]:
+        """The outputs whose whole measurement has the least test uncertainty ratio."""
+        used = [row.whole / row.limit for row in self.outputs]
+        return tuple(self.outputs[k] for k in largest(used))
+
+    @property
+    def test_ratio(self) -> float | None:
+        """The least test uncertainty ratio [1]; None: no measurement is uncertain."""
+        return self.all_coarsest[0].test_ratio
+
+    @property
+    def false_accept(self) -> float | None:
+        """The largest of all outputs [1]; None: nothing is known of any."""
+        found = [row.false_accept for row in self.outputs]
+        return max((one for one in found if one is not None), default=None)
+
+    @property
     def verdict(self) -> str:
         """Say whether it does; one without a figure says nothing of itself."""
         if not self.has_figures:
@@ -230,6 +285,8 @@ class StationVerdict:
             "ratio": ratio / self.utilisation if self.utilisation > 0.0 else None,
             "worst_output": self.worst.output.name if self.utilisation > 0.0 else None,
             "limiting_source": next(iter(self.worst.sources), None),
+            "test_uncertainty_ratio": self.test_ratio,
+            "false_accept": self.false_accept,
             "outputs": [row.to_dict() for row in self.outputs],
         }
 
@@ -277,6 +334,7 @@ class Qualification(Tabled):
                 "strategy": self.strategy,
                 "ratio": self.ratio,
                 "guard": self.guard,
+                "most_false_accept": MOST_FALSE_ACCEPT,
                 "coverage": self.coverage,
                 "coverage_factor": self.coverage_factor,
                 "reference": self.reference,
@@ -310,9 +368,9 @@ def qualify(
     procedure : Procedure, optional
         The test, at its own station if it has one; the paper's, if none is given.
     ratio : float
-        R, test uncertainty ratio that is asked for: limit over U of the station [1].
+        R, of every limit over U of the station alone, that is asked for [1].
     guard : float
-        r, guard band of the acceptance limits over U of the station [1].
+        r, guard band of the acceptance limits over U of the whole measurement [1].
     strategy : str, optional
         How sources share the limits: 'equal' (default), or 'proportional' to the
         figures of the procedure's own station.
@@ -457,6 +515,37 @@ class _Case:
             outputs=outputs_for(kinds, procedure, self.names),
         )
 
+    def measurement(self, procedure: Procedure, reference: str) -> Problem:
+        """Return the test with all that is given, of the device too."""
+        kinds = [sensor.kind for sensor in self.sensors]
+        return calibration_problem(
+            self.sensors,
+            procedure,
+            reference=reference,
+            outputs=outputs_for(kinds, procedure, self.names),
+        )
+
+    def prior(self) -> dict[Name, float]:
+        """Return u_0 of each limited output, by the lines of the device [SI]."""
+        alone = replace(self.procedure, station=(), environment=())
+        by_reference = [
+            _variances(self.measurement(alone, reference))
+            for reference in ("nominal", "as_tested")
+        ]
+        nominal, tested = by_reference
+        return {
+            name: sqrt(max(nominal[name] - tested[name], 0.0)) for name in self.names
+        }
+
+
+def _variances(problem: Problem) -> dict[Name, float]:
+    """Return the variance of every output, 0 of what is rounding [SI squared]."""
+    u = propagate(problem).standard_uncertainty
+    return {
+        output.name: float(u[row]) ** 2 if u[row] > output.resolution else 0.0
+        for row, output in enumerate(problem.outputs)
+    }
+
 
 def _coefficients_alone(sensor: Sensor) -> Sensor:
     """Return a sensor, and those beside it, without the lines that vary."""
@@ -502,12 +591,12 @@ def _check(ratio: float, guard: float, strategy: str, procedure: Procedure) -> N
     if not (isfinite(ratio) and LEAST_RATIO <= ratio <= MOST_RATIO):
         faults.append(
             f"ratio is {ratio!r}, allowed: {LEAST_RATIO:g} to {MOST_RATIO:g}, the "
-            "limit over the expanded uncertainty of the station; 4 is usual"
+            "limit over the expanded uncertainty of the station alone; 4 is usual"
         )
     if not (isfinite(guard) and 0.0 <= guard <= MOST_GUARD):
         faults.append(
             f"guard is {guard!r}, allowed: 0 (none) to {MOST_GUARD:g}, times the "
-            "expanded uncertainty of the station; 1 is usual"
+            "expanded uncertainty of the measurement; 1 is usual"
         )
     if strategy not in STRATEGIES:
         faults.append(f"strategy is {strategy!r}, allowed: {', '.join(STRATEGIES)}")
@@ -752,7 +841,7 @@ def _why(name: Name, g: int, probe: _Probe, procedure: Procedure) -> str:
 
 def _verdicts(case: _Case, candidates: Sequence[Station]) -> tuple[StationVerdict, ...]:
     """Judge the procedure's own station, then every other candidate."""
-    procedure = case.procedure
+    procedure, prior = case.procedure, case.prior()
     found = []
     own = procedure.station_origin
     if case.has_station:
@@ -762,13 +851,14 @@ def _verdicts(case: _Case, candidates: Sequence[Station]) -> tuple[StationVerdic
             f"station of {procedure.name}" if own is None else own.file,
         )
         lines = (*procedure.station, *procedure.environment)
-        found.append(_verdict(case, procedure, lines, name=name, file=file))
+        found.append(_verdict(case, procedure, lines, prior, name=name, file=file))
     for one in candidates:
         if case.has_station and own == one.origin:
             continue
         there = at_station(procedure, one)
         lines = (*one.station, *one.environment)
-        found.append(_verdict(case, there, lines, name=one.name, file=one.origin.file))
+        file = one.origin.file
+        found.append(_verdict(case, there, lines, prior, name=one.name, file=file))
     return tuple(
         replace(one, is_own=case.has_station and place == 0)
         for place, one in enumerate(found)
@@ -779,35 +869,38 @@ def _verdict(
     case: _Case,
     procedure: Procedure,
     lines: Sequence[ErrorLine],
+    prior: Mapping[Name, float],
     *,
     name: str,
     file: str,
 ) -> StationVerdict:
-    """Propagate the figures of one station alone; `lines` are those it gives."""
-    problem = case.problem(procedure)
-    law = propagate(problem)
-    places = {output.name: row for row, output in enumerate(problem.outputs)}
-    u = law.standard_uncertainty
+    """Propagate the figures of one station alone, and the whole measurement there.
+
+    `lines` are those that the station gives, `prior` u_0 of each output [SI].
+    """
+    station = _uncertain(case, case.problem(procedure))
+    whole = _uncertain(case, case.measurement(procedure, "as_tested"))
     rows = []
     for one, allowed in zip(case.limits, case.allowed, strict=True):
-        row = places[one.output]
-        output = problem.outputs[row]
-        expanded = case.k * float(u[row]) if u[row] > output.resolution else 0.0
-        takes = [float(variance[row]) for variance in law.source_variance]
-        band = case.guard * expanded
+        own, all_of_it = station[one.output], whole[one.output]
+        acceptance = _acceptance(one.limit, case.guard * all_of_it.expanded)
+        u_0, u_m = prior[one.output], all_of_it.expanded / case.k
         rows.append(
             StationOutput(
-                output=output,
+                output=own.output,
                 limit=one.limit,
                 printed_limit=one.printed,
-                expanded=expanded,
-                utilisation=expanded / float(allowed),
-                acceptance=acceptance_interval((-one.limit, one.limit), band)[1]
-                if band < one.limit
+                expanded=own.expanded,
+                utilisation=own.expanded / float(allowed),
+                sources=own.sources,
+                whole=all_of_it.expanded,
+                whole_sources=all_of_it.sources,
+                acceptance=acceptance,
+                station_acceptance=_acceptance(one.limit, case.guard * own.expanded),
+                prior=u_0,
+                false_accept=false_accept(one.limit, acceptance, u_0, u_m)
+                if u_0 > 0.0
                 else None,
-                sources=tuple(problem.groups[g].name for g in largest(takes))
-                if expanded > 0.0
-                else (),
             )
         )
     return StationVerdict(
@@ -817,6 +910,65 @@ def _verdict(
         has_figures=any(line.u.any() for line in lines),
         outputs=tuple(rows),
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Uncertain:
+    """What one output is uncertain by, and the sources that take most of it."""
+
+    output: Output
+    expanded: float  # U [SI]; 0 of what is rounding
+    sources: tuple[Name, ...]
+
+
+def _uncertain(case: _Case, problem: Problem) -> dict[Name, _Uncertain]:
+    """Propagate a problem, by the names of its outputs."""
+    law = propagate(problem)
+    found = {}
+    for row, output in enumerate(problem.outputs):
+        u = float(law.standard_uncertainty[row])
+        expanded = case.k * u if u > output.resolution else 0.0
+        takes = [float(variance[row]) for variance in law.source_variance]
+        found[output.name] = _Uncertain(
+            output=output,
+            expanded=expanded,
+            sources=tuple(problem.groups[g].name for g in largest(takes))
+            if expanded > 0.0
+            else (),
+        )
+    return found
+
+
+def _acceptance(limit: float, band: float) -> float | None:
+    """Return the acceptance limit with a guard band; None where there is none [SI]."""
+    if band >= limit:
+        return None
+    return acceptance_interval((-limit, limit), band)[1]
+
+
+def false_accept(
+    limit: float, acceptance: float | None, u_prior: float, u_measurement: float
+) -> float:
+    """Return the probability that an item is accepted and beyond its limit.
+
+    P(|eta| > limit and |eta + e| <= A), eta and e normal: JCGM 106:2012, 9.5.2.
+
+    Parameters
+    ----------
+    limit, acceptance : float
+        The limit and A; None where nothing is accepted [SI].
+    u_prior, u_measurement : float
+        Of the parameter before the measurement, and of the measurement [SI].
+    """
+    if acceptance is None or u_measurement == 0.0:  # which sees the parameter itself
+        return 0.0
+    return global_risks(
+        (-limit, limit),
+        (-acceptance, acceptance),
+        mean=0.0,
+        u=u_prior,
+        u_measurement=u_measurement,
+    ).consumer
 
 
 def _warnings(case: _Case, names: Sequence[Name]) -> tuple[str, ...]:

@@ -128,10 +128,10 @@ def test_the_table_for_programs_has_every_source():
 
 
 def test_an_acceptance_limit_is_printed_rounded_down():
-    """100 arcsec less 9.0527 is 90.947: 90.94 is accepted, 90.95 is not."""
+    """100 arcsec less 9.0571 is 90.943: 90.94 is accepted, 90.95 is not."""
     out = call(*TACTICAL).out
     line = next(row for row in out.splitlines() if "90.9" in row)
-    assert_says(line, "gyro mounting angle yx", "9.05", "90.94 arcsec")
+    assert_says(line, "gyro mounting angle yx", "9.06", "90.94 arcsec")
 
 
 def test_a_requirement_that_limits_nothing_here_is_refused(tmp_path):
@@ -141,3 +141,31 @@ def test_a_requirement_that_limits_nothing_here_is_refused(tmp_path):
     run = call(*HARD[:2], "--requirement", path, "--procedure", "six-positions")
     assert run.code == 2
     assert_says(run.err, "accelerometer", "add limits")
+
+
+def test_the_whole_measurement_decides_what_is_accepted(tmp_path):
+    """At 0.1 deg/h a bias is accepted up to 0.0489, 2:1; the station stands beside.
+
+    The verdict of the station is of its part alone, and the headline says the rest.
+    """
+    path = tmp_path / "r.yaml"
+    path.write_text("name: r\nlimits: {gyro: {bias: 0.1 deg/h}}\n", encoding="utf-8")
+    run = call("station", "zhao-2019", "--requirement", path)
+    assert_says(run.out, "will do", "test uncertainty ratio", "1.96:1", "Z540.3")
+    line = [row for row in run.out.splitlines() if row.startswith("Gyro bias x")][-1]
+    assert_says(line, "0.0511", "0.0489", "1.96", "0.038", "0.0998")
+
+    document = call("station", "zhao-2019", "--requirement", path, "--json", "-")
+    found = {one["file"]: one for one in document.document["stations"]}
+    row = found["three-axis-table.yaml"]["outputs"][2]
+    assert_allclose(row["acceptance_limit"], 0.04894, rtol=1e-3)
+    assert_allclose(row["station_acceptance_limit"], 0.09971, rtol=1e-3)
+    assert_allclose(row["test_uncertainty_ratio"], 1.958, rtol=1e-3)
+    assert_allclose(row["ratio"], 345.0, rtol=1e-2)
+
+
+def test_more_false_accepts_than_two_percent_are_said():
+    """Without a guard band an eighth of all items is accepted wrongly at 0.02 deg/h."""
+    said = "above the 2 % of ANSI/NCSL Z540.3"
+    assert_says(call(*HARD, "--guard", "0").out, said)
+    assert said not in " ".join(call(*HARD).out.split())

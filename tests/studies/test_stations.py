@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from math import pi, radians
 
 import numpy as np
@@ -20,6 +21,7 @@ from budget.spec import (
     load_station,
     load_stations,
 )
+from budget.studies.analysis import analyze
 from budget.studies.stations import CEILINGS, qualify, station_sources
 from budget.units import ARCSEC, DEG_PER_HOUR, PPM, parse_quantity
 
@@ -187,18 +189,130 @@ def test_the_own_station_is_judged_first_and_says_what_it_takes():
 
 
 def test_the_acceptance_limit_is_the_limit_less_the_guard_band():
-    """A = limit - r U; where r U is no less than the limit there is none."""
+    """A = limit - r U of the whole measurement, and of the station alone beside it.
+
+    Where r U is no less than the limit there is none.
+    """
     for guard in (0.0, 1.0, 2.5):
         found = qualified(guard=guard, stations=load_stations())
         for station in found.stations:
             for row in station.outputs:
-                left = row.limit - guard * row.expanded
-                if left <= 0.0:
-                    assert row.acceptance is None
-                else:
-                    assert_allclose(row.acceptance, left, rtol=1e-12)
+                assert row.whole >= row.expanded
+                for accepted, u in (
+                    (row.acceptance, row.whole),
+                    (row.station_acceptance, row.expanded),
+                ):
+                    left = row.limit - guard * u
+                    if left <= 0.0:
+                        assert accepted is None
+                    else:
+                        assert_allclose(accepted, left, rtol=1e-12)
         none = [r for s in found.stations for r in s.outputs if r.acceptance is None]
         assert bool(none) == (guard > 0.0)
+
+
+@pytest.fixture(scope="module")
+def bias():
+    """Qualify by a limit of 0.1 deg/h on the gyro bias, at the good table."""
+    limits = tuple(
+        replace(one, limit=0.1 * DEG_PER_HOUR)
+        for one in load_requirement("navigation-grade").limits
+        if one.output.group == "gyro.bias"
+    )
+    wanted = replace(load_requirement("navigation-grade"), limits=limits)
+    (table,) = (one for one in load_stations() if "three" in one.name)
+    return partial(
+        qualify, load_device("zhao-2019"), requirement=wanted, stations=[table]
+    )
+
+
+def test_what_is_accepted_counts_the_noise_of_the_device(bias):
+    """0.049 of 0.1 deg/h at 2:1, where the station alone would accept 0.0997 at 345:1.
+
+    The closed form of U is that of the error as tested: what the stability of 0.04
+    deg/h and the random walk leave in the windows of the test, and 2e-4 of the station.
+    """
+    (station,) = bias().stations
+    (row,) = station.all_coarsest
+    tested = analyze(
+        load_device("zhao-2019"),
+        coverage=0.95,
+        reference="as_tested",
+        validate=False,
+        only=("gyro.bias_stability", "gyro.angle_random_walk"),
+    )
+    (u,) = (
+        one.standard_uncertainty
+        for one in tested.outputs
+        if one.output.name == row.output.name
+    )
+
+    assert row.output.name == Name("bias", owner="gyro", axis="z")
+    assert_allclose(row.whole**2, (K * u) ** 2 + row.expanded**2, rtol=1e-5)
+    assert round(row.whole / DEG_PER_HOUR, 3) == 0.051
+    assert round(row.acceptance / DEG_PER_HOUR, 3) == 0.049
+    assert_allclose(station.test_ratio, 1.96, rtol=2e-3)
+    assert row.whole_sources == (Name("bias_stability", owner="gyro"),)
+    # A control: by the station alone both are those of a measurement without noise.
+    assert_allclose(row.station_acceptance / DEG_PER_HOUR, 0.0997, rtol=1e-3)
+    assert_allclose(row.limit / row.expanded, 345.0, rtol=1e-2)
+
+
+def test_the_parameter_has_the_spread_that_its_lines_give_it(bias):
+    """u_0 is the repeatability of 0.05 deg/h alone, neither noise nor station."""
+    for row in bias().stations[0].outputs:
+        assert_allclose(row.prior, 0.05 * DEG_PER_HOUR, rtol=1e-9)
+
+
+def test_false_accept_is_what_items_that_are_drawn_show(bias):
+    """Of 4e6 items that are drawn and measured as many are accepted beyond the limit.
+
+    Within 4 standard errors of the count, without a guard band and with one; against
+    the probability of the other guard band that fails.
+    """
+    rng = np.random.default_rng(11)
+    n = 4_000_000
+    rows = {guard: bias(guard=guard).stations[0].outputs[0] for guard in (0.0, 1.0)}
+    row = rows[0.0]
+    eta = rng.normal(0.0, row.prior, n)
+    measured = eta + rng.normal(0.0, row.whole / K, n)
+    for guard, one in rows.items():
+        counted = np.count_nonzero(
+            (np.abs(eta) > one.limit) & (np.abs(measured) <= one.acceptance)
+        )
+        other = rows[1.0 - guard].false_accept
+        for p, agrees in ((one.false_accept, True), (other, False)):
+            off = abs(counted - n * p) / np.sqrt(n * p * (1.0 - p))
+            assert bool(off < 4.0) is agrees
+
+
+def test_two_percent_of_false_accepts_are_the_most():
+    """An item in eight by simple acceptance is too much; a guard band mends it.
+
+    At a bias limit of 0.02 deg/h the item has 0.05 and the measurement 0.026.
+    """
+    (table,) = (one for one in load_stations() if "three" in one.name)
+    for guard, beyond in ((0.0, True), (0.5, False)):
+        found = qualified(guard=guard, stations=[table]).stations[0]
+        assert found.false_accept == max(row.false_accept for row in found.outputs)
+        assert any(row.is_accepted_too_often for row in found.outputs) is beyond
+        assert (found.false_accept > 0.02) is beyond
+
+
+def test_nothing_is_said_of_false_accepts_of_what_no_line_spreads():
+    """Without a repeatability nobody knows how far a bias is from nominal."""
+    device = load_device("zhao-2019")
+    gyro = device.gyro
+    kept = tuple(one for one in gyro.lines if one.name != "bias_repeatability")
+    bare = replace(device, gyro=replace(gyro, lines=kept), accelerometer=None)
+    found = qualify(
+        bare, requirement=load_requirement("tactical-grade"), stations=load_stations()
+    )
+    for station in found.stations:
+        for row in station.outputs:
+            is_bias = row.output.name.quantity == "bias"
+            assert (row.false_accept is None) == is_bias
+            assert row.whole > 0.0
 
 
 def test_the_uncertainty_of_a_station_is_that_of_the_law(navigation):
