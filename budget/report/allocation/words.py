@@ -131,7 +131,7 @@ def remarks(row: SourceAllotment) -> str:
     if row.is_idle:
         found.append(say(IDLE))
     elif row.is_spared:
-        found.append(say("does not matter"))
+        found.append(say("does not matter") if row.is_minor else say("left as it is"))
     if row.at_ceiling:
         found.append(say("at its ceiling"))
     if row.at_least:

@@ -96,7 +96,9 @@ class SourceAllotment:
     least: float | None = None  # bound below [SI]; None for what is not free
     at_ceiling: bool = False
     at_least: bool = False
-    is_spared: bool = False  # left as it is: it does not matter at a limit in reach
+    is_spared: bool = False  # left as it is: others are what matters at a limit
+    # Spared, and no more than a hundredth of a squared limit that is reached then.
+    is_minor: bool = False
     binding_outputs: tuple[Name, ...] = ()  # at their limits, where it takes most
     # Takes a thousandth of a squared limit, at its ceiling at the latest.
     is_significant: bool = False

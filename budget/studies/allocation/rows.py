@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.methods.allocation import TOUCHES, headroom
+from budget.methods.allocation import SPARED, TOUCHES, headroom
 from budget.methods.scaling import NEGLIGIBLE
 from budget.model.sources import ENVIRONMENT, STATION
 from budget.names import Name
@@ -115,6 +115,7 @@ def _both(first: SourceAllotment | None, last: SourceAllotment) -> SourceAllotme
         ceiling=first.ceiling,
         at_ceiling=first.at_ceiling and last.at_ceiling,
         is_spared=first.is_spared if by_sensor else last.is_spared,
+        is_minor=first.is_minor and last.is_minor,
         binding_outputs=first.binding_outputs if by_sensor else last.binding_outputs,
         is_significant=first.is_significant or last.is_significant,
         headroom=min(rooms, key=lambda room: room.value, default=None),
@@ -157,6 +158,7 @@ def _allotments(
     """Say it of the lines of some owners."""
     task, s = case.task, case.s
     room = headroom(case.present, task.now)
+    takes = task.part(case.factors)[task.binding(case.factors)].max(axis=0, initial=0.0)
     rows = []
     for g, name in enumerate(task.law.sources):
         if name.owner not in owners:
@@ -187,6 +189,7 @@ def _allotments(
                 at_least=allotted
                 and bool(case.factors[g] <= task.low[g] * (1.0 + TOUCHES)),
                 is_spared=allotted and bool(case.spared[g]),
+                is_minor=allotted and bool(case.spared[g] and takes[g] <= SPARED),
                 binding_outputs=_binding_outputs(task, case.factors, g)
                 if allotted and not case.spared[g]
                 else (),

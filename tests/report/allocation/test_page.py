@@ -19,7 +19,7 @@ from budget.report.allocation.page import (
     allocation_section,
     figured,
 )
-from budget.report.allocation.words import headline, print_headroom
+from budget.report.allocation.words import headline, print_headroom, remarks
 from budget.report.blocks import Document, Picture, Table
 from budget.report.figures.rows import draw
 from budget.report.page import render_page
@@ -117,6 +117,9 @@ def test_what_does_not_matter_is_marked():
         requirement=load_requirement("tactical-grade"),
         validate=False,
     )
+    row = next(row for row in found.sources if row.is_spared)
+    assert remarks(row) == "does not matter"
+    assert remarks(replace(row, is_minor=False)) == "left as it is"
     tables = tables_of(allocation_section(found))
     rows = [
         row
