@@ -306,4 +306,7 @@ def alone(document, sensor):
     """Return a device file with one of its sensors: a figure acts on its own."""
     other = {"gyro": "accelerometer", "accelerometer": "gyro"}[sensor]
     kept = {key: one for key, one in document.root.value.items() if key != other}
+    if ranges := kept.pop("range", None):
+        own = {key: one for key, one in ranges.value.items() if key != other}
+        kept |= {"range": replace(ranges, value=own)} if own else {}
     return replace(document, root=replace(document.root, value=kept))
