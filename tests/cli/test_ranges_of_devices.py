@@ -36,6 +36,7 @@ SAID = {
     "weak": ("weak", "accelerometer", "±0.5 g", "x up 1", "0.999 g", "Zhao 2019"),
 }
 NAVIGATION = ("--requirement", "navigation-grade")
+STATED = "environment: none\n"
 MILE = """\
 name: a mile
 limits: {mission: {position: {horizontal: 1 nmi, at: 60 s, probability: 50 %}}}
@@ -135,7 +136,7 @@ def test_where_none_can_be_tested_nothing_is_met(folder):
     """No limit is met by a sensor that was left out: exit code 1, and 2 without any."""
     easy = folder / "easy.yaml"
     limits = "{gyro: {bias: 1 deg/s}, accelerometer: {bias: 1 g}}"
-    easy.write_text(f"name: easy\nlimits: {limits}\n", encoding="utf-8")
+    easy.write_text(f"name: easy\n{STATED}limits: {limits}\n", encoding="utf-8")
 
     def code(*names):
         paths = [folder / f"{name}.yaml" for name in names]
