@@ -28,7 +28,7 @@ from budget.studies.judgement import (
     required_problem,
     screen,
 )
-from budget.studies.lower_bounds import expecting, missing_of
+from budget.studies.lower_bounds import expecting
 from budget.ties import first_largest, settle
 
 if TYPE_CHECKING:
@@ -116,11 +116,10 @@ def verdicts_by_reading(
         if judged is None:
             look = screen if by_law else judge
             judged = look(held, propagate(held.problem), seed=seed)
-        missing = (*missing_of((read,), procedure), *held.absent)
         found.append(
             Reading(
                 words=choice,
-                verdict=judged.verdict(missing),
+                verdict=judged.verdict(held.absent),
                 utilisation=judged.utilisation,
             )
         )
