@@ -433,7 +433,9 @@ def least_squares(
                 "the lengths, starts and noise that are given"
             ) from None
         inverse = np.linalg.pinv(np.linalg.solve(root, A))
-        W[free] = np.linalg.solve(root.T, inverse.T).T
+        found = np.linalg.solve(root.T, inverse.T).T
+        # Variances of windows that differ by many powers of ten cost W A = I digits.
+        W[free] = found + (np.eye(len(found)) - found @ A) @ np.linalg.pinv(A)
     else:
         W[free] = np.linalg.pinv(A)
     W[np.abs(W) < ROUNDING * np.abs(W).max(axis=1, keepdims=True)] = 0.0

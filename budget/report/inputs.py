@@ -225,7 +225,7 @@ FORMULAS = {
     "least_squares": (term("estimator"), term("least squares, every window alike")),
     "weighted": (
         term("estimator"),
-        term("least squares, weighted by the device's own noise"),
+        term("least squares, weighted by the device's noise, station and environment"),
     ),
     "norm": (
         term("estimator"),

@@ -259,7 +259,7 @@ class ProcedureFile(Strict):
     )
     estimator: Literal["paper", "least_squares", "weighted", "norm"] | None = Field(
         default=None,
-        description="paper: its formulas; weighted: by the device's own noise; norm: "
+        description="paper: its formulas; weighted: by all that varies; norm: "
         "by the norm of gravity in dwells at attitudes that nobody knows. Unset: "
         "paper, or least_squares where there are windows",
     )

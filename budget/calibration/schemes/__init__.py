@@ -10,6 +10,7 @@ import numpy as np
 
 from budget.calibration.saturation import beyond, peaks_of_test
 from budget.calibration.schemes import zhao_2019
+from budget.calibration.schemes.covariance import covariances_of, noise_of
 from budget.calibration.schemes.least_squares import scheme_by_least_squares
 from budget.calibration.schemes.norm import scheme_by_norm
 from budget.calibration.schemes.rotation import scheme_by_rotation
@@ -19,7 +20,7 @@ from budget.model.norm import NormScheme
 from budget.model.response import SIGN, STATISTICS, statistics_of
 from budget.model.rotation import RotationScheme
 from budget.model.scheme import Held, Scheme
-from budget.model.source import ACCELEROMETER, GYRO, Noise
+from budget.model.source import ACCELEROMETER, GYRO
 from budget.model.sources import source_of
 from budget.model.windows import Schedule
 from budget.names import ORDERS, PARAMETERS, Name, every_output, parameters_of
@@ -28,9 +29,7 @@ from budget.spec.records import FACTORY, UNCALIBRATED
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.arrays import Array
     from budget.calibration.saturation import Peak
-    from budget.model.source import Given
     from budget.spec.records import ErrorLine, Procedure, Sensor
 
 WEIGHTED, PLAIN = "weighted", "least_squares"  # estimators of any windows
@@ -164,13 +163,9 @@ def _scheme_of(owner: str, procedure: Procedure, sensor: Sensor | None) -> Schem
             beside=schedule_of(ACCELEROMETER, procedure),
             values=_held(ACCELEROMETER, procedure, sensor and sensor.beside).value,
         )
-    noise = noise_of(owner, sensor.lines if sensor else ())
     covariances = None
-    if procedure.formulas == WEIGHTED and noise:
-        rate = procedure.sample_rate
-        covariances = [
-            _covariance(owner, noise, axis, schedule, rate) for axis in range(3)
-        ]
+    if procedure.formulas == WEIGHTED and sensor and noise_of(owner, sensor.lines):
+        covariances = covariances_of(sensor, procedure, schedule, held)
     return scheme_by_least_squares(
         owner,
         schedule,
@@ -200,16 +195,6 @@ def schedule_of(owner: str, procedure: Procedure) -> Schedule:
         )
     others = tuple(one for one in procedure.windows if one.use not in {owner, "both"})
     return Schedule(windows=own, others=others)
-
-
-def noise_of(owner: str, lines: Sequence[Given]) -> list[Given]:
-    """Return the lines that `weighted` weighs a triad by; without any it is plain."""
-    return [
-        line
-        for line in lines
-        if line.u.any()
-        and isinstance(source_of(owner, line.name).meant(line).effect, Noise)
-    ]
 
 
 def removal(name: Name, procedure: Procedure) -> str:
@@ -288,23 +273,6 @@ def _held(owner: str, procedure: Procedure, sensor: Sensor | None) -> Held:
         which=statistics_of(held[:3], held[3:9], held[9:]) != 0.0,
         value=statistics_of(np.ones(3), SIGN * angle, bias),
     )
-
-
-def _covariance(
-    owner: str,
-    noise: Sequence[Given],
-    axis: int,
-    schedule: Schedule,
-    sample_rate: float,
-) -> Array:
-    """Return the covariance of the window averages of one axis, shape (n, n)."""
-    C = np.zeros((len(schedule.windows), len(schedule.windows)))
-    for line in noise:
-        effect = source_of(owner, line.name).meant(line).effect
-        if isinstance(effect, Noise):
-            process = effect.process(line, axis, sample_rate)
-            C += process.reduce(schedule, np.eye(len(C)))
-    return C
 
 
 __all__ = [

@@ -1,9 +1,9 @@
 """Calibration scheme of any windows, by least squares: W = (A^T C^-1 A)^-1 A^T C^-1.
 
 A has a row (mean input, 1) for each window. Without C every window counts alike; with
-the covariance of the window averages that the device's own noise makes, W is the best
-linear unbiased estimator (Gauss, Markov, Aitken), axis by axis. Parameters that are
-held have no column of their own.
+the covariance of the window averages (budget.calibration.schemes.covariance), W is the
+best linear unbiased estimator (Gauss, Markov, Aitken), axis by axis. Parameters that
+are held have no column of their own.
 """
 
 from __future__ import annotations
@@ -17,8 +17,6 @@ from budget.model.response import BIAS
 from budget.model.scheme import Scheme, least_squares, mean_powers
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
     from budget.arrays import Array
@@ -34,7 +32,7 @@ def scheme_by_least_squares(
     owner: str,
     schedule: Schedule,
     procedure: Procedure,
-    covariances: Sequence[Array] | None = None,
+    covariances: Array | None = None,
     held: Held | None = None,
     *,
     orders: tuple[int, ...] = (),
@@ -49,7 +47,7 @@ def scheme_by_least_squares(
         Its windows.
     procedure : Procedure
         The place.
-    covariances : sequence of ndarray, shape (n, n), optional
+    covariances : ndarray, shape (3, n, n), optional
         Of the window averages of each axis [unit of the input, squared].
     held : Held, optional
         What is not estimated.

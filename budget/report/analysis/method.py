@@ -370,7 +370,7 @@ def _least_squares_panel(procedure: Procedure) -> Panel:
         + (
             say(
                 " $C$ is the covariance of the window averages by the device's "
-                "own noise."
+                "noise, station and environment."
             )
             if weighted
             else ""

@@ -21,14 +21,20 @@ from numpy.testing import assert_allclose
 from scipy.special import ndtri
 
 from budget.calibration.problem import REFERENCES, calibration_problem
-from budget.calibration.schemes import calibrates, scheme_of
+from budget.calibration.schemes import (
+    calibrates,
+    covariance,
+    schedule_of,
+    scheme_of,
+)
 from budget.errors import CallError
 from budget.methods.gum import propagate
 from budget.model.noise import GaussMarkov, White
 from budget.model.response import Truth
+from budget.model.scheme import Held
 from budget.model.windows import OUTER, Setting, Window
 from budget.names import parameters_of
-from budget.spec import load_procedure
+from budget.spec import load_device, load_procedure
 from budget.studies.request import not_weighted
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G, STANDARD_GRAVITY
 
@@ -141,7 +147,7 @@ def test_responses_are_those_of_the_paper_where_the_windows_are():
 @pytest.mark.parametrize("name", OF_BOTH)
 def test_weighted_is_the_best_linear_unbiased_estimator(owner, name):
     """W A = I, W C W^T = (A^T C^-1 A)^-1, and plain least squares is never better."""
-    plan = replace(load_procedure(name), formulas="weighted")
+    plan = replace(load_procedure(name), formulas="weighted", station=())
     device = paper_gyro() if owner == "gyro" else paper_accelerometer()
     best = scheme_of(owner, plan, device)
     plain = scheme_of(owner, replace(plan, formulas="least_squares"))
@@ -172,6 +178,68 @@ def test_weighted_is_the_best_linear_unbiased_estimator(owner, name):
         excess = np.linalg.eigvalsh(V @ C @ V.T - bound)
         assert excess.min() > -1e-9 * bound.max()
         assert excess.max() > 1e-3 * bound.max()  # and is not the same
+
+
+HARD = (  # a hand, and parameters that are held
+    ("hand-turns", "zhao-2019", "gyro"),
+    ("hand-turns", "vn-100", "gyro"),
+    ("one-axis-rate-table", "adis16448", "gyro"),
+    ("six-positions-and-turns", "zhao-2019", "accelerometer"),
+)
+
+
+def ratios(name, device, owner, *, title="by all"):
+    """Return u by weighted over u by least squares of what has a spread.
+
+    A scheme is kept for the procedure of that title.
+    """
+    found = []
+    for formulas in ("weighted", "least_squares"):
+        plan = replace(load_procedure(name), formulas=formulas, name=title)
+        sensor = getattr(load_device(device), owner)
+        problem = calibration_problem((sensor,), plan, reference="as_tested")
+        found.append(propagate(problem).standard_uncertainty)
+    resolution = [10.0 * output.resolution for output in problem.outputs]
+    has_spread = found[1] > resolution
+    return found[0][has_spread] / found[1][has_spread]
+
+
+@pytest.mark.parametrize(("name", "device", "owner"), HARD)
+def test_weighted_is_no_worse_than_plain_by_all_that_is_known(name, device, owner):
+    """Station, held parameters and noise together: no u grows by weighing."""
+    found = ratios(name, device, owner)
+
+    assert found.max() <= 1.0 + 1e-6
+    assert found.size > 2
+
+
+def test_weighing_by_noise_alone_makes_it_worse(monkeypatch):
+    """Control: what a held parameter leaves in the windows outweighs their noise."""
+    nothing = np.zeros((3, 1, 1))
+    monkeypatch.setattr(covariance, "_disturbed", lambda *_: nothing)
+    monkeypatch.setattr(covariance, "_left", lambda *_: nothing)
+    found = [ratios(*case, title="by noise alone").max() for case in HARD]
+
+    assert max(found) > 4.0
+
+
+def test_the_covariance_of_turns_is_that_of_the_hand():
+    """u(eps)/L of a turn of 1 deg at the most over 8 s, in its own window alone."""
+    plan = replace(load_procedure("hand-turns"), formulas="weighted")
+    schedule = schedule_of("gyro", plan)
+    held = Held(which=np.zeros((3, 4), dtype=bool), value=np.zeros((3, 4)))
+    C, without = (
+        covariance.covariances_of(paper_gyro(), one, schedule, held)
+        for one in (plan, replace(plan, station=()))
+    )
+    turned = schedule.senses != 0.0
+    u = radians(1.0) / sqrt(3.0) / 8.0
+
+    assert turned.sum() == 3
+    # The turn about an axis is felt by that axis, which stands upright then.
+    own = (C - without)[:, turned, turned]
+    assert_allclose(np.sort(own, axis=1)[:, -1], u**2, rtol=1e-6)
+    assert_allclose((C - without)[:, ~turned, ~turned], 0.0, atol=1e-9 * u**2)
 
 
 def test_what_windows_do_not_see_is_said():
