@@ -97,12 +97,16 @@ class AtTime:
 
         Those of a quantity, but heading by itself, which may be a hundred times tilt.
         """
+        return unit_for(quantity, self.largest(quantity, axis))
+
+    def largest(self, quantity: str, axis: str = "") -> float:
+        """Return the largest size of all errors that are read in one unit [SI]."""
         sizes = (
             max(row.standard_uncertainty, *_radii(row))
             for row in self.rows
             if row.parameter == quantity and (row.axis == HEADING) == (axis == HEADING)
         )
-        return unit_for(quantity, max(sizes, default=0.0))
+        return max(sizes, default=0.0)
 
 
 def unit_for(quantity: str, largest: float) -> tuple[str, float]:
@@ -110,6 +114,14 @@ def unit_for(quantity: str, largest: float) -> tuple[str, float]:
     units = UNITS[quantity]
     fitting = [unit for unit in units if settle(largest / unit[1]) >= 1.0]
     return fitting[-1] if fitting else units[0]
+
+
+def unit_for_all(quantity: str, sizes: Iterable[float]) -> tuple[str, float]:
+    """Return the unit of a column, and its size [SI]: the same at every time.
+
+    That which the smallest of the sizes [SI] is read in: no number has leading zeros.
+    """
+    return unit_for(quantity, min((one for one in sizes if one > 0.0), default=0.0))
 
 
 def _radii(row: OutputBudget) -> tuple[float, float]:
@@ -129,9 +141,14 @@ def by_time(budget: Budget) -> tuple[AtTime, ...]:
     )
 
 
-def size(at: AtTime, row: OutputBudget, value: float) -> Number:
-    """Round a size of an error, in the unit that its like have at that time."""
-    unit, si_per_unit = at.unit_of(row.parameter, row.axis)
+def size(
+    at: AtTime,
+    row: OutputBudget,
+    value: float,
+    unit_of_all: tuple[str, float] | None = None,
+) -> Number:
+    """Round a size of an error, in a unit or that which its like have at that time."""
+    unit, si_per_unit = unit_of_all or at.unit_of(row.parameter, row.axis)
     output = replace(row.output, unit=unit, si_per_unit=si_per_unit)
     return bound_number(
         round_u(value, output), lower_bound=row.lower_bound, unknown=row.is_unknown
@@ -139,13 +156,16 @@ def size(at: AtTime, row: OutputBudget, value: float) -> Number:
 
 
 def _sized(
-    quantity: str, axis: str, pick: Callable[[OutputBudget], float]
+    quantity: str,
+    axis: str,
+    pick: Callable[[OutputBudget], float],
+    unit: tuple[str, float],
 ) -> Callable[[AtTime], Cell | str]:
     """Return what stands in a column of one error."""
 
     def found(at: AtTime) -> Cell | str:
         row = at.row(quantity, axis)
-        return "" if row is None else cell(size(at, row, pick(row)))
+        return "" if row is None else cell(size(at, row, pick(row), unit))
 
     return found
 
@@ -155,17 +175,20 @@ def _u(row: OutputBudget) -> float:
 
 
 def _columns(
-    quantity: str, heads: Iterable[tuple[str, str, Callable[[OutputBudget], float]]]
+    moments: Sequence[AtTime],
+    quantity: str,
+    heads: Iterable[tuple[str, str, Callable[[OutputBudget], float]]],
 ) -> tuple[Field[AtTime], ...]:
-    """Return the columns of axes that are alike, and that of their unit."""
+    """Return the columns of axes that are alike, and that of their one unit."""
     heads = tuple(heads)
     like = heads[0][1]
+    unit = unit_for_all(quantity, (at.largest(quantity, like) for at in moments))
     return (
         *(
             Field(
                 head=head,
                 kind="number",
-                cell=_sized(quantity, axis, pick),
+                cell=_sized(quantity, axis, pick, unit),
                 optional=True,
             )
             for head, axis, pick in heads
@@ -173,7 +196,7 @@ def _columns(
         Field(
             head="",
             kind="unit",
-            cell=lambda at: at.unit_of(quantity, like)[0],
+            cell=lambda at: unit[0] if at.largest(quantity, like) else "",
             optional=True,
         ),
     )
@@ -194,7 +217,7 @@ def position_table(moments: Sequence[AtTime]) -> Table:
     )
     return table_of(
         moments,
-        (_after(), *_columns("position", heads)),
+        (_after(), *_columns(moments, "position", heads)),
         name="mission-position",
         caption=say("Errors of position at each time"),
     )
@@ -212,9 +235,9 @@ def motion_table(moments: Sequence[AtTime]) -> Table:
         moments,
         (
             _after(),
-            *_columns("velocity", velocity),
-            *_columns("attitude", tilt),
-            *_columns("attitude", [(say(HEADING), HEADING, _u)]),
+            *_columns(moments, "velocity", velocity),
+            *_columns(moments, "attitude", tilt),
+            *_columns(moments, "attitude", [(say(HEADING), HEADING, _u)]),
         ),
         name="mission-motion",
         caption=say("Errors of velocity and attitude at each time"),
@@ -228,9 +251,9 @@ def bought_table(budget: Budget, moments: Sequence[AtTime]) -> Table | None:
     if not tests or len(tests[0].cep) != len(moments):
         return None
 
-    def unit_at(at: AtTime) -> tuple[str, float]:
-        """Return the unit that a row is read in."""
-        return unit_for("position", max(one.cep[places[at.time]] for one in tests))
+    unit, si_per_unit = unit_for_all(
+        "position", (max(own) for own in zip(*(one.cep for one in tests), strict=True))
+    )
 
     def radius(one: Calibrated) -> Callable[[AtTime], Cell | str]:
         """Return what stands in the column of a calibration."""
@@ -238,7 +261,6 @@ def bought_table(budget: Budget, moments: Sequence[AtTime]) -> Table | None:
         def found(at: AtTime) -> Cell | str:
             if at.horizontal is None:
                 return ""
-            unit, si_per_unit = unit_at(at)
             output = replace(at.horizontal.output, unit=unit, si_per_unit=si_per_unit)
             number = round_u(one.cep[places[at.time]], output)
             return cell(
@@ -259,7 +281,7 @@ def bought_table(budget: Budget, moments: Sequence[AtTime]) -> Table | None:
                     strict=False,
                 )
             ),
-            Field(head="", kind="unit", cell=lambda at: unit_at(at)[0]),
+            Field(head="", kind="unit", cell=lambda _: unit),
         ),
         name="mission-calibrations",
         caption=say("CEP after each calibration"),

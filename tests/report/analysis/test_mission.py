@@ -28,6 +28,7 @@ from budget.report.mission import (
     by_time,
     contributions_table,
     motion_table,
+    position_table,
     unit_for,
 )
 from budget.results import Settings
@@ -267,6 +268,24 @@ def test_the_error_is_in_the_unit_of_its_limit(verdict):
     text = page_of_a_mile(verdict)
     assert len(re.findall(r"largest error [\d.e-]+ nmi, ", text)) >= 1
     assert not re.findall(r"largest error [\d.e-]+ m, ", text)
+
+
+@pytest.mark.parametrize("sizes", [(0.25, 4200.0), (1500.0, 42_000.0), (0.0, 2000.0)])
+def test_a_column_has_one_unit(sizes):
+    """Metres and kilometres do not stand below one another; the smallest decides."""
+    last = max(row.output.name.time for row in carried().outputs)
+    rows = [
+        replace(
+            row, standard_uncertainty=sizes[row.output.name.time == last], radii=None
+        )
+        if row.parameter == "position"
+        else row
+        for row in carried().outputs
+    ]
+    table = position_table(by_time(replace(carried(), outputs=tuple(rows))))
+    units = {row[-1].text for row in table.groups[0].rows} - {""}
+
+    assert units == {"m" if 0.0 < sizes[0] < 1000.0 else "km"}
 
 
 def test_heading_has_a_unit_of_its_own():
