@@ -36,7 +36,7 @@ from budget.methods.gum import covariance_by_source
 from budget.methods.radius import principal_variances, radius_of
 from budget.names import Name
 from budget.results import INTERACTION
-from budget.studies.doubt import STRIDE, squared_lines
+from budget.studies.doubt import squared_lines
 from budget.studies.prediction import stand_in
 
 if TYPE_CHECKING:
@@ -48,6 +48,7 @@ if TYPE_CHECKING:
 # Probability that a normal error is within its standard uncertainty [1].
 ONE_SIGMA = 0.6826894921370859
 NODES = 24  # of Gauss and Legendre on a quarter turn
+TOGETHER = 8  # draws of like size, that are taken as one
 STEPS = 60  # at the most, of Newton; mostly five
 SAME = 1e-12  # relative, of a step that changes nothing [1]
 FURTHEST = 2.0  # step of the logarithm of a radius
@@ -79,7 +80,7 @@ class Mixture:
             sources=tuple(
                 Name(stand_in(name).name, owner=name.owner) for name in prediction.names
             ),
-            squared=np.minimum(squared[:, ::STRIDE], MOST),
+            squared=np.minimum(squared, MOST),
         )
 
     def radius(self, coverage: float, sources: Sequence[Name], each: Array) -> Array:
@@ -133,7 +134,7 @@ class Mixture:
 
 def _radius(coverage: float, variances: Array, start: float) -> float:
     """Return the radius of a mixture of variances a, b, shape (2, n), from a guess."""
-    variances[0] = np.maximum(variances[0], LEAST**2)
+    variances = _condensed(variances)
     at, low, high = log(start), -np.inf, np.inf
     for _ in range(STEPS):
         inside, slope = _within(exp(at), variances)
@@ -145,6 +146,17 @@ def _radius(coverage: float, variances: Array, start: float) -> float:
         # A step beyond the bracket is halved.
         at = at + step if low < at + step < high else (low + high) / 2.0
     return exp(at)
+
+
+def _condensed(variances: Array) -> Array:
+    """Return draws by their size, so many as one: of the mean of ln a and of b/a.
+
+    P is smooth in both, so what that changes is of second order in their differences.
+    """
+    a, b = variances[:, np.argsort(variances[0], kind="stable")]
+    a = np.maximum(a, LEAST**2)
+    middle = np.exp(np.log(a).reshape(-1, TOGETHER).mean(axis=1))
+    return np.stack([middle, middle * (b / a).reshape(-1, TOGETHER).mean(axis=1)])
 
 
 def _within(radius: float, variances: Array) -> tuple[float, float]:

@@ -31,6 +31,8 @@ TIMES = (60.0, 600.0)
 BIAS = Name("bias_repeatability", owner="gyro")
 DF = 9.0
 TRIALS = 400_000
+# Points of low discrepancy are better than the root of their number, 32,768.
+POINTS_OFF = 0.3 / sqrt(32768)
 
 
 def on_the_bench(device=VN100, *, missing="predict", **more):
@@ -75,7 +77,7 @@ def alone(scale):
         devices=((),),
         designs=(3,),
     )
-    return Mixture(sources=(BIAS,), squared=squared_lines(prediction, [0])[:, ::4])
+    return Mixture(sources=(BIAS,), squared=squared_lines(prediction, [0]))
 
 
 @pytest.mark.parametrize("coverage", [ONE_SIGMA, 0.95])
@@ -98,8 +100,7 @@ def test_one_line_alone_by_quadrature(scale, coverage):
             points=(0.0,),
             limit=400,
         )
-        # Points of low discrepancy are better than their number's root.
-        assert abs(p - coverage) < 0.1 / sqrt(8192)
+        assert abs(p - coverage) < POINTS_OFF
 
 
 def test_probabilities_in_a_plane_are_those_of_the_radius():
@@ -142,18 +143,18 @@ def test_circles_hold_as_many_as_they_say(predicted, at_medians, time):
     for p, radius in ((0.5, row.radii.cep), (0.95, row.radii.r95)):
         inside = np.mean(np.hypot(north, east) < radius)
         sigma = sqrt(p * (1.0 - p) / TRIALS)
-        assert abs(inside - p) < 3.0 * sigma + 0.1 / sqrt(8192)
+        assert abs(inside - p) < 3.0 * sigma + POINTS_OFF
         # Control: circles at the medians of the lines hold too few.
         k = [o.name for o in at_medians.outputs].index(row.output.name)
         usual = at_medians.interval(p)[k, 1]
-        assert np.mean(np.hypot(north, east) < usual) < p - 0.02
+        assert np.mean(np.hypot(north, east) < usual) < p - 0.01
     (axis,) = [
         each
         for each in predicted.outputs
         if each.output.name == Name("position", owner=MISSION, axis="north", time=time)
     ]
     within = np.mean(np.abs(north) < axis.standard_uncertainty)
-    assert abs(within - ONE_SIGMA) < 3.0 * sqrt(0.22 / TRIALS) + 0.1 / sqrt(8192)
+    assert abs(within - ONE_SIGMA) < 3.0 * sqrt(0.22 / TRIALS) + POINTS_OFF
 
 
 def test_covariances_of_drawn_lines_are_those_of_a_device_that_has_them(predicted):
@@ -267,9 +268,10 @@ def test_a_requirement_changes_no_radius(predicted, tmp_path):
 
 
 def test_the_vn100_on_a_bench(predicted, at_medians):
-    """After a minute R95 is about 1 km; the medians of its lines would say 90 m."""
+    """After a minute R95 is 1 km; the medians of its lines would say 90 m."""
     row = horizontal(predicted, 60.0)
     k = [output.name for output in at_medians.outputs].index(row.output.name)
 
-    assert 500.0 < row.radii.r95 < 2000.0
-    assert_allclose(at_medians.interval(0.95)[k, 1], 90.0, rtol=0.02)
+    assert_allclose(row.radii.r95, 1000.0, rtol=0.05)
+    assert_allclose(row.radii.cep, 75.0, rtol=0.05)
+    assert_allclose(at_medians.interval(0.95)[k, 1], 90.0, rtol=0.05)
