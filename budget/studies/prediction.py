@@ -5,13 +5,25 @@ of its own for every line, with effects of the technology, the design (a file), 
 device (a variant) and the sensor (LEVELS):
 
     y = mu(line) + sum over levels of e(group, line),
-    cov(e(g, l), e(g, l')) = sigma^2 r(l) r(l') v (rho + (1 - rho) [l = l'])
+    cov(e(g, l), e(g, l')) = sigma^2 r(l) r(l') v (rho + (1 - rho) [l = l'])/w
 
 rho says that what is good in one line tends to be good in the others, so that given
 lines of a device predict those that it lacks; v, that devices of one design, or of one
 technology, are no independent witnesses; r, that designs differ more in some lines than
 in others: their variance about the mean of the line over that of all lines, moderated
 by it with the weight of WITNESSES designs (Smyth 2004).
+
+Some designs are of a class of their own, as a seismic accelerometer among those of
+phones. So the effects of a design, and of all within it, have heavy tails: w, 1 for a
+technology, is a factor of each design, w ~ chi^2(TAILS)/TAILS, which makes them a
+multivariate Student t. Of its n figures, left over by e once means and technology are
+taken off, with their covariance sigma^2 R at w = 1,
+
+    E[w given e] = (TAILS + n) / (TAILS + d^2), d^2 = e' R^-1 e / sigma^2,
+
+as w given e is gamma again: its prior's chi^2 and the normal's w^(n/2) exp(-w d^2/2)
+multiply. That is put for w, and all is fitted anew, ROUNDS times (EM). What is
+predicted of a design has its own w, and TAILS + n degrees of freedom at the most.
 
 With a flat prior of mu and sigma^2 ~ Inv-chi^2(DF_0, 1), of n given lines y, H telling
 which of the q lines each is and K their covariance over sigma^2, those that are
@@ -59,6 +71,8 @@ LEVELS = {
 DESIGN = tuple(LEVELS).index("design")
 DF_0 = 2.0  # weight of the prior sigma^2 = 1, of a factor e, in observations
 WITNESSES = 5.0  # weight of the common spread of designs, in designs
+TAILS = 4.0  # degrees of freedom of the effects of a design: a round number
+ROUNDS = 12  # of the fit, after which no w moves by more than 0.01
 # Designs that give a line, of which one more can be predicted: fewer say nothing of
 # the spread between designs.
 LEAST_DESIGNS = 3
@@ -81,10 +95,11 @@ class Prediction:
     names: tuple[Name, ...]
     location: Array  # shape (n,) [ln SI]
     scale: Array  # scale matrix, shape (n, n) [1]
-    df: float  # degrees of freedom
+    df: float  # degrees of freedom, of all lines together
     # For each line: devices that give it, and designs that these are of.
     devices: tuple[tuple[str, ...], ...]
     designs: tuple[int, ...]
+    df_of_each: tuple[float, ...] = ()  # of each line, where they are not the same
 
     @property
     def median(self) -> Array:
@@ -95,7 +110,7 @@ class Prediction:
         """Return the central interval of each line, shape (n, 2) [SI]."""
         from scipy.special import stdtrit
 
-        half = stdtrit(self.df, (1.0 + probability) / 2.0) * np.sqrt(
+        half = stdtrit(self.df_of_each or self.df, (1.0 + probability) / 2.0) * np.sqrt(
             np.diag(self.scale)
         )
         ends = np.stack([self.location - half, self.location + half], axis=1)
@@ -104,18 +119,23 @@ class Prediction:
     def of(self, names: Sequence[Name]) -> Prediction:
         """Return the marginal of some of the lines."""
         kept = [place for place, name in enumerate(self.names) if name in names]
+        df = tuple(self.df_of_each[place] for place in kept if self.df_of_each)
         return Prediction(
             names=tuple(self.names[place] for place in kept),
             location=self.location[kept],
             scale=self.scale[np.ix_(kept, kept)],
-            df=self.df,
+            df=min(df, default=self.df),
             devices=tuple(self.devices[place] for place in kept),
             designs=tuple(self.designs[place] for place in kept),
+            df_of_each=df,
         )
 
 
 def joined(parts: Sequence[Prediction]) -> Prediction:
-    """Return predictions of several devices as one, as if they were independent."""
+    """Return predictions of several devices as one, as if they were independent.
+
+    Together their tails are those of the heaviest, each line keeps its own.
+    """
     from scipy.linalg import block_diag
 
     if len(parts) == 1:
@@ -127,6 +147,9 @@ def joined(parts: Sequence[Prediction]) -> Prediction:
         df=min(one.df for one in parts),
         devices=tuple(those for one in parts for those in one.devices),
         designs=tuple(number for one in parts for number in one.designs),
+        df_of_each=tuple(
+            df for one in parts for df in one.df_of_each or (one.df,) * len(one.names)
+        ),
     )
 
 
@@ -173,6 +196,7 @@ class Fit:
 
     given: tuple[Figure, ...]
     spread: dict[str, float]  # of each line [1]
+    trust: dict[str, float]  # w of each design [1]
     mean: Array  # of each line, in the order of `spread`, shape (q,) [ln SI]
     spread_of_mean: Array  # its covariance over sigma^2, shape (q, q)
     inverse: Array  # of the covariance over sigma^2, shape (n, n)
@@ -183,21 +207,39 @@ class Fit:
 
     @classmethod
     def of(cls, given: Sequence[Figure]) -> Self:
-        """Fit the scale to figures."""
-        spread = spreads(given)
-        y = np.array([each.log_u for each in given])
+        """Fit scale and weights to figures."""
+        alike = _alike(given, given)
+        trust = dict.fromkeys((each.groups[DESIGN] for each in given), 1.0)
         with small_blocks():
-            inverse = np.asarray(np.linalg.inv(covariance(given, given, spread)))
-            lines = _lines(given, spread)
-            inverse_lines = inverse @ lines
-            spread_of_mean = np.asarray(np.linalg.inv(lines.T @ inverse_lines))
-            mean = spread_of_mean @ (inverse_lines.T @ y)
-            left = y - lines @ mean
-            weights = inverse @ left
+            fit = cls._at(given, alike, trust)
+            for _ in range(ROUNDS):
+                fit = cls._at(given, alike, fit.reweighted(alike))
+        return fit
+
+    @classmethod
+    def _at(
+        cls,
+        given: Sequence[Figure],
+        alike: tuple[Array, Array],
+        trust: dict[str, float],
+    ) -> Self:
+        """Fit the scale at weights of designs."""
+        spread = spreads(given, trust)
+        y = np.array([each.log_u for each in given])
+        inverse = np.asarray(
+            np.linalg.inv(_scaled(alike, given, given, spread, trust).sum(axis=0))
+        )
+        lines = _lines(given, spread)
+        inverse_lines = inverse @ lines
+        spread_of_mean = np.asarray(np.linalg.inv(lines.T @ inverse_lines))
+        mean = spread_of_mean @ (inverse_lines.T @ y)
+        left = y - lines @ mean
+        weights = inverse @ left
         df = DF_0 + len(given) - len(spread)
         return cls(
             given=tuple(given),
             spread=spread,
+            trust=trust,
             mean=mean,
             spread_of_mean=spread_of_mean,
             inverse=inverse,
@@ -207,6 +249,22 @@ class Fit:
             sigma_2=(DF_0 + float(left @ weights)) / df,
         )
 
+    def reweighted(self, alike: tuple[Array, Array]) -> dict[str, float]:
+        """Return E[w] of each design at this fit.
+
+        e = R/w K^-1 (y - H m), so d^2 sigma^2 is e' K^-1 (y - H m)/w.
+        """
+        own = _scaled(alike, self.given, self.given, self.spread, self.trust)[1]
+        parts = self.weights * (own @ self.weights) / self.sigma_2
+        number, distance = dict.fromkeys(self.trust, 0), dict.fromkeys(self.trust, 0.0)
+        for each, part in zip(self.given, parts.tolist(), strict=True):
+            number[each.groups[DESIGN]] += 1
+            distance[each.groups[DESIGN]] += part
+        return {
+            design: (TAILS + number[design]) / (TAILS + distance[design] / w)
+            for design, w in self.trust.items()
+        }
+
     def predict(self, wanted: dict[Name, Figure]) -> Prediction | None:
         """Predict figures; None where too few designs give any of them."""
         found = _witnesses(self.given, wanted)
@@ -214,21 +272,25 @@ class Fit:
             return None
         names = tuple(found)
         new = [wanted[name] for name in names]
-        across = covariance(new, self.given, self.spread)
+        across = covariance(new, self.given, self.spread, self.trust)
         lines = _lines(new, self.spread)
         with small_blocks():
             off = lines - across @ self.inverse_lines
             scale = (
-                covariance(new, new, self.spread)
+                covariance(new, new, self.spread, self.trust)
                 - across @ self.inverse @ across.T
                 + off @ self.spread_of_mean @ off.T
             )
             location = lines @ self.mean + across @ self.weights
+        own = [
+            sum(each.groups[DESIGN] == one.groups[DESIGN] for each in self.given)
+            for one in new
+        ]
         return Prediction(
             names=names,
             location=location,
             scale=self.sigma_2 * (scale + scale.T) / 2.0,
-            df=self.df,
+            df=min(self.df, TAILS + min(own)),
             devices=tuple(
                 tuple(dict.fromkeys(each.device for each in those))
                 for those in found.values()
@@ -258,17 +320,23 @@ def _witnesses(
     }
 
 
-def spreads(given: Sequence[Figure]) -> dict[str, float]:
-    """Return the moderated spread of designs in each line, over that of all [1]."""
+def spreads(given: Sequence[Figure], trust: dict[str, float]) -> dict[str, float]:
+    """Return the moderated spread of designs in each line, over that of all [1].
+
+    Each design counts with its weight w.
+    """
     sizes: dict[str, dict[str, list[float]]] = {}
     for each in given:
-        sizes.setdefault(each.line, {}).setdefault(each.groups[1], []).append(
+        sizes.setdefault(each.line, {}).setdefault(each.groups[DESIGN], []).append(
             each.log_u
         )
     squares, df = {}, {}
     for line, designs in sizes.items():
         means = np.array([np.mean(values) for values in designs.values()])
-        squares[line] = float(np.square(means - means.mean()).sum())
+        w = np.array([trust[design] for design in designs])
+        squares[line] = float(
+            (w * np.square(means - np.average(means, weights=w))).sum()
+        )
         df[line] = len(means) - 1
     common = sum(squares.values()) / max(sum(df.values()), 1)
     if common == 0.0:
@@ -280,18 +348,44 @@ def spreads(given: Sequence[Figure]) -> dict[str, float]:
 
 
 def covariance(
-    rows: Sequence[Figure], columns: Sequence[Figure], spread: dict[str, float]
+    rows: Sequence[Figure],
+    columns: Sequence[Figure],
+    spread: dict[str, float],
+    trust: dict[str, float],
 ) -> Array:
     """Return the covariance of figures over sigma^2, shape (rows, columns)."""
-    same_line = _same([f.line for f in rows], [f.line for f in columns])
-    total = np.zeros_like(same_line)
-    for level, (v, rho) in enumerate(LEVELS.values()):
-        same = _same(
-            [f.groups[level] for f in rows], [f.groups[level] for f in columns]
-        )
-        total += v * same * (rho + (1.0 - rho) * same_line)
+    both = _scaled(_alike(rows, columns), rows, columns, spread, trust)
+    return np.asarray(both.sum(axis=0))
+
+
+def _scaled(
+    alike: tuple[Array, Array],
+    rows: Sequence[Figure],
+    columns: Sequence[Figure],
+    spread: dict[str, float],
+    trust: dict[str, float],
+) -> Array:
+    """Return what technology, and what design and all within it, add to that."""
     r_rows, r_columns = ([spread[f.line] for f in those] for those in (rows, columns))
-    return np.asarray(total * np.outer(r_rows, r_columns))
+    w_rows, w_columns = (
+        np.array([trust.get(f.groups[DESIGN], 1.0) for f in those])
+        for those in (rows, columns)
+    )
+    wide, narrow = alike
+    narrow = narrow / np.sqrt(np.outer(w_rows, w_columns))
+    return np.stack([wide, narrow]) * np.outer(r_rows, r_columns)
+
+
+def _alike(rows: Sequence[Figure], columns: Sequence[Figure]) -> tuple[Array, Array]:
+    """Return the same for spreads and weights of 1, (rows, columns) each."""
+    same_line = _same([f.line for f in rows], [f.line for f in columns])
+    parts = [
+        v
+        * _same([f.groups[level] for f in rows], [f.groups[level] for f in columns])
+        * (rho + (1.0 - rho) * same_line)
+        for level, (v, rho) in enumerate(LEVELS.values())
+    ]
+    return sum(parts[:DESIGN], 0.0 * same_line), sum(parts[DESIGN:], 0.0 * same_line)
 
 
 def figures_of(device: Device) -> dict[Name, Figure]:

@@ -268,10 +268,10 @@ def test_a_requirement_changes_no_radius(predicted, tmp_path):
 
 
 def test_the_vn100_on_a_bench(predicted, at_medians):
-    """After a minute R95 is 1 km; the medians of its lines would say 90 m."""
+    """After a minute R95 is half a km; the medians of its lines would say 86 m."""
     row = horizontal(predicted, 60.0)
     k = [output.name for output in at_medians.outputs].index(row.output.name)
 
-    assert_allclose(row.radii.r95, 1000.0, rtol=0.05)
-    assert_allclose(row.radii.cep, 75.0, rtol=0.05)
-    assert_allclose(at_medians.interval(0.95)[k, 1], 90.0, rtol=0.05)
+    assert_allclose(row.radii.r95, 530.0, rtol=0.05)
+    assert_allclose(row.radii.cep, 55.0, rtol=0.05)
+    assert_allclose(at_medians.interval(0.95)[k, 1], 86.0, rtol=0.05)
