@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
-from math import isfinite, sqrt
+from math import isfinite, pi, sin, sqrt
 from typing import (
     TYPE_CHECKING,
     Annotated,
@@ -25,6 +25,7 @@ from budget.errors import UnitError
 from budget.language import note
 from budget.model.sources import (
     ACCELEROMETER,
+    BAND,
     FLICKER,
     GYRO,
     LOW_CUT,
@@ -372,6 +373,49 @@ class ProcessValue(SpecificationValue):
     distribution: Annotated[Literal["normal"], Synonyms(GAUSSIAN)] | None = Field(
         default=None, description="a process is normal"
     )
+
+
+class Filter(Strict):
+    """Butterworth filter that noise has passed; of order 1 a simple pole."""
+
+    corner: Annotated[Quantity, Measured("Hz", Sign.POSITIVE)] = Field(
+        description="where it lets half of the power pass"
+    )
+    order: Annotated[int, Field(ge=1, le=20)] = Field(description="number of its poles")
+
+
+class SampleNoiseValue(ProcessValue):
+    """Specification value of a noise of every sample, or of the rms in a band."""
+
+    of_axis: ClassVar[type[SpecificationValue] | None] = ProcessValue
+    bandwidth: Annotated[Filter, OrText(Measured("Hz", Sign.POSITIVE))] | None = Field(
+        default=None,
+        description="noise bandwidth B of an rms, N = rms/sqrt(2 B); unset: of samples",
+    )
+
+    def curve(self) -> _Form:
+        """Return the random walk of an rms in a one-sided noise bandwidth B [Hz].
+
+        rms^2 = 2 N^2 B of white noise N, with B = f_c (pi/2n)/sin(pi/2n) of a
+        Butterworth filter of order n, the integral of 1/(1 + (f/f_c)^2n): pi/2 f_c of
+        the first order.
+        """
+        if self.bandwidth is None:
+            return _Form()
+        band: Filter | Quantity = self.bandwidth
+        if isinstance(band, Quantity):
+            B, said = band.value, band.printed
+        else:
+            corner, order = band.corner, band.order
+            angle = pi / (2.0 * order)
+            B = corner.value * angle / sin(angle)
+            said = f"{{corner: {corner.printed}, order: {order}}}"
+        return _Form(
+            form=BAND,
+            factor=1.0 / sqrt(2.0 * B),
+            says=(("bandwidth", said),),
+            definition=f"rms in a noise bandwidth of {B:.4g} Hz",
+        )
 
 
 class WalkValue(ProcessValue):
@@ -888,12 +932,20 @@ def _value_type(
     return Annotated[whole, text]
 
 
-FORMED = NonlinearityValue | RateAsymmetry | StabilityValue | FlickerValue | AgeingValue
+FORMED = (
+    NonlinearityValue
+    | RateAsymmetry
+    | SampleNoiseValue
+    | StabilityValue
+    | FlickerValue
+    | AgeingValue
+)
 SPECIAL: dict[tuple[str, str], type[SpecificationValue]] = {
     ("scale_factor_nonlinearity", GYRO): RateNonlinearity,
     ("scale_factor_nonlinearity", ACCELEROMETER): ForceNonlinearity,
     ("scale_factor_asymmetry", GYRO): RateAsymmetry,
     ("scale_factor_asymmetry", ACCELEROMETER): ForceAsymmetry,
+    **{(SAMPLE_NOISE, sensor): SampleNoiseValue for sensor in SENSORS},
     **{("flicker", sensor): FlickerValue for sensor in SENSORS},
     **{(line, sensor): AgeingValue for line in AGEING.values() for sensor in SENSORS},
 }

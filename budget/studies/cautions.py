@@ -307,7 +307,8 @@ def left_behind(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[str, .
         for sensor in sensors
         for line in sensor.lines
         if isinstance(
-            source_of(sensor.kind, line.name).effect, SampleNoise | Quantization
+            source_of(sensor.kind, line.name).meant(line).effect,
+            SampleNoise | Quantization,
         )
     ]
     said = []

@@ -144,9 +144,15 @@ def _keep_rules(tree):
     tree.pop("density", None)  # only beside some units
     if "bias_stability" in tree and "adds_to" not in tree.get("flicker", {}):
         tree.pop("flicker", None)
+    stable = tree.get("bias_stability")
+    axes = _keys(stable) & {"axes"} and stable["axes"]
+    for part in (stable, *(axes.values() if isinstance(axes, dict) else ())):
+        if "definition" in _keys(part):  # of one process on all axes
+            part.setdefault("correlation_time", "5 s")
     if "sample_noise" in tree:
         tree.pop("angle_random_walk", None)
         tree.pop("velocity_random_walk", None)
+    tree.pop("averaging_time", None)  # only beside some definitions
     if tree.get("definition") == "allan_minimum":
         tree.pop("meaning", None)
     if "order" in tree:

@@ -101,6 +101,10 @@ FIGURE_KEYS = (
 BESIDE = {
     "distribution": {"meaning": "max"},
     "averaging_time": {"definition": "allan_minimum"},
+    **{
+        key: {"bandwidth": {"corner": "9 Hz", "order": 1}}
+        for key in ("corner", "order")
+    },
 }
 OF_AXES = BESIDE | {"definition": {"correlation_time": "300 s"}}  # as all axes have
 # A unit per root of hertz, beside which `density` may stand.

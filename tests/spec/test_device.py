@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 from budget.errors import SpecError
 from budget.model.sources import SENSORS, lines_of, source_of
-from budget.model.sources.processes import FlickerNoise, Stability
+from budget.model.sources.processes import FlickerNoise, Stability, WhiteNoise
 from budget.spec import load_device
 
 DEG = pi / 180.0
@@ -530,6 +530,48 @@ def test_a_definition_gives_the_size_of_the_process(gyro, words, u):
     """The lowest point of the Allan curve is 0.664 of the sigma or of B taken."""
     line = gyro(f"bias_stability: {{value: 6 deg/h, {words}}}").gyro.lines[0]
     assert_allclose(line.u, [u * DEG_H] * 3, rtol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("bandwidth", "per_corner"),
+    [
+        ("10 Hz", 1.0),
+        ("{corner: 10 Hz, order: 1}", 1.5707963),
+        ("{corner: 10 Hz, order: 2}", 1.1107207),
+        ("{corner: 0.01 kHz, order: 4}", 1.0261722),
+    ],
+)
+def test_an_rms_in_a_band_is_a_random_walk(gyro, bandwidth, per_corner):
+    """N = rms/sqrt(2 B), B the integral of 1/(1 + (f/f_c)^2n), Butterworth's."""
+    text = f"sample_noise: {{value: 0.05 deg/s, bandwidth: {bandwidth}}}"
+    (line,) = gyro(text).gyro.lines
+    N = 0.05 * DEG / sqrt(2.0 * per_corner * 10.0)
+    assert_allclose(line.u, [N] * 3, rtol=1e-7)
+    assert_allclose(line.u / line.si_per_unit, [0.05] * 3, rtol=1e-14)
+    source = source_of("gyro", line.name).meant(line)
+    assert isinstance(source.effect, WhiteNoise)
+    # The same by quadrature, up to where next to nothing is left.
+    f = np.linspace(0.0, 2e4, 4_000_001)
+    if "corner" in bandwidth:
+        order = int(bandwidth[-2])
+        passed = np.trapezoid(1.0 / (1.0 + (f / 10.0) ** (2 * order)), f)
+        assert_allclose(per_corner * 10.0, passed, rtol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("bandwidth", "told"),
+    [
+        ("0 Hz", "positive"),
+        ("10 s", "Hz"),
+        ("{corner: 10 Hz}", "order"),
+        ("{corner: 10 Hz, order: 0}", "order"),
+    ],
+)
+def test_what_is_no_bandwidth_is_refused(gyro, bandwidth, told):
+    """A frequency above 0, or a corner with its order."""
+    with pytest.raises(SpecError, match=r"sample_noise\.bandwidth") as error:
+        gyro(f"sample_noise: {{value: 0.05 deg/s, bandwidth: {bandwidth}}}")
+    assert told in str(error.value)
 
 
 FLOOR = "value: 6 deg/h, definition: allan_minimum"

@@ -136,6 +136,30 @@ def test_an_allan_floor_on_the_bench(tmp_path, words, printed, correlation, only
     assert_allclose(u, sigma * channel(correlation), rtol=0.02)
 
 
+def test_a_noise_in_a_band_is_its_random_walk_whatever_the_rate(tmp_path):
+    """N = rms/sqrt(2 B): the mission is that of the walk, and no rate is said."""
+    found = []
+    for line in (
+        "sample_noise: {value: 0.5 deg/s, bandwidth: 50 Hz}",
+        "angle_random_walk: 0.05 deg/sqrt(s)",
+    ):
+        path = tmp_path / "band.yaml"
+        path.write_text(
+            f"name: band\ngyro: {{errors: {{{line}}}}}\n"
+            "accelerometer: {errors: {velocity_random_walk: 1 ug/sqrt(Hz)}}\n"
+        )
+        found.append(
+            analyze(load_device(path), mission="bench", at=["10 s"], validate=False)
+        )
+    band, walk = found
+    assert_allclose(
+        [row.standard_uncertainty for row in band.outputs],
+        [row.standard_uncertainty for row in walk.outputs],
+        rtol=1e-9,
+    )
+    assert not any("samples of the mission" in text for text in band.assumptions)
+
+
 def test_a_calibration_alone_has_no_curve(bench):
     """What is of no mission is refused in words."""
     alone = Analysis(devices=bench.devices, procedure=bench.procedure)

@@ -75,6 +75,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ACCELEROMETER",
+    "BAND",
     "DEVICE",
     "ENVIRONMENT",
     "FLICKER",
@@ -95,6 +96,7 @@ __all__ = [
     "walk_of",
 ]
 
+BAND = "band"  # form of a sample noise that is the rms in a bandwidth
 FLICKER = "flicker"  # form of a bias stability that is the floor of an Allan curve
 
 # In the order of tables, figures and inputs.
@@ -166,6 +168,7 @@ SOURCES = (
         units={GYRO: "deg/h", ACCELEROMETER: "ug"},
         model="white noise of every sample",
         effect=SampleNoise(),
+        forms={BAND: WhiteNoise()},
         stays=IN_RUN,
         expected="noise",
         colour="sky",

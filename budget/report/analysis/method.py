@@ -12,6 +12,7 @@ from budget.language import say, term, words
 from budget.model.norm import NormScheme
 from budget.model.response import STATISTICS
 from budget.model.rotation import RotationScheme
+from budget.model.sources import BAND
 from budget.names import AXES, by_group, parameters_of
 from budget.report.blocks import (
     Cell,
@@ -109,7 +110,11 @@ HELD = term(
 PLUS_MINUS, SIGMA, TAU = "\N{PLUS-MINUS SIGN}", "\u03c3", "\u03c4"
 # Lines of a data sheet; variance of the average over a window, and what it is of.
 NOISE = (
-    ({"angle_random_walk", "velocity_random_walk"}, "N^2/L", term("white, density N")),
+    (
+        {"angle_random_walk", "velocity_random_walk", BAND},
+        "N^2/L",
+        term("white, density N"),
+    ),
     (
         {"sample_noise"},
         "sigma^2/(f L)",
@@ -155,8 +160,8 @@ def method_section(
             panels += [_turns_panel(), _gyro_bias_panel(procedure)]
         if "accelerometer" in sensors:
             panels.append(_accelerometer_panel())
-    lines = {
-        line.name
+    lines = {  # of other forms the formulas are not these
+        line.name if not line.form else line.form
         for device in devices
         for sensor in device.sensors
         for line in sensor.lines

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.errors import SpecError
+from budget.model.sources import BAND, SAMPLE_NOISE
 from budget.names import Name
 from budget.resources import shipped
 from budget.spec import load_variants
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 # White noise is printed as a density or for every sample: one is the other over the
 # root of the sample rate.
 DENSITIES = ("angle_random_walk", "velocity_random_walk")
-SAMPLE_NOISE = "sample_noise"
 OTHERWISE = "given as another quantity"
 
 
@@ -153,7 +153,12 @@ def _value(sensor: Sensor, wanted: ErrorLine, rate: float) -> tuple[Array | None
     if name == SAMPLE_NOISE:
         for density in DENSITIES:
             if (other := sensor.line(density)) is not None:
-                return other.u * sqrt(rate), f"from its {density}"
+                return other.u * _per_density(wanted, rate), f"from its {density}"
     if name in DENSITIES and (other := sensor.line(SAMPLE_NOISE)) is not None:
-        return other.u / sqrt(rate), f"from its {SAMPLE_NOISE}"
+        return other.u / _per_density(other, rate), f"from its {SAMPLE_NOISE}"
     return None, ""
+
+
+def _per_density(noise: ErrorLine, rate: float) -> float:
+    """Return u of a sample noise over its density: of an rms in a band it is that."""
+    return 1.0 if noise.form == BAND else sqrt(rate)

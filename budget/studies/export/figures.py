@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.model.source import Offset
-from budget.model.sources import FLICKER, GYRO, SAMPLE_NOISE, source_of, walk_of
+from budget.model.sources import BAND, FLICKER, GYRO, SAMPLE_NOISE, source_of, walk_of
 from budget.names import AXES, PARAMETERS, Name
 from budget.spec.specification import CORRELATION_TIME
 
@@ -128,7 +128,7 @@ def _noise(known: Known) -> Figure | Missing:
     if walk is None and noise is None:
         needs = f"{known.name(walk_of(kind))} or {known.name(SAMPLE_NOISE)}"
         return Missing(needs=needs)
-    if noise is not None and known.rate is None:
+    if noise is not None and noise.form != BAND and known.rate is None:
         needs = f"--rate HZ, as {known.name(SAMPLE_NOISE)} counts by the sample"
         return Missing(needs=needs)
     square = np.zeros(len(AXES))
@@ -136,7 +136,10 @@ def _noise(known: Known) -> Figure | Missing:
     if walk is not None:
         square = square + walk.u**2
         steps.append(origin(known, walk))
-    if noise is not None and known.rate is not None:
+    if noise is not None and noise.form == BAND:
+        square = square + noise.u**2
+        steps.append(origin(known, noise))
+    elif noise is not None and known.rate is not None:
         square = square + noise.u**2 / known.rate
         steps.append(f"{origin(known, noise)}, over sqrt(f)")
     value = np.sqrt(square)
