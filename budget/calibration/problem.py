@@ -34,6 +34,7 @@ from budget.model.source import (
     Disturbance,
     Initial,
     Noise,
+    Nonlinearity,
     Offset,
     Statistics,
     Triad,
@@ -324,6 +325,7 @@ class _Constant:
     now: slice
     later: slice | None = None
     gains: Gains | None = None
+    is_left: bool = False  # in use, whatever the test finds
 
     @classmethod
     def of(cls, effect: Offset, place: slice, n: int, scheme: Scheme) -> _Constant:
@@ -332,15 +334,17 @@ class _Constant:
         if isinstance(effect, Initial):
             held = np.diag(scheme.held_of(effect.target))
             return cls(now=now, gains=(held, held))
-        return cls(now=now, later=slice(now.stop, place.stop) if more else None)
+        later = slice(now.stop, place.stop) if more else None
+        return cls(now=now, later=later, is_left=isinstance(effect, Nonlinearity))
 
     def deviation(self, x: Array, reference: str) -> Array | float:
         """Return true value minus what the reference holds.
 
         The reference holds 0 (nominal), the value itself (as_tested), or, for what is
-        new at each turn-on, an independent draw (next_turn_on).
+        new at each turn-on, an independent draw (next_turn_on); of what is left in use,
+        which is met where the test was not, 0.
         """
-        if reference == "nominal":
+        if reference == "nominal" or (self.is_left and reference == "next_turn_on"):
             return self.value(x)
         is_same = self.later is None and self.gains is None
         if reference == "as_tested" or is_same:

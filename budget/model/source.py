@@ -188,6 +188,15 @@ class Offset(Effect):
 
 
 @dataclass(frozen=True)
+class Nonlinearity(Offset):
+    """What a parameter differs by where the input is another one than in the test.
+
+    Of a curve of which only that is known: a calibration at one input does not take it
+    out, so at a later turn-on, in use, it counts in full.
+    """
+
+
+@dataclass(frozen=True)
 class Initial(Offset):
     """What a unit has of it from its making, unknown until a calibration finds it.
 

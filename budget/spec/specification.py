@@ -208,7 +208,11 @@ class NonlinearityValue(ConstantValue):
         2 K2 R^2/3.
         """
         if self.full_scale is None:
-            return _Form()
+            text = note(
+                "full scale not given, so that no curve is known: a later turn-on "
+                "meets all of it, whatever the calibration finds"
+            )
+            return _Form(notes=(text,))
         line, shape = self.line or "best", self.shape or "cubic"
         part = {
             ("cubic", "best"): 1.0 / 4.0,

@@ -12,7 +12,7 @@ from budget.calibration.mission import not_carried
 from budget.calibration.saturation import saturations
 from budget.calibration.schemes import removal
 from budget.language import in_a_row, note, term
-from budget.model.source import Change, Coefficient, Disturbance
+from budget.model.source import Change, Coefficient, Disturbance, Nonlinearity
 from budget.model.sources import DEVICE, ENVIRONMENT, source_of
 from budget.model.sources.later import AGE, AGEING
 from budget.model.sources.processes import Quantization, SampleNoise
@@ -280,11 +280,13 @@ def shared_constants(
 ) -> tuple[str, ...]:
     """Say which given lines count nothing because the reference shares their value.
 
-    Those of a parameter that is held count: its error is that of the design.
+    Those of a parameter that is held count, as its error is that of the design, and in
+    use a nonlinearity without a full scale, which no calibration takes out.
     """
     if reference == "nominal":
         return ()
     held = {name.group for name in procedure.held}
+    is_use = reference == "next_turn_on"
     return tuple(
         note(
             "{name}: a constant of the device, so it is also in the "
@@ -296,6 +298,7 @@ def shared_constants(
         for line in sensor.lines
         for source in [source_of(sensor.kind, line.name).meant(line)]
         if source.own and source.stays == DEVICE
+        if not (is_use and isinstance(source.effect, Nonlinearity))
         if Name(getattr(source.effect, "target", ""), owner=sensor.kind) not in held
     )
 

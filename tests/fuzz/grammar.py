@@ -144,11 +144,7 @@ def _keep_rules(tree):
     tree.pop("density", None)  # only beside some units
     if "bias_stability" in tree and "adds_to" not in tree.get("flicker", {}):
         tree.pop("flicker", None)
-    stable = tree.get("bias_stability")
-    axes = _keys(stable) & {"axes"} and stable["axes"]
-    for part in (stable, *(axes.values() if isinstance(axes, dict) else ())):
-        if "definition" in _keys(part):  # of one process on all axes
-            part.setdefault("correlation_time", "5 s")
+    _keep_one_process(tree.get("bias_stability"))
     if "sample_noise" in tree:
         tree.pop("angle_random_walk", None)
         tree.pop("velocity_random_walk", None)
@@ -165,6 +161,14 @@ def _keep_rules(tree):
     if tree.get("costs") == {}:
         tree["costs"] = {"gyro.bias_stability": {"a": Raw("2")}}
     return tree
+
+
+def _keep_one_process(stable):
+    """Mend a stability whose axes would be of two kinds of process."""
+    axes = stable["axes"] if "axes" in _keys(stable) else {}
+    for part in (stable, *axes.values()):
+        if "definition" in _keys(part):
+            part.setdefault("correlation_time", "5 s")
 
 
 def _keys(value):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from builders import NOWHERE, line, paper_gyro, procedure, sensor
 from command_line import call
+from numpy.testing import assert_allclose
 
 import budget
 from budget.calibration.problem import calibration_problem
@@ -200,9 +201,10 @@ def test_options_without_effect_and_rough_intervals_are_said():
 
 
 def test_nonlinearity_that_counts_nothing_is_said():
-    """Under next_turn_on a given nonlinearity is in the reference: an assumption."""
+    """Under as_tested a given nonlinearity is in the reference: an assumption."""
     dev = device(paper_gyro(scale_factor_nonlinearity=0.05))
-    for reference, told in (("nominal", False), ("next_turn_on", True)):
+    told_by = {"nominal": False, "as_tested": True, "next_turn_on": False}
+    for reference, told in told_by.items():
         result = analyze(
             dev, procedure=procedure(), reference=reference, validate=False
         )
@@ -257,3 +259,39 @@ def test_a_date_that_is_none_is_refused():
     assert run.returncode == 2
     assert run.stderr.startswith("SOURCE_DATE_EPOCH is 'abc'")
     assert len(run.stderr.splitlines()) == 1
+
+
+def nonlinear(folder, words):
+    """Return u of the gyro's scale factor in use over 30 ppm, and what is said."""
+    path = folder / "bent.yaml"
+    path.write_text(
+        f"name: bent\ngyro: {{errors: {{scale_factor_nonlinearity: {words}}}}}\n"
+    )
+    found = {
+        reference: budget.analyze(
+            budget.load_device(path), reference=reference, validate=False
+        )
+        for reference in ("nominal", "as_tested", "next_turn_on")
+    }
+    u = {key: one.outputs[0].standard_uncertainty / 30e-6 for key, one in found.items()}
+    told = {
+        key: " ".join((*one.assumptions, *one.warnings)) for key, one in found.items()
+    }
+    return u, told
+
+
+def test_a_nonlinearity_without_a_full_scale_is_met_in_use(tmp_path):
+    """No calibration takes it out: once in full, and nothing says that it cancels."""
+    u, told = nonlinear(tmp_path, "30 ppm")
+    assert_allclose([u["nominal"], u["next_turn_on"]], [1.0, 1.0], rtol=1e-6)
+    assert_allclose(u["as_tested"], 0.0, rtol=0, atol=1e-9)
+    assert "counts nothing" in told["as_tested"]
+    assert "counts nothing" not in told["next_turn_on"]
+    assert "full scale not given" in told["next_turn_on"]
+
+
+def test_a_nonlinearity_over_a_full_scale_is_its_curve(tmp_path):
+    """Control: of a curve the turns at 20 deg/s see 4 NL/R^2 Omega^2, 0.533 ppm."""
+    u, told = nonlinear(tmp_path, "{value: 30 ppm, full_scale: 300 deg/s}")
+    assert_allclose(u["next_turn_on"], 4.0 * (20.0 / 300.0) ** 2, rtol=1e-3)
+    assert "full scale not given" not in told["next_turn_on"]

@@ -20,6 +20,7 @@ from budget.model.source import (
     TEST,
     TURN_ON,
     Initial,
+    Nonlinearity,
     Offset,
     Source,
 )
@@ -195,7 +196,7 @@ SOURCES = (
         name="scale_factor_nonlinearity",
         units={GYRO: "ppm", ACCELEROMETER: "ppm"},
         model="random constant of the device",
-        effect=Offset("scale_factor"),
+        effect=Nonlinearity("scale_factor"),
         stays=DEVICE,
         colour="vermilion",
         is_hatched=True,
