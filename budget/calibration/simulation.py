@@ -32,6 +32,7 @@ from budget.model.source import (
     Initial,
     Moment,
     Noise,
+    Nonlinearity,
     Offset,
     Samples,
     Table,
@@ -196,6 +197,8 @@ def _draw(
         value = later = _values(line, rng)
         if isinstance(effect, Initial):
             value = later = value * scheme.held_of(effect.target)
+        if isinstance(effect, Nonlinearity):  # in use it is away from what was tested
+            later = value * scheme.held_of(effect.target)
         if source.stays == TURN_ON:
             later = _values(line, rng_of(f"{name}, later"))
     return _Drawn(given=line, effect=effect, value=value, later=later, samples=samples)
