@@ -508,7 +508,8 @@ class TriadCalibration:
         if self.reference != "next_turn_on":
             return k  # K reference is K0, or K itself and k is 0
         zero: Array | float = 0.0
-        later = sum((c.next_value(x) for c in self.offsets["scale_factor"]), zero)
+        met = (c for c in self.offsets["scale_factor"] if not c.is_left)
+        later = sum((c.next_value(x) for c in met), zero)
         return np.asarray(k / (1.0 + later))
 
     def _noise(self, x: Array) -> Array:
