@@ -15,6 +15,7 @@ from budget.spec.reader import parse
 from budget.spec.records import ANGLES, AXES
 from budget.spec.specification import (
     ALLAN_MINIMUM,
+    EXACT,
     HALF_WIDTHS,
     MEANING_READINGS,
     OVER_TEMPERATURE,
@@ -120,6 +121,8 @@ def _figure(line: ErrorLine, gravity: float, mark: str) -> str:
         )
         if text and key not in opened.unsaid
     }
+    if not line.u.any():
+        whole["meaning"] = EXACT  # else it would be no line
     if line.horizons[:-1]:
         earlier = (
             {

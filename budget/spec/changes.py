@@ -258,6 +258,8 @@ def _line(base: Node | None, over: Node, change: Change) -> Node:
     if base is not None:
         known = base.value if isinstance(base.value, dict) else {"value": base}
     lasting = {key: one for key, one in known.items() if key not in _OF_THE_OLD}
+    if "meaning" in lasting and lasting["meaning"].value == "exact":
+        del lasting["meaning"]  # of the old 0
     sizes = {key: one for key, one in lasting.items() if key in _SIZES}
     kept = {key: one for key, one in lasting.items() if key not in _SIZES}
     if change.inside:

@@ -20,6 +20,7 @@ from budget.model.sources import (
     lines_of,
 )
 from budget.model.sources.later import AGEING
+from budget.names import Name
 from budget.spec.changes import apply, tell_changes
 from budget.spec.checking import check, nearest
 from budget.spec.fields import (
@@ -455,14 +456,28 @@ def _read_sensor(
 ) -> _ReadSensor:
     """Turn one sensor of a file into its record."""
     values = {line: getattr(part.errors, line.name, None) for line in lines_of(kind)}
-    read = [
-        read_value(line, kind, value, known=density)
+    every = [
+        (
+            read_value(line, kind, value, known=density),
+            getattr(value, "is_exact", False),
+        )
         for line, value in values.items()
         if value
     ]
+    read = [one for one, is_exact in every if is_exact or one.line.u.any()]
     bias = _nominal(part, "bias", AXES)
     angle = _nominal(part, "mounting_angle", ANGLES)
     assumptions = [text for one in read for text in one.assumptions]
+    assumptions += [
+        note(
+            "{key}: 0 is taken as not given; where it is meant, write {{value: "
+            "{value}, meaning: exact}}",
+            key=Name(one.line.name, owner=kind),
+            value=one.line.printed,
+        )
+        for one, is_exact in every
+        if not is_exact and not one.line.u.any()
+    ]
     for key, named, axes in (("bias", bias, AXES), ("mounting_angle", angle, ANGLES)):
         absent = [axis for axis in axes if axis not in named]
         which = f"{', '.join(absent)} " if named else ""

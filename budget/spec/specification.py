@@ -65,6 +65,7 @@ if TYPE_CHECKING:
     from budget.spec.makers import Density
 
 # What is printed, over the standard uncertainty [1].
+EXACT = "exact"  # meaning of a 0 that is meant, and no line that nobody gives
 SIGMAS = {"1 sigma": 1.0, "2 sigma": 2.0, "3 sigma": 3.0, "rms": 1.0, "typical": 1.0}
 # The half-width, over what is printed [1].
 HALF_WIDTHS = {"max": 1.0, "peak to peak": 0.5}
@@ -135,10 +136,20 @@ class SpecificationValue(Strict):
     value: Quantity | None = None
     meaning: Annotated[
         Literal[
-            "1 sigma", "2 sigma", "3 sigma", "rms", "typical", "max", "peak to peak"
+            "1 sigma",
+            "2 sigma",
+            "3 sigma",
+            "rms",
+            "typical",
+            "max",
+            "peak to peak",
+            "exact",
         ],
         Synonyms(MEANINGS),
-    ] = Field(default="1 sigma", description="what the maker means by the value")
+    ] = Field(
+        default="1 sigma",
+        description="what the maker means by the value; exact: by a 0 that is meant",
+    )
     distribution: str | None = None
     includes: ShortText | None = Field(
         default=None, description="what the value contains"
@@ -150,6 +161,28 @@ class SpecificationValue(Strict):
         default=None, description="under what condition"
     )
     source: ShortText | None = Field(default=None, description="where it is printed")
+
+    @model_validator(mode="after")
+    def _check_exact(self) -> Self:
+        if self.meaning != EXACT:
+            return self
+        own = vars(getattr(self, "axes", None) or self).values()
+        found = [q for q in (self.value, *own) if isinstance(q, Quantity) and q.value]
+        if found:
+            message = (
+                f"found 'exact' with {found[0].printed!r}, expected it of 0 alone: an "
+                "error of some size has a spread; say which, as 1 sigma, or put a "
+                "known offset under nominal"
+            )
+            raise faults({("meaning",): message})
+        return self
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether a 0 is meant, on some axis at least."""
+        axes = vars(getattr(self, "axes", None) or self).values()
+        own = (one for one in axes if isinstance(one, SpecificationValue))
+        return self.meaning == EXACT or any(one.meaning == EXACT for one in own)
 
 
 class ConstantValue(SpecificationValue):
@@ -1063,7 +1096,7 @@ def divisor(meaning: str, shape: Distribution) -> float:
     is normal the half-width bounds the sigma itself.
     """
     if meaning not in HALF_WIDTHS:
-        return SIGMAS[meaning]
+        return SIGMAS.get(meaning, 1.0)
     own = shape.half_width if isfinite(shape.half_width) else 1.0
     return own / HALF_WIDTHS[meaning]
 

@@ -690,11 +690,27 @@ def test_a_line_keeps_the_words_of_the_file(gyro):
     assert (line.condition, line.source) == ("25 C", "p. 5")
 
 
-def test_a_source_of_zero_is_given(gyro):
-    """Zero is a figure: the line is there, and not among those not given."""
-    device = gyro("bias_repeatability: 0 deg/h")
+def test_a_source_of_zero_is_given_where_it_is_meant(gyro):
+    """meaning: exact keeps the line; without it 0 is not given, and that is said."""
+    device = gyro("bias_repeatability: {value: 0 deg/h, meaning: exact}")
     assert_allclose(device.gyro.lines[0].u, np.zeros(3), rtol=0, atol=0)
     assert "gyro.bias_repeatability" not in device.gyro.not_given
+    for zero in ("0 deg/h", "{axes: {x: 0 deg/h, y: 0 deg/h, z: 0 deg/h}}"):
+        device = gyro(f"bias_repeatability: {zero}")
+        assert device.gyro.lines == ()
+        assert "gyro.bias_repeatability" in device.gyro.expected_missing
+        (said,) = (text for text in device.assumptions if "0 is taken" in text)
+        assert "meaning: exact" in said
+    line = gyro("bias_repeatability: {value: 0 deg/h, axes: {z: 1 deg/h}}").gyro.lines[
+        0
+    ]
+    assert_allclose(line.u, [0.0, 0.0, DEG_H], rtol=1e-14)
+
+
+def test_what_has_a_size_is_not_exact(gyro):
+    """A spread has a meaning; a known offset is nominal."""
+    with pytest.raises(SpecError, match=r"bias_repeatability\.meaning: found 'exact'"):
+        gyro("bias_repeatability: {value: 1 deg/h, meaning: exact}")
 
 
 def test_a_sensor_without_lines_gives_none(tmp_path):
