@@ -486,6 +486,11 @@ class Source:
         return not isinstance(self.effect, Coefficient)
 
     @property
+    def is_signed(self) -> bool:
+        """Whether its sign counts, beside that of others that one thing acts by."""
+        return not self.varies and not getattr(self.effect, "partners", ())
+
+    @property
     def is_initial(self) -> bool:
         """Whether every calibration finds it, so that it counts without one alone."""
         return isinstance(self.effect, Initial)

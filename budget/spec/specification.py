@@ -683,7 +683,9 @@ def value_type(line: Source, sensor: str) -> Any:  # noqa: ANN401
     readings = tuple(
         word for group in readings_of(line, sensor) for word in group if is_open
     )
-    return _value_type(line.like(sensor), family, line.axes, beside, readings)
+    sign = Sign.ANY if line.is_signed else Sign.NOT_NEGATIVE
+    measured = Measured(line.like(sensor), sign)
+    return _value_type(measured, family, line.axes, beside, readings)
 
 
 def readings_of(line: Source, sensor: str) -> tuple[tuple[str, ...], ...]:
@@ -921,7 +923,7 @@ def standard_size(quantity: Quantity, density: str = "") -> float:
 
 @cache
 def _value_type(
-    like: str,
+    measured: Measured,
     family: type[SpecificationValue],
     axes: tuple[str, ...],
     beside: str,
@@ -932,9 +934,8 @@ def _value_type(
     `beside` is a line of which the value may say that it is no part of it; `readings`
     are what it may mean.
     """
-    measured = Measured(like)
     value = Annotated[Quantity, measured]
-    title = f"{family.__name__.removesuffix('Value')} in {like}"
+    title = f"{family.__name__.removesuffix('Value')} in {measured.like}"
     text = OrText(measured, family.besides)
     if axes == ONE_VALUE:
         alone = create_model(title, __base__=family, value=(value, ...))

@@ -78,7 +78,7 @@ BAD = {
     "another number of sigmas": (
         GYRO + "    sample_noise: {value: 1 deg/h, meaning: 4 sigma}\n",
         "4:45",
-        "'peak to peak' or 'exact'; what makers mean: docs/datasheets.md#what-a-value-means$",
+        "or 'exact'; what makers mean: docs/datasheets.md#what-a-value-means$",
     ),
     "another shape": (
         GYRO + "    bias_repeatability: {value: 1 deg/h, distribution: lognormal}\n",

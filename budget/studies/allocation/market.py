@@ -59,7 +59,10 @@ def best_offered(
     for device in catalogue:
         for sensor in device.sensors:
             for line in sensor.lines:
-                name, u = Name(line.name, owner=sensor.kind), float(line.u.max())
+                name, u = (
+                    Name(line.name, owner=sensor.kind),
+                    float(np.abs(line.u).max()),
+                )
                 own = (
                     wanted[sensor.kind].line(line.name)
                     if wanted.get(sensor.kind)
@@ -117,8 +120,8 @@ def _match(device: Device, offered: Sensor, wanted: Sensor, rate: float) -> Matc
         # An axis that may have nothing has no ratio: the others decide.
         ratio = None
         if value is not None:
-            limit = np.where(line.u > 0.0, line.u, np.inf)
-            ratio = float((value / limit).max())
+            value, size = np.abs(value), np.abs(line.u)  # a coefficient has a sign
+            ratio = float((value / np.where(size > 0.0, size, np.inf)).max())
         lines.append(
             LineMatch(
                 source=Name(line.name, owner=wanted.kind),
