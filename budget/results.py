@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from importlib import import_module
 from math import inf, isfinite, prod
 from typing import TYPE_CHECKING, Any
@@ -1175,6 +1175,21 @@ class Standing:
     def after(self) -> str:
         """Say what it is of: calibration, mission, use."""
         return in_a_row(filter(None, (self.calibration, self.mission, self.use)))
+
+    def beside(self, other: Standing, *, verdict: str) -> Standing:
+        """Return how both stand as one: with the conditions and the cautions of both.
+
+        What both say alike stands once.
+        """
+        ceilings = (self.at_ceilings, other.at_ceilings)
+        known = [used for used in ceilings if used is not None]
+        return replace(
+            self,
+            verdict=verdict,
+            conditions=tuple(dict.fromkeys((*self.conditions, *other.conditions))),
+            cautions=tuple(dict.fromkeys((*self.cautions, *other.cautions))),
+            at_ceilings=max(known) if len(known) == len(ceilings) else None,
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """Return what documents say of it."""

@@ -8,12 +8,14 @@ from math import fsum, pi, sqrt
 import numpy as np
 
 from budget.distributions import NORMAL, UNIFORM
-from budget.names import Name, parameters_of
+from budget.language import note
+from budget.names import Name, key_title, parameters_of
 from budget.problem import Output
 from budget.results import (
     INTERACTION,
     Assessment,
     Budget,
+    Condition,
     Contribution,
     InputFile,
     OutputAssessment,
@@ -22,6 +24,7 @@ from budget.results import (
     SensorAssessment,
     Settings,
     SobolIndex,
+    Standing,
     Validation,
 )
 from budget.spec.records import (
@@ -369,6 +372,41 @@ LIMITS = {
 }
 
 
+# What every verdict made by hand is of, in a headline.
+AFTER = "as the maker calibrated it, in the environment of its test"
+
+
+def make_standing(verdict, sensor="gyro", conditions=1):
+    """Return a verdict with what it stands on: an undecidable one lacks the noise."""
+    noise = Name("noise", owner=sensor)
+    calibration, use = AFTER.split(", ")
+    lacks = verdict in {"undecidable", "meets_if"}
+    return Standing(
+        verdict=verdict,
+        conditions=tuple(
+            Condition(
+                kind="missing",
+                line=noise,
+                below=DEG_PER_HOUR * (1.0 + place),
+                unit="deg/h",
+                si_per_unit=DEG_PER_HOUR,
+                decides=verdict == "undecidable",
+                text=note(
+                    "{line} is not given, and from {bound} on it fails: ask for it"
+                    if verdict == "undecidable"
+                    else "if {line} stays below {bound}",
+                    line=note(key_title(noise)),
+                    bound=f"{1 + place} deg/h",
+                ),
+            )
+            for place in range(conditions if lacks else 0)
+        ),
+        calibration=note(calibration),
+        use=note(use),
+        station=note("an ideal table"),
+    )
+
+
 def make_assessment(budget, limits=None, **verdicts):
     """Hold a budget against limits; a verdict by sensor may be set by hand."""
     limits = LIMITS if limits is None else limits
@@ -398,7 +436,7 @@ def make_assessment(budget, limits=None, **verdicts):
         sensors.append(
             SensorAssessment(
                 sensor=sensor,
-                verdict=verdict,
+                standing=make_standing(verdict, sensor),
                 utilisation=worst.utilisation,
                 utilisation_interval=(worst.utilisation, worst.utilisation),
                 conformance=Probability(value=0.9, low=0.89, high=0.91),

@@ -27,7 +27,9 @@ from budget.results import (
     Budget,
     Calibrated,
     CapAssessment,
+    Caution,
     Compensation,
+    Condition,
     Contribution,
     Doubt,
     FilledLine,
@@ -41,6 +43,7 @@ from budget.results import (
     SensorAssessment,
     Settings,
     SobolIndex,
+    Standing,
     Validation,
 )
 from budget.spec.changes import Changed
@@ -80,6 +83,7 @@ from budget.studies.stations import (
     StationOutput,
     StationVerdict,
 )
+from budget.studies.verdicts import VERDICTS
 from budget.studies.what_if import SourceSteps, Step
 
 if TYPE_CHECKING:
@@ -288,6 +292,26 @@ def _doubt(schema: _Schema) -> Node:
     )
 
 
+def _standing(schema: _Schema) -> Node:
+    """Describe a verdict and what it stands on; the mission is null where none is."""
+    condition = schema.entry(
+        "condition",
+        Condition,
+        "kind line below unit ceiling decides not_given=silent text",
+        largest_comparable=str | None,
+    )
+    return {
+        "verdict": {"enum": list(VERDICTS)},
+        "calibration": str,
+        "station": str,
+        "use": str,
+        "mission": str | None,
+        "conditions": _many(condition),
+        "cautions": tuple[Caution, ...],
+        "utilisation_at_ceilings": _hint(Standing, "at_ceilings"),
+    }
+
+
 def _readings(schema: _Schema) -> Node:
     """Describe the verdicts under the readings of lines with an open meaning."""
     one = schema.entry(
@@ -464,8 +488,9 @@ def _assessment(schema: _Schema) -> Node:
     sensor = schema.entry(
         "sensor_verdict",
         SensorAssessment,
-        "sensor verdict utilisation utilisation_interval worst_output worst_outputs "
+        "sensor utilisation utilisation_interval worst_output worst_outputs "
         "limiting_source trials expected_missing nothing_known",
+        **_standing(schema),
         **CHANCE,
         maybe={
             "predicted": _doubt(schema),
@@ -501,17 +526,17 @@ def _comparison(schema: _Schema) -> Node:
     entrant = (
         "name file technology sensor procedure not_given price mass power over_caps"
     )
-    gap: Node = {"missing": _or_none(missing)}
+    gap: Node = {"missing": _or_none(missing), **_standing(schema)}
     gap["unknown_caps"] = schema.of(tuple[UnknownCap, ...])
     lead = schema.entry("lead", Lead, "other probability tied=is_tied")
     device = schema.entry(
         "device_verdict",
         DeviceVerdict,
-        f"{entrant} verdict lower_bound utilisation utilisation_interval margin "
+        f"{entrant} lower_bound utilisation utilisation_interval margin "
         "worst_output worst_outputs on_front advice trials",
         **gap,
         **CHANCE,
-        rank=int,
+        rank=int | None,
         limiting_source=str,
         limiting_share=float,
         improvement_factor=float | None,
@@ -520,13 +545,17 @@ def _comparison(schema: _Schema) -> Node:
         maybe={"predicted": _doubt(schema), "readings": _readings(schema)},
     )
     both = (
-        "gyro accelerometer procedure verdict lower_bound utilisation worst_outputs "
+        "gyro accelerometer procedure lower_bound utilisation worst_outputs "
         "limiting_source"
     )
     more: Node = {"probability": float}
-    imu = schema.entry("imu", Pair, both, name=str, rank=int, **CHANCE, maybe=more)
-    pair = schema.entry("pair", Pair, both, **CHANCE, maybe=more)
-    silent = schema.entry("entrant", Entrant, entrant, verdict=str, **gap)
+    judged = _standing(schema) | CHANCE
+    imu = schema.entry(
+        "imu", Pair, both, name=str, rank=int | None, **judged, maybe=more
+    )
+    verdict = judged["verdict"]
+    pair = schema.entry("pair", Pair, both, verdict=verdict, **CHANCE, maybe=more)
+    silent = schema.entry("entrant", Entrant, entrant, **gap)
     return schema.entry(
         "comparison",
         Comparison,

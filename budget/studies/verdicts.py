@@ -37,7 +37,7 @@ from budget.calibration.saturation import (
 )
 from budget.calibration.schemes import calibrates, scheme_of, with_accelerometers
 from budget.distributions import normal_coverage_factor
-from budget.language import in_a_row, note
+from budget.language import in_a_row, note, term
 from budget.methods.gum import covariance_by_source, propagate
 from budget.methods.radius import principal_variances, radius_of
 from budget.model.sources import ACCELEROMETER, ENVIRONMENT, GYRO, source_of
@@ -115,6 +115,7 @@ USE_OF = {
     RECTIFICATION: "vibration",
     **dict.fromkeys(AGEING.values(), "age"),
 }
+DECIDES = term("{line} decides, and is not given: ask for it")
 DOUBLINGS = 200  # of a bound, from one probe on
 HALVINGS = 60  # to the rounding of a double
 
@@ -180,15 +181,8 @@ def decide(
     readings : ReadingVerdicts, optional
         Verdicts under other readings of lines whose meaning is open.
     """
-    cautions = cautions_of(case)
-    words = Standing(
-        verdict=UNDECIDABLE,
-        calibration=calibration_words(case.procedure),
-        station=station_words(case.procedure),
-        use=use_words(case.procedure) if case.is_later else "",
-        mission="" if case.mission is None else case.mission.name,
-        decision=decision_words(case.requirement),
-    )
+    silent = unjudged(case)
+    cautions, words = silent.cautions, replace(silent, conditions=())
     given = verdict_of(judged, held.absent, doubt=doubt, readings=readings)
     if any(one.kind == SATURATES for one in cautions):
         given = FAILS
@@ -196,9 +190,10 @@ def decide(
         return replace(
             words, verdict=MEETS_IF, conditions=(_only(case.only),), cautions=cautions
         )
-    if given == FAILS or case.only or not any(one.lines for one in case.there):
-        found = given if given == FAILS or case.only else UNDECIDABLE
-        return replace(words, verdict=found, cautions=cautions)
+    if given == FAILS or case.only:
+        return replace(words, verdict=given, cautions=cautions)
+    if not any(one.lines for one in case.there):
+        return silent
     margin = Margin.of(case, held, law, judged, seed=seed)
     decisive = margin.decisive if doubt is None else ()
     conditions = tuple(
@@ -221,6 +216,32 @@ def decide(
         conditions=(*conditions, *uses),
         cautions=(*_as_cautions((*conditions, *uses)), *cautions),
         at_ceilings=margin.at_ceilings,
+    )
+
+
+def unjudged(case: Case) -> Standing:
+    """Return how a case stands before anything is computed: what it lacks decides."""
+    return Standing(
+        verdict=UNDECIDABLE,
+        conditions=tuple(
+            Condition(
+                kind="missing",
+                line=name,
+                below=None,
+                unit=line.unit,
+                si_per_unit=line.si_per_unit,
+                decides=True,
+                text=note(DECIDES, line=note(key_title(name))),
+            )
+            for name in expected_of(case)
+            for line in [line_of(stand_in(name), name.owner)]
+        ),
+        cautions=cautions_of(case),
+        calibration=calibration_words(case.procedure),
+        station=station_words(case.procedure),
+        use=use_words(case.procedure) if case.is_later else "",
+        mission="" if case.mission is None else case.mission.name,
+        decision=decision_words(case.requirement),
     )
 
 
@@ -486,7 +507,7 @@ class Margin:
         if below == inf:
             text = note("whatever {line} is", **texts)
         elif alone and below == 0.0:
-            text = note("{line} decides, and is not given: ask for it", **texts)
+            text = note(DECIDES, **texts)
         elif alone:
             text = note(
                 "{line} is not given, and from {bound} on it fails: ask for it", **texts

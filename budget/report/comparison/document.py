@@ -36,6 +36,7 @@ COLUMNS = (
     "interval_by",
     "lower_bound",
     "device_lower_bound",
+    "conditions",
 )
 
 
@@ -102,6 +103,7 @@ def _rows(comparison: Comparison) -> Iterator[dict[str, Any]]:
                 **{key: one[key] for key in ("rank", "file", "verdict")},
                 "procedure": one["procedure"],
                 "device": one["name"],
+                "conditions": _conditions(one),
                 "device_probability": predicted.get("probability"),
                 "device_doubt": predicted.get("doubt"),
                 "ask_first": first.get("source"),
@@ -111,4 +113,10 @@ def _rows(comparison: Comparison) -> Iterator[dict[str, Any]]:
                 "interval_high": high,
             }
     for entrant in comparison.nothing_known:  # no figure: a 0 would look like the best
-        yield {**entrant.to_dict(), "device": entrant.name}
+        one = entrant.to_dict()
+        yield {**one, "device": entrant.name, "conditions": _conditions(one)}
+
+
+def _conditions(one: dict[str, Any]) -> str:
+    """Say in a cell what a verdict holds if, or what to ask for."""
+    return "; ".join(condition["text"] for condition in one["conditions"])

@@ -180,12 +180,12 @@ def _of_length(
     return float(np.sqrt(brentq(excess, 0.0, most, xtol=1e-15 * most)))
 
 
-def missing_lines(one: Candidate, standing: Standing | None) -> MissingLines | None:
+def missing_lines(one: Candidate, standing: Standing) -> MissingLines | None:
     """Return what expected lines that are not given could do; None where none miss."""
     missing = missing_of(one.given, one.procedure)
     if not missing:
         return None
-    used = None if standing is None else standing.at_ceilings
+    used = standing.at_ceilings
     is_bound = one.filling.mode == REFUSE
     return MissingLines(
         lines=missing,

@@ -40,6 +40,7 @@ from budget.studies.request import (
     not_of_one_sensor,
     not_weighted,
 )
+from budget.studies.verdicts import unjudged
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -227,7 +228,9 @@ def compare(
         caps=wanted.caps,
         not_compared=_not_compared(imus, wanted),
         devices=ranked,
-        nothing_known=tuple(_entrant(one) for one in candidates if not one.has_lines),
+        nothing_known=tuple(
+            _entrant(one, unjudged(one.case)) for one in candidates if not one.has_lines
+        ),
         untested=tuple(untested),
         imus=rank_imus(ranked),
         pairs=pair_up(ranked) if pairs else (),
@@ -332,7 +335,6 @@ def _verdict(one: Candidate, finding: JudgedCandidate) -> DeviceVerdict:
         advice = UNSURE
     return DeviceVerdict(
         **vars(_entrant(one, finding.standing)),
-        standing=finding.standing,
         utilisation=judged.utilisation,
         utilisation_interval=judged.utilisation_interval,
         worst_output=finding.worst,
@@ -349,7 +351,7 @@ def _verdict(one: Candidate, finding: JudgedCandidate) -> DeviceVerdict:
     )
 
 
-def _entrant(one: Candidate, standing: Standing | None = None) -> Entrant:
+def _entrant(one: Candidate, standing: Standing) -> Entrant:
     """Return what is said of every candidate, whether it can be judged or not."""
     device, caps = one.device, one.requirement.caps
     return Entrant(
@@ -361,6 +363,7 @@ def _entrant(one: Candidate, standing: Standing | None = None) -> Entrant:
         technology=device.technology,
         not_given=tuple(name for one in one.sensors for name in one.not_given),
         missing=missing_lines(one, standing),
+        standing=standing,
         price=device.price,
         mass=device.mass,
         power=device.power,

@@ -187,7 +187,7 @@ def _pair(gyro: DeviceVerdict, other: DeviceVerdict) -> Pair:
         gyro=gyro.name,
         accelerometer=other.name,
         procedure=gyro.procedure,
-        verdict=verdict,
+        standing=gyro.standing.beside(other.standing, verdict=verdict),
         probability=_both(gyro, other),
         at_medians=gyro.at_medians or other.at_medians,
         lower_bound=gyro.lower_bound or other.lower_bound,

@@ -105,11 +105,17 @@ class Entrant:
     technology: str
     not_given: tuple[Name, ...]
     missing: MissingLines | None
+    standing: Standing
     price: str
     mass: str
     power: str
     over_caps: tuple[str, ...]  # 'mass 140 g, at most 100 g'
     unknown_caps: tuple[UnknownCap, ...]
+
+    @property
+    def verdict(self) -> str:
+        """One of verdicts.VERDICTS."""
+        return self.standing.verdict
 
     def to_dict(self) -> dict[str, Any]:
         """Return what documents say of every entrant, judged or not."""
@@ -119,7 +125,8 @@ class Entrant:
             "technology": self.technology,
             "sensor": self.sensor,
             "procedure": self.procedure,
-            "verdict": "undecidable",
+            "verdict": self.verdict,
+            **self.standing.to_dict(),
             "not_given": list(self.not_given),
             "missing": None if self.missing is None else self.missing.to_dict(),
             "price": self.price,
@@ -134,7 +141,6 @@ class Entrant:
 class DeviceVerdict(Entrant):
     """One sensor of one device under one procedure, held against the requirement."""
 
-    standing: Standing
     utilisation: float  # the largest of its required outputs [1]
     utilisation_interval: tuple[float, float]  # 95 % sampling, and the law's error [1]
     worst_output: Name
@@ -150,11 +156,6 @@ class DeviceVerdict(Entrant):
     closer: Judged = field(repr=False, compare=False)  # for the rank
     doubt: Doubt | None = None  # of a verdict that rests on predicted lines
     readings: ReadingVerdicts | None = None  # where the meaning of lines is open
-
-    @property
-    def verdict(self) -> str:
-        """One of verdicts.VERDICTS."""
-        return self.standing.verdict
 
     @property
     def lower_bound(self) -> bool:
@@ -202,8 +203,6 @@ class DeviceVerdict(Entrant):
         return {
             **super().to_dict(),
             "rank": None,  # its place, filled in by its list
-            "verdict": self.verdict,
-            **self.standing.to_dict(),
             "lower_bound": self.lower_bound,
             "utilisation": self.utilisation,
             "utilisation_interval": list(self.utilisation_interval),
@@ -238,7 +237,7 @@ class Pair:
     gyro: str
     accelerometer: str
     procedure: str
-    verdict: str
+    standing: Standing  # of both
     utilisation: float
     conformance: Probability
     lower_bound: bool  # the utilisation is this or more, the conformance this or less
@@ -248,6 +247,11 @@ class Pair:
     ahead: Lead | None = None  # of the next IMU with the same verdict
     probability: float | None = None  # that both meet, where lines are predicted [1]
     at_medians: bool = False  # its numbers are those at medians of predicted lines
+
+    @property
+    def verdict(self) -> str:
+        """One of verdicts.VERDICTS, the graver of both."""
+        return self.standing.verdict
 
     def to_dict(self) -> dict[str, Any]:
         """Return what documents say of it."""
@@ -351,7 +355,12 @@ class Comparison(Tabled):
             DEVICES: [],
             "nothing_known": [one.to_dict() for one in self.nothing_known],
             "imus": [
-                {"name": pair.gyro, "rank": rank_number(rank), **pair.to_dict()}
+                {
+                    "name": pair.gyro,
+                    "rank": rank_number(rank),
+                    **pair.to_dict(),
+                    **pair.standing.to_dict(),
+                }
                 for pair, rank in self.ranked_imus
             ],
             "pairs": [pair.to_dict() for pair in self.pairs],
