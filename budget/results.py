@@ -1174,7 +1174,8 @@ class Standing:
     @property
     def after(self) -> str:
         """Say what it is of: calibration, mission, use."""
-        return in_a_row(filter(None, (self.calibration, self.mission, self.use)))
+        mission = note("mission {name}", name=self.mission) if self.mission else ""
+        return in_a_row(filter(None, (self.calibration, mission, self.use)))
 
     def beside(self, other: Standing, *, verdict: str) -> Standing:
         """Return how both stand as one: with the conditions and the cautions of both.
@@ -1301,6 +1302,16 @@ class Assessment:
                 if sensor.verdict == "undecided" and low * part <= 1.0 < high * part:
                     return "open"
         return "conforms" if row.is_within else "does not conform"
+
+    @property
+    def open_rows(self) -> tuple[OutputAssessment, ...]:
+        """Outputs that lines not given leave open; on conditions they are within."""
+        waits = {one.sensor for one in self.sensors if one.verdict != "meets_if"}
+        return tuple(
+            row
+            for row in self.outputs
+            if row.lower_bound and row.is_within and row.output.name.owner in waits
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """Return what documents say of it, in printed units."""

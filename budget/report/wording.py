@@ -5,7 +5,7 @@ from __future__ import annotations
 import string
 from typing import TYPE_CHECKING
 
-from budget.language import Note, key_title, say, template, term, words
+from budget.language import Note, counted, key_title, say, template, term, words
 from budget.names import Name
 from budget.report.blocks import Cell, Run
 from budget.report.tables import (
@@ -75,22 +75,22 @@ VERDICTS = {
     "undecidable": term("UNDECIDABLE"),
     "predicted": term("PREDICTED"),
 }
+# By whether all that is said of it is what its sheet leaves out.
+MEETS = {
+    True: term("meets, but {conditions}"),
+    False: term("meets {conditions}"),
+}
 MISSING = {"noise": term("a noise line")}
 NOT_KNOWN = term("not known")
 
 
-def standing_lines(standing: Standing) -> tuple[str, ...]:
+def standing_lines(standing: Standing, *, most: int | None = None) -> tuple[str, ...]:
     """Say what a verdict stands on: what it holds if, or what decides; cautions.
 
-    The same sentences in every command and on every page.
+    The same sentences in every command and on every page; where a list of them is
+    longer than `most`, its first ones.
     """
-    silent = [say(one.kind) for one in standing.conditions if one.silent]
-    texts = [say(one.text) for one in standing.conditions if not one.silent]
-    if silent:
-        uses = say(", ").join(silent)
-        texts.append(say("its sheet does not say what {use} does", use=uses))
-    told = {str(one.text) for one in standing.conditions}
-    found = []
+    texts, found = condition_texts(standing), []
     if texts and standing.asks:
         first, *others = standing.asks
         said = say("cannot be judged: {first}", first=say(first.text))
@@ -98,12 +98,45 @@ def standing_lines(standing: Standing) -> tuple[str, ...]:
             names = say(", ").join(key_title(one.line) for one in others)
             said = say("{said}; then for {names}", said=said, names=names)
         found.append(said)
-    elif texts and standing.verdict == "meets_if":
-        found.append(say("meets {conditions}", conditions=say("; ").join(texts)))
     elif texts:
-        found.append(say("; ").join(texts))
-    found += [say(one.text) for one in standing.cautions if str(one.text) not in told]
-    return tuple(found)
+        # A sheet that is silent is no 'if' that a 'meets' could begin with.
+        is_silent = all(one.silent for one in standing.conditions)
+        how = MEETS[is_silent]
+        is_met = standing.verdict == "meets_if"
+        conditions = say("; ").join(_first(texts, most))
+        found.append(say(how, conditions=conditions) if is_met else conditions)
+    return (*found, *_first(caution_texts(standing), most))
+
+
+def condition_texts(standing: Standing) -> list[str]:
+    """Say one by one what must hold; uses that a sheet is silent on stand together."""
+    texts = [say(one.text) for one in standing.conditions if not one.silent]
+    silent = [say(one.kind) for one in standing.conditions if one.silent]
+    if silent:
+        uses = say(", ").join(silent)
+        texts.append(
+            counted(
+                len(silent),
+                "its sheet does not say what {use} does",
+                "its sheet does not say what {use} do",
+                use=uses,
+            )
+        )
+    return texts
+
+
+def caution_texts(standing: Standing) -> list[str]:
+    """Say one by one what qualifies a verdict, besides its conditions."""
+    told = {str(one.text) for one in standing.conditions}
+    return [say(one.text) for one in standing.cautions if str(one.text) not in told]
+
+
+def _first(texts: list[str], most: int | None) -> list[str]:
+    """Return the first texts of a list, and how many more there are; never of one."""
+    rest = len(texts) - (len(texts) if most is None else most)
+    if rest <= 1:
+        return texts
+    return [*texts[:most], say("and {number} more, under Limits", number=rest)]
 
 
 def error_reference(settings: Settings) -> str:
@@ -260,8 +293,10 @@ def outcome_words(assessment: Assessment, row: OutputAssessment) -> str:
     if row not in assessment.judged:
         return say(NOT_KNOWN)
     word = assessment.outcome(row)
-    if row.lower_bound and row.is_within:
+    if row in assessment.open_rows:
         return say("open: lines missing")
+    if row.lower_bound and row.is_within:
+        return say("conforms on conditions")
     if any(
         one.doubt and one.sensor == row.output.name.owner for one in assessment.sensors
     ):

@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from budget.language import beside, counted, key_title, say, words
+from budget.language import beside, counted, key_title, say, term, words
 from budget.names import IMU, MISSION, by_group
 from budget.report.blocks import (
     Abreast,
     Card,
     Cell,
     Field,
+    Listing,
     Panel,
     Paragraph,
     Run,
@@ -44,12 +45,15 @@ from budget.report.wording import (
     NOT_KNOWN,
     VERDICTS,
     capital,
+    caution_texts,
     cell,
+    condition_texts,
     doubt_sentence,
     error_reference,
     mode_remark,
     mode_sentence,
     outcome_words,
+    points,
     say_words,
     standing_lines,
     value,
@@ -74,6 +78,7 @@ if TYPE_CHECKING:
     from budget.spec.records import Device, ErrorLine, Procedure
 
 
+ON_A_CARD = 3  # conditions and cautions at the most
 SPARE = 0.01  # of the limit [1]; a margin below it is no margin to speak of
 
 
@@ -105,7 +110,7 @@ def headline(budget: Budget, assessment: Assessment | None) -> str:
             chance=print_chance(assessment.chance),
         )
     part += mode_remark(budget.settings)
-    after = say(assessment.sensors[0].standing.after)
+    after = say(assessment.sensors[-1].standing.after)  # a mission stands last
     number = sum(
         len(sensor.standing.conditions)
         for sensor in assessment.sensors
@@ -228,6 +233,14 @@ def limits_section(budget: Budget, assessment: Assessment) -> Section:
         blocks += tuple(tables.values())
     if assessment.caps:
         blocks += (_caps_table(assessment),)
+    stands_on = tuple(
+        say("{sensor}: {said}", sensor=capital(key_title(one.sensor)), said=text)
+        for one in assessment.sensors
+        for text in (*condition_texts(one.standing), *caution_texts(one.standing))
+    )
+    if stands_on:
+        listing = Listing(items=points(stands_on), empty="")
+        blocks += (Panel(title=say("What the verdicts stand on"), blocks=(listing,)),)
     return Section(name="limits", title=say("Limits"), blocks=blocks)
 
 
@@ -352,7 +365,7 @@ def _margin(budget: Budget, assessment: Assessment | None) -> Words:
             unsure=unsure,
             total=total,
         )
-    elif open_ones := sum(row.lower_bound for row in assessment.outputs):
+    elif open_ones := len(assessment.open_rows):
         found = say(
             "{within} of {total} required outputs are within their limits; {open_ones} "
             "cannot be decided, as lines are missing",
@@ -370,17 +383,22 @@ def _margin(budget: Budget, assessment: Assessment | None) -> Words:
         if 1.0 - worst >= SPARE:
             spare = print_decimals(100.0 * (1.0 - worst), 1)
             found += say(", with {spare} % of the nearest one to spare", spare=spare)
-    if assessment.chance is not None:
-        found = say(
-            "At the medians of predicted lines: {found}",
-            found=f"{found[:1].lower()}{found[1:]}",
-        )
-    if any(sensor.is_open_by_reading for sensor in assessment.sensors):
-        found = say(
-            "As the values are read here: {found}",
-            found=f"{found[:1].lower()}{found[1:]}",
-        )
+    for template in _provisos(assessment):
+        found = say(template, found=f"{found[:1].lower()}{found[1:]}")
     return (*nothing, say("{found}. ", found=found), _jointly(assessment), basis)
+
+
+def _provisos(assessment: Assessment) -> Iterator[str]:
+    """Yield what the numbers of a summary are at, as templates around it."""
+    sensors = assessment.sensors
+    if assessment.chance is not None:
+        yield term("At the medians of predicted lines: {found}")
+    if any(row.lower_bound for row in assessment.outputs) and (
+        {one.verdict for one in sensors} <= {"meets", MEETS_IF}
+    ):
+        yield term("On what is given: {found}")
+    if any(one.is_open_by_reading for one in sensors):
+        yield term("As the values are read here: {found}")
 
 
 def _jointly(assessment: Assessment) -> str:
@@ -445,7 +463,7 @@ def _verdict_card(
         )
     lines += [
         (Run(text=say("{said}.", said=capital(text)), strong=True),)
-        for text in standing_lines(sensor.standing)
+        for text in standing_lines(sensor.standing, most=ON_A_CARD)
     ]
     if sensor.is_open_by_reading and sensor.readings is not None:
         said = verdict_line(sensor.readings)

@@ -148,6 +148,7 @@ def margin_title(table: Ranking) -> str:
     """State the finding: how many meet, and the best of those that can be decided."""
     sensor = table.subject
     meets = [row for row in table.rows if row.of.verdict == "meets"]
+    on_conditions = [row for row in table.rows if row.of.verdict == "meets_if"]
     decided = [row for row in table.rows if row.of.verdict not in OPEN]
     lacking = len(table.rows) - len(decided)
     number = say(
@@ -162,13 +163,23 @@ def margin_title(table: Ranking) -> str:
             sensor=say(sensor),
             number=number,
         )
-    best = min(meets or decided, key=lambda row: row.of.utilisation)
+    best = table.best or min(decided, key=lambda row: row.of.utilisation)
     named = say(
         "{device} at {utilisation} of the limit",
         device=best.device,
         utilisation=print_utilisation(best.of.utilisation),
     )
     lack = say("; {lacking} {why}", lacking=lacking, why=why) if lacking else ""
+    if on_conditions:
+        return say(
+            "{sensor}: {number} without conditions, {more} on conditions, the best is "
+            "{named}{lack}",
+            sensor=sensor,
+            number=number,
+            more=len(on_conditions),
+            named=named,
+            lack=lack,
+        )
     if meets:
         return counted(
             len(meets),
@@ -220,7 +231,7 @@ def _margin_row(row: Device, end: float) -> Row:
                 "{device}: {verdict}, {utilisation} % of the limit, worst "
                 "{worst_output}, limited by {limiting_source}{at_worst}",
                 device=row.device,
-                verdict=say(row.verdict),
+                verdict=row.verdict,
                 utilisation=row.utilisation,
                 worst_output=row.worst_output,
                 limiting_source=row.limiting_source,
@@ -234,13 +245,13 @@ def _margin_row(row: Device, end: float) -> Row:
     return Row(
         label=mark_name(row, NAME),
         marks=tuple(marks),
-        beside=(f"{row.utilisation} {say(row.verdict)}",),
+        beside=(f"{row.utilisation} {row.verdict}",),
         strong=row.of.verdict == "meets",
         said=say(
             "{device} {utilisation} %, {verdict}{at_worst}",
             device=row.device,
             utilisation=row.utilisation,
-            verdict=say(row.verdict),
+            verdict=row.verdict,
             at_worst=at_worst.replace(";", ","),
         ),
     )
@@ -469,7 +480,7 @@ def front_picture(table: Ranking, merit: str, name: str, data: DataTable) -> Pic
                 amount=print_given(amount.value),
                 unit=amount.unit,
                 utilisation=row.utilisation,
-                verdict=say(row.verdict),
+                verdict=row.verdict,
             )
             for place, (row, amount) in enumerate(points)
         },

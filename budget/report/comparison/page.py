@@ -42,7 +42,6 @@ from budget.report.comparison.wording import (
     advice_lines,
     answer,
     basis,
-    best_of,
     cap_lines,
     computed_apart,
     headline,
@@ -198,7 +197,7 @@ def _answer(
 
 def _card(table: Ranking) -> Card:
     """Return the answer for one sensor under one procedure."""
-    best = best_of(table)
+    best = table.best
     lines: list[Words] = []
     if best is None:
         lines.append((Run(text=say("No device meets"), strong=True),))

@@ -92,6 +92,12 @@ class Ranking:
         return f"{capital(say(self.sensor))}{self.under}"
 
     @property
+    def best(self) -> Row | None:
+        """The best device that meets, if on conditions; None where none does."""
+        numbered = [row for row in self.rows if row.rank]
+        return min(numbered, key=lambda row: _rank(row.rank) or inf, default=None)
+
+    @property
     def counts(self) -> str:
         """'2 meet, 1 undecided, 3 fail'."""
         verdicts = [row.of.verdict for row in self.rows]
@@ -152,7 +158,7 @@ def side_by_side(found: Sequence[Ranking], sensor: str) -> tuple[SideRow, ...]:
     """Return the devices with one sensor under all procedures, as under the first."""
     own = [table for table in found if table.sensor == sensor]
     cells = {
-        (row.of.place, table.procedure): f"{row.utilisation} {say(words(row.verdict))}"
+        (row.of.place, table.procedure): f"{row.utilisation} {row.verdict}"
         for table in own
         for row in table.rows
     }
@@ -178,7 +184,7 @@ def _row(one: DeviceVerdict, rank: str) -> Row:
     return Row(
         rank=rank,
         device=one.name,
-        verdict=one.verdict if one.doubt is None else print_doubt(one.doubt),
+        verdict=words(one.verdict) if one.doubt is None else print_doubt(one.doubt),
         utilisation=utilisation,
         interval=interval,
         conformance=_conformance(one),
@@ -318,9 +324,7 @@ RANKING = (
     RankingField(
         key="verdict",
         head=term("verdict"),
-        cell=lambda row: Cell(
-            text=say(words(row.verdict)), strong=row.verdict == "meets"
-        ),
+        cell=lambda row: Cell(text=row.verdict, strong=row.of.verdict == "meets"),
         order=lambda row: (
             VERDICTS.index(row.of.verdict),
             -row.of.doubt.probability if row.of.doubt else 0.0,
@@ -529,7 +533,7 @@ def front_table(devices: Ranking, merit: str, name: str) -> Table:
                 kind="number",
                 cell=lambda point: _utilisation(point[0]),
             ),
-            Field(head=say("verdict"), cell=lambda point: say(point[0].verdict)),
+            Field(head=say("verdict"), cell=lambda point: point[0].verdict),
             Field(
                 head=say("on the front"),
                 cell=lambda point: "yes" if merit in point[0].of.on_front else "no",
@@ -552,7 +556,7 @@ def _pair_utilisation(pair: Pair) -> Cell:
 def _pair_verdict(pair: Pair) -> str:
     """Return the verdict, of a predicted one the probability."""
     if pair.probability is None:
-        return say(pair.verdict)
+        return words(pair.verdict)
     return say("meets {probability}", probability=print_chance(pair.probability))
 
 

@@ -16,13 +16,15 @@ from budget.report.wording import (
     mode_sentence,
     standing_lines,
 )
+from budget.studies.comparison.records import NUMBERED
 from budget.studies.prediction import LEAST_DESIGNS
+from budget.studies.verdicts import VERDICTS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from budget.names import Name
-    from budget.report.comparison.tables import Ranking, Row
+    from budget.report.comparison.tables import Ranking
     from budget.results import FilledLine
     from budget.studies.comparison.records import Comparison
 
@@ -30,6 +32,8 @@ if TYPE_CHECKING:
 def headline(comparison: Comparison) -> str:
     """State the answer in one line."""
     verdict = say("MET") if comparison.is_met else say("NOT MET")
+    if _on_conditions(comparison):
+        verdict = say("MET ON CONDITIONS")
     if comparison.not_compared:  # 'MET' alone would speak for what nobody judged
         verdict += say(
             " for the {required}",
@@ -43,18 +47,30 @@ def headline(comparison: Comparison) -> str:
     )
 
 
-# By whether the mission alone has limits, and whether there is one.
+def _on_conditions(comparison: Comparison) -> bool:
+    """Say whether each required sensor has a device, and one on conditions alone."""
+    return not comparison.is_met and comparison.has(NUMBERED)
+
+
+# By whether the mission alone has limits, and whether there is one; a device that
+# meets, one that does so on conditions, none.
 ANSWERS = {
     (False, False): (
         term("Each required sensor has a device that meets."),
+        term("Each required sensor has a device that meets, on conditions at least."),
         term("A required sensor has no device that meets."),
     ),
     (False, True): (
         term("Each required sensor and the mission have a device that meets."),
+        term(
+            "Each required sensor and the mission have a device that meets, on "
+            "conditions at least."
+        ),
         term("A required sensor or the mission has no device that meets."),
     ),
     (True, True): (
         term("A device meets on the mission."),
+        term("A device meets on the mission, on conditions."),
         term("No device meets on the mission."),
     ),
 }
@@ -63,17 +79,23 @@ ANSWERS = {
 def answer(comparison: Comparison) -> str:
     """State the answer in a sentence."""
     if not comparison.not_compared:
-        met, not_met = ANSWERS[
+        met, on_conditions, not_met = ANSWERS[
             comparison.required == (MISSION,), bool(comparison.mission)
         ]
+        if _on_conditions(comparison):
+            return say(on_conditions)
         return say(met if comparison.is_met else not_met)
+    has_one = comparison.has(NUMBERED)
     if len(comparison.required) == 1:
-        has = say("has a") if comparison.is_met else say("has no")
+        has = say("has a") if has_one else say("has no")
     else:
-        has = say("each have a") if comparison.is_met else say("do not each have a")
+        has = say("each have a") if has_one else say("do not each have a")
     left = comparison.not_compared
     return say(
-        "The {required} {has} device that meets; the limits for "
+        "The {required} {has} device that meets, on conditions at least; the limits "
+        "for the {left} are not judged: {reasons}."
+        if _on_conditions(comparison)
+        else "The {required} {has} device that meets; the limits for "
         "the {left} are not judged: {reasons}.",
         required=say(" and the ").join(map(say, comparison.required)),
         has=has,
@@ -132,7 +154,7 @@ def verdict_lines(found: Sequence[Ranking]) -> tuple[str, ...]:
     """Say for each sensor and procedure who is best, or that nobody meets."""
     lines = []
     for table in found:
-        best = best_of(table)
+        best = table.best
         said = say("no device meets")
         if best is not None:
             said = say(
@@ -175,11 +197,6 @@ def nothing_known_line(table: Ranking) -> str:
         names=names,
         sensor=say(table.sensor),
     )
-
-
-def best_of(table: Ranking) -> Row | None:
-    """Return the best device that meets, None where none does."""
-    return next((row for row in table.rows if row.rank), None)
 
 
 def not_compared_lines(comparison: Comparison) -> tuple[str, ...]:
@@ -269,10 +286,11 @@ def reading_lines(comparison: Comparison) -> Iterator[str]:
 def standing_effects(comparison: Comparison) -> tuple[MissingEffect, ...]:
     """Return what the verdicts hold if, and whom to ask for what.
 
-    Of devices that do not fail in any case; those with the same words in one.
+    Decided ones first, of devices that do not fail in any case; those with the same
+    words in one.
     """
     names: dict[tuple[str, str], list[str]] = {}
-    for one in comparison.devices:
+    for one in sorted(comparison.entrants, key=lambda one: VERDICTS.index(one.verdict)):
         effect = say("; ").join(standing_lines(one.standing))
         if effect and one.verdict != "fails":
             names.setdefault((one.sensor, effect), []).append(one.name)

@@ -235,7 +235,7 @@ def utilisation_title(assessment: Assessment) -> str:
             total=total,
             part=part,
         )
-    open_ones = sum(output.lower_bound for output in assessment.outputs)
+    open_ones = len(assessment.open_rows)
     if open_ones == total == 1:
         return say("The one output cannot be decided, lines are missing")
     if open_ones:
