@@ -22,6 +22,7 @@ from budget.results import (
     AT_A_TIME,
     OF_A_LENGTH,
     SCHEMA,
+    VERDICTS,
     Ask,
     Assessment,
     Budget,
@@ -83,7 +84,6 @@ from budget.studies.stations import (
     StationOutput,
     StationVerdict,
 )
-from budget.studies.verdicts import VERDICTS
 from budget.studies.what_if import SourceSteps, Step
 
 if TYPE_CHECKING:

@@ -16,9 +16,9 @@ from budget.report.wording import (
     mode_sentence,
     standing_lines,
 )
+from budget.results import VERDICTS
 from budget.studies.comparison.records import NUMBERED
 from budget.studies.prediction import LEAST_DESIGNS
-from budget.studies.verdicts import VERDICTS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
