@@ -491,3 +491,97 @@ class TestSweep:
         found = [unstated[f"full {place}"] for place in overturned]
         assert [one.name for one in found if one.verdict == "meets"] == []
         assert sum(one.utilisation <= 1.0 for one in found) > SWEEP / 10
+
+
+BENCH_HOUR = {
+    "name": "an hour",
+    "environment": "none",
+    "mission": {"latitude": "45 deg", "segments": [{"stand": "1 h"}]},
+}
+FAR = {
+    "name": "far",
+    "limits": {
+        "mission": {
+            "position": {"horizontal": "80 km", "at": "1 h", "probability": "50 %"}
+        }
+    },
+}
+NEAR = {
+    "name": "near",
+    "limits": {
+        "mission": {
+            "position": {"horizontal": "60 m", "at": "60 s", "probability": "50 %"}
+        }
+    },
+}
+SCALE = {"name": "scale", "limits": {"gyro": {"scale_factor": "1000 ppm"}}}
+FLOOR = {"value": "0.5 deg/h", "definition": "allan_minimum"}
+QUIET = {
+    "gyro.bias_repeatability": "0.01 deg/h",
+    "gyro.angle_random_walk": "0.001 deg/sqrt(h)",
+    "gyro.scale_factor_repeatability": "1 ppm",
+    "accelerometer.bias_repeatability": "1 ug",
+    "accelerometer.bias_stability": {"value": "1 ug", "correlation_time": "100 s"},
+    "accelerometer.velocity_random_walk": "0.001 m/s/sqrt(h)",
+}
+NINE = {
+    "temperature": (HOT, OUTAGE, NEED, "meets_if"),
+    "vibration": (SHAKEN, OUTAGE, NEED, "meets_if"),
+    "ageing": (TestAge.AGED, OUTAGE, NEED, "meets_if"),
+    "horizon": (
+        sheet_with(
+            {"gyro.bias_repeatability": {"value": "3 deg/h", "horizon": "10 s"}}
+        ),
+        OUTAGE,
+        NEED,
+        "meets_if",
+    ),
+    "range": (
+        TestRange.FOG | {"range": {"gyro": "30 deg/s", "accelerometer": "10 g"}},
+        TURNING,
+        NEED,
+        "fails",
+    ),
+    "hidden": (
+        sheet_with({}, without=("accelerometer.bias_repeatability",)),
+        OUTAGE | {"environment": "none"},
+        NEAR,
+        "undecidable",
+    ),
+    "zero": (
+        sheet_with({"accelerometer.bias_repeatability": "0 mg"}),
+        OUTAGE | {"environment": "none"},
+        NEAR,
+        "undecidable",
+    ),
+    "nonlinearity": (
+        sheet_with({"gyro.scale_factor_nonlinearity": "5000 ppm"}),
+        None,
+        SCALE | {"environment": "none"},
+        "fails",
+    ),
+    "floor": (
+        sheet_with(QUIET | {"gyro.bias_stability": FLOOR}),
+        BENCH_HOUR,
+        FAR,
+        "fails",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", NINE)
+def test_nine_sheets_made_to_mislead(name):
+    """Each met in silence where a verdict went by what is given alone."""
+    device, mission, need, verdict = NINE[name]
+    found = budget.analyze(
+        device,
+        mission=mission,
+        requirement=need,
+        procedure=None if mission is None else budget.uncalibrated("factory"),
+        validate=False,
+    )
+    (sensor,) = [one for one in found.assessment.sensors if one.sensor != "imu"]
+    assert sensor.verdict == verdict
+    if verdict != "fails":
+        assert sensor.utilisation < 1.0
+        assert sensor.standing.conditions
