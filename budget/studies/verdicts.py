@@ -205,6 +205,8 @@ def decide(
         *(one for key in unstated(case) for one in margin.of_use(key, case)),
         *ranges_of(case),
     )
+    if unstated(case) and not uses:
+        uses = (_in_its_test(),)
     verdict = given
     if decisive and given in {MEETS, UNDECIDED}:
         verdict = UNDECIDABLE
@@ -242,6 +244,18 @@ def unjudged(case: Case) -> Standing:
         use=use_words(case.procedure) if case.is_later else "",
         mission="" if case.mission is None else case.mission.name,
         decision=decision_words(case.requirement),
+    )
+
+
+def _in_its_test() -> Condition:
+    """Return the condition of a use that no line acts in, and nobody has stated."""
+    return Condition(
+        kind="environment",
+        line=Name(ENVIRONMENT),
+        below=None,
+        unit="",
+        si_per_unit=1.0,
+        text=note("in an environment as that of its test"),
     )
 
 

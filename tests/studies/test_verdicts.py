@@ -585,3 +585,52 @@ def test_nine_sheets_made_to_mislead(name):
     if verdict != "fails":
         assert sensor.utilisation < 1.0
         assert sensor.standing.conditions
+
+
+@pytest.mark.parametrize("how", [{"method": "gum"}, {}, {"missing": "predict"}])
+def test_a_hopeless_unit_never_stands_above_an_open_one(how):
+    """Best first: meets, meets on conditions, open, fails; the first two have ranks."""
+    bad = sheet_with({"gyro.bias_repeatability": "90000 deg/h"}) | {"name": "hopeless"}
+    open_one = sheet_with({}, without=("accelerometer.bias_repeatability",)) | {
+        "name": "open"
+    }
+    whole = SHEET | {"name": "whole"}
+    hot = HOT | {"name": "hot"}
+    stated = {"environment": {"vibration": "0 g"}, "age": "0 s"}
+    found = compare(
+        [bad, open_one, hot, whole],
+        NEAR | {"environment": "none"},
+        budget.uncalibrated("factory"),
+        mission=OUTAGE,
+        **how,
+    )
+    assert [one.name for one in found.devices][-1] == "hopeless"
+    verdicts = [one.verdict for one in found.devices]
+    order = ("meets", "meets_if", "predicted", "undecided", "undecidable", "fails")
+    assert verdicts == sorted(verdicts, key=order.index)
+    ranked = [one["rank"] for one in found.to_dict()["devices"]]
+    assert [rank is not None for rank in ranked] == [
+        verdict in {"meets", "meets_if"} for verdict in verdicts
+    ]
+    # Where no temperature is stated a condition stands between.
+    found = compare(
+        [hot, whole],
+        NEAR | stated,
+        budget.uncalibrated("factory"),
+        mission=OUTAGE,
+        **how,
+    )
+    assert {one.verdict for one in found.devices} == {"meets_if"}
+
+
+def test_a_limit_that_no_environment_reaches_is_not_met_without_one():
+    """Mounting angles at a later turn-on: in an environment as that of the test."""
+    need = {
+        "name": "angles",
+        "limits": {"gyro": {"mounting_angle": "500 arcsec"}},
+    }
+    found = budget.analyze(SHEET, requirement=need, validate=False)
+    assert found.assessment.sensors[0].verdict == "meets_if"
+    nominal = need | {"reference": "nominal"}
+    found = budget.analyze(SHEET, requirement=nominal, validate=False)
+    assert found.assessment.sensors[0].verdict == "meets"
