@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from budget.names import Name
     from budget.spec.records import Sensor
 
-EXIT_NOT_MET = 1
-
 
 def allocate(
     devices: options.Devices = None,
@@ -28,6 +26,7 @@ def allocate(
     calibration: options.Calibration = None,
     station: options.StationFile = None,
     age: options.Age = None,
+    environment: options.Environment = None,
     strategy: Annotated[
         Literal["equal", "proportional", "cost"] | None,
         typer.Option(
@@ -107,12 +106,15 @@ def allocate(
         json,
         csv,
         *others,
-        inputs=[*(devices or ()), procedure, mission, station, requirement, costs],
+        inputs=[
+            *(devices or ()),
+            *options.calibration_files(calibration, procedure),
+            *(mission, station, requirement, costs),
+        ],
     )
     check_yaml(write, "device")
     loaded = options.load_devices(devices, changes)
     wanted = load_requirement(requirement)
-    how = options.load_calibration(calibration, procedure, station=station, age=age)
     sensors = sensors_of(loaded)
     bounds = Bounds(
         held=frozenset(find_sources(fix or (), source_names(sensors), option="--fix")),
@@ -123,8 +125,12 @@ def allocate(
         allocation = run(
             *loaded,
             requirement=wanted,
-            procedure=how,
+            procedure=procedure,
             mission=mission,
+            calibration=calibration,
+            station=station,
+            age=age,
+            environment=environment,
             strategy=strategy,
             costs=None if costs is None else load_costs(costs),
             bounds=bounds,
@@ -153,7 +159,7 @@ def allocate(
     show([one for one in documents if one[0] == options.STDOUT])
     if any(path not in {None, options.STDOUT} for path in (json, csv, write)):
         talk("the requirement cannot be met: no file was written")
-    raise typer.Exit(EXIT_NOT_MET)
+    raise typer.Exit(options.EXIT_NOT_MET)
 
 
 def _values(

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from budget.cli import options
+
+if TYPE_CHECKING:
+    from budget.results import Budget
 
 
 @options.spell_out
@@ -15,9 +20,13 @@ def analyze(
     *,
     requirement: options.RequirementFile = None,
     changes: options.Changes = None,
+    mission: Annotated[Path | None, options.MISSION] = None,
+    at: options.At = None,
+    calibration: options.Calibration = None,
     procedure: options.ProcedureFile = None,
     station: options.StationFile = None,
     age: options.Age = None,
+    environment: options.Environment = None,
     asked: options.Asked,
     brief: Annotated[
         bool,
@@ -25,32 +34,110 @@ def analyze(
             "--brief", help="Print the worst axis of each parameter, and no more."
         ),
     ] = False,
+    exit_code: options.ExitCode = False,
+    accept: options.Accept = "meets",
     language: options.Language = "en",
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
 ) -> None:
-    """Compute the error budget of a calibration.
+    """Compute the error budget of a calibration, or of a mission after it.
 
     For every scale factor, mounting angle and bias: its expected error, standard
-    uncertainty and coverage interval, and what each specification line contributes.
-    With a requirement the verdict comes first, and the exit code is 0 whatever it is.
+    uncertainty and coverage interval, and what each specification line contributes. Of
+    a mission what `budget mission` says. With a requirement the verdict comes first;
+    the exit code is 0 whatever it is, but for --exit-code.
     """
+    from budget.cli.output import deliver
+    from budget.errors import CallError
+
+    if mission is None and at:
+        raise CallError("--at is a time of a mission: name one with --mission")
+    if mission is not None and brief:
+        raise CallError(
+            "--brief prints the worst axis of each parameter, and a mission has none: "
+            "leave it out"
+        )
+    options.check_exit_code(requirement, exit_code=exit_code, accept=accept)
+    budget = compute(
+        devices,
+        requirement=requirement,
+        changes=changes,
+        mission=mission,
+        at=at,
+        calibration=calibration,
+        procedure=procedure,
+        station=station,
+        age=age,
+        environment=environment,
+        asked=asked,
+        documents=(json, csv),
+        command="analyze",
+    )
+    deliver(budget, json=json, csv=csv, brief=brief, language=language)
+    options.exit_by(budget.assessment, exit_code=exit_code, accept=accept)
+
+
+def compute(
+    devices: list[str] | None,
+    *,
+    requirement: Path | None,
+    changes: list[str] | None,
+    mission: Path | None,
+    at: list[float] | None,
+    calibration: str | None,
+    procedure: Path | None,
+    station: Path | None,
+    age: str | None,
+    environment: str | None,
+    asked: options.Asked,
+    documents: tuple[Path | None, Path | None],
+    command: str,
+) -> Budget:
+    """Load what is named and compute its budget, of a mission where there is one."""
     from budget.cli.computing import computing
-    from budget.cli.output import check_destinations, deliver
-    from budget.spec import load_procedure, load_requirement
+    from budget.cli.output import check_destinations
+    from budget.spec import load_calibration, load_mission, load_requirement
     from budget.studies.analysis import analyze_as
+    from budget.studies.request import (
+        after_a_turn_on,
+        choose_times,
+        limits_on_mission,
+    )
 
     check_destinations(
-        json, csv, inputs=[*(devices or ()), procedure, station, requirement]
+        *documents,
+        inputs=[
+            *(devices or ()),
+            *options.calibration_files(calibration, procedure),
+            *(mission, station, requirement),
+        ],
     )
+    route = None if mission is None else load_mission(mission)
     loaded = options.load_devices(devices, changes)
     wanted = None if requirement is None else load_requirement(requirement)
+    if route is not None:
+        after_a_turn_on(asked.reference)
+        asked = replace(asked, reference="next_turn_on")
+        if wanted is not None:
+            limits_on_mission(wanted)
+    times = None if route is None else choose_times(route, at or (), wanted)
+    how = load_calibration(
+        calibration,
+        procedure,
+        station=station,
+        age=age,
+        environment=environment,
+        mission=route,
+        requirement=wanted,
+    )
     with computing(workers=asked.workers, cluster=asked.cluster) as engine:
-        budget = analyze_as(
+        return analyze_as(
             asked.settings(wanted),
             *loaded,
             requirement=wanted,
-            procedure=load_procedure(procedure, station=station, age=age),
+            procedure=how,
+            mission=route,
+            carried_to=times,
             engine=engine,
+            command=command,
         )
-    deliver(budget, json=json, csv=csv, brief=brief, language=language)

@@ -10,7 +10,6 @@ import typer
 from budget.cli import options
 from budget.cli.streams import talk
 
-EXIT_NOT_MET = 1
 EXIT_BAD_INPUT = 2
 
 
@@ -46,6 +45,7 @@ def compare(
     calibration: options.Calibration = None,
     station: options.StationFile = None,
     age: options.Age = None,
+    environment: options.Environment = None,
     method: Annotated[
         Literal["gum", "monte-carlo"],
         typer.Option(help="gum is the fast screen."),
@@ -80,6 +80,7 @@ def compare(
         bool,
         typer.Option("--validate", help="By gum: check every law by Monte Carlo."),
     ] = False,
+    accept: options.Accept = "meets",
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
     output: Annotated[list[Path] | None, options.OUTPUT] = None,
@@ -116,7 +117,7 @@ def compare(
         *(output or ()),
         inputs=[
             *(devices or ()),
-            *(procedure or ()),
+            *options.calibration_files(calibration, *(procedure or ())),
             mission,
             station,
             requirement,
@@ -129,13 +130,6 @@ def compare(
         raise CallError("--kind and --grade choose from the catalogue; add --catalogue")
     column = None if sort is None else find_column(sort)
     wanted = load_requirement(requirement)
-    for path in procedure or ():
-        options.calibration_files(calibration, path)  # refuses what says it twice
-    paths: list[Path | None] = [*procedure] if procedure else [None]
-    procedures = [
-        options.load_calibration(calibration, path, station=station, age=age)
-        for path in paths
-    ]
     every = load_catalogue()
     chosen = options.select_catalogue(kind, grade) if catalogue else ()
     loaded, issues = try_changed(
@@ -158,8 +152,12 @@ def compare(
         found = run(
             loaded,
             wanted,
-            procedures,
+            procedure or (),
             mission=mission,
+            calibration=calibration,
+            station=station,
+            age=age,
+            environment=environment,
             catalogue=every,
             missing=missing,
             method=method,
@@ -191,5 +189,5 @@ def compare(
     )
     if issues:
         raise typer.Exit(EXIT_BAD_INPUT)
-    if not found.is_met:
-        raise typer.Exit(EXIT_NOT_MET)
+    if not found.has(options.accepted(accept)):
+        raise typer.Exit(options.EXIT_NOT_MET)

@@ -82,6 +82,7 @@ def export(
     procedure: options.ProcedureFile = None,
     station: options.StationFile = None,
     age: options.Age = None,
+    environment: options.Environment = None,
     missing: options.Missing = "refuse",
     inflate: Annotated[
         float | None,
@@ -129,7 +130,12 @@ def export(
 
     files = () if output is None else (output,)
     check_destinations(json, csv, *files, inputs=[*(devices or ()), procedure, station])
-    idle = {"--procedure": procedure, "--station": station, "--age": age}
+    idle = {
+        "--procedure": procedure,
+        "--station": station,
+        "--age": age,
+        "--environment": environment,
+    }
     given = next((option for option, value in idle.items() if value), "")
     if given and not residual:
         raise CallError(
@@ -137,11 +143,11 @@ def export(
             "the data sheet; add --residual, or leave it out"
         )
     loaded = options.load_devices(devices, changes)
-    how = load_procedure(procedure, station=station, age=age) if residual else None
+    how = load_procedure(procedure, station=station, age=age, environment=environment)
     found = export_to(
         *loaded,
         to=to,
-        procedure=how,
+        procedure=how if residual else None,
         residual=residual,
         inflate=1.0 if inflate is None else inflate,
         rate=rate,

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
 from budget.cli import options
+from budget.cli.analyze import compute
 
 
 @options.spell_out_but("reference", "outputs", "matrices")
@@ -21,7 +21,10 @@ def mission(
     procedure: options.ProcedureFile = None,
     station: options.StationFile = None,
     age: options.Age = None,
+    environment: options.Environment = None,
     asked: options.Asked,
+    exit_code: options.ExitCode = False,
+    accept: options.Accept = "meets",
     language: options.Language = "en",
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
@@ -30,40 +33,26 @@ def mission(
 
     Position (CEP, R95, DRMS), velocity and attitude at some times of a mission, with
     the errors that the calibration leaves at a later turn-on and the noise in run. With
-    limits on a mission in the requirement the verdict comes first, and the exit code is
-    0 whatever it is.
+    limits on a mission in the requirement the verdict comes first; the exit code is 0
+    whatever it is, but for --exit-code.
     """
-    from budget.cli.computing import computing
-    from budget.cli.output import check_destinations, deliver
-    from budget.spec import load_mission, load_requirement
-    from budget.studies.analysis import analyze_as
-    from budget.studies.request import choose_times, limits_on_mission
+    from budget.cli.output import deliver
 
-    check_destinations(
-        json,
-        csv,
-        inputs=[
-            *(devices or ()),
-            *options.calibration_files(calibration, procedure),
-            *(mission, station, requirement),
-        ],
+    options.check_exit_code(requirement, exit_code=exit_code, accept=accept)
+    budget = compute(
+        devices,
+        requirement=requirement,
+        changes=changes,
+        mission=mission,
+        at=at,
+        calibration=calibration,
+        procedure=procedure,
+        station=station,
+        age=age,
+        environment=environment,
+        asked=asked,
+        documents=(json, csv),
+        command="mission",
     )
-    route = load_mission(mission)
-    loaded = options.load_devices(devices, changes)
-    wanted = None if requirement is None else load_requirement(requirement)
-    if wanted is not None:
-        limits_on_mission(wanted)
-    with computing(workers=asked.workers, cluster=asked.cluster) as engine:
-        budget = analyze_as(
-            replace(asked, reference="next_turn_on").settings(wanted),
-            *loaded,
-            requirement=wanted,
-            procedure=options.load_calibration(
-                calibration, procedure, station=station, age=age
-            ),
-            mission=route,
-            carried_to=choose_times(route, at or (), wanted),
-            engine=engine,
-            command="mission",
-        )
     deliver(budget, json=json, csv=csv, language=language)
+    options.exit_by(budget.assessment, exit_code=exit_code, accept=accept)

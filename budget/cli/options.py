@@ -20,11 +20,13 @@ from budget.cli.streams import talk
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from budget.results import Settings
-    from budget.spec.records import Device, Procedure, Requirement
+    from budget.results import Assessment, Settings
+    from budget.spec.records import Device, Requirement
 
 BUILT_IN_DEVICE = "zhao-2019"
 STDOUT = Path("-")
+MEETS = "meets"  # the verdict whose exit code is always 0
+EXIT_NOT_MET = 1
 LONGEST_NUMBER = 20  # digits; longer ones cost time to read
 LEAST_TRIALS, MOST_TRIALS = 2, 100_000_000  # also of stored references
 
@@ -177,8 +179,8 @@ Calibration = Annotated[
     str | None,
     typer.Option(
         metavar="none|factory|PROCEDURE",
-        help="What calibrated the unit: nothing, its maker, or a procedure (the "
-        "paper's).",
+        help="What calibrated the unit: nothing, its maker, or a procedure (its maker "
+        "for a mission; the paper's for limits on the calibration).",
         show_default=False,
     ),
 ]
@@ -189,6 +191,29 @@ Age = Annotated[
         help="Time from the calibration to its use, as '1 year': what ages has gone "
         "that long (--reference next_turn_on).",
         show_default=False,
+    ),
+]
+Environment = Annotated[
+    str | None,
+    typer.Option(
+        metavar="TEXT|none",
+        help="That the unit is used in, as 'temperature 20 degC, vibration 1 g' "
+        "(difference from the test, 1 sigma; rms), or none, as in its test "
+        "(--reference next_turn_on).",
+        show_default=False,
+    ),
+]
+Accept = Annotated[
+    Literal["meets", "meets_if"],
+    typer.Option(
+        help="The least verdict whose exit code is 0: meets_if accepts conditions that "
+        "nobody has stated.",
+    ),
+]
+ExitCode = Annotated[
+    bool,
+    typer.Option(
+        "--exit-code", help="Exit with 1 where the requirement is not met (0 always)."
     ),
 ]
 FIRST_TRIALS: Any = typer.Option(
@@ -525,50 +550,48 @@ def select_catalogue(
 
 
 def calibration_files(
-    calibration: str | None, procedure: Path | None
+    calibration: str | None, *procedures: Path | None
 ) -> tuple[str | Path | None, ...]:
-    """Return the file that a unit is calibrated by, where there is one.
+    """Return the files that a unit is calibrated by, where there are any."""
+    from budget.spec.records import UNCALIBRATED
+
+    return (None if calibration in UNCALIBRATED else calibration, *procedures)
+
+
+def accepted(accept: str) -> tuple[str, ...]:
+    """Return the verdicts whose exit code is 0."""
+    from budget.results import VERDICTS
+
+    return VERDICTS[: VERDICTS.index(accept) + 1]
+
+
+def check_exit_code(requirement: Path | None, *, exit_code: bool, accept: str) -> None:
+    """Refuse options on the exit code where nothing sets it.
 
     Raises
     ------
     CallError
-        It is named by two options.
+        There is no requirement, or the code is 0 whatever the verdict.
     """
     from budget.errors import CallError
-    from budget.spec.records import UNCALIBRATED
 
-    if calibration is not None and procedure is not None:
+    if exit_code and requirement is None:
         raise CallError(
-            f"--calibration {calibration} and --procedure {procedure} both say what "
-            "calibrated the unit; leave one out"
+            "--exit-code is by the verdict on a requirement: give one with "
+            "--requirement, or leave it out"
         )
-    return (procedure if calibration in UNCALIBRATED else calibration or procedure,)
+    if accept != MEETS and not exit_code:
+        raise CallError(
+            f"--accept {accept} changes nothing without --exit-code: the code is 0 "
+            "whatever the verdict; add --exit-code, or leave it out"
+        )
 
 
-def load_calibration(
-    calibration: str | None,
-    procedure: Path | None,
-    *,
-    station: Path | None,
-    age: str | None,
-) -> Procedure:
-    """Load what a unit is calibrated by: a procedure, or what stands for none.
-
-    Raises
-    ------
-    SpecError
-        As of load_procedure.
-    """
-    from budget.spec import load_procedure
-    from budget.spec.files import find, refuse_absent
-    from budget.spec.load import uncalibrated
-    from budget.spec.records import UNCALIBRATED
-
-    if calibration in UNCALIBRATED:
-        return uncalibrated(calibration, station=station, age=age)
-    if calibration is not None:
-        refuse_absent(find(calibration, "procedure"), "procedure", UNCALIBRATED)
-    return load_procedure(calibration or procedure, station=station, age=age)
+def exit_by(assessment: Assessment | None, *, exit_code: bool, accept: str) -> None:
+    """End with 1 where a requirement is not met, if the code is to say so."""
+    is_met = assessment is None or assessment.verdict in accepted(accept)
+    if exit_code and not is_met:
+        raise typer.Exit(EXIT_NOT_MET)
 
 
 def load_devices(

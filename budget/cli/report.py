@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,7 +12,7 @@ import typer
 from budget.cli import options
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from budget.report.analysis.build import Extra
     from budget.report.analysis.what_if import AnalyzeAgain
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
 REFERENCE = "next_turn_on"  # of a mission, which begins with a turn-on of its own
 BESIDE = frozenset({"compare", "allocate", "number"})  # the budget
-OF_MISSION = frozenset({"mission", "at"})  # not parameters of analyze
+OF_MISSION = frozenset({"mission", "at"})  # which analyze takes in place of a test
 
 
 @options.spell_out
@@ -34,9 +35,11 @@ def report(
     output: Annotated[list[Path], options.OUTPUT],
     paper: options.Paper = "a4",
     language: options.Language = "en",
+    calibration: options.Calibration = None,
     procedure: options.ProcedureFile = None,
     station: options.StationFile = None,
     age: options.Age = None,
+    environment: options.Environment = None,
     requirement: options.RequirementFile = None,
     mission: Annotated[Path | None, options.MISSION] = None,
     at: options.At = None,
@@ -85,10 +88,19 @@ def report(
     from budget.report.analysis.build import report_document
     from budget.report.document import to_csv
     from budget.report.rendering import check_suffixes, document_date
-    from budget.spec import load_all, load_mission, load_procedure, load_requirement
+    from budget.spec import (
+        load_all,
+        load_calibration,
+        load_mission,
+        load_requirement,
+    )
     from budget.studies.analysis import analyze_as
     from budget.studies.evidence import gather_evidence
-    from budget.studies.request import analysis_of, choose_times, mission_for
+    from budget.studies.request import (
+        analysis_of,
+        choose_times,
+        mission_for,
+    )
 
     check_suffixes(output, paper)
     date = document_date()
@@ -99,7 +111,8 @@ def report(
         inputs=[
             *(devices or ()),
             *(compare or ()),
-            *(procedure, station, requirement, mission),
+            *options.calibration_files(calibration, procedure),
+            *(station, requirement, mission),
         ],
     )
     _check_extras(
@@ -114,9 +127,15 @@ def report(
             "budgets; write two"
         )
     loaded = options.load_devices(devices, changes)
-    how = load_procedure(procedure, station=station, age=age)
     wanted = None if requirement is None else load_requirement(requirement)
     route = None if mission is None else load_mission(mission)
+    how, of_mission = _calibrations(
+        partial(load_calibration, station=station, age=age, environment=environment),
+        calibration,
+        procedure,
+        mission=route,
+        requirement=wanted,
+    )
     times = () if route is None else choose_times(route, at or (), wanted)
     if wanted is not None and route is None:
         mission_for(wanted, None)
@@ -129,6 +148,7 @@ def report(
             procedure=how,
             requirement=wanted,
             mission=route,
+            on_mission=of_mission,
             engine=engine,
             command="report",
         )
@@ -137,7 +157,7 @@ def report(
             carried = analyze_as(
                 replace(settings, reference=REFERENCE, outputs=(), matrices=False),
                 *loaded,
-                procedure=how,
+                procedure=of_mission,
                 requirement=wanted if wanted and MISSION in wanted.kinds else None,
                 mission=route,
                 carried_to=times,
@@ -152,7 +172,7 @@ def report(
                 *_extras(
                     bare,
                     others,
-                    how,
+                    of_mission if wanted and MISSION in wanted.kinds else how,
                     wanted,
                     route,
                     missing=asked.missing,
@@ -177,6 +197,7 @@ def report(
                     bare,
                     is_on_mission=carried is not None
                     and carried.assessment is not None,
+                    without=set() if how is of_mission else {"calibration"},
                 ),
                 date=date,
                 number=number,
@@ -187,15 +208,44 @@ def report(
     hand_out(documents, pages=files)
 
 
+def _calibrations(
+    load: Callable[..., Procedure],
+    calibration: str | None,
+    procedure: Path | None,
+    *,
+    mission: Mission | None,
+    requirement: Requirement | None,
+) -> tuple[Procedure, Procedure]:
+    """Return the test whose budget it is, and what calibrated the unit for a mission.
+
+    The first is the paper's test where the unit on the mission is as its maker
+    calibrated it, or as it was made: these have no budget of a calibration.
+    """
+    from budget.spec.records import UNCALIBRATED
+    from budget.spec.use import in_use
+    from budget.studies.request import needs_test
+
+    own = load(calibration, procedure, mission=mission, requirement=requirement)
+    own = in_use(own, requirement, mission)
+    if requirement is not None:
+        needs_test(requirement, own)
+    is_tested = mission is None or own.formulas not in UNCALIBRATED
+    return (own if is_tested else load()), own
+
+
 def _again(
-    context: typer.Context, devices: tuple[Device, ...], *, is_on_mission: bool
+    context: typer.Context,
+    devices: tuple[Device, ...],
+    *,
+    is_on_mission: bool,
+    without: set[str],
 ) -> AnalyzeAgain:
     """Return the commands of changed devices; limits on a mission take a report."""
     from budget.cli.output import command_line, command_parts
     from budget.report.analysis.what_if import CHANGED_FILE, AnalyzeAgain
 
     command = "report" if is_on_mission else "analyze"
-    left = BESIDE if is_on_mission else BESIDE | OF_MISSION
+    left = BESIDE if is_on_mission else BESIDE | OF_MISSION | without
     page = " -o changed.html" if is_on_mission else ""
     same, operands = command_parts(context, command=command, without=left)
     of_file = command_line(

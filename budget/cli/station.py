@@ -11,7 +11,6 @@ import typer
 
 from budget.cli import options
 
-EXIT_NOT_MET = 1
 _NUMBER = r"[0-9]{1,9}(?:\.[0-9]{1,9})?"
 _RATIO = re.compile(rf"({_NUMBER})(?: *: *1)?")
 
@@ -52,6 +51,9 @@ def station(
     changes: options.Changes = None,
     requirement: Annotated[Path, options.REQUIREMENT],
     procedure: options.ProcedureFile = None,
+    calibration: options.Calibration = None,
+    age: options.Age = None,
+    environment: options.Environment = None,
     ratio: Annotated[
         float | None,
         typer.Option(
@@ -107,12 +109,7 @@ def station(
     from budget.errors import SpecError
     from budget.report.document import json_text
     from budget.report.stations import station_answer, station_csv, station_yaml
-    from budget.spec import (
-        load_procedure,
-        load_requirement,
-        load_station,
-        load_stations,
-    )
+    from budget.spec import load_requirement, load_station, load_stations
     from budget.spec.load import try_all
     from budget.studies.stations import GUARD, RATIO, qualify
 
@@ -122,7 +119,11 @@ def station(
         json,
         csv,
         *others,
-        inputs=[*(devices or ()), procedure, requirement, *given],
+        inputs=[
+            *(devices or ()),
+            *options.calibration_files(calibration, procedure),
+            *(requirement, *given),
+        ],
     )
     check_yaml(write, "station")
     more, issues = try_all(given, load_station)
@@ -131,7 +132,10 @@ def station(
     found = qualify(
         *options.load_devices(devices, changes),
         requirement=load_requirement(requirement),
-        procedure=load_procedure(procedure),
+        procedure=procedure,
+        calibration=calibration,
+        age=age,
+        environment=environment,
         ratio=RATIO if ratio is None else ratio,
         guard=GUARD if guard is None else guard,
         strategy=strategy,
@@ -148,4 +152,4 @@ def station(
         language=language,
     )
     if not found.doing:
-        raise typer.Exit(EXIT_NOT_MET)
+        raise typer.Exit(options.EXIT_NOT_MET)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from budget.language import Note, counted, key_title, say, template, term, words
 from budget.names import Name
-from budget.report.blocks import Cell, Run
+from budget.report.blocks import Cell, Paragraph, Run
 from budget.report.tables import (
     HALF_DIGIT,
     print_chance,
@@ -137,6 +137,14 @@ def _first(texts: list[str], most: int | None) -> list[str]:
     if rest <= 1:
         return texts
     return [*texts[:most], say("and {number} more, under Limits", number=rest)]
+
+
+def standing_blocks(standing: Standing) -> tuple[Paragraph, ...]:
+    """Return what a verdict stands on, below its headline."""
+    return tuple(
+        Paragraph(words=(Run(text=say("{said}.", said=capital(text)), strong=True),))
+        for text in standing_lines(standing)
+    )
 
 
 def error_reference(settings: Settings) -> str:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from budget.spec.load import (
         load_all,
+        load_calibration,
         load_catalogue,
         load_costs,
         load_device,
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 __all__ = [
     "json_schema",
     "load_all",
+    "load_calibration",
     "load_catalogue",
     "load_costs",
     "load_device",

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import is_dataclass, replace
 from functools import lru_cache, partial
 from hashlib import sha256
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -16,12 +17,12 @@ from budget.model.source import Change as Changing
 from budget.model.source import Coefficient
 from budget.model.sources import ENVIRONMENT, SENSORS, source_of
 from budget.model.sources.later import TEST_VIBRATION
-from budget.names import Name, parameters_of
+from budget.names import MISSION, Name, parameters_of
 from budget.resources import shipped
 from budget.spec.changes import check_used, read_change, texts_of
 from budget.spec.costs import read_costs
 from budget.spec.device import read_device, root_of, variant_names
-from budget.spec.files import FOLDERS, find, open_file
+from budget.spec.files import FOLDERS, find, open_file, refuse_absent
 from budget.spec.mission import read_mission
 from budget.spec.procedure import read_procedure
 from budget.spec.reader import parse, refuse
@@ -309,6 +310,63 @@ def uncalibrated(
         procedure = done_at(procedure, load_station(station), word)
     found = without_test(procedure, word)
     return _used(found, age, environment, word)
+
+
+def load_calibration(
+    calibration: Procedure | File | None = None,
+    procedure: Procedure | File | None = None,
+    *,
+    station: Station | File | None = None,
+    age: str | None = None,
+    environment: str | None = None,
+    mission: Mission | None = None,
+    requirement: Requirement | None = None,
+) -> Procedure:
+    """Return what calibrated a unit, of all that a call says of it.
+
+    Where it says nothing the test is the paper's. A mission alone takes a unit as its
+    maker calibrated it; limits on the calibration need a test, which then is what the
+    mission follows, too: one verdict is after one calibration.
+
+    Parameters
+    ----------
+    calibration : str, Path, mapping or Procedure, optional
+        'none', 'factory' (`uncalibrated`), or a procedure.
+    procedure : str, Path, mapping or Procedure, optional
+        In place of `calibration`.
+    station, age, environment
+        As of load_procedure.
+    mission : Mission, optional
+        That follows.
+    requirement : Requirement, optional
+        That is judged.
+
+    Raises
+    ------
+    CallError
+        Both say what calibrated it.
+    SpecError
+        As of load_procedure.
+    """
+    if calibration is not None and procedure is not None:
+        raise CallError(
+            f"calibration {_said(calibration)} and procedure {_said(procedure)} both "
+            "say what calibrated the unit; leave one out"
+        )
+    given = procedure if calibration is None else calibration
+    limited = () if requirement is None else requirement.kinds
+    if given is None and mission is not None and {*limited} <= {MISSION}:
+        given = FACTORY
+    if isinstance(given, str) and given in UNCALIBRATED:
+        return uncalibrated(given, station=station, age=age, environment=environment)
+    if isinstance(calibration, str | Path):
+        refuse_absent(find(calibration, "procedure"), "procedure", UNCALIBRATED)
+    return load_procedure(given, station=station, age=age, environment=environment)
+
+
+def _said(given: Procedure | File) -> str:
+    """Name what a call says in a message."""
+    return given.name if isinstance(given, Procedure) else str(given)
 
 
 def without_test(procedure: Procedure, word: str) -> Procedure:

@@ -42,7 +42,14 @@ from budget.results import (
     Validation,
     input_files,
 )
-from budget.spec import load_devices, load_mission, load_procedure, load_requirement
+from budget.spec import (
+    load_calibration,
+    load_devices,
+    load_mission,
+    load_procedure,
+    load_requirement,
+)
+from budget.spec.records import UNCALIBRATED
 from budget.spec.use import in_use
 from budget.studies import blunders, cautions
 from budget.studies.compensation import compensations
@@ -79,7 +86,7 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.problem import Problem
     from budget.spec.files import File
-    from budget.spec.records import Device, Mission, Procedure, Requirement
+    from budget.spec.records import Device, Mission, Procedure, Requirement, Station
     from budget.studies.progress import Progress
 
 NOT_OF_A_MISSION = note(
@@ -114,6 +121,10 @@ def analyze(
     *devices: Device | File,
     procedure: Procedure | File | None = None,
     requirement: Requirement | File | None = None,
+    calibration: Procedure | File | None = None,
+    station: Station | File | None = None,
+    age: str | None = None,
+    environment: str | None = None,
     method: str = "gum",
     trials: int | None = None,
     digits: int = 1,
@@ -144,10 +155,16 @@ def analyze(
     *devices : Device
         Together at most one gyro and one accelerometer.
     procedure : Procedure, optional
-        The paper's, if none is given.
+        The paper's, if none is given; of a mission without limits on the calibration
+        the maker's.
     requirement : Requirement, optional
         The budget is judged against it, and the intervals of required outputs are
         those that were judged; its coverage and error reference rule.
+    calibration : str, Path, mapping or Procedure, optional
+        What calibrated the unit, in the place of `procedure`: 'none', 'factory' or a
+        procedure.
+    station, age, environment : optional
+        As of `load_procedure`.
     method : str
         'gum' (law of propagation), 'monte-carlo' or 'simulation'. Contributions of
         the sources are the law's under every method.
@@ -189,7 +206,7 @@ def analyze(
         Where those lines are taken from; without it the devices that ship.
     mission : Mission, optional
         Whose errors are asked for, in place of those of the parameters; with a later
-        turn-on as error reference. `procedure` may be `budget.uncalibrated("none")`.
+        turn-on as error reference.
     at : sequence of float or str
         Times of the mission [s], or as '10 min'; those of its file without it.
     command : str
@@ -236,7 +253,15 @@ def analyze(
     return analyze_as(
         settings,
         *load_devices(devices),
-        procedure=load_procedure(procedure),
+        procedure=load_calibration(
+            calibration,
+            procedure,
+            station=station,
+            age=age,
+            environment=environment,
+            mission=route,
+            requirement=wanted,
+        ),
         requirement=wanted,
         catalogue=catalogue,
         engine=Engine(workers=workers, executor=executor, progress=progress, talk=talk),
@@ -273,17 +298,20 @@ def analyze_as(
     command: str = "analyze",
     mission: Mission | None = None,
     carried_to: tuple[float, ...] | None = None,
+    on_mission: Procedure | None = None,
 ) -> Budget:
     """Compute the budget as `analyze` does, with the settings given as a whole.
 
     `carried_to` are times at which that of the mission after it is asked for, in its
-    place; the mission alone is for limits on it.
+    place; the mission alone is for limits on it, `on_mission` what calibrated the unit
+    for these (in its use), where that is another calibration.
     """
     engine = Engine() if engine is None else engine
     procedure = in_use(
         load_procedure(None) if procedure is None else procedure, requirement, mission
     )
     of_test = carried_to is None
+    _check_kind(settings, procedure, of_test=of_test)
     find = partial(sensors_of, procedure=procedure) if of_test else navigating
     find(devices)  # refuses what does not go together
     filling = Filling()
@@ -315,6 +343,7 @@ def analyze_as(
         asked=choose_outputs(devices, procedure, settings.outputs) if of_test else None,
         mission=mission,
         carried_to=carried_to,
+        on_mission=on_mission,
         catalogue=None if catalogue is None else tuple(catalogue),
     )
     problem, law = analysis.problem, analysis.law
@@ -410,6 +439,26 @@ def analyze_as(
             *cautions.doubts(budget.outputs),
         ),
     )
+
+
+def _check_kind(settings: Settings, procedure: Procedure, *, of_test: bool) -> None:
+    """Refuse what means nothing of a calibration, or of a mission.
+
+    Raises
+    ------
+    CallError
+        There is no test, or outputs of a test are asked for.
+    """
+    if not of_test and (settings.outputs or settings.matrices):
+        raise CallError(
+            "outputs and matrices are of a calibration, and this is of a mission, "
+            "which has neither; leave --outputs and --matrices out"
+        )
+    if of_test and procedure.formulas in UNCALIBRATED:
+        raise CallError(
+            f"{procedure.name}: there is no test whose budget this could be; give a "
+            "procedure, or a mission, on which such a unit has errors"
+        )
 
 
 def _by_law(analysis: Analysis, settings: Settings, engine: Engine) -> Estimate:

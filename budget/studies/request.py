@@ -138,6 +138,8 @@ class Analysis:
     # Of what follows on it, and at which times besides those of limits [s]; None: the
     # calibration is looked at.
     carried_to: tuple[float, ...] | None = None
+    # What calibrated the unit for limits on the mission; None: the procedure.
+    on_mission: Procedure | None = None
     # Devices that are comparable; None: those that ship.
     catalogue: tuple[Device, ...] | None = None
 
@@ -184,7 +186,8 @@ class Analysis:
             of_both = tuple(name for name in known if name.owner == IMU)
             return replace(self, requirement=None, asked=of_both)
         if owner == MISSION:
-            return replace(self, asked=None, carried_to=())
+            how = self.on_mission or self.procedure
+            return replace(self, procedure=how, asked=None, carried_to=())
         return replace(self, kinds=(owner,), asked=None)
 
     @property
@@ -450,6 +453,23 @@ def mission_for(requirement: Requirement, mission: Mission | None) -> None:
             f"{requirement.name} limits {', '.join(limited)}, which depends on the "
             "mission; give one with --mission FILE, or a requirement without "
             "these limits"
+        )
+
+
+def needs_test(requirement: Requirement, procedure: Procedure) -> None:
+    """Refuse limits on a calibration where nobody calibrates.
+
+    Raises
+    ------
+    CallError
+        With what they are on.
+    """
+    limited = [kind for kind in requirement.kinds if kind != MISSION]
+    if limited and procedure.formulas in UNCALIBRATED:
+        raise CallError(
+            f"{requirement.origin.file}: {requirement.name} limits what a test leaves "
+            f"of {' and '.join(limited)}, and {procedure.name} is no test; give a "
+            "procedure, or a requirement with limits on a mission alone"
         )
 
 

@@ -59,13 +59,13 @@ from budget.model.sources import (
 from budget.names import Name, by_group
 from budget.results import SCHEMA, InputFile, Tabled, input_files, inputs_document
 from budget.spec import (
+    load_calibration,
     load_devices,
-    load_procedure,
     load_requirement,
     load_station,
     load_stations,
 )
-from budget.spec.records import ErrorLine
+from budget.spec.records import UNCALIBRATED, ErrorLine
 from budget.spec.station import IDEAL, at_station
 from budget.spec.use import in_use
 from budget.studies.blunders import against_limits
@@ -352,6 +352,9 @@ def qualify(
     *devices: Device | File,
     requirement: Requirement | File,
     procedure: Procedure | File | None = None,
+    calibration: Procedure | File | None = None,
+    age: str | None = None,
+    environment: str | None = None,
     ratio: float = RATIO,
     guard: float = GUARD,
     strategy: str | None = None,
@@ -367,6 +370,10 @@ def qualify(
         Limits, coverage and reference.
     procedure : Procedure, optional
         The test, at its own station if it has one; the paper's, if none is given.
+    calibration : Procedure, optional
+        In the place of `procedure`; 'none' and 'factory' have no station.
+    age, environment : optional
+        As of `load_procedure`.
     ratio : float
         R, of every limit over U of the station alone, that is asked for [1].
     guard : float
@@ -387,7 +394,13 @@ def qualify(
         Options that mean nothing, or no limit on what the test estimates.
     """
     imus, wanted = load_devices(devices), load_requirement(requirement)
-    how = in_use(load_procedure(procedure), wanted, None)
+    how = load_calibration(calibration, procedure, age=age, environment=environment)
+    if how.formulas in UNCALIBRATED:
+        raise CallError(
+            f"{how.name}: there is no test, so that no station is needed; give the "
+            "procedure of a test"
+        )
+    how = in_use(how, wanted, None)
     _check(ratio, guard, strategy or STRATEGIES[0], how)
     sensors = sensors_of(imus, how)
     names = known_outputs([sensor.kind for sensor in sensors], how)

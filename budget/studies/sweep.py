@@ -5,12 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from budget.errors import CallError
-from budget.spec import load_device, load_procedure, load_requirement
+from budget.spec import (
+    load_calibration,
+    load_device,
+    load_mission,
+    load_requirement,
+)
 from budget.spec.changes import read_change
 from budget.spec.load import several
-from budget.spec.use import in_use
 from budget.studies.analysis import analyze
-from budget.studies.request import choose_basis
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -20,7 +23,7 @@ if TYPE_CHECKING:
     from budget.names import Name
     from budget.results import Budget
     from budget.spec.files import File
-    from budget.spec.records import Device, Procedure, Requirement
+    from budget.spec.records import Device, Mission, Procedure, Requirement, Station
 
 
 def sweep(
@@ -30,6 +33,12 @@ def sweep(
     *,
     procedure: Procedure | File | None = None,
     requirement: Requirement | File | None = None,
+    calibration: Procedure | File | None = None,
+    station: Station | File | None = None,
+    age: str | None = None,
+    environment: str | None = None,
+    mission: Mission | File | None = None,
+    at: Sequence[float | str] = (),
     coverage: float | None = None,
     reference: str | None = None,
     outputs: Sequence[str] = (),
@@ -48,6 +57,8 @@ def sweep(
         '0.5 deg/h' and others, each as a device file would give it.
     procedure, requirement, outputs, seed
         As of `analyze`.
+    calibration, station, age, environment, mission, at
+        As of `analyze`.
     coverage, reference
         As of `analyze`; with a requirement those that it asks for.
     validate : bool
@@ -57,10 +68,11 @@ def sweep(
     -------
     DataFrame
         A row for each value and output, in printed units: `value` as it was given, then
-        sensor, parameter, axis, unit, mean, standard_uncertainty, interval_low,
-        interval_high; `share` of the variance that the line contributes [1], products
-        left out; with a requirement limit, utilisation [1] and the verdict on the
-        sensor, empty where the output has no limit, which adds no rows.
+        sensor, parameter, axis, of a mission time [s], unit, mean,
+        standard_uncertainty, interval_low, interval_high; `share` of the variance that
+        the line contributes [1], products left out; with a requirement limit,
+        utilisation [1] and the verdict on the sensor, empty where the output has no
+        limit, which adds no rows.
 
     Raises
     ------
@@ -73,8 +85,16 @@ def sweep(
 
     start = load_device(device)
     wanted = None if requirement is None else load_requirement(requirement)
-    how = in_use(load_procedure(procedure), wanted, None)
-    basis = choose_basis(wanted, coverage=coverage, reference=reference)
+    route = None if mission is None else load_mission(mission)
+    how = load_calibration(
+        calibration,
+        procedure,
+        station=station,
+        age=age,
+        environment=environment,
+        mission=route,
+        requirement=wanted,
+    )
     given = () if isinstance(values, str) else several(values)
     if not given:
         raise CallError(
@@ -89,8 +109,10 @@ def sweep(
             one,
             procedure=how,
             requirement=wanted,
-            coverage=basis.coverage,
-            reference=basis.reference,
+            mission=route,
+            at=at,
+            coverage=coverage,
+            reference=reference,
             outputs=outputs,
             validate=validate,
             seed=seed,
@@ -115,6 +137,7 @@ def _rows(budget: Budget, line: Name) -> Iterator[dict[str, Any]]:
             "sensor": row.sensor,
             "parameter": row.parameter,
             "axis": row.axis,
+            **({} if row.output.name.time is None else {"time": row.output.name.time}),
             "unit": own.unit,
             "mean": own.mean,
             "standard_uncertainty": own.standard_uncertainty,

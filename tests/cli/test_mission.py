@@ -77,9 +77,20 @@ def test_it_says_how_far_off_and_because_of_what():
     """The finding stands first; the rate says how it is defined."""
     assert_says(
         answer(*BENCH).out,
-        *("After 1 h", "12 km CEP", "26 km R95", "15 km DRMS"),
-        *("83 % of the variance is gyro bias repeatability", "6.7 nmi/h"),
+        *("Mission: bench, 1 h, as the maker calibrated it", "After 1 h"),
+        *("8.5 km CEP", "18 km R95", "10 km DRMS"),
+        *("87 % of the variance is gyro bias repeatability", "4.6 nmi/h"),
         "the CEP after 1 h, divided by 1 h",
+    )
+
+
+def test_after_a_test_it_says_which_test():
+    """One calibration in one turn-on: the number of each is under its own name."""
+    assert_says(
+        answer(*BENCH, "--procedure", "zhao-2019").out,
+        "Mission: bench, 1 h, after the test Zhao 2019 on an ideal table",
+        *("12 km CEP", "26 km R95", "15 km DRMS"),
+        *("83 % of the variance is gyro bias repeatability", "6.7 nmi/h"),
     )
 
 
@@ -119,7 +130,7 @@ def test_radii_are_those_of_a_circle_where_axes_are_alike():
 
 def test_the_document_names_mission_and_file():
     """The file is among the inputs, what it says under a key of its own."""
-    found = document(*BENCH)
+    found = document(*BENCH, "--procedure", "zhao-2019")
     assert found["command"] == "mission"
     assert found["inputs"]["mission"]["name"] == "bench.yaml"
     said = dict(found["mission"])
@@ -269,7 +280,7 @@ def test_factory_calibration_counts_a_repeatability_once():
     """One calibration in one turn-on has it twice in variance."""
     by_test, by_maker = (
         output(document(*OUTAGE, *more), "attitude", "roll", 60.0)
-        for more in ((), ("--calibration", "factory"))
+        for more in (("--procedure", "zhao-2019"), ())
     )
     shares = [
         next(
@@ -284,7 +295,7 @@ def test_factory_calibration_counts_a_repeatability_once():
 
 @pytest.mark.parametrize(
     ("calibration", "times"),
-    [((), "twice"), (("--calibration", "factory"), "once")],
+    [(("--procedure", "zhao-2019"), "twice"), (("--calibration", "factory"), "once")],
     ids=str,
 )
 def test_it_says_how_often_a_repeatability_counts(calibration, times, limits):

@@ -169,7 +169,13 @@ def test_a_calibration_alone_has_no_curve(bench):
 
 def test_the_library_answers_as_the_law(bench):
     """`analyze(mission=)` and `growth` of it: names, units, times, the file's too."""
-    found = analyze("zhao-2019", mission="bench", at=["1 min", 3600], validate=False)
+    found = analyze(
+        *("zhao-2019",),
+        procedure="zhao-2019",
+        mission="bench",
+        at=["1 min", 3600],
+        validate=False,
+    )
     row = found.output("mission.position.horizontal.3600")
     expected = bench.law.standard_uncertainty
     names = [output.name for output in bench.problem.outputs]

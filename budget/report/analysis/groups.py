@@ -135,9 +135,14 @@ def rest_sections(budget: Budget, *, checked: str) -> tuple[Section, ...]:
 
 
 def verdict_sections(
-    budget: Budget, why: Callable[[Budget, Assessment], Iterable[Block]]
+    budget: Budget,
+    why: Callable[[Budget, Assessment], Iterable[Block]],
+    under: Callable[[Assessment], Iterable[Block]] = lambda _: (),
 ) -> Iterator[Section]:
-    """Yield the verdict, as page one of a report has it, and why; none without one."""
+    """Yield the verdict, as page one of a report has it, and why; none without one.
+
+    Right `under` the headline stands what it holds if, where `why` does not say it.
+    """
     assessment = budget.assessment
     if assessment is None:
         return
@@ -145,6 +150,7 @@ def verdict_sections(
         name="verdict",
         title=headline(budget, assessment),
         blocks=(
+            *under(assessment),
             Paragraph(words=summary(budget, assessment)),
             *why(budget, assessment),
         ),

@@ -31,8 +31,10 @@ from budget.report.tables import (
     round_uncertainty,
     validation_words,
 )
-from budget.report.wording import capital
+from budget.report.wording import capital, standing_blocks
 from budget.spec.records import UNCALIBRATED
+from budget.studies.request import analysis_of
+from budget.studies.verdicts import calibration_words
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -67,7 +69,7 @@ def mission_answer(budget: Budget) -> tuple[Section, ...]:
     """Return what stands on a terminal: finding, tables, what they rest on."""
     moments = by_time(budget)
     return (
-        *verdict_sections(budget, mission_limits),
+        *verdict_sections(budget, mission_limits, _conditions),
         Section(
             name="mission",
             title=mission_title(budget),
@@ -79,10 +81,21 @@ def mission_answer(budget: Budget) -> tuple[Section, ...]:
     )
 
 
+def _conditions(assessment: Assessment) -> Iterator[Block]:
+    """Yield what the verdict stands on."""
+    for sensor in assessment.sensors:
+        yield from standing_blocks(sensor.standing)
+
+
 def mission_title(budget: Budget) -> str:
-    """Name the mission."""
+    """Name the mission, and what calibrated the unit."""
     mission = budget.mission
-    return "" if mission is None else say("Mission: {name}", name=mission.name)
+    if mission is None:
+        return ""
+    how = calibration_words(analysis_of(budget).procedure)
+    return say(
+        "Mission: {name}, {calibration}", name=mission.name, calibration=say(how)
+    )
 
 
 def mission_section(budget: Budget, found: Curve | None = None) -> Section:

@@ -18,10 +18,10 @@ from budget.methods.trials import coverage_of
 from budget.names import IMU, MISSION, Name
 from budget.results import input_files
 from budget.spec import (
+    load_calibration,
     load_costs,
     load_devices,
     load_mission,
-    load_procedure,
     load_requirement,
 )
 from budget.spec.use import in_use
@@ -56,6 +56,7 @@ from budget.studies.request import (
     limited_but_held,
     mission_for,
     navigating,
+    needs_test,
     not_estimated,
     not_of_one_sensor,
     not_weighted,
@@ -73,6 +74,7 @@ if TYPE_CHECKING:
         Procedure,
         Requirement,
         Sensor,
+        Station,
     )
     from budget.studies.allocation.cases import Bounds, SensorCase
     from budget.studies.progress import Progress
@@ -89,6 +91,10 @@ def allocate(
     requirement: Requirement | File,
     procedure: Procedure | File | None = None,
     mission: Mission | File | None = None,
+    calibration: Procedure | File | None = None,
+    station: Station | File | None = None,
+    age: str | None = None,
+    environment: str | None = None,
     strategy: str | None = None,
     costs: Costs | File | None = None,
     bounds: Bounds = NO_BOUNDS,
@@ -107,10 +113,15 @@ def allocate(
     requirement : Requirement
         Limits, coverage and reference.
     procedure : Procedure, optional
-        The paper's, if none is given.
+        The paper's, if none is given; where all limits are on a mission, the maker's.
     mission : Mission, optional
         What limits on a mission are on. Limits on sensors are shared out first; a line
         is then at most what they allow.
+    calibration : str, Path, mapping or Procedure, optional
+        What calibrated the unit, in the place of `procedure`: 'none', 'factory' or a
+        procedure.
+    station, age, environment : optional
+        As of `load_procedure`.
     strategy : str, optional
         'proportional' (default), 'equal' or 'cost' (default where there are costs).
     costs : Costs, optional
@@ -142,8 +153,18 @@ def allocate(
     """
     imus, wanted = load_devices(devices), load_requirement(requirement)
     journey = None if mission is None else load_mission(mission)
-    how = in_use(load_procedure(procedure), wanted, journey)
+    how = load_calibration(
+        calibration,
+        procedure,
+        station=station,
+        age=age,
+        environment=environment,
+        mission=journey,
+        requirement=wanted,
+    )
+    how = in_use(how, wanted, journey)
     mission_for(wanted, journey)
+    needs_test(wanted, how)
     prices = None if costs is None else load_costs(costs)
     strategy = _choose_strategy(strategy, prices)
     sensors = tuple(

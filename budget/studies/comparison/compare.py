@@ -14,7 +14,7 @@ from budget.model.sources import ENVIRONMENT, SENSORS
 from budget.model.sources.later import AGE
 from budget.names import IMU, MISSION
 from budget.results import Settings, input_file, named_files
-from budget.spec import load_devices, load_mission, load_procedure, load_requirement
+from budget.spec import load_calibration, load_devices, load_mission, load_requirement
 from budget.spec.load import several
 from budget.spec.use import in_use
 from budget.studies.blunders import against_limits
@@ -35,6 +35,7 @@ from budget.studies.missing import REFUSE, fill
 from budget.studies.progress import stage
 from budget.studies.request import (
     mission_for,
+    needs_test,
     not_calibrated,
     not_estimated,
     not_of_one_sensor,
@@ -48,7 +49,14 @@ if TYPE_CHECKING:
 
     from budget.results import Standing
     from budget.spec.files import File
-    from budget.spec.records import Device, Mission, Procedure, Requirement, Sensor
+    from budget.spec.records import (
+        Device,
+        Mission,
+        Procedure,
+        Requirement,
+        Sensor,
+        Station,
+    )
     from budget.studies.progress import Progress
 
 LEAST_TRIALS = 2
@@ -64,6 +72,10 @@ def compare(
     procedures: Procedure | File | Sequence[Procedure | File] = (),
     *,
     mission: Mission | File | None = None,
+    calibration: Procedure | File | None = None,
+    station: Station | File | None = None,
+    age: str | None = None,
+    environment: str | None = None,
     catalogue: Sequence[Device] | None = None,
     missing: str = REFUSE,
     method: str = "monte-carlo",
@@ -87,9 +99,14 @@ def compare(
     requirement : Requirement
         Limits, coverage and reference.
     procedures : sequence of Procedure
-        The paper's, if none is given.
+        The paper's, if none is given; where all limits are on a mission, the maker's.
     mission : Mission, optional
         What limits on a mission are on; devices of both sensors are ranked by it too.
+    calibration : str, Path, mapping or Procedure, optional
+        What calibrated the unit, in the place of `procedures`: 'none', 'factory' or a
+        procedure.
+    station, age, environment : optional
+        As of `load_procedure`.
     catalogue : sequence of Device, optional
         Where lines that are not given are taken from; without it the devices that ship.
     missing : str
@@ -130,7 +147,20 @@ def compare(
     wanted = load_requirement(requirement)
     journey = None if mission is None else load_mission(mission)
     mission_for(wanted, journey)
-    tests = tuple(map(load_procedure, several(procedures) or (None,)))
+    tests = tuple(
+        load_calibration(
+            calibration,
+            one,
+            station=station,
+            age=age,
+            environment=environment,
+            mission=journey,
+            requirement=wanted,
+        )
+        for one in several(procedures) or (None,)
+    )
+    for test in tests:
+        needs_test(wanted, test)
     most = max(trials, MAX_TRIALS) if max_trials is None else max_trials
     _check(method, trials=trials, max_trials=most, validate=validate)
     _check_names(tests)

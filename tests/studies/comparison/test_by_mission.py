@@ -15,7 +15,7 @@ from numpy.testing import assert_allclose
 from budget.errors import CallError
 from budget.names import MISSION, Name
 from budget.results import Settings
-from budget.spec import load_device, load_mission, load_procedure, uncalibrated
+from budget.spec import load_device, load_mission, uncalibrated
 from budget.spec.records import Limit
 from budget.studies.analysis import analyze, analyze_as
 from budget.studies.comparison.compare import compare
@@ -85,7 +85,7 @@ def test_verdict_is_that_of_the_mission_itself(name, limit):
     budget = analyze_as(
         Settings(method="gum", reference="next_turn_on"),
         given,
-        procedure=load_procedure(None),
+        procedure=uncalibrated("factory"),
         requirement=wanted,
         mission=BENCH,
         carried_to=(),
