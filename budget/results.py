@@ -538,6 +538,10 @@ class Calibrated:
     name: str  # of the procedure
     cep: tuple[float, ...]  # of the horizontal position, time by time [m]
     lower_bound: bool  # whether an expected line that is not given would widen it
+    # Of a test after which it is larger at the end than after the maker's calibration:
+    # the name of that, and the line that adds most; '' and None of others.
+    worse_than: str = ""
+    because: Name | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -392,7 +392,9 @@ def _budget(schema: _Schema) -> Node:
         "name alignment aided",
         duration=float,
         calibrations=_many(
-            schema.entry("calibrated", Calibrated, "name cep lower_bound")
+            schema.entry(
+                "calibrated", Calibrated, "name cep lower_bound worse_than because"
+            )
         ),
     )
     step = schema.entry(

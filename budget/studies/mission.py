@@ -20,7 +20,7 @@ from budget.methods.radius import principal_variances, radius_of
 from budget.names import HORIZONTAL, LENGTHS, MISSION, Name
 from budget.results import CEP, INTERACTION, R95, Calibrated
 from budget.spec import without_test
-from budget.spec.records import UNCALIBRATED
+from budget.spec.records import FACTORY, UNCALIBRATED
 from budget.studies.mixture import ONE_SIGMA, Mixture
 from budget.studies.request import analysis_of, seconds
 from budget.ties import first_largest
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 
 POINTS = 100  # of a curve, where nobody asks for more
 DRAWN = 32  # of a figure
+WORSE = 1.01  # CEP over that of another calibration that is worth a word [1]
 LEAST_SPAN, MOST_SPAN = 100.0, 1000.0  # of its axis, end over start [1]
 
 
@@ -208,7 +209,8 @@ def drawn_times(duration: float, asked: Sequence[float]) -> tuple[float, ...]:
 def bought(analysis: Analysis) -> tuple[Calibrated, ...]:
     """Return how far off a unit is after no calibration, its maker's, and this one.
 
-    CEP at the times that the mission is looked at; each by the law.
+    CEP at the times that the mission is looked at; each by the law. Of a test that
+    leaves more at the end than the maker's calibration: which line adds most to it.
     """
     times = analysis.carried_to or ()
     if not times:
@@ -216,9 +218,13 @@ def bought(analysis: Analysis) -> tuple[Calibrated, ...]:
     own = analysis.procedure
     tests = {word: without_test(own, word) for word in UNCALIBRATED}
     tests[own.formulas if own.formulas in tests else ""] = own
-    found = []
+    found: list[Calibrated] = []
+    parts: list[dict[Name, float]] = []  # of the variance at the end, by source
     for procedure in tests.values():
         one = replace(analysis, procedure=procedure, requirement=None)
+        grown = curve(one, times)
+        last = grown.horizontal_variance()[:, -1].tolist()
+        parts.append(dict(zip(grown.sources, last, strict=True)))
         names = [
             Name("position", owner=MISSION, axis=LENGTHS["position"], time=time)
             for time in times
@@ -226,11 +232,22 @@ def bought(analysis: Analysis) -> tuple[Calibrated, ...]:
         found.append(
             Calibrated(
                 name=procedure.name,
-                cep=tuple(curve(one, times).radius(CEP).tolist()),
+                cep=tuple(grown.radius(CEP).tolist()),
                 lower_bound=any(one.lacks[name] for name in names),
             )
         )
-    return tuple(found)
+    place = UNCALIBRATED.index(FACTORY)
+    maker, last_one = found[place], found[-1]
+    if last_one.cep[-1] <= WORSE * maker.cep[-1]:
+        return tuple(found)
+    more = {
+        name: variance - parts[place].get(name, 0.0)
+        for name, variance in parts[-1].items()
+        if name != INTERACTION
+    }
+    because = [*more][first_largest([*more.values()])]
+    worse = replace(last_one, worse_than=maker.name, because=because)
+    return (*found[:-1], worse)
 
 
 __all__ = ["POINTS", "Curve", "bought", "curve", "drawn_times", "growth"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from budget.language import key_title, say, term
+from budget.model.sources import DEVICE, TURN_ON, source_of
 from budget.names import MISSION, time_text
 from budget.report.analysis.groups import rest_sections, verdict_sections
 from budget.report.blocks import Abreast, Card, ForPages, Paragraph, Section
@@ -33,7 +34,7 @@ from budget.report.tables import (
 )
 from budget.report.wording import capital, standing_blocks
 from budget.spec.records import UNCALIBRATED
-from budget.studies.request import analysis_of
+from budget.studies.request import SHARED, analysis_of
 from budget.studies.verdicts import calibration_words
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ if TYPE_CHECKING:
 
     from budget.report.blocks import Block
     from budget.report.mission import AtTime
-    from budget.results import Assessment, Budget
+    from budget.results import Assessment, Budget, Calibrated
     from budget.studies.mission import Curve
 
 
@@ -54,6 +55,13 @@ UNTESTED = term(
     "What a calibration by the maker buys: the CEP of a unit as it was made, and of "
     "one that its maker has calibrated."
 )
+TWICE = term(
+    "after one test it counts twice in variance, in that turn-on and in the later one, "
+    "and after the maker's calibration once"
+)
+NOISY = term("the test has it too, and a longer one averages more of it out")
+OF_THE_PLACE = term("it is of the place of the test")
+HELD = term("the test does not estimate what it is of, and the maker has")
 METHOD = term(
     "Errors of position, velocity and attitude follow x' = F x + G e along the "
     "nominal route: the modified phi-angle equations (Scherzinger and Reid 1994) with"
@@ -141,6 +149,28 @@ def mission_blocks(budget: Budget, moments: Sequence[AtTime]) -> Iterator[Block]
         is_tested = len(budget.bought) > len(UNCALIBRATED)
         yield Paragraph(words=(say(BUYS if is_tested else UNTESTED),))
         yield table
+        if said := why_worse(budget.bought[-1]):
+            yield Paragraph(words=(said,))
+
+
+def why_worse(test: Calibrated) -> str:
+    """Say which line makes a test leave more than its maker's; '' of others."""
+    if test.because is None:
+        return ""
+    source = source_of(test.because.owner, test.because.quantity)
+    why = NOISY
+    if test.because.owner in SHARED:
+        why = OF_THE_PLACE
+    elif source.is_initial:
+        why = HELD
+    elif source.stays in {DEVICE, TURN_ON}:
+        why = TWICE
+    return say(
+        "The test leaves more than {other}, most of it by {line}: {why}.",
+        other=say(test.worse_than),
+        line=full_title(test.because),
+        why=say(why),
+    )
 
 
 def finding(moments: Sequence[AtTime]) -> Iterator[str]:
