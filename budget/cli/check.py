@@ -347,8 +347,10 @@ def validate(
     """Check files and say everything that is wrong in them, with positions."""
     from budget.cli.output import printing
     from budget.errors import SpecError
+    from budget.language import say
     from budget.spec.load import try_valid
     from budget.spec.makers import MEANINGS
+    from budget.studies.verdicts import cautions_of_device
 
     checked, issues = try_valid(files, changes or ())
     for found in checked:
@@ -359,6 +361,12 @@ def validate(
                 tell(f"  range: {text}\n")
             for text in found.assumptions:
                 tell(f"  assumed: {text}\n")
+            for text in dict.fromkeys(
+                say(one.text)
+                for device in found.devices
+                for one in cautions_of_device(device)
+            ):
+                tell(f"  caution: {text}\n")
             if found.kind == "device" and found.assumptions:
                 tell(f"  how values of data sheets are read: {MEANINGS}\n")
             if found.kind == "procedure":

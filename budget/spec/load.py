@@ -505,6 +505,7 @@ def _validate(path: File, changes: Sequence[Change]) -> Checked:
         )
     assumptions: list[str] = []
     ranges: list[str] = []
+    devices: list[Device] = []
     used: list[str] = []
     issues: list[Issue] = []
     names: tuple[str, ...] = ("",)
@@ -515,6 +516,7 @@ def _validate(path: File, changes: Sequence[Change]) -> Checked:
     for name in dict.fromkeys((*names, file.variant or names[0])):
         try:
             device = _read(document, file, name, changes)
+            devices.append(device)
             assumptions.extend(device.assumptions)
             ranges.append(device.range)
             used.extend(device.origin.used)
@@ -530,6 +532,7 @@ def _validate(path: File, changes: Sequence[Change]) -> Checked:
         variants=names,
         assumptions=tuple(dict.fromkeys(assumptions)),
         ranges=tuple(dict.fromkeys(filter(None, ranges))),
+        devices=tuple(devices),
         changes=tuple(dict.fromkeys(used)),
     )
 

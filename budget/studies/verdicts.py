@@ -94,6 +94,8 @@ BY_TEMPERATURE = {
     "bias": (BIAS_COEFFICIENT, "bias_over_temperature"),
     "scale_factor": (SCALE_COEFFICIENT, "scale_factor_over_temperature"),
 }
+NONLINEARITY, SAMPLE_NOISE = "scale_factor_nonlinearity", "sample_noise"
+STABILITY, ALLAN_FLOOR = "bias_stability", "allan_minimum"
 RECTIFICATION, G_SENSITIVITY = "vibration_rectification", "g_sensitivity"
 MEMS = "mems"
 SATURATES = "saturates"
@@ -858,6 +860,8 @@ def cautions_of(case: Case) -> tuple[Caution, ...]:
             key = USE_OF.get(line.name, "")
             if key in stated and not stated[key].u.any() and line.u.any():
                 found.append(_idle(name, line, key))
+            if case.mission is not None:
+                found += _open_lines(name, line)
             time = time_of(line.horizon)
             age = stated.get("age")
             if (
@@ -963,6 +967,104 @@ def least_range(kind: str) -> float:
         if sensor.kind == kind and sensor.range is not None
         if sensor.range.min() > least
     )
+
+
+def cautions_of_device(device: Device) -> tuple[Caution, ...]:
+    """Return what a data sheet leaves open, whatever it is held against.
+
+    What is expected of it and not given; what nothing exercises before somebody states
+    the use; figures that hold over a time; what leaves a reader a choice.
+    """
+    found: list[Caution] = []
+    for sensor in device.sensors:
+        if sensor.expected_missing:
+            found.append(_absent(sensor.expected_missing))
+        if sensor.range is None:
+            found.append(_without_range(sensor.kind))
+        for line in sensor.lines:
+            name = Name(line.name, owner=sensor.kind)
+            key = USE_OF.get(line.name, "")
+            if key and line.u.any():
+                found.append(_idle(name, line, key))
+            elif key != "age" and time_of(line.horizon) is not None:
+                found.append(_lasting(name, line.horizon))
+            found += _open_lines(name, line)
+    return tuple(found)
+
+
+def _absent(names: Sequence[Name]) -> Caution:
+    """Say which lines a verdict has to be asked or bounded for."""
+    return Caution(
+        kind="missing",
+        line=names[0],
+        text=note(
+            "not given, and expected: {lines}; where one reaches a limit a verdict "
+            "holds up to a bound on it, or asks for it",
+            lines=in_a_row([note(key_title(name)) for name in names]),
+        ),
+    )
+
+
+def _without_range(kind: str) -> Caution:
+    """Say that nobody can tell whether a triad saturates."""
+    return Caution(
+        kind="range",
+        line=Name("range", owner=kind),
+        text=note(
+            "the range of the {sensor} is not given: whether a test or a mission goes "
+            "beyond it is not known",
+            sensor=note(kind),
+        ),
+    )
+
+
+def _lasting(name: Name, horizon: str) -> Caution:
+    """Say for how long a figure holds."""
+    return Caution(
+        kind="horizon",
+        line=name,
+        text=note(
+            "{line} is for use within {time} of a calibration",
+            line=note(key_title(name)),
+            time=horizon,
+        ),
+    )
+
+
+def _open_lines(name: Name, line: ErrorLine) -> Iterator[Caution]:
+    """Yield what a line leaves to whoever reads it."""
+    says = dict(line.says)
+    if line.name == NONLINEARITY and "full_scale" not in says:
+        yield Caution(
+            kind="full_scale",
+            line=name,
+            text=note(
+                "{line} has no full scale: no calibration takes it out, and at a later "
+                "turn-on it counts in full",
+                line=note(key_title(name)),
+            ),
+        )
+    if line.name == SAMPLE_NOISE and "bandwidth" not in says:
+        yield Caution(
+            kind="bandwidth",
+            line=name,
+            text=note(
+                "{line} has no bandwidth: the rate of the procedure decides what it "
+                "does on a mission",
+                line=note(key_title(name)),
+            ),
+        )
+    is_floor = line.name == STABILITY and line.definition == ALLAN_FLOOR
+    if is_floor and line.correlation_time is None:
+        yield Caution(
+            kind="correlation_time",
+            line=name,
+            text=note(
+                "{line} is the floor of an Allan curve without a correlation time: "
+                "taken as flicker noise",
+                line=note(key_title(name)),
+            ),
+        )
 
 
 def _idle(name: Name, line: ErrorLine, key: str) -> Caution:
