@@ -79,14 +79,16 @@ def allocate(
     ] = None,
     seed: options.Seed = 0,
     no_validate: options.NoValidate = False,
+    accept: options.Accept = "meets",
     language: options.Language = "en",
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
 ) -> None:
     """Find the standard uncertainty that each line may have for a requirement.
 
-    The device is where it starts. Exit code 1, and no file written, where the
-    requirement cannot be met.
+    The device is where it starts. Exit code 1 where what is allocated meets the
+    requirement on conditions alone or cannot be judged; 1, and no file written, where
+    the requirement cannot be met.
     """
     from budget.cli.computing import computing
     from budget.cli.output import check_destinations, check_yaml, hand_out
@@ -155,6 +157,8 @@ def allocate(
     )
     if allocation.feasible:
         show(documents, pages=written)
+        if not allocation.is_met(options.accepted(accept)):
+            raise typer.Exit(options.EXIT_NOT_MET)
         return
     show([one for one in documents if one[0] == options.STDOUT])
     if any(path not in {None, options.STDOUT} for path in (json, csv, write)):

@@ -34,7 +34,7 @@ from budget.report.tables import (
     print_utilisation,
     source_title,
 )
-from budget.report.wording import capital
+from budget.report.wording import VERDICTS, capital, standing_blocks
 from budget.studies.request import given_lines
 from budget.studies.stations import DOES, MOST_FALSE_ACCEPT, NO_FIGURES
 from budget.ties import settle
@@ -69,6 +69,7 @@ def station_section(found: Qualification) -> Section:
     measured = "".join(f" {_measured(one)}" for one in _headed(found))
     blocks: list[Block] = [
         Paragraph(words=(Run(text=headline(found), strong=True), measured)),
+        *_standing_blocks(found),
         Paragraph(words=(_settings(found),), small=True),
     ]
     for owner in (STATION, ENVIRONMENT):
@@ -99,6 +100,19 @@ def station_section(found: Qualification) -> Section:
         title=say("What the test station must be"),
         blocks=tuple(blocks),
     )
+
+
+def _standing_blocks(found: Qualification) -> Iterator[Block]:
+    """Yield the verdict on what is calibrated by this test, and what it stands on."""
+    for owner, standing in found.standings:
+        said = say(
+            "{sensor}: {verdict}, {after}.",
+            sensor=capital(key_title(owner)),
+            verdict=say(VERDICTS[standing.verdict]),
+            after=say(standing.after),
+        )
+        yield Paragraph(words=(said,))
+        yield from standing_blocks(standing)
 
 
 def headline(found: Qualification) -> str:

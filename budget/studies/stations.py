@@ -69,7 +69,9 @@ from budget.spec.records import UNCALIBRATED, ErrorLine
 from budget.spec.station import IDEAL, at_station
 from budget.spec.use import in_use
 from budget.studies.blunders import against_limits
+from budget.studies.lower_bounds import expecting
 from budget.studies.request import given_lines, not_weighted, sensors_of
+from budget.studies.verdicts import Case, stand
 from budget.ties import first_largest, largest, settle
 from budget.units import parse_quantity
 
@@ -82,6 +84,7 @@ if TYPE_CHECKING:
     from budget.methods.scaling import ScaledLaw
     from budget.model.source import Source
     from budget.problem import Output, Problem
+    from budget.results import Standing
     from budget.spec.files import File
     from budget.spec.records import (
         Device,
@@ -311,6 +314,8 @@ class Qualification(Tabled):
     times: Mapping[Name, float]
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
+    # Verdicts on what is calibrated by this test, at its own station, by triad.
+    standings: tuple[tuple[str, Standing], ...] = ()
 
     @property
     def own(self) -> StationVerdict | None:
@@ -341,6 +346,10 @@ class Qualification(Tabled):
                 "formulas": self.procedure.formulas,
             },
             "does": bool(self.doing),
+            "standings": [
+                {"sensor": owner, "verdict": one.verdict, **one.to_dict()}
+                for owner, one in self.standings
+            ],
             "sources": [figure.to_dict() for figure in self.figures],
             "stations": [one.to_dict(self.ratio) for one in self.stations],
             "assumptions": list(self.assumptions),
@@ -457,7 +466,26 @@ def qualify(
             *probe.assumed,
         ),
         warnings=(*_warnings(case, names), *against_limits(how, wanted)),
+        standings=_standings(imus, case),
     )
+
+
+def _standings(
+    devices: tuple[Device, ...], case: _Case
+) -> tuple[tuple[str, Standing], ...]:
+    """Judge each triad after the test, as every command does."""
+    found = []
+    for sensor in case.sensors:
+        one = Case(
+            devices=devices,
+            sensors=(expecting(sensor, case.procedure, case.requirement.reference),),
+            procedure=case.procedure,
+            requirement=case.requirement,
+        )
+        standing = stand(one, seed=0)
+        if standing is not None:
+            found.append((sensor.kind, standing))
+    return tuple(found)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -261,6 +261,19 @@ def _in_its_test() -> Condition:
     )
 
 
+def stand(case: Case, *, seed: int) -> Standing | None:
+    """Judge a case, by few trials where they are needed; None: it has no limit."""
+    problem = required_problem(
+        case.sensors, case.procedure, case.requirement, case.mission
+    )
+    held = limit_problem(problem, case.requirement)
+    if held is None:
+        return None
+    law = propagate(problem)
+    judged = judge(held, law, seed=seed, max_trials=TRIALS)
+    return decide(case, held, law, judged, seed=seed)
+
+
 def _only(sources: frozenset[Name]) -> Condition:
     """Return the condition of a verdict on some sources alone."""
     return Condition(

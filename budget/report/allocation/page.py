@@ -54,7 +54,7 @@ from budget.report.tables import (
     print_given,
     source_title,
 )
-from budget.report.wording import capital
+from budget.report.wording import capital, standing_lines
 from budget.ties import settle
 
 if TYPE_CHECKING:
@@ -98,6 +98,7 @@ def allocation_section(allocation: Allocation) -> Section:
     )
     blocks: list[Block] = [
         Paragraph(words=(Run(text=headline(allocation), strong=True),)),
+        *_standing_blocks(allocation),
         Paragraph(words=(settings,), small=True),
         *_points(
             say("What would make it feasible"), relaxations(allocation.impossible)
@@ -136,6 +137,16 @@ def allocation_section(allocation: Allocation) -> Section:
     return Section(
         name="allocation", title=say("What each line may be"), blocks=tuple(blocks)
     )
+
+
+def _standing_blocks(allocation: Allocation) -> Iterator[Block]:
+    """Yield after which calibration and in which use, and what it holds if."""
+    for place, (owner, standing) in enumerate(allocation.standings):
+        if not place:
+            yield Paragraph(words=(say("Judged {after}.", after=say(standing.after)),))
+        for text in standing_lines(standing):
+            said = say("{sensor}: {text}.", sensor=key_title(owner), text=text)
+            yield Paragraph(words=(Run(text=capital(said), strong=True),))
 
 
 def figured(allocation: Allocation) -> tuple[LimitedOutput, ...]:

@@ -62,10 +62,12 @@ from budget.studies.request import (
     not_weighted,
     sensors_of,
 )
+from budget.studies.verdicts import Case, stand
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from budget.results import Standing
     from budget.spec.files import File
     from budget.spec.records import (
         Costs,
@@ -172,6 +174,7 @@ def allocate(
         for sensor in (sensors_of(imus, how) if journey is None else navigating(imus))
     )
     warnings: tuple[str, ...] = ()
+    comparable = None if catalogue is None else tuple(catalogue)
     if catalogue is None:
         catalogue, warnings = load_catalogue()
     offered = best_offered(catalogue, sensors)
@@ -232,6 +235,13 @@ def allocate(
         feasible=feasible,
         not_allocated=missing,
         not_estimated=limited_but_held(there, how, wanted.outputs),
+        standings=tuple(
+            (case.owner, standing)
+            for case in cases
+            if feasible and case.s is not None
+            for standing in [_standing(case, imus, comparable, seed=seed)]
+            if standing is not None
+        ),
         sources=(
             *(
                 row
@@ -284,6 +294,27 @@ def allocate(
             ),
             *_warnings(sensors, cases, bounds, prices),
         ),
+    )
+
+
+def _standing(
+    case: SensorCase,
+    devices: tuple[Device, ...],
+    catalogue: tuple[Device, ...] | None,
+    *,
+    seed: int,
+) -> Standing | None:
+    """Return the verdict on what is allocated, as every command gives it."""
+    return stand(
+        Case(
+            devices=devices,
+            sensors=case.allocated,
+            procedure=case.procedure,
+            requirement=case.requirement,
+            mission=case.mission,
+            catalogue=catalogue,
+        ),
+        seed=seed,
     )
 
 
@@ -523,8 +554,7 @@ def _warnings(
             lines = ", ".join(new)
             texts.append(
                 note(
-                    "{lines}: not given, so nothing was allotted to it; a "
-                    "verdict on the allocated device stays undecidable",
+                    "{lines}: not given, so nothing was allotted to it",
                     lines=lines,
                 )
             )

@@ -122,13 +122,19 @@ class SensorCase:
         ]
         return np.asarray(normal_coverage_factor(np.array(coverage)))
 
-    def allocated_problem(self) -> Problem:
-        """Return the calibration, or the mission, with the lines as allocated."""
-        resized = tuple(
+    @property
+    def allocated(self) -> tuple[Sensor, ...]:
+        """The triads with their lines as allocated."""
+        return tuple(
             resize(sensor, self.task.law.sources, self.factors)
             for sensor in self.sensors
         )
-        return required_problem(resized, self.procedure, self.requirement, self.mission)
+
+    def allocated_problem(self) -> Problem:
+        """Return the calibration, or the mission, with the lines as allocated."""
+        return required_problem(
+            self.allocated, self.procedure, self.requirement, self.mission
+        )
 
     def at_most(self, ceilings: Mapping[Name, float]) -> SensorCase:
         """Return the case with no line above these factors, by the name of its line."""

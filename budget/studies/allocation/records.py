@@ -10,8 +10,10 @@ from budget.results import SCHEMA, Tabled, inputs_document
 from budget.ties import settle
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from budget.problem import Output
-    from budget.results import InputFile
+    from budget.results import InputFile, Standing
     from budget.spec.records import Device, Sensor
 
 MEAN = Name("mean")  # the part of a limit that the mean error takes
@@ -324,6 +326,16 @@ class Allocation(Tabled):
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
     not_estimated: tuple[Name, ...] = ()  # have limits and are held in the test
+    # Of what is allocated, by the owner of the limits; () where nothing is.
+    standings: tuple[tuple[str, Standing], ...] = ()
+
+    def is_met(self, accepted: Sequence[str]) -> bool:
+        """Whether what is allocated has one of these verdicts, or is at its limit.
+
+        At a limit, which is where an allocation ends, no trials decide.
+        """
+        fine = {*accepted, "undecided"}
+        return self.feasible and all(one.verdict in fine for _, one in self.standings)
 
     @property
     def binding(self) -> tuple[LimitedOutput, ...]:
@@ -351,6 +363,10 @@ class Allocation(Tabled):
                 "formulas": self.formulas,
             },
             "feasible": self.feasible,
+            "standings": [
+                {"sensor": owner, "verdict": one.verdict, **one.to_dict()}
+                for owner, one in self.standings
+            ],
             "not_allocated": list(self.not_allocated),
             **({"not_estimated": held} if (held := list(self.not_estimated)) else {}),
             "sources": [source.to_dict() for source in self.sources],
