@@ -346,6 +346,14 @@ JOINT: Node = {
     "type": "array",
     "items": {"type": "array", "items": {"type": ["number", "null"]}},
 }
+STANDINGS: Node = {
+    "description": "verdicts by triad or mission, each with what it stands on",
+    "type": "array",
+    "items": {
+        "type": "object",
+        "required": ["sensor", "verdict", "conditions", "cautions"],
+    },
+}
 FROM: Node = {"from": str}  # no name in Python
 KEYS: Node = {
     "sensor": str,
@@ -618,6 +626,7 @@ def _allocation(schema: _Schema) -> Node:
         f"title feasible not_allocated not_given {SAID}",
         **_head("allocate"),
         inputs=_files(schema),
+        standings=STANDINGS,
         settings=schema.entry(
             "allocation_settings",
             Allocation,
@@ -683,6 +692,7 @@ def _station(schema: _Schema) -> Node:
         Qualification,
         f"title {SAID}",
         **_head("station"),
+        standings=STANDINGS,
         inputs=_files(schema),
         settings=settings,
         does=bool,

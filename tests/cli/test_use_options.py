@@ -324,8 +324,38 @@ def test_the_exit_code_goes_by_the_verdict_where_asked(
 
 
 @pytest.mark.parametrize(("more", "code"), [((), 1), (("--accept", "meets_if"), 0)])
-def test_conditions_are_accepted_where_asked(more, code, files):
+@pytest.mark.parametrize("command", ["compare", "allocate"])
+def test_conditions_are_accepted_where_asked(command, more, code, files):
     """Nobody has stated the environment: a verdict is no better than meets_if."""
-    run = call("compare", "zhao-2019", "--requirement", files["anywhere"], *more)
+    run = call(command, "zhao-2019", "--requirement", files["anywhere"], *more)
     assert run.code == code
-    assert "MEETS IF" in run.out or "meets if" in run.out
+    assert "its sheet does not say what" in " ".join(run.out.split())
+    stated = call(command, "zhao-2019", "--requirement", files["test"])
+    assert stated.code == 0
+
+
+@pytest.mark.parametrize("command", ["allocate", "station"])
+def test_a_verdict_has_what_it_stands_on_beside_it(command, files):
+    """After which test, in which use, and what nobody has stated: page and document."""
+    what = (command, "zhao-2019", "--requirement", files["anywhere"])
+    run = call(*what)
+    words = " ".join(run.out.split())
+    assert "after the test Zhao 2019 on an ideal table, its environment not" in words
+    assert "its sheet does not say what temperature" in words
+    assert max(map(len, run.out.splitlines())) <= 80
+    (own,) = document(*what)["standings"]
+    assert own["sensor"] == "gyro"
+    assert own["verdict"] == "meets_if"
+    assert {one["kind"] for one in own["conditions"]} == {
+        *("temperature", "vibration", "age"),
+    }
+
+
+def test_conditions_stand_right_below_the_headline(files):
+    """On the page of a mission, before the table of limits."""
+    what = ("zhao-2019", "--mission", files["bench"], "--requirement", files["open"])
+    lines = call("mission", *what, *LAW).out.splitlines()
+    (top,) = [n for n, line in enumerate(lines) if line.startswith("MEETS open IF")]
+    below = next(n for n, line in enumerate(lines) if "does not say what" in line)
+    table = next(n for n, line in enumerate(lines) if "limit" in line and n > below)
+    assert top < below <= top + 2 < table

@@ -22,9 +22,11 @@ from budget.methods.sobol import sobol
 from budget.methods.validation import validate
 from budget.names import Name
 from budget.problem import Group, Output, Problem
+from budget.spec import load_device
 from budget.spec.records import Device, Limit, Requirement
 from budget.studies.analysis import analyze
 from budget.studies.conformity import assess
+from budget.studies.verdicts import cautions_of_device
 from budget.units import DEG_PER_HOUR, MICRO_G
 
 
@@ -295,3 +297,99 @@ def test_a_nonlinearity_over_a_full_scale_is_its_curve(tmp_path):
     u, told = nonlinear(tmp_path, "{value: 30 ppm, full_scale: 300 deg/s}")
     assert_allclose(u["next_turn_on"], 4.0 * (20.0 / 300.0) ** 2, rtol=1e-3)
     assert "full scale not given" not in told["next_turn_on"]
+
+
+GIVEN = {
+    "bias_repeatability": "1 deg/h",
+    "bias_stability": "0.1 deg/h",
+    "angle_random_walk": "0.01 deg/sqrt(h)",
+    "scale_factor_repeatability": "10 ppm",
+    "mounting_repeatability": "1 arcsec",
+}
+
+
+def kinds_of(*, without=(), reads="300 deg/s", **lines):
+    """Return kind and line of all that a gyro's sheet leaves open."""
+    errors = {name: x for name, x in GIVEN.items() if name not in without} | lines
+    sheet = {"name": "sheet", "gyro": {"errors": errors}}
+    if reads:
+        sheet["gyro"]["range"] = reads
+    found = cautions_of_device(load_device(sheet))
+    return [(one.kind, one.line.quantity) for one in found]
+
+
+def test_a_sheet_that_says_all_leaves_nothing_open():
+    """The control: every expected line, a range, and nothing that a use exercises."""
+    assert kinds_of() == []
+
+
+@pytest.mark.parametrize(
+    ("options", "kind", "line"),
+    [
+        ({"without": ["bias_stability"]}, "missing", "bias_stability"),
+        ({"reads": ""}, "range", "range"),
+        *(
+            ({name: value}, "not_exercised", name)
+            for name, value in (
+                ("bias_temperature_coefficient", "0.1 deg/h/degC"),
+                ("scale_factor_temperature_coefficient", "10 ppm/degC"),
+                ("vibration_rectification", "1 deg/h/g^2"),
+                ("ageing", {"value": "1 deg/h", "horizon": "1 year"}),
+            )
+        ),
+        (
+            {"bias_repeatability": {"value": "1 deg/h", "horizon": "1 year"}},
+            *("horizon", "bias_repeatability"),
+        ),
+        (
+            {"scale_factor_nonlinearity": "30 ppm"},
+            *("full_scale", "scale_factor_nonlinearity"),
+        ),
+        (
+            {"without": ["angle_random_walk"], "sample_noise": "0.1 deg/s"},
+            *("bandwidth", "sample_noise"),
+        ),
+        (
+            {"bias_stability": {"value": "1 deg/h", "definition": "allan_minimum"}},
+            *("correlation_time", "bias_stability"),
+        ),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_what_a_sheet_leaves_open_is_said(options, kind, line):
+    """Of one line each, and of nothing else."""
+    assert kinds_of(**options) == [(kind, line)]
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"bias_temperature_coefficient": "0 deg/h/degC"},
+        {"scale_factor_nonlinearity": {"value": "30 ppm", "full_scale": "300 deg/s"}},
+        {
+            "without": ["angle_random_walk"],
+            "sample_noise": {"value": "0.1 deg/s", "bandwidth": "50 Hz"},
+        },
+        {
+            "bias_stability": {
+                "value": "1 deg/h",
+                "definition": "allan_minimum",
+                "correlation_time": "600 s",
+            }
+        },
+    ],
+    ids=["nothing", "full scale", "bandwidth", "correlation time"],
+)
+def test_what_a_sheet_says_of_itself_leaves_nothing_open(options):
+    """What is a 0, or says its full scale, bandwidth or time."""
+    assert kinds_of(**options) == []
+
+
+def test_validate_says_what_a_sheet_leaves_open():
+    """Once for all variants, in the words of the verdicts."""
+    out = call("validate", "bmi088").out
+    said = [line for line in out.splitlines() if line.startswith("  caution: ")]
+    assert len(said) == len(set(said))
+    assert any("temperature" in line and "not exercised" in line for line in said)
+    own = {str(one.text) for one in cautions_of_device(load_device("bmi088"))}
+    assert {line.removeprefix("  caution: ") for line in said} == own

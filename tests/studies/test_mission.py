@@ -237,6 +237,48 @@ def test_what_a_calibration_buys(bench):
     assert (np.array(made.cep) > 1.3 * np.array(sold.cep)).all()
 
 
+@pytest.mark.parametrize(
+    ("gyro", "line"),
+    [
+        ({"bias_repeatability": "1 deg/h"}, "gyro.bias_repeatability"),
+        ({"angle_random_walk": "1 deg/sqrt(h)"}, "gyro.angle_random_walk"),
+        (
+            {"bias_repeatability": "1 deg/h", "angle_random_walk": "3 deg/sqrt(h)"},
+            "gyro.angle_random_walk",
+        ),
+    ],
+)
+def test_it_says_which_line_makes_a_test_cost(bench, gyro, line):
+    """A noise over a short test, or what is new at every turn-on: that adds most."""
+    sheet = {
+        "name": "one line",
+        "gyro": {"errors": gyro},
+        "accelerometer": {"errors": {"bias_stability": "1 ug"}},
+    }
+    none, maker, own = bought(replace(bench, devices=(load_device(sheet),)))
+    assert own.cep[-1] > maker.cep[-1]
+    assert (own.worse_than, own.because) == (maker.name, line)
+    assert none.because is maker.because is None
+
+
+def test_a_test_that_holds_what_the_maker_finds_costs_it(bench):
+    """The norm of gravity finds no gyro bias: what it has from its making is left."""
+    changed = replace(
+        bench,
+        devices=(load_device("icm-20948"),),
+        procedure=load_procedure("norm-nine-positions"),
+    )
+    *_, own = bought(changed)
+    assert own.because == "gyro.initial_bias"
+
+
+def test_a_test_that_costs_nothing_gives_no_reason(bench):
+    """A control: of six positions the paper's unit is as its maker calibrated it."""
+    *_, maker, own = bought(replace(bench, procedure=load_procedure("six-positions")))
+    assert_allclose(own.cep[-1], maker.cep[-1], rtol=0.01)
+    assert own.because is None
+
+
 def test_beyond_first_order_is_said():
     """A unit whose attitude is lost has no meaningful position: a warning says so."""
     lost = analyze("mpu-6050", mission="outage-60-s", validate=False)

@@ -166,8 +166,8 @@ def why_worse(test: Calibrated) -> str:
     elif source.stays in {DEVICE, TURN_ON}:
         why = TWICE
     return say(
-        "The test leaves more than {other}, most of it by {line}: {why}.",
-        other=say(test.worse_than),
+        "The test leaves more than the maker's calibration, most of it by {line}: "
+        "{why}.",
         line=full_title(test.because),
         why=say(why),
     )
