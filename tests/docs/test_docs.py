@@ -249,7 +249,21 @@ def test_the_tutorial_runs_to_the_letter(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (limits,) = re.findall(r"(?ms)^```yaml\n(.*?)^```$", TUTORIAL)
     Path("requirement.yaml").write_text(limits, encoding="utf-8")
-    shown = re.findall(r"(?ms)^```(console|text)\n(.*?)^```$", TUTORIAL)
+    assert runs_to_the_letter(TUTORIAL) >= 6
+
+
+def test_the_worked_sheets_of_verdicts_run_to_the_letter(tmp_path, monkeypatch):
+    """Each file under its name, each command with what is shown of it."""
+    monkeypatch.chdir(tmp_path)
+    page = (DOCS / "verdicts.md").read_text("utf-8")
+    for name, text in re.findall(r"(?ms)^```yaml\n# (\S+)\n(.*?)^```$", page):
+        Path(name).write_text(text, encoding="utf-8")
+    assert runs_to_the_letter(page) >= 5
+
+
+def runs_to_the_letter(page):
+    """Run the commands of a page, with what is shown of each; how many are shown."""
+    shown = re.findall(r"(?ms)^```(console|text)\n(.*?)^```$", page)
     said = ""
     for kind, text in shown:
         if kind == "text":
@@ -261,7 +275,7 @@ def test_the_tutorial_runs_to_the_letter(tmp_path, monkeypatch):
             outcome = say(line)
             assert outcome.code == 0, (line, outcome.err)
             said = squeeze(outcome.out + outcome.err)
-    assert [kind for kind, _ in shown].count("text") >= 6
+    return [kind for kind, _ in shown].count("text")
 
 
 def squeeze(text):
