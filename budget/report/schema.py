@@ -306,10 +306,16 @@ def _standing(schema: _Schema) -> Node:
         "station": str,
         "use": str,
         "mission": str | None,
+        "decision": str,
         "conditions": _many(condition),
         "cautions": tuple[Caution, ...],
         "utilisation_at_ceilings": _hint(Standing, "at_ceilings"),
     }
+
+
+def _standings(schema: _Schema) -> Node:
+    """Describe verdicts of triads, and of the mission, beside what stands first."""
+    return _many(schema.entry("standing", Standing, sensor=str, **_standing(schema)))
 
 
 def _readings(schema: _Schema) -> Node:
@@ -345,14 +351,6 @@ JOINT: Node = {
     ", of which no covariance is known",
     "type": "array",
     "items": {"type": "array", "items": {"type": ["number", "null"]}},
-}
-STANDINGS: Node = {
-    "description": "verdicts by triad or mission, each with what it stands on",
-    "type": "array",
-    "items": {
-        "type": "object",
-        "required": ["sensor", "verdict", "conditions", "cautions"],
-    },
 }
 FROM: Node = {"from": str}  # no name in Python
 KEYS: Node = {
@@ -626,7 +624,7 @@ def _allocation(schema: _Schema) -> Node:
         f"title feasible not_allocated not_given {SAID}",
         **_head("allocate"),
         inputs=_files(schema),
-        standings=STANDINGS,
+        standings=_standings(schema),
         settings=schema.entry(
             "allocation_settings",
             Allocation,
@@ -692,7 +690,7 @@ def _station(schema: _Schema) -> Node:
         Qualification,
         f"title {SAID}",
         **_head("station"),
-        standings=STANDINGS,
+        standings=_standings(schema),
         inputs=_files(schema),
         settings=settings,
         does=bool,
