@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from copy import deepcopy
+from html import escape
 from math import pi, sqrt
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import budget
+from budget.studies.allocation.cases import Bounds
 from budget.studies.comparison.compare import compare
 
 G = 9.80665
@@ -634,3 +636,92 @@ def test_a_limit_that_no_environment_reaches_is_not_met_without_one():
     nominal = need | {"reference": "nominal"}
     found = budget.analyze(SHEET, requirement=nominal, validate=False)
     assert found.assessment.sensors[0].verdict == "meets"
+
+
+SHEETS = 50
+TEST = {
+    "name": "test",
+    "limits": {
+        "gyro": {"bias": "30 deg/h", "scale_factor": "2000 ppm"},
+        "accelerometer": {"bias": "4 mg", "scale_factor": "3000 ppm"},
+    },
+}
+
+
+def told(standing) -> tuple[str, tuple[str, ...]]:
+    """Return the word of a verdict, and all that stands beside it."""
+    texts = (*standing.conditions, *standing.cautions)
+    return standing.verdict, tuple(str(one.text) for one in texts)
+
+
+@pytest.fixture(scope="module")
+def sheets():
+    """Return random sheets, less a line every second time, some with a use."""
+    rng = np.random.default_rng(9)
+    found = []
+    for place in range(SHEETS):
+        full, less, _ = random_case(rng)
+        sheet = full if place % 2 else less
+        found.append(sheet | {"name": f"sheet {place}"})
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("turn", [0, 1, 2])
+def test_verdicts_on_a_calibration_agree_word_for_word(sheets, turn, tmp_path):
+    """Of analyze, report, compare, allocate and station: words and all beside them.
+
+    A third of the sheets each with no use stated, with none, and with one.
+    """
+    use: dict[str, Any] = ({}, {"environment": "none"}, STATED)[turn]
+    chosen = sheets[turn::3]
+    need = TEST | use
+    compared = compare(chosen, need)
+    rows = {(one.name, one.sensor): one for one in compared.devices}
+    for place, sheet in enumerate(chosen):
+        found = budget.analyze(sheet, requirement=need, validate=False)
+        for sensor in found.assessment.sensors:
+            row = rows[sheet["name"], sensor.sensor]
+            assert told(row.standing) == told(sensor.standing)
+            assert_allclose(row.utilisation, sensor.utilisation, rtol=1e-9)
+        stations = dict(budget.qualify(sheet, requirement=need).standings)
+        for sensor in found.assessment.sensors:
+            assert told(stations[sensor.sensor])[0] == sensor.verdict
+        if place % 10 == 0:
+            path = tmp_path / "page.html"
+            budget.report(found, path)
+            page = " ".join(path.read_text("utf-8").split())
+            for sensor in found.assessment.sensors:
+                for text in told(sensor.standing)[1]:
+                    assert escape(text) in page or "more" in page
+        if found.assessment.verdict not in {"meets", "meets_if"}:
+            continue
+        lines = [
+            f"{kind}.{line}"
+            for kind in ("gyro", "accelerometer")
+            for line in sheet[kind]["errors"]
+        ]
+        kept = budget.allocate(
+            sheet,
+            requirement=need,
+            bounds=Bounds(held=frozenset(lines), most={}, least={}),
+        )
+        for owner, standing in kept.standings:
+            (sensor,) = [one for one in found.assessment.sensors if one.sensor == owner]
+            assert standing.verdict == sensor.verdict
+
+
+@pytest.mark.slow
+def test_verdicts_on_a_mission_agree_word_for_word(sheets):
+    """Of mission, compare and the document: words and all beside them."""
+    compared = compare(sheets, NEED, mission=OUTAGE)
+    rows = {one.name: one for one in compared.devices}
+    for sheet in sheets:
+        found = budget.analyze(sheet, mission=OUTAGE, requirement=NEED, validate=False)
+        (sensor,) = found.assessment.sensors
+        row = rows[sheet["name"]]
+        assert told(row.standing) == told(sensor.standing)
+        assert row.standing.after == sensor.standing.after
+        document = found.to_dict()["assessment"]["sensors"][0]
+        assert document["verdict"] == row.to_dict()["verdict"]
+        assert document["conditions"] == row.to_dict()["conditions"]
