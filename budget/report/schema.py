@@ -509,7 +509,7 @@ def _assessment(schema: _Schema) -> Node:
     return schema.entry(
         "assessment",
         Assessment,
-        "requirement not_there",
+        "requirement verdict not_there",
         **CHANCE,
         sensors=_many(sensor),
         outputs=_judged(schema),

@@ -354,13 +354,19 @@ def test_no_line_is_wider_than_the_terminal(columns, monkeypatch):
 @pytest.mark.parametrize("errors", ["", " {bias_repeatability: 0 deg/h}"])
 @pytest.mark.parametrize("strategy", ["proportional", "equal", "cost"])
 def test_a_device_without_any_error_has_nothing_to_share(tmp_path, errors, strategy):
-    """No line, or only zeros: feasible, said in a warning, and nothing matches it."""
+    """No line, or only zeros: feasible, said in a warning, and nothing matches it.
+
+    The code is 1: nobody can say whether it meets.
+    """
     path = tmp_path / "bare.yaml"
     part = f"{{errors:{errors}}}" if errors else "{}"
     path.write_text(f"name: Bare\ngyro: {part}\n", encoding="utf-8")
-    found = document(path, "--strategy", strategy)
+    run = call("allocate", path, *FAST, "--strategy", strategy, "--json", "-")
+    found = run.document
 
+    assert run.code == 1
     assert found["feasible"] is True
+    assert {one["verdict"] for one in found["standings"]} == {"undecidable"}
     assert any("nothing to share" in text for text in found["warnings"])
     assert found["devices"] == []
 

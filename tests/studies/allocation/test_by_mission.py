@@ -145,6 +145,7 @@ def test_a_limit_on_heading_asks_nothing_of_accelerometers(limit):
     allocation = allocate(
         load_device("hg4930#C"),
         requirement=wanted,
+        procedure=load_procedure(None),
         mission=BENCH,
         catalogue=(),
         validate=False,
@@ -168,7 +169,9 @@ def test_what_a_mission_limits_now_is_what_compare_says():
 
 
 def test_what_cannot_be_met_says_so(monkeypatch):
-    """With every line held as it is, 6.7 miles are no mile: the limit is named.
+    """With every line held as it is, after a test 6.7 miles are no mile.
+
+    The limit is named.
 
     What is held is the devices as they are, so one longer test is found for both.
     """
@@ -179,12 +182,15 @@ def test_what_cannot_be_met_says_so(monkeypatch):
         for line in sensor.lines
     )
 
-    allocation = allot(on_mission(), bounds=Bounds(held=held, most={}, least={}))
+    test = load_procedure(None)
+    allocation = allot(
+        on_mission(), bounds=Bounds(held=held, most={}, least={}), procedure=test
+    )
 
     assert not allocation.feasible
     (row,) = allocation.impossible
     assert row.output.name == HORIZONTAL
-    now = by_mission(ZHAO, on_mission(), method="gum").utilisation
+    now = by_mission(ZHAO, on_mission(), method="gum", procedures=test).utilisation
     assert_allclose(row.floor, now, rtol=1e-9)
     by_goal = {test.goal: [] for test in allocation.longer_tests}
     for test in allocation.longer_tests:
