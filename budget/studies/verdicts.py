@@ -1012,7 +1012,7 @@ def _absent(names: Sequence[Name]) -> Caution:
         line=names[0],
         text=note(
             "not given, and expected: {lines}; where one reaches a limit a verdict "
-            "holds up to a bound on it, or asks for it",
+            "is up to a bound on it, or asks for it",
             lines=in_a_row([note(key_title(name)) for name in names]),
         ),
     )
