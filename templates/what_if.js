@@ -72,22 +72,29 @@ function evaluate(model, factors) {
   const outputs = model.outputs.map((output, k) => {
     const mean = squares.reduce((sum, square, g) => sum + square * model.mean[g][k], output.value);
     const { alone, all: variance } = addUp(model, k, squares, place);
-    const u = Math.sqrt(Math.max(variance, 0));
-    let expanded = output.factor * u;
-    if (output.length !== null) {
-      const [x, y] = model.ellipse.map((part) => addUp(part, output.length, squares, place).all);
-      const half = Math.min(Math.hypot(x, y), variance / 2);
-      expanded = output.factor * radiusOf(output.coverage, variance / 2 + half, variance / 2 - half);
-    }
-    const middle = mean + output.shift * u;
-    const largest = Math.max(Math.abs(middle - expanded), Math.abs(middle + expanded));
+    const bent = output.length === null ? null : model.ellipse.map((part) => addUp(part, output.length, squares, place).all);
+    const { u, expanded, utilisation } = endOf(output, mean, variance, bent);
+    const [more, ...turned] = output.added;
+    const atTop = endOf(output, mean, variance + more, bent && bent.map((part, i) => part + turned[i])).utilisation;
     return {
-      mean, u, expanded, largest,
-      utilisation: output.limit === null ? null : largest / output.limit,
+      mean, u, expanded, utilisation, atTop,
       shares: alone.map((part) => (variance > 0 ? part / variance : 0)),
     };
   });
-  return { outputs, sensors: judge(model, outputs) };
+  return { outputs, sensors: judge(model, outputs, factors.some((factor) => factor !== 1)) };
+}
+
+/** The interval of an output and the part of its limit, from its variance and, of a length, D/2 and W. */
+function endOf(output, mean, variance, bent) {
+  const u = Math.sqrt(Math.max(variance, 0));
+  let expanded = output.factor * u;
+  if (bent) {
+    const half = Math.min(Math.hypot(...bent), variance / 2);
+    expanded = output.factor * radiusOf(output.coverage, variance / 2 + half, variance / 2 - half);
+  }
+  const middle = mean + output.shift * u;
+  const largest = Math.max(Math.abs(middle - expanded), Math.abs(middle + expanded));
+  return { u, expanded, utilisation: output.limit === null ? null : largest / output.limit };
 }
 
 const ALIKE = 1e-6;   // relative difference of quantities that count as equal
@@ -110,8 +117,23 @@ function joinOutputs(model, places) {
     `${group} ${axes.length === 6 ? word("(every axis)") : axes.join(word(", "))}`), ...titles].join(word("; "));
 }
 
-/** The verdict on each sensor of which something is required; of ties all are named. */
-function judge(model, rows) {
+const VERDICTS = {
+  meets: term("MEETS"), meets_if: term("MEETS IF"), predicted: term("PREDICTED"),
+  undecided: term("UNDECIDED"), undecidable: term("UNDECIDABLE"), fails: term("FAILS"),
+};
+
+/** The verdict at a utilisation, and at that with missing lines at their ceilings: _verdict of budget/studies/what_if.py. */
+function verdictOf(sensor, utilisation, atTop) {
+  const [low, high] = sensor.doubt.map((part) => settled(part * utilisation));
+  let given = settled(utilisation) <= 1 ? "meets" : "fails";
+  if (low <= 1 && high > 1) given = "undecided";
+  if (sensor.saturates) given = "fails";
+  if (given !== "fails" && (sensor.is_open || !(settled(atTop) <= 1))) return "undecidable";
+  return given === "meets" && sensor.conditions.length ? "meets_if" : given;
+}
+
+/** The verdict on each sensor of which something is required; of ties all are named. That of the unchanged device is its own. */
+function judge(model, rows, isChanged) {
   const verdicts = [];
   for (const sensor of model.sensors) {
     const own = model.outputs.map((output, k) => k).filter((k) =>
@@ -122,12 +144,11 @@ function judge(model, rows) {
     const all = own.filter((k) => !(rows[k].utilisation < top * (1 - ALIKE)));
     const worst = all[0];
     const utilisation = rows[worst].utilisation;
-    let verdict = sensor.missing.length ? term("UNDECIDABLE") : term("MEETS");
-    const [low, high] = sensor.doubt.map((part) => settled(part * utilisation));
-    if (low <= 1 && high > 1) verdict = term("UNDECIDED");
-    else if (!(settled(utilisation) <= 1)) verdict = term("FAILS");
+    const isOwn = sensor.verdict === "predicted" || !isChanged;
+    const found = (isOwn && sensor.verdict) || verdictOf(sensor, utilisation, Math.max(...own.map((k) => rows[k].atTop)));
     verdicts.push({
-      title: sensor.title, worst, all, utilisation, verdict, missing: sensor.missing,
+      title: sensor.title, worst, all, utilisation, verdict: VERDICTS[found],
+      missing: sensor.missing, conditions: sensor.conditions,
     });
   }
   return verdicts;
@@ -290,8 +311,9 @@ function drawShares(model, shares, bar) {
 function sayVerdict(model, result, base, label, place) {
   place.replaceChildren(...result.sensors.map((now, i) => {
     const was = base.sensors[i];
-    const missing = now.verdict === "UNDECIDABLE"
-      ? word(", as {missing} is not given", { missing: now.missing.join(word(", ")) }) : "";
+    let missing = "";
+    if (now.verdict === VERDICTS.undecidable && now.missing.length) missing = word(", as {missing} is not given", { missing: now.missing.join(word(", ")) });
+    if (now.verdict === VERDICTS.meets_if) missing = word(", {conditions}", { conditions: now.conditions.join(word("; ")) });
     const before = was.verdict === now.verdict && was.utilisation === now.utilisation
       ? "" : word("; {label}: {verdict}, {used}", { label, verdict: word(was.verdict), used: perCent(was.utilisation) });
     const sensor = `${now.title[0].toUpperCase()}${now.title.slice(1)}`;

@@ -153,6 +153,26 @@ class ScaledLaw:
         safe = np.where(end > 0.0, end, np.inf)[:, None]
         return np.asarray((np.sign(mean)[:, None] * d_mean + k[:, None] * d_u) / safe)
 
+    def with_source(self, name: Name, variances: Array) -> ScaledLaw:
+        """Return the law with one more source, of the first order alone.
+
+        `variances`, shape (3, n_out), are V and, of lengths, D/2 and W [SI squared].
+        """
+
+        def wider(law: ScaledLaw, first: Array) -> ScaledLaw:
+            return replace(
+                law,
+                sources=(*law.sources, name),
+                shift=np.pad(law.shift, ((0, 0), (0, 1))),
+                first=np.column_stack([law.first, first]),
+                second=np.pad(law.second, ((0, 0), (0, 1), (0, 1))),
+            )
+
+        bent = zip(self.ellipse, variances[1:], strict=False)  # () without a length
+        return replace(
+            wider(self, variances[0]), ellipse=tuple(wider(*one) for one in bent)
+        )
+
     def select(self, outputs: Sequence[Name]) -> ScaledLaw:
         """Return the law of some outputs, in the order of their names."""
         rows = [self.outputs.index(name) for name in outputs]

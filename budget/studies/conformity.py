@@ -19,12 +19,13 @@ from budget.studies.judgement import (
     assess_outputs,
     judge,
     limit_problem,
+    screen,
     together,
 )
 from budget.studies.lower_bounds import missing_of
 from budget.studies.readings import verdicts_by_reading
 from budget.studies.request import analysis_of
-from budget.studies.verdicts import Case, decide
+from budget.studies.verdicts import Case, Margin, decide
 from budget.ties import first_largest
 
 if TYPE_CHECKING:
@@ -138,6 +139,20 @@ def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Asses
     )
 
 
+def margins(analysis: Analysis) -> Iterator[tuple[str, Case, Margin]]:
+    """Yield by sensor what its verdict has room for, by the law alone."""
+    if analysis.requirement is None:
+        return
+    for owner in _owners(analysis, analysis.requirement):
+        own = analysis.alone(owner)
+        held = limit_problem(own.problem, analysis.requirement)
+        if held is None or not any(sensor.lines for sensor in own.sensors):
+            continue
+        case = _case(own, analysis.requirement)
+        judged = screen(held, own.law, seed=0)
+        yield owner, case, Margin.of(case, held, own.law, judged, seed=0)
+
+
 def _owners(analysis: Analysis, requirement: Requirement) -> Iterator[str]:
     """Yield what has limits that can be judged: triads, both of them, the mission."""
     limited = requirement.outputs
@@ -147,6 +162,20 @@ def _owners(analysis: Analysis, requirement: Requirement) -> Iterator[str]:
         yield from dict.fromkeys(name.owner for name in known if name in limited)
     if analysis.mission is not None and MISSION in requirement.kinds:
         yield MISSION
+
+
+def _case(own: Analysis, requirement: Requirement) -> Case:
+    """Return what a verdict on a sensor, or on what belongs to both, is of."""
+    return Case(
+        devices=own.devices,
+        sensors=own.sensors,
+        procedure=own.procedure,
+        requirement=requirement,
+        mission=own.journey,
+        filling=own.filled,
+        only=own.only,
+        catalogue=own.catalogue,
+    )
 
 
 def _readings(own: Analysis, judged: Judged, seed: int) -> ReadingVerdicts | None:
@@ -197,16 +226,7 @@ def _verdict(
     if prediction is not None and not missing and not held.absent:
         doubt = doubt_of(prediction, held, own.law, judged)
     standing = decide(
-        Case(
-            devices=own.devices,
-            sensors=own.sensors,
-            procedure=own.procedure,
-            requirement=requirement,
-            mission=own.journey,
-            filling=own.filled,
-            only=own.only,
-            catalogue=own.catalogue,
-        ),
+        _case(own, requirement),
         held,
         own.law,
         judged,

@@ -117,6 +117,7 @@ USE_OF = {
     RECTIFICATION: "vibration",
     **dict.fromkeys(AGEING.values(), "age"),
 }
+STAYS_BELOW = term("if {line} stays below {bound}")
 DECIDES = term("{line} decides, and is not given: ask for it")
 DOUBLINGS = 200  # of a bound, from one probe on
 HALVINGS = 60  # to the rounding of a double
@@ -442,6 +443,14 @@ class Margin:
         return found
 
     @property
+    def added(self) -> Array:
+        """Covariance that missing lines add at their ceilings, as one of `parts`."""
+        weights = self.weights.copy()
+        for name in self.filled:
+            weights[list(self.groups[name])] = 0.0  # it is in what is given
+        return np.asarray(np.tensordot(weights, self.parts, axes=1))
+
+    @property
     def without_ceiling(self) -> tuple[Name, ...]:
         """Missing lines that nothing bounds."""
         return tuple(x for x in self.missing if x not in {*self.tops, *self.filled})
@@ -542,7 +551,7 @@ class Margin:
                 "{line} is not given, and from {bound} on it fails: ask for it", **texts
             )
         elif largest is None:
-            text = note("if {line} stays below {bound}", **texts)
+            text = note(STAYS_BELOW, **texts)
         else:
             text = note(
                 "if {line} stays below {bound}; comparable devices print up to "

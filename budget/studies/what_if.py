@@ -15,6 +15,10 @@ the same numbers. Where the interval of the budget is not the law's, k and d are
 of that interval, (U_p/u, JCGM 100:2008, annex G): its shape is kept, which is exact
 at factors of 1 and an approximation elsewhere.
 
+A verdict is as in budget.studies.verdicts. With every line that is not given at its
+ceiling u^2 is larger by what these add, which no factor moves: beyond a limit then, it
+is undecidable. At factors of 1 it is the verdict of the budget.
+
 Outputs of a mission that have limits stand beside those of the calibration, of the
 same sources. k of a length goes with its ellipse, and so with the factors.
 """
@@ -29,25 +33,39 @@ import numpy as np
 
 from budget.distributions import normal_coverage_factor
 from budget.errors import CallError
-from budget.language import axis_title, key_title
+from budget.language import axis_title, key_title, note, say
 from budget.methods.scaling import scaled_law
 from budget.model.sources import SENSORS
-from budget.names import IMU, MISSION
+from budget.names import IMU, MISSION, Name
+from budget.names import key_title as key_name
 from budget.results import BY_LAW
+from budget.studies.conformity import margins
 from budget.studies.request import given_lines, limited_but_held
+from budget.studies.verdicts import (
+    FAILS,
+    MEETS,
+    MEETS_IF,
+    PREDICTED,
+    STAYS_BELOW,
+    UNDECIDABLE,
+    UNDECIDED,
+    cautions_of,
+    gravest,
+    unstated,
+)
 from budget.ties import first_largest, settle
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from budget.arrays import Array
     from budget.methods.gum import Propagation
     from budget.methods.scaling import ScaledLaw
-    from budget.names import Name
     from budget.problem import Output
-    from budget.results import Budget
+    from budget.results import Assessment, Budget
     from budget.spec.records import ErrorLine
     from budget.studies.request import Analysis
+    from budget.studies.verdicts import Case, Margin
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,6 +85,10 @@ class WhatIfSensor:
 
     name: str  # 'gyro' or 'accelerometer'
     missing: tuple[Name, ...]  # lines not given, limited parameters not estimated
+    verdict: str = ""  # at factors of 1; '' where nobody has judged it
+    is_open: bool = False  # whether what is missing is not bounded
+    conditions: tuple[str, ...] = ()  # of a 'meets' at any factors
+    saturates: bool = False  # beyond its range no source matters
     doubt: tuple[float, float] = (1.0, 1.0)  # interval of the utilisation over it [1]
 
 
@@ -75,7 +97,7 @@ class SensorOutlook:
     """The verdict on one sensor at changed sources."""
 
     sensor: str
-    verdict: str  # 'meets', 'fails', 'undecided' or 'undecidable'
+    verdict: str  # one of budget.studies.verdicts.VERDICTS
     utilisation: float  # the largest over its required outputs [1]
     worst_output: Name  # dotted name
 
@@ -118,6 +140,9 @@ class WhatIf:
     # Of each output: whether a line that is not given would widen it.
     lower_bound: tuple[bool, ...]
     law: ScaledLaw = field(repr=False)  # in the order of `sources` and `outputs` [SI]
+    # What missing lines add at their ceilings: V and, of lengths, D/2 and W
+    # (budget.methods.scaling), shape (3, n_out) [SI squared].
+    added: Array = field(repr=False)
 
     def evaluate(self, factors: Mapping[str, float]) -> Outlook:
         """Return the budget with the standard uncertainties of sources multiplied.
@@ -130,25 +155,38 @@ class WhatIf:
         s = self._factors(factors)
         mean, variance = self.law.mean(s), self.law.variance(s)
         u = np.sqrt(variance)
-        k = self.coverage_factor * self.law.roundness(s, self.coverages)
-        ends = [self.shift - k, self.shift + k]
-        interval = np.stack([mean + end * u for end in ends], axis=1)
+        interval = self._interval(self.law, s)
+        at_top = self._interval(
+            self.law.with_source(Name("missing"), self.added), np.append(s, 1.0)
+        )
         share = (
             self.law.variance_alone(s)
             / np.where(variance > 0.0, variance, 1.0)[:, None]
         )
-        end = np.abs(interval).max(axis=1)
-        utilisation = tuple(
-            None if limit is None else float(end[k]) / limit
-            for k, limit in enumerate(self.limit)
-        )
+        utilisation = self._utilisation(interval)
         return Outlook(
             mean=mean,
             u=u,
             interval=interval,
             share=share,
             utilisation=utilisation,
-            sensors=self._judge(utilisation),
+            sensors=self._judge(
+                utilisation, self._utilisation(at_top), changed=bool((s != 1.0).any())
+            ),
+        )
+
+    def _interval(self, law: ScaledLaw, s: Array) -> Array:
+        """Return the coverage intervals, shape (n_out, 2) [SI]."""
+        mean, u = law.mean(s), np.sqrt(law.variance(s))
+        k = self.coverage_factor * law.roundness(s, self.coverages)
+        return np.stack([mean + (self.shift + end) * u for end in (-k, k)], axis=1)
+
+    def _utilisation(self, interval: Array) -> tuple[float | None, ...]:
+        """Return the part of its limit that each output uses [1]."""
+        end = np.abs(interval).max(axis=1)
+        return tuple(
+            None if limit is None else float(end[k]) / limit
+            for k, limit in enumerate(self.limit)
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -178,6 +216,10 @@ class WhatIf:
                         for name in sensor.missing
                     ],
                     "doubt": list(sensor.doubt),
+                    "verdict": sensor.verdict,
+                    "is_open": sensor.is_open,
+                    "conditions": [say(text) for text in sensor.conditions],
+                    "saturates": sensor.saturates,
                 }
                 for sensor in self.sensors
             ],
@@ -212,6 +254,7 @@ class WhatIf:
                     "limit": _in_unit(self.limit[k], output),
                     "lower_bound": self.lower_bound[k],
                     "resolution": output.resolution / output.si_per_unit,
+                    "added": (self.added[:, k] / unit[k] ** 2).tolist(),
                 }
                 for k, output in enumerate(self.outputs)
             ],
@@ -248,33 +291,57 @@ class WhatIf:
             )
         return s
 
-    def _judge(self, utilisation: Sequence[float | None]) -> tuple[SensorOutlook, ...]:
-        """Return the verdicts, by the rules of budget.studies.judgement."""
+    def _judge(
+        self,
+        utilisation: Sequence[float | None],
+        at_top: Sequence[float | None],
+        *,
+        changed: bool,
+    ) -> tuple[SensorOutlook, ...]:
+        """Return the verdicts, by the rules of budget.studies.verdicts.
+
+        Those of the unchanged device are its own.
+        """
         outlooks = []
         for sensor in self.sensors:
             own = [
-                (used, output.name)
-                for used, output in zip(utilisation, self.outputs, strict=True)
-                if used is not None and output.name.owner == sensor.name
+                (used, top, output.name)
+                for used, top, output in zip(
+                    utilisation, at_top, self.outputs, strict=True
+                )
+                if used is not None and top is not None
+                if output.name.owner == sensor.name
             ]
             if not own:
                 continue
-            used, worst = own[first_largest([row[0] for row in own])]
-            low, high = (settle(part * used) for part in sensor.doubt)
-            verdict = "undecidable" if sensor.missing else "meets"
-            if low <= 1.0 < high:
-                verdict = "undecided"
-            elif settle(used) > 1.0:
-                verdict = "fails"
+            used, _, worst = own[first_largest([row[0] for row in own])]
+            is_own = sensor.verdict == PREDICTED or not changed
             outlooks.append(
                 SensorOutlook(
                     sensor=sensor.name,
-                    verdict=verdict,
+                    verdict=(is_own and sensor.verdict)
+                    or _verdict(sensor, used, max(top for _, top, _ in own)),
                     utilisation=used,
                     worst_output=worst,
                 )
             )
         return tuple(outlooks)
+
+
+def _verdict(sensor: WhatIfSensor, used: float, at_top: float) -> str:
+    """Return the verdict at a utilisation, and at one with missing lines at their top.
+
+    It is as in budget.studies.verdicts.decide.
+    """
+    low, high = (settle(part * used) for part in sensor.doubt)
+    given = FAILS if settle(used) > 1.0 else MEETS
+    if low <= 1.0 < high:
+        given = UNDECIDED
+    if sensor.saturates:
+        given = FAILS
+    if given != FAILS and (sensor.is_open or settle(at_top) > 1.0):
+        return UNDECIDABLE
+    return MEETS_IF if given == MEETS and sensor.conditions else given
 
 
 def what_if(analysis: Analysis, *, budget: Budget | None = None) -> WhatIf:
@@ -286,9 +353,66 @@ def what_if(analysis: Analysis, *, budget: Budget | None = None) -> WhatIf:
     """
     found, required = _what_if(analysis, budget), analysis.requirement
     is_carried = analysis.mission is not None and analysis.journey is None
-    if not is_carried or required is None or MISSION not in required.kinds:
-        return found
-    return _beside(found, _what_if(analysis.alone(MISSION), budget))
+    if is_carried and required is not None and MISSION in required.kinds:
+        found = _beside(found, _what_if(analysis.alone(MISSION), budget))
+    assessment = None if budget is None else budget.assessment
+    return _judged(found, analysis, assessment)
+
+
+def _judged(found: WhatIf, analysis: Analysis, assessment: Assessment | None) -> WhatIf:
+    """Give a model what its verdicts need besides the sizes of its sources."""
+    own = {one.sensor: one for one in (assessment.sensors if assessment else ())}
+    rooms = {owner: (case, margin) for owner, case, margin in margins(analysis)}
+    places = {output.name: k for k, output in enumerate(found.outputs)}
+    added = np.zeros_like(found.added)
+    sensors = []
+    for sensor in found.sensors:
+        name, saturates = sensor.name, False
+        is_open, conditions = bool(sensor.missing), tuple[str, ...]()
+        if sensor.name in rooms:
+            case, margin = rooms[sensor.name]
+            C = margin.added
+            is_length = margin.ratio > 0.0
+            half = np.where(is_length, (C[:, 0, 0] - C[:, 1, 1]) / 2.0, 0.0)
+            parts = np.stack([np.trace(C, axis1=1, axis2=2), half, C[:, 0, 1]])
+            for j, output in enumerate(margin.held.outputs):
+                added[:, places[output.name]] = parts[:, j]
+            is_open = bool(
+                margin.without_ceiling
+                or margin.held.absent
+                or case.filling.prediction is not None
+            )
+            conditions = tuple(_conditions(case, margin))
+            saturates = any(one.kind == "saturates" for one in cautions_of(case))
+        sensors.append(
+            replace(
+                sensor,
+                verdict=own[name].verdict if name in own else "",
+                is_open=is_open,
+                conditions=conditions,
+                saturates=saturates,
+            )
+        )
+    return replace(found, sensors=tuple(sensors), added=added)
+
+
+def _conditions(case: Case, margin: Margin) -> Iterator[str]:
+    """Yield what a 'meets' holds if, whatever the sizes of the sources are."""
+    if case.only is not None:
+        yield note("if no other source acts than those that are chosen")
+        return
+    for name in margin.missing:
+        if name in margin.tops:
+            yield note(
+                STAYS_BELOW,
+                line=note(key_name(name)),
+                bound=margin.tops[name].printed,
+            )
+        elif name in margin.filled:
+            yield note("if {line} is what stands for it", line=note(key_name(name)))
+    for key in unstated(case):
+        if margin.of_use(key, case):
+            yield note("if the {key} at use changes nothing", key=note(key))
 
 
 def _beside(calibration: WhatIf, mission: WhatIf) -> WhatIf:
@@ -312,6 +436,7 @@ def _beside(calibration: WhatIf, mission: WhatIf) -> WhatIf:
         coverages=np.concatenate([one.coverages for one in both]),
         lower_bound=(*calibration.lower_bound, *mission.lower_bound),
         law=law.select_sources(names),
+        added=np.concatenate([one.added for one in both], axis=1),
     )
 
 
@@ -374,6 +499,7 @@ def _what_if(analysis: Analysis, budget: Budget | None) -> WhatIf:
         coverages=coverages[rows],
         lower_bound=tuple(bool(analysis.lacks[output.name]) for output in outputs),
         law=scaled.select([output.name for output in outputs]),
+        added=np.zeros((3, len(outputs))),
     )
 
 
@@ -463,21 +589,25 @@ class Step:
     factor: float  # [1]
     u: float  # standard uncertainty of the output [SI]
     expanded: float  # U, half the coverage interval [SI]
-    utilisation: float | None  # the sensor's largest; None where nothing is required
-    verdict: str  # of the sensor; '' where nothing is required
+    utilisation: float | None  # the largest; None where nothing is required
+    verdict: str  # the gravest; '' where nothing is required
 
 
 @dataclass(frozen=True, kw_only=True)
 class SourceSteps:
-    """One source in several sizes, seen at the output where its share is largest."""
+    """One source in several sizes, seen at the output where its share is largest.
+
+    The verdict, and the part of the limit, are of all that is judged by the source:
+    its sensor, and the mission where that has limits.
+    """
 
     source: WhatIfSource
     output: Output
     share: float  # of the variance of that output as it is [1]
     lower_bound: bool  # a line that is not given would widen that output
-    used_lower_bound: bool  # or an output of the sensor that has a limit
+    used_lower_bound: bool  # or an output that has such a limit
     steps: tuple[Step, ...]
-    # Largest factor at which the sensor's limits are kept, the others as they are [1];
+    # Largest factor at which all these limits are kept, the others as they are [1];
     # None where not even 0 is enough, or nothing is limited; inf where any will do.
     most: float | None
 
@@ -520,7 +650,7 @@ def one_at_a_time(what_if: WhatIf) -> tuple[SourceSteps, ...]:
         output = what_if.outputs[k]
         owner = source.name.owner
         own = owner in SENSORS and output.name.owner != IMU
-        sensor = owner if own else output.name.owner
+        judged = (owner if own else output.name.owner, MISSION)
         outlooks = [what_if.evaluate({source.name: factor}) for factor in FACTORS]
         rows.append(
             SourceSteps(
@@ -528,19 +658,19 @@ def one_at_a_time(what_if: WhatIf) -> tuple[SourceSteps, ...]:
                 output=output,
                 share=float(present.share[k, g]),
                 lower_bound=what_if.lower_bound[k],
-                used_lower_bound=_is_used_lower_bound(what_if, sensor),
+                used_lower_bound=_is_used_lower_bound(what_if, judged),
                 steps=tuple(
-                    _step(what_if, outlook, factor, k, sensor)
+                    _step(what_if, outlook, factor, k, judged)
                     for factor, outlook in zip(FACTORS, outlooks, strict=True)
                 ),
-                most=_most(what_if, source.name, sensor),
+                most=_most(what_if, source.name, judged),
             )
         )
     return tuple(rows)
 
 
-def _most(what_if: WhatIf, source: Name, sensor: str) -> float | None:
-    """Return up to what factor on one source a sensor's limits are kept.
+def _most(what_if: WhatIf, source: Name, judged: Sequence[str]) -> float | None:
+    """Return up to what factor on one source the limits of what is judged are kept.
 
     A part of a limit does not fall where a source grows, but for shifts of the mean
     that cancel; they are of second order.
@@ -548,8 +678,8 @@ def _most(what_if: WhatIf, source: Name, sensor: str) -> float | None:
 
     def beyond(factor: float) -> float:
         outlook = what_if.evaluate({source: factor})
-        used = [one.utilisation for one in outlook.sensors if one.sensor == sensor]
-        return settle(used[0] - 1.0) if used else 1.0
+        used = [one.utilisation for one in outlook.sensors if one.sensor in judged]
+        return settle(max(used) - 1.0) if used else 1.0
 
     if beyond(0.0) > 0.0:
         return None
@@ -560,26 +690,26 @@ def _most(what_if: WhatIf, source: Name, sensor: str) -> float | None:
     return float(brentq(beyond, 0.0, LARGEST))
 
 
-def _is_used_lower_bound(what_if: WhatIf, sensor: str) -> bool:
-    """Whether the part of its limits that a sensor uses is that or more."""
+def _is_used_lower_bound(what_if: WhatIf, judged: Sequence[str]) -> bool:
+    """Whether the part of its limits that what is judged uses is that or more."""
     return any(
         lacks
         for output, limit, lacks in zip(
             what_if.outputs, what_if.limit, what_if.lower_bound, strict=True
         )
-        if output.name.owner == sensor and limit is not None
+        if output.name.owner in judged and limit is not None
     )
 
 
 def _step(
-    what_if: WhatIf, outlook: Outlook, factor: float, k: int, sensor: str
+    what_if: WhatIf, outlook: Outlook, factor: float, k: int, judged: Sequence[str]
 ) -> Step:
     """Read one output and one verdict from an outlook."""
-    verdict = next((s for s in outlook.sensors if s.sensor == sensor), None)
+    own = [one for one in outlook.sensors if one.sensor in judged]
     return Step(
         factor=factor,
         u=float(outlook.u[k]),
         expanded=float(what_if.coverage_factor[k] * outlook.u[k]),
-        utilisation=None if verdict is None else verdict.utilisation,
-        verdict="" if verdict is None else verdict.verdict,
+        utilisation=max((one.utilisation for one in own), default=None),
+        verdict=gravest(one.verdict for one in own) if own else "",
     )

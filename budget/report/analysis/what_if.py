@@ -76,27 +76,25 @@ def what_if_section(
     device.
     """
     coverage = print_coverage(model.coverage)
-    required = any(
-        limit is not None and output.name.owner != MISSION
-        for limit, output in zip(model.limit, model.outputs, strict=True)
-    )
+    required = any(limit is not None for limit in model.limit)
+    on_mission = any(output.name.owner == MISSION for output in model.outputs)
     text = say(
         "One source at a time, the others as they are, by the law "
         "with its second-order terms. U{coverage} is of the output "
         "where the source has the largest share of the variance.",
         coverage=coverage,
     )
-    if required:
-        text += say(" The part of the limit is the largest of the sensor's outputs.")
-    text += (
-        say(" Meets up to: that many times the present size of the line.")
-        if required
-        else ""
-    )
-    if any(output.name.owner == MISSION for output in model.outputs):
+    if on_mission:
         text += say(
-            " The table is of the calibration; limits on the mission follow the "
-            "sliders of the HTML page."
+            " U is of the calibration; the part of the limit is the largest of the "
+            "sensor's outputs and of the mission's, and so is the verdict."
+        )
+    elif required:
+        text += say(" The part of the limit is the largest of the sensor's outputs.")
+    if required:
+        text += say(
+            " Meets up to: on what is given, that many times the present size of the "
+            "line."
         )
     text += _not_by_law(budget, required=required)
     device = _device_file(budget, (again and again.devices) or devices)
