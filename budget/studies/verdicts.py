@@ -118,6 +118,7 @@ USE_OF = {
     **dict.fromkeys(AGEING.values(), "age"),
 }
 STAYS_BELOW = term("if {line} stays below {bound}")
+CHOSEN = term("if no other source acts than those that are chosen")
 DECIDES = term("{line} decides, and is not given: ask for it")
 DOUBLINGS = 200  # of a bound, from one probe on
 HALVINGS = 60  # to the rounding of a double
@@ -204,12 +205,7 @@ def decide(
         for name in (decisive or margin.missing)
         if doubt is None
     )
-    uses = (
-        *(one for key in unstated(case) for one in margin.of_use(key, case)),
-        *ranges_of(case),
-    )
-    if unstated(case) and not uses:
-        uses = (_in_its_test(),)
+    uses = uses_of(case, margin)
     verdict = given
     if decisive and given in {MEETS, UNDECIDED}:
         verdict = UNDECIDABLE
@@ -222,6 +218,15 @@ def decide(
         cautions=(*_as_cautions((*conditions, *uses)), *cautions),
         at_ceilings=margin.at_ceilings,
     )
+
+
+def uses_of(case: Case, margin: Margin) -> tuple[Condition, ...]:
+    """Return the conditions on the use, as far as nobody has stated it."""
+    uses = (
+        *(one for key in unstated(case) for one in margin.of_use(key, case)),
+        *ranges_of(case),
+    )
+    return (_in_its_test(),) if unstated(case) and not uses else uses
 
 
 def unjudged(case: Case) -> Standing:
@@ -283,7 +288,7 @@ def _only(sources: frozenset[Name]) -> Condition:
         below=None,
         unit="",
         si_per_unit=1.0,
-        text=note("if no other source acts than those that are chosen"),
+        text=note(CHOSEN),
     )
 
 

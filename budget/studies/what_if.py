@@ -39,19 +39,22 @@ from budget.model.sources import SENSORS
 from budget.names import IMU, MISSION, Name
 from budget.names import key_title as key_name
 from budget.results import BY_LAW
+from budget.spec.use import STATED
 from budget.studies.conformity import margins
 from budget.studies.request import given_lines, limited_but_held
 from budget.studies.verdicts import (
+    CHOSEN,
     FAILS,
     MEETS,
     MEETS_IF,
     PREDICTED,
+    SATURATES,
     STAYS_BELOW,
     UNDECIDABLE,
     UNDECIDED,
     cautions_of,
     gravest,
-    unstated,
+    uses_of,
 )
 from budget.ties import first_largest, settle
 
@@ -66,6 +69,11 @@ if TYPE_CHECKING:
     from budget.spec.records import ErrorLine
     from budget.studies.request import Analysis
     from budget.studies.verdicts import Case, Margin
+
+
+# Over a utilisation: of limits that are kept one by one nobody knows here whether all
+# are kept together; one that is not kept is not kept together [1].
+JOINTLY = (1.0, 1e300)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -369,6 +377,7 @@ def _judged(found: WhatIf, analysis: Analysis, assessment: Assessment | None) ->
     for sensor in found.sensors:
         name, saturates = sensor.name, False
         is_open, conditions = bool(sensor.missing), tuple[str, ...]()
+        doubt = sensor.doubt
         if sensor.name in rooms:
             case, margin = rooms[sensor.name]
             C = margin.added
@@ -383,7 +392,9 @@ def _judged(found: WhatIf, analysis: Analysis, assessment: Assessment | None) ->
                 or case.filling.prediction is not None
             )
             conditions = tuple(_conditions(case, margin))
-            saturates = any(one.kind == "saturates" for one in cautions_of(case))
+            if margin.held.is_joint:
+                doubt = JOINTLY
+            saturates = any(one.kind == SATURATES for one in cautions_of(case))
         sensors.append(
             replace(
                 sensor,
@@ -391,6 +402,7 @@ def _judged(found: WhatIf, analysis: Analysis, assessment: Assessment | None) ->
                 is_open=is_open,
                 conditions=conditions,
                 saturates=saturates,
+                doubt=doubt,
             )
         )
     return replace(found, sensors=tuple(sensors), added=added)
@@ -399,7 +411,7 @@ def _judged(found: WhatIf, analysis: Analysis, assessment: Assessment | None) ->
 def _conditions(case: Case, margin: Margin) -> Iterator[str]:
     """Yield what a 'meets' holds if, whatever the sizes of the sources are."""
     if case.only is not None:
-        yield note("if no other source acts than those that are chosen")
+        yield note(CHOSEN)
         return
     for name in margin.missing:
         if name in margin.tops:
@@ -410,9 +422,10 @@ def _conditions(case: Case, margin: Margin) -> Iterator[str]:
             )
         elif name in margin.filled:
             yield note("if {line} is what stands for it", line=note(key_name(name)))
-    for key in unstated(case):
-        if margin.of_use(key, case):
-            yield note("if the {key} at use changes nothing", key=note(key))
+    uses = uses_of(case, margin)
+    for key in dict.fromkeys(one.kind for one in uses if one.kind in STATED):
+        yield note("if the {key} at use changes nothing", key=note(key))
+    yield from (one.text for one in uses if one.kind not in STATED)
 
 
 def _beside(calibration: WhatIf, mission: WhatIf) -> WhatIf:
