@@ -12,6 +12,7 @@ from document_text import find, lines, names, rows, say, section
 from numpy.testing import assert_allclose
 from report_examples import (
     ACCELEROMETER,
+    AFTER,
     GYRO,
     make_assessment,
     make_budget,
@@ -151,8 +152,8 @@ def test_failing_report_says_by_what_and_why():
     (gyro, _) = report.cards
     words = " ".join(say(line) for line in gyro.lines)
 
-    assert report.headline == "FAILS tactical grade"
-    assert report.running_head == "Zhao 2019 optical IMU: FAILS tactical grade"
+    assert report.headline == f"FAILS tactical grade, {AFTER}"
+    assert report.running_head == f"Zhao 2019 optical IMU: {report.headline}"
     assert_says(say(report.summary), "3 of 24", "exceed", "119 % of its limit")
     assert gyro.title == "Gyro: FAILS"
     assert_says(words, "gyro bias z", "largest error 0.119 deg/h", "limit 0.1 deg/h")
@@ -182,8 +183,11 @@ def test_undecidable_report_names_what_is_missing():
         budget, assessment=make_assessment(budget, accelerometer="undecidable")
     )
 
-    assert report.headline == "UNDECIDABLE tactical grade"
-    assert_says(say(report.cards[0].lines[0]), "would meet", "noise line", "not give")
+    assert report.headline == f"UNDECIDABLE tactical grade, {AFTER}"
+    assert_says(
+        say(report.cards[0].lines[0]),
+        *("Cannot be judged", "accelerometer noise", "not given", "ask for it"),
+    )
 
 
 def test_meeting_report_says_the_margin():
@@ -191,7 +195,7 @@ def test_meeting_report_says_the_margin():
     budget = make_budget(outputs=make_outputs("accelerometer", ACCELEROMETER))
     report = document(budget, assessment=make_assessment(budget))
 
-    assert report.headline == "MEETS tactical grade"
+    assert report.headline == f"MEETS tactical grade, {AFTER}"
     said = say(report.summary)
     assert_says(said, "12 required outputs", "alone", "6.9 % of the nearest", "spare")
     assert_says(said, "all 12", "together", "probability of 81 %")
@@ -205,7 +209,7 @@ def test_page_one_says_that_sources_were_left_out(required):
     budget = replace(budget, settings=chosen)
     report = document(budget, assessment=make_assessment(budget) if required else None)
 
-    assert report.running_head.endswith(", chosen sources alone")
+    assert ", chosen sources alone" in report.running_head
     first, other, _ = say(report.summary).split(". ", 2)
     assert_says(first, "only", "sources", "gyro bias stability, sample noise")
     assert_says(other, "zero", "not the budget of the whole device")
@@ -573,7 +577,7 @@ def test_a_sensor_that_is_limited_but_absent_is_said_first():
         evidence=example_evidence(gyro_only=True),
     )
 
-    assert report.headline == "FAILS tactical grade, gyro alone"
+    assert report.headline == f"FAILS tactical grade, gyro alone, {AFTER}"
     assert_says(say(report.summary), "nothing", "of the accelerometer", "limits too")
 
 
