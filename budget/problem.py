@@ -31,6 +31,9 @@ Function = Callable[[Array], Array]
 # A covariance matrix may miss symmetry and positive semidefiniteness by rounding.
 EXACT = 1e-13  # [1], to which a root gives its correlation matrix back
 ROUNDING = 1e-10  # [1], relative to the product of the two standard uncertainties
+# Standard uncertainties whose fourth powers, products of two variances, are numbers of
+# full precision [SI].
+LEAST_U, MOST_U = 1e-76, 1e76
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -124,6 +127,14 @@ class Group:
         if (u_x < 0.0).any():
             raise ProblemError(
                 f"{where}: a standard uncertainty is {u_x.min()}, expected 0 or more"
+            )
+        # Methods carry variances, and second-order terms products of them.
+        lost = u_x[(u_x > 0.0) & ((u_x < LEAST_U) | (u_x > MOST_U))]
+        if lost.size:
+            raise ProblemError(
+                f"{where}: a standard uncertainty is {lost[0]:g}, whose powers are no "
+                f"numbers of double precision; expected 0, or {LEAST_U:g} to "
+                f"{MOST_U:g}: take another unit"
             )
         shapes = (
             (distribution,) * u_x.size

@@ -13,7 +13,7 @@ from budget.distributions import NORMAL, UNIFORM
 from budget.errors import ProblemError
 from budget.methods.gum import propagate
 from budget.methods.trials import first_trials
-from budget.problem import Group, Output, Problem
+from budget.problem import LEAST_U, MOST_U, Group, Output, Problem
 
 
 def group(covariance, *, shapes=None, mean=None, name="x"):
@@ -106,6 +106,8 @@ def test_arguments_of_no_meaning_are_refused_in_words(arguments, words):
         ({"u": [1.0, 2.0], "mean": [1.0, 2.0, 3.0]}, "one mean for each"),
         ({"u": [[1.0, 2.0]]}, "one u for each"),
         ({"u": np.nan}, "finite"),
+        ({"u": [1.0, 1e-200]}, "is 1e-200, whose powers"),
+        ({"u": 1e200}, r"is 1e\+200, whose powers"),
         ({"u": [1.0, 2.0], "distribution": (UNIFORM,)}, "1 distributions"),
         ({"u": 1.0, "distribution": "uniform"}, "distributions has 'uniform'"),
     ],
@@ -114,6 +116,16 @@ def test_independent_inputs_of_no_meaning_are_refused_in_words(arguments, words)
     """Group.independent raises ProblemError for them too."""
     with pytest.raises(ProblemError, match=words):
         Group.independent("x", **arguments)
+
+
+@pytest.mark.parametrize("u", [LEAST_U, MOST_U])
+def test_what_has_a_size_varies(u):
+    """The smallest and the largest u that are taken come out of the law again."""
+    own = Group.independent("x", u=u)
+    problem = Problem(groups=(own,), outputs=(Output(name="y"),), function=np.copy)
+
+    assert not own.is_constant
+    assert_allclose(propagate(problem).standard_uncertainty, [u], rtol=1e-14)
 
 
 @pytest.mark.parametrize(
