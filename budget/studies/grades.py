@@ -48,7 +48,9 @@ def grade(sensor: Sensor) -> str:
     """Return 'navigation', 'tactical' or 'consumer'; '-' where nobody can tell.
 
     Gyros go by bias stability, accelerometers by bias repeatability, both as standard
-    uncertainties of the worst axis. Makers draw these lines in different places.
+    uncertainties of the worst axis. Makers draw these lines in different places. Of a
+    stability that is sigma of a Gauss-Markov process, or the coefficient B of flicker
+    noise: the largest Allan deviation of the one is 0.617 sigma, 0.664 B of the other.
     """
     line = sensor.line(GRADED_BY[sensor.kind])
     if line is None:

@@ -16,13 +16,13 @@ import numpy as np
 from budget.distributions import NORMAL
 from budget.errors import CallError
 from budget.language import note
-from budget.model.sources import ACCELEROMETER, GYRO
+from budget.model.sources import ACCELEROMETER, FLICKER, GYRO, LOW_CUT
 from budget.model.sources.later import AGEING
 from budget.names import Name
 from budget.results import FilledLine
 from budget.spec import load_catalogue
 from budget.spec.records import ErrorLine
-from budget.spec.specification import CORRELATION_TIME
+from budget.spec.specification import ALLAN_MINIMUM, CORRELATION_TIME
 from budget.studies.grades import UNKNOWN, family, grade
 from budget.studies.prediction import joined, predict, stand_in
 from budget.ties import first_largest, settle
@@ -211,32 +211,59 @@ def comparable(
 def line_of(
     source: Source, kind: str, u: float | None = None, *, meaning: str = "1 sigma"
 ) -> ErrorLine:
-    """Return a normal line of a size [SI], without one of 1 in its most usual unit."""
+    """Return a normal line of a size [SI], without one of 1 in its most usual unit.
+
+    A bias stability of a size B is what data sheets print: the floor 0.664 B of an
+    Allan curve without a correlation time, which is flicker noise. Without a size it is
+    the process of a plain value: a probe reaches the same outputs by either.
+    """
     unit = source.like(kind)
     # A size per root of hertz is printed as makers do, as a one-sided density.
     density = ONE_SIDED if per_root_hertz(unit) else ""
-    one = parse_quantity(f"1 {unit}", unit).value * WALK_PER_DENSITY[density]
+    is_floor = u is not None and FLICKER in source.forms
+    reading = 1.0 / ALLAN_MINIMUM if is_floor else 1.0
+    one = parse_quantity(f"1 {unit}", unit).value * WALK_PER_DENSITY[density] * reading
     size = one if u is None else u
     axes = len(source.axes)
-    return ErrorLine(
+    is_timed = source.process and not is_floor
+    line = ErrorLine(
         name=source.name,
         u=np.full(axes, size),
         distributions=(NORMAL,) * axes,
-        correlation_time=np.full(axes, CORRELATION_TIME) if source.process else None,
+        correlation_time=np.full(axes, CORRELATION_TIME) if is_timed else None,
         horizons=((YEAR, 1.0),) if source.name in AGEING.values() else (),
         printed=f"{float(f'{size / one:.3g}'):g} {unit}",
         unit=unit,
         si_per_unit=one,
         density=density,
+        factor=reading,
+        reading=reading,
         meaning=meaning,
+    )
+    if not is_floor:
+        return line
+    return replace(
+        line,
+        form=FLICKER,
+        low_cut=np.full(axes, LOW_CUT),
+        says=(("definition", "allan_minimum"),),
+        definition="allan_minimum",
     )
 
 
 def _worst(
     name: Name, offers: Sequence[tuple[ErrorLine, Device]]
 ) -> tuple[ErrorLine, FilledLine]:
-    """Return the largest of the lines, and whose it is."""
+    """Return the largest of the lines, and whose it is.
+
+    A Gauss-Markov process of one maker is flicker noise of the same size: its
+    correlation time is not that of another unit.
+    """
     line, owner = offers[first_largest([float(line.u.max()) for line, _ in offers])]
+    source = stand_in(name)
+    if FLICKER in source.forms and line.form != FLICKER:
+        worst = line_of(source, name.owner, float(line.u.max()), meaning=line.meaning)
+        line = replace(worst, u=line.u, source=line.source)
     owners = (owner.name,)
     return line, _told(name, line, mode=WORST, owners=owners, number=len(offers))
 
