@@ -152,6 +152,15 @@ def ceilings(
     return found
 
 
+def largest_printed(
+    name: Name, catalogue: Sequence[Device] | None = None
+) -> float | None:
+    """Return the largest of a line that any device prints [SI]; None: none does."""
+    devices = tuple(shipped_devices() if catalogue is None else catalogue)
+    found = _printed(devices).get((name.owner, stand_in(name).name), ())
+    return max((one.u for one in found), default=None)
+
+
 def _expected(name: Name) -> Name:
     """Return the expected line that a name is of, or the name itself."""
     source = stand_in(name)

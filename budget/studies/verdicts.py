@@ -54,7 +54,7 @@ from budget.spec.records import FACTORY, JOINT, NONE
 from budget.spec.specification import read_value, time_of
 from budget.spec.station import IDEAL
 from budget.spec.use import STATED, stated_of
-from budget.studies.ceilings import ceilings
+from budget.studies.ceilings import ceilings, largest_printed
 from budget.studies.grades import family
 from budget.studies.judgement import (
     TRIALS,
@@ -109,6 +109,9 @@ PROBE = {
     )
 }
 SAME = 1e-9  # relative, of a bound [1]
+# A line reaches a limit where at its ceiling its u is more than this part of it, without
+# one where so many times the largest is that any device prints [1].
+NEGLIGIBLE, FAR_ABOVE = 0.005, 10.0
 # By the line of a sensor: the use that it acts in.
 USE_OF = {
     **dict.fromkeys((BIAS_COEFFICIENT, SCALE_COEFFICIENT), "temperature"),
@@ -395,9 +398,20 @@ class Margin:
         }
         least = np.array([output.resolution for output in held.outputs]) ** 2
 
-        def reaches(name: str) -> bool:
+        def variance(name: str) -> Array:
             own = parts[list(groups[name])].sum(axis=0)
-            return bool((own[:, [0, 1], [0, 1]].max(axis=1) > least).any())
+            return np.asarray(own[:, [0, 1], [0, 1]].max(axis=1))
+
+        def reaches(name: str) -> bool:
+            return bool((variance(name) > least).any())
+
+        def matters(name: Name) -> bool:
+            size = 1.0
+            if name not in tops and name not in stands:
+                most = largest_printed(name, case.catalogue)
+                size = inf if most is None else FAR_ABOVE * most / sizes[name]
+            share = float((np.sqrt(variance(name)) / held.limits).max())
+            return reaches(name) and size * share > NEGLIGIBLE
 
         rest = _parts(held, law, whole=True)[0]
         rest = rest - sum(
@@ -407,7 +421,7 @@ class Margin:
         is_length = held.rows >= law.value.size - law.legs.shape[1]
         margin = cls(
             held=held,
-            missing=tuple(name for name in (*names, *stands) if reaches(name)),
+            missing=tuple(name for name in (*names, *stands) if matters(name)),
             filled=tuple(stands),
             sizes=sizes | {name: one.u for name, one in stands.items()},
             tops=tops,

@@ -316,6 +316,23 @@ class TestMissing:
         found = budget.analyze(sheet, requirement=need, validate=False)
         assert found.assessment.sensors[0].verdict == "meets"
 
+    def test_a_limit_on_heading_asks_for_no_scale_factor_of_accelerometers(self):
+        """It reaches a heading by the turn of the earth alone, a millionth of it."""
+        need = {
+            "name": "heading",
+            "environment": "none",
+            "limits": {"mission": {"heading": {"limit": "6 deg", "at": "10 min"}}},
+        }
+        sheet = sheet_with({}, without=("accelerometer.scale_factor_repeatability",))
+        found = budget.analyze(
+            sheet,
+            mission="bench",
+            requirement=need,
+            procedure=budget.uncalibrated("factory"),
+            validate=False,
+        )
+        assert found.assessment.sensors[0].verdict == "meets"
+
     def test_the_bound_of_a_line_is_where_the_limit_is_used_up(self):
         """A device with the line at its bound uses 100 % of its worst limit."""
         name = "accelerometer.bias_repeatability"
