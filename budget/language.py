@@ -159,6 +159,14 @@ def key_title(key: str) -> str:
     return beside(words(owner), words(" ".join(rest))) if rest else title
 
 
+def line_note(name: names.Name) -> Note:
+    """Write a line of a device as words, to be said later: 'gyro bias stability'."""
+    line = note(names.key_title(name.quantity))
+    if not name.owner:
+        return line
+    return note("{owner} {line}", owner=note(names.words(name.owner)), line=line)
+
+
 def axis_title(name: names.Name) -> str:
     """Name an output among those of its parameter: 'x'; with its time 'north, 1 h'."""
     if name.time is None:

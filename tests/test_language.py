@@ -363,10 +363,10 @@ STAYING = re.compile(
     r"|[a-z_.]+\N{FULLWIDTH COLON}\S+ -> \S+|\bname(?=\N{FULLWIDTH COLON})"
     # Units and signs of formulas.
     r"|\bmean\(N\)|\bint(?= d_)"
-    r"|\b(?:deg|arcsec|arcmin|nmi|CEP|DRMS|ppm|dps|mGal|ug|mg|sqrt|\u03bcrad|min|inf|inv|EUR|kg|rad|sigma)\b"
+    r"|\b(?:deg|degC|arcsec|arcmin|nmi|CEP|DRMS|ppm|dps|mGal|ug|mg|sqrt|\u03bcrad|min|inf|inv|EUR|kg|rad|sigma)\b"
     # What is called so in Chinese as well, and words that stand as a file has them:
     # how a data sheet means a figure, how missing lines are filled, two keys.
-    r"|\b(?:JCGM|ANSI|NCSL|IEEE|GUM|IMU|JSON|CSV|max|typical|predict|worst|height|station)\b"
+    r"|\b(?:JCGM|ANSI|NCSL|IEEE|GUM|IMU|JSON|CSV|max|typical|predict|worst|factory|height|station)\b"
 )
 
 

@@ -558,6 +558,7 @@ def _assumptions(
         (key, field.default)
         for key, field in type(model).model_fields.items()
         if key not in model.model_fields_set and key not in others
+        if field.default is not None  # an age that nobody states is no 0 either
     ]
     return tuple(
         note(

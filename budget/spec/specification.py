@@ -22,7 +22,7 @@ from pydantic import Field, create_model, model_validator
 
 from budget.distributions import BY_NAME, NORMAL, Distribution
 from budget.errors import UnitError
-from budget.language import note
+from budget.language import note, term
 from budget.model.sources import (
     ACCELEROMETER,
     BAND,
@@ -69,7 +69,7 @@ EXACT = "exact"  # meaning of a 0 that is meant, and no line that nobody gives
 SIGMAS = {"1 sigma": 1.0, "2 sigma": 2.0, "3 sigma": 3.0, "rms": 1.0, "typical": 1.0}
 # The half-width, over what is printed [1].
 HALF_WIDTHS = {"max": 1.0, "peak to peak": 0.5}
-FIXED = "known value"  # of what is no spread: a coefficient, a vibration
+FIXED = term("known value")  # of what is no spread: a coefficient, a vibration
 
 # Spellings of makers, and ours.
 MEANINGS = {

@@ -16,6 +16,7 @@ from pydantic import Field
 from pydantic_core import core_schema
 
 from budget.errors import CallError, UnitError
+from budget.language import in_a_row, note
 from budget.model.sources import ENVIRONMENT, source_of
 from budget.model.sources.later import AGE, MISSION_TEMPERATURE, MISSION_VIBRATION
 from budget.names import MISSION, Name
@@ -196,8 +197,13 @@ def with_use(procedure: Procedure, lines: Iterable[ErrorLine]) -> Procedure:
         assumptions=(
             *(text for text in procedure.assumptions if not text.startswith(at)),
             *(
-                f"{Name(line.name, owner=ENVIRONMENT)}: "
-                + ", ".join(filter(None, (line.printed, line.meaning, line.source)))
+                note(
+                    "{key}: {said}",
+                    key=Name(line.name, owner=ENVIRONMENT),
+                    said=in_a_row(
+                        filter(None, (line.printed, note(line.meaning), line.source))
+                    ),
+                )
                 for line in new.values()
             ),
         ),

@@ -37,7 +37,7 @@ from budget.calibration.saturation import (
 )
 from budget.calibration.schemes import calibrates, scheme_of, with_accelerometers
 from budget.distributions import normal_coverage_factor
-from budget.language import in_a_row, note, term
+from budget.language import in_a_row, line_note, note, term
 from budget.methods.gum import covariance_by_source, propagate
 from budget.methods.radius import principal_variances, radius_of
 from budget.model.sources import ACCELEROMETER, ENVIRONMENT, GYRO, source_of
@@ -48,7 +48,7 @@ from budget.model.sources.later import (
     growth,
 )
 from budget.model.sources.temperature import BIAS_COEFFICIENT, SCALE_COEFFICIENT
-from budget.names import Name, key_title, time_text
+from budget.names import Name, time_text
 from budget.results import TINY, VERDICTS, Caution, Condition, Standing
 from budget.spec.records import FACTORY, JOINT, NONE
 from budget.spec.specification import read_value, time_of
@@ -244,7 +244,7 @@ def unjudged(case: Case) -> Standing:
                 unit=line.unit,
                 si_per_unit=line.si_per_unit,
                 decides=True,
-                text=note(DECIDES, line=note(key_title(name))),
+                text=note(DECIDES, line=line_note(name)),
             )
             for name in expected_of(case)
             for line in [line_of(stand_in(name), name.owner)]
@@ -557,7 +557,7 @@ class Margin:
         largest = None if top is None else top.largest_comparable
         line = line_of(stand_in(name), name.owner, below if 0.0 < below < inf else None)
         texts = {
-            "line": note(key_title(name)),
+            "line": line_note(name),
             "bound": line.printed,
             "largest": "" if largest is None else largest.printed,
         }
@@ -810,9 +810,11 @@ def _bounded(key: str, below: float) -> Condition:
     """Return the condition on a use that lines are given of."""
     unit, size = PROBE[key].unit, PROBE[key].si_per_unit
     texts = {
-        "temperature": "while the temperature at use is within {bound} of the test's",
-        "vibration": "while the vibration at use stays below {bound} rms",
-        "age": "for use within {bound} of the calibration",
+        "temperature": term(
+            "while the temperature at use is within {bound} of the test's"
+        ),
+        "vibration": term("while the vibration at use stays below {bound} rms"),
+        "age": term("for use within {bound} of the calibration"),
     }
     is_open = below == inf
     bound = f"{float(f'{below / size:.2g}'):g} {unit}"
@@ -918,7 +920,7 @@ def cautions_of(case: Case) -> tuple[Caution, ...]:
                         text=note(
                             "{line} holds over {time}, and the use is {age} after the "
                             "calibration",
-                            line=note(key_title(name)),
+                            line=line_note(name),
                             time=time.printed,
                             age=age.printed,
                         ),
@@ -1041,7 +1043,7 @@ def _absent(names: Sequence[Name]) -> Caution:
         text=note(
             "not given, and expected: {lines}; where one reaches a limit a verdict "
             "is up to a bound on it, or asks for it",
-            lines=in_a_row([note(key_title(name)) for name in names]),
+            lines=in_a_row([line_note(name) for name in names]),
         ),
     )
 
@@ -1066,7 +1068,7 @@ def _lasting(name: Name, horizon: str) -> Caution:
         line=name,
         text=note(
             "{line} is for use within {time} of a calibration",
-            line=note(key_title(name)),
+            line=line_note(name),
             time=horizon,
         ),
     )
@@ -1082,7 +1084,7 @@ def _open_lines(name: Name, line: ErrorLine) -> Iterator[Caution]:
             text=note(
                 "{line} has no full scale: no calibration takes it out, and at a later "
                 "turn-on it counts in full",
-                line=note(key_title(name)),
+                line=line_note(name),
             ),
         )
     if line.name == SAMPLE_NOISE and "bandwidth" not in says:
@@ -1092,7 +1094,7 @@ def _open_lines(name: Name, line: ErrorLine) -> Iterator[Caution]:
             text=note(
                 "{line} has no bandwidth: the rate of the procedure decides what it "
                 "does on a mission",
-                line=note(key_title(name)),
+                line=line_note(name),
             ),
         )
     is_floor = line.name == STABILITY and line.definition == ALLAN_FLOOR
@@ -1103,7 +1105,7 @@ def _open_lines(name: Name, line: ErrorLine) -> Iterator[Caution]:
             text=note(
                 "{line} is the floor of an Allan curve without a correlation time: "
                 "taken as flicker noise",
-                line=note(key_title(name)),
+                line=line_note(name),
             ),
         )
 
@@ -1115,7 +1117,7 @@ def _idle(name: Name, line: ErrorLine, key: str) -> Caution:
         line=name,
         text=note(
             "{line} {printed} is given and not exercised: no {use} is stated",
-            line=note(key_title(name)),
+            line=line_note(name),
             printed=line.printed,
             use=note(key),
         ),
@@ -1169,9 +1171,9 @@ def use_words(procedure: Procedure) -> str:
             else "in the environment of its test, as far as it is stated"
         )
     says = {
-        "temperature": "{use} from the temperature of the test",
-        "vibration": "{use} rms of vibration",
-        "age": "{use} after the calibration",
+        "temperature": term("{use} from the temperature of the test"),
+        "vibration": term("{use} rms of vibration"),
+        "age": term("{use} after the calibration"),
     }
     return in_a_row(
         [

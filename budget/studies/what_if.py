@@ -33,11 +33,10 @@ import numpy as np
 
 from budget.distributions import normal_coverage_factor
 from budget.errors import CallError
-from budget.language import axis_title, key_title, note, say
+from budget.language import axis_title, key_title, line_note, note, say
 from budget.methods.scaling import scaled_law
 from budget.model.sources import SENSORS
 from budget.names import IMU, MISSION, Name
-from budget.names import key_title as key_name
 from budget.results import BY_LAW
 from budget.spec.use import STATED
 from budget.studies.conformity import margins
@@ -417,11 +416,11 @@ def _conditions(case: Case, margin: Margin) -> Iterator[str]:
         if name in margin.tops:
             yield note(
                 STAYS_BELOW,
-                line=note(key_name(name)),
+                line=line_note(name),
                 bound=margin.tops[name].printed,
             )
         elif name in margin.filled:
-            yield note("if {line} is what stands for it", line=note(key_name(name)))
+            yield note("if {line} is what stands for it", line=line_note(name))
     uses = uses_of(case, margin)
     for key in dict.fromkeys(one.kind for one in uses if one.kind in STATED):
         yield note("if the {key} at use changes nothing", key=note(key))
