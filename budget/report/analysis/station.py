@@ -32,6 +32,7 @@ from budget.report.tables import (
 )
 from budget.report.wording import capital, share_cell
 from budget.results import INTERACTION
+from budget.spec.use import LINES
 from budget.studies.request import SHARED, given_lines
 from budget.ties import first_largest
 
@@ -62,7 +63,12 @@ def station_section(
 
     None where the procedure gives no line of either.
     """
-    lines = given_lines((), procedure)
+    lines = {
+        name: line
+        for name, line in given_lines((), procedure).items()
+        # A use as in the test is stated, and makes nothing.
+        if line.u.any() or name.quantity not in LINES
+    }
     if not lines:
         return None
     owners = [one for one in SHARED if any(name.owner == one for name in lines)]

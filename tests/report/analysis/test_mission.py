@@ -33,6 +33,7 @@ from budget.report.mission import (
 )
 from budget.results import Settings
 from budget.spec import load_device, load_mission, load_procedure, load_requirement
+from budget.spec.use import in_use
 from budget.studies.analysis import analyze_as
 from budget.studies.mission import curve, drawn_times
 from budget.studies.request import Analysis
@@ -209,10 +210,11 @@ def test_the_command_of_the_sliders_judges_the_mission(tmp_path, monkeypatch):
         "--at '10 s' --no-validate -o changed.html"
     )
     told = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
-    wanted = load_requirement(LIMITS)
+    wanted, mission = load_requirement(LIMITS), load_mission("outage-60-s")
+    how = in_use(load_procedure(), wanted, mission)
     analysis = replace(
-        Analysis.of(load_device("zhao-2019"), requirement=wanted),
-        mission=load_mission("outage-60-s"),
+        Analysis.of(load_device("zhao-2019"), procedure=how, requirement=wanted),
+        mission=mission,
     )
     outlook = what_if(analysis).evaluate({"accelerometer.bias_repeatability": 2.0})
     for ours, theirs in zip(
