@@ -109,8 +109,8 @@ PROBE = {
     )
 }
 SAME = 1e-9  # relative, of a bound [1]
-# A line reaches a limit where at its ceiling its u is more than this part of it, without
-# one where so many times the largest is that any device prints [1].
+# A line reaches a limit where u at its ceiling is more than this part of it; without
+# one, where so many times the largest that any device prints is [1].
 NEGLIGIBLE, FAR_ABOVE = 0.005, 10.0
 # By the line of a sensor: the use that it acts in.
 USE_OF = {
