@@ -37,6 +37,7 @@ from budget.spec.use import (
     NONE,
     OPTION,
     OrPart,
+    of_the_test,
     read_environment,
     with_use,
 )
@@ -312,7 +313,7 @@ def done_at(procedure: Procedure, station: Station, shown: str) -> Procedure:
     """
     for has, what in (
         (IDEAL not in procedure.assumptions, STATION),
-        (procedure.environment and station.environment, ENVIRONMENT),
+        (of_the_test(procedure.environment) and station.environment, ENVIRONMENT),
     ):
         if has:
             message = (
@@ -384,7 +385,15 @@ def at_station(procedure: Procedure, station: Station) -> Procedure:
     return replace(
         procedure,
         station=station.station,
-        environment=station.environment or procedure.environment,
+        environment=tuple(
+            {
+                line.name: line
+                for line in (
+                    *(station.environment or of_the_test(procedure.environment)),
+                    *(x for x in procedure.environment if x.name in LINES),
+                )
+            }.values()
+        ),
         timing=station.timing,
         station_origin=station.origin,
         assumptions=(*left, *station.assumptions),

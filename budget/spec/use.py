@@ -246,6 +246,11 @@ def in_use(
     return with_use(procedure, [one for one in new.values() if one.name not in there])
 
 
+def of_the_test(lines: Iterable[ErrorLine]) -> tuple[ErrorLine, ...]:
+    """Return the lines of an environment that act in the test, not in the use."""
+    return tuple(line for line in lines if line.name not in LINES)
+
+
 def stated_of(procedure: Procedure) -> Mapping[str, ErrorLine]:
     """Return what is stated of the use, by its key: temperature, vibration, age."""
     there = {line.name: line for line in procedure.environment}

@@ -67,7 +67,7 @@ from budget.spec import (
 )
 from budget.spec.records import UNCALIBRATED, ErrorLine
 from budget.spec.station import IDEAL, at_station
-from budget.spec.use import in_use
+from budget.spec.use import in_use, of_the_test
 from budget.studies.blunders import against_limits
 from budget.studies.lower_bounds import expecting
 from budget.studies.request import given_lines, not_weighted, sensors_of
@@ -641,7 +641,9 @@ def _check(ratio: float, guard: float, strategy: str, procedure: Procedure) -> N
         )
     if strategy not in STRATEGIES:
         faults.append(f"strategy is {strategy!r}, allowed: {', '.join(STRATEGIES)}")
-    elif strategy == "proportional" and not procedure.station + procedure.environment:
+    elif strategy == "proportional" and not (
+        procedure.station + of_the_test(procedure.environment)
+    ):
         faults.append(
             f"strategy is 'proportional', and {procedure.name} has no figures of a "
             "station that it could go by; let it name one (station: FILE), or take "
@@ -891,13 +893,13 @@ def _verdicts(case: _Case, candidates: Sequence[Station]) -> tuple[StationVerdic
             (one.name for one in candidates if own and one.origin == own),
             f"station of {procedure.name}" if own is None else own.file,
         )
-        lines = (*procedure.station, *procedure.environment)
+        lines = (*procedure.station, *of_the_test(procedure.environment))
         found.append(_verdict(case, procedure, lines, prior, name=name, file=file))
     for one in candidates:
         if case.has_station and own == one.origin:
             continue
         there = at_station(procedure, one)
-        lines = (*one.station, *one.environment)
+        lines = (*one.station, *of_the_test(one.environment))
         file = one.origin.file
         found.append(_verdict(case, there, lines, prior, name=one.name, file=file))
     return tuple(

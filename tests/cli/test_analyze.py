@@ -454,8 +454,9 @@ def test_unknown_variant_is_refused(write):
 
 
 def test_source_of_zero_uncertainty(write):
-    """A figure of 0 is given, not missing: its rows are zeros and nothing breaks."""
-    text = GYRO.replace("angle_random_walk: 0.005 deg", "angle_random_walk: 0 deg")
+    """A 0 that is meant is given, not missing: its rows are zeros, nothing breaks."""
+    exact = "angle_random_walk: {value: 0 deg/sqrt(h), meaning: exact}"
+    text = GYRO.replace("angle_random_walk: 0.005 deg/sqrt(h)", exact)
     document = analyze(write("g.yaml", text))
 
     assert "gyro.angle_random_walk" not in document["not_given"]

@@ -217,7 +217,8 @@ class TestTable:
         out = compare("bad.yaml", "good.yaml", *LAW).out
 
         rows = [line.split()[:3] for line in out.splitlines()]
-        assert rows.index(["Good", "1", "meets"]) < rows.index(["Bad", "2", "fails"])
+        (bad,) = (k for k, row in enumerate(rows) if row[:2] == ["Bad", "fails"])
+        assert rows.index(["Good", "1", "meets"]) < bad
         assert "1 meet, 1 fail" in out
 
     def test_sort_by_another_column(self):
@@ -225,7 +226,7 @@ class TestTable:
         lines = compare("good.yaml", "bad.yaml", *LAW, "--sort", "device").out
         rows = [x.split()[:2] for x in lines.splitlines() if x[:4] in {"Bad ", "Good"}]
 
-        assert rows[:2] == [["Bad", "2"], ["Good", "1"]]
+        assert rows[:2] == [["Bad", "fails"], ["Good", "1"]]
 
     def test_procedures_stand_side_by_side(self):
         """Two procedures: one table with a column for each."""
