@@ -145,9 +145,10 @@ function judge(model, rows, isChanged) {
     const worst = all[0];
     const utilisation = rows[worst].utilisation;
     const isOwn = sensor.verdict === "predicted" || !isChanged;
-    const found = (isOwn && sensor.verdict) || verdictOf(sensor, utilisation, Math.max(...own.map((k) => rows[k].atTop)));
+    const verdict = (isOwn && VERDICTS[sensor.verdict])
+      || VERDICTS[verdictOf(sensor, utilisation, Math.max(...own.map((k) => rows[k].atTop)))];
     verdicts.push({
-      title: sensor.title, worst, all, utilisation, verdict: VERDICTS[found],
+      title: sensor.title, worst, all, utilisation, verdict,
       missing: sensor.missing, conditions: sensor.conditions,
     });
   }
@@ -223,13 +224,14 @@ function shareOf(part) {
   return text === "100" && share < 1 - 1e-9 ? ">99 %" : `${signed(text)} %`;
 }
 
-/** A part of a limit in three digits, as print_utilisation there has it. */
+/** A part of a limit in three digits, near it in as many as tell the side, as print_utilisation there has it. */
 function perCent(part) {
   const used = settled(part);
   if (used === 1) return "100 %";
-  const place = Math.abs(used - 1) < 0.01 ? -1 : lastPlace(10 * used);
-  const text = used === 0 ? "0" : roundAt(100 * used, place);
-  if (text === "100" || text === "100.0") return used < 1 ? "<100 %" : ">100 %";
+  if (used === 0) return "0 %";
+  if (Math.abs(used - 1) >= 0.01) return `${roundAt(100 * used, lastPlace(10 * used))} %`;
+  const text = [1, 2, 3, 4].map((decimals) => roundAt(100 * used, -decimals)).find((each) => Number(each) !== 100);
+  if (text === undefined) return used < 1 ? "<100 %" : ">100 %";
   return `${text} %`;
 }
 

@@ -292,7 +292,16 @@ def make_model():
     return {
         "coverage": 0.95,
         "sensors": [
-            {"name": "gyro", "title": "gyro", "missing": [], "doubt": [1.0, 1.0]}
+            {
+                "name": "gyro",
+                "title": "gyro",
+                "missing": [],
+                "doubt": [1.0, 1.0],
+                "verdict": "",
+                "is_open": False,
+                "conditions": [],
+                "saturates": False,
+            }
         ],
         "sources": [
             {
@@ -330,6 +339,7 @@ def make_model():
                 "length": None,
                 "limit": 0.15,
                 "resolution": 1e-12,
+                "added": [0.0, 0.0, 0.0],
             }
         ],
         "mean": [[0.001], [0.0]],

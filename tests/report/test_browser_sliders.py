@@ -18,7 +18,7 @@ from numpy.testing import assert_allclose
 from pdf_reading import pages_of
 from report.test_page import example
 from saying import assert_says
-from studies.test_what_if import oblong, on_outage, scaled
+from studies.test_what_if import NOISE, lacking, oblong, on_outage, scaled
 from test_language import left_in
 
 from budget import analyze, load_device, load_requirement
@@ -27,6 +27,7 @@ from budget.methods.radius import radius_of
 from budget.report.analysis.what_if import AnalyzeAgain, what_if_section
 from budget.report.blocks import Section, Sliders
 from budget.report.tables import print_utilisation
+from budget.report.wording import VERDICTS
 from budget.studies.request import Analysis
 from budget.studies.what_if import one_at_a_time, what_if
 
@@ -34,6 +35,9 @@ pytestmark = pytest.mark.slow
 
 AGREES = 1e-9  # two programmes add up the same numbers in another order
 TENFOLD = 40  # places of a slider from as it is to ten times
+FACTORS = (1.0, 1.1, 250.0, 500.0)
+# A sensor of which nobody said anything but what is missing.
+UNJUDGED = {"verdict": "", "is_open": False, "conditions": [], "saturates": False}
 SOURCES = ("gyro.bias_repeatability", "accelerometer.mounting_repeatability")
 
 
@@ -210,7 +214,7 @@ def test_field_takes_a_size_that_the_law_can_be_asked_of(browser, path):
 def test_what_is_not_within_a_limit_fails(browser, path):
     """Also what is no number: nothing but a part of 1 at the most meets."""
     model = {
-        "sensors": [{"name": "gyro", "missing": [], "doubt": [1, 1]}],
+        "sensors": [{"name": "gyro", "missing": [], "doubt": [1, 1], **UNJUDGED}],
         "outputs": [{"name": "gyro.bias.x", "sensor": "gyro"}],
     }
     with opened(browser, path) as (page, _):
@@ -257,6 +261,8 @@ def test_missing_line_makes_a_pass_undecidable(browser, tmp_path):
                 "title": "gyro",
                 "missing": ["angle random walk"],
                 "doubt": [1, 1],
+                **UNJUDGED,
+                "is_open": True,
             }
         ],
     }
@@ -269,10 +275,34 @@ def test_missing_line_makes_a_pass_undecidable(browser, tmp_path):
         assert "Gyro: FAILS" in said.inner_text()
 
 
+def test_conditions_leave_a_pass_that_holds_if(browser, tmp_path):
+    """The word is Python's at every size, with what it holds if beside it."""
+    budget = lacking()
+    model = what_if(budget.analysis, budget=budget)
+    names = [source.name for source in model.sources]
+    with opened(browser, page_with(tmp_path, model.to_dict())) as (page, record):
+        first = page.locator(".outlook").inner_text()
+        words = [
+            page.evaluate(
+                "([model, factors]) => evaluate(model, factors).sensors[0].verdict",
+                [model.to_dict(), [factor if name == NOISE else 1.0 for name in names]],
+            )
+            for factor in FACTORS
+        ]
+
+    (standing,) = (one.standing for one in budget.assessment.sensors)
+    assert record.complaints == []
+    assert_says(first, "Gyro: MEETS IF", "gyro mounting repeatability stays below")
+    assert standing.verdict == "meets_if"
+    found = [model.evaluate({NOISE: factor}).sensors[0].verdict for factor in FACTORS]
+    assert words == [VERDICTS[one] for one in found]
+    assert set(found) == {"meets_if", "undecidable", "fails"}
+
+
 def test_of_outputs_alike_the_first_is_the_worst(browser, path):
     """A difference of rounding does not make the page name another output."""
     model = {
-        "sensors": [{"name": "gyro", "missing": [], "doubt": [1, 1]}],
+        "sensors": [{"name": "gyro", "missing": [], "doubt": [1, 1], **UNJUDGED}],
         "outputs": [{"name": f"gyro.bias.{axis}", "sensor": "gyro"} for axis in "xyz"],
     }
     used = (0.5, 0.5 * (1.0 + 1e-15), 0.4)
@@ -285,9 +315,11 @@ def test_of_outputs_alike_the_first_is_the_worst(browser, path):
 
 
 PARTS = {
-    0.9996: "<100 %",
+    0.9996: "99.96 %",
+    1.0 - 1e-9: "<100 %",
     1.0 - 1e-13: "100 %",
-    1.0003: ">100 %",
+    1.0003: "100.03 %",
+    1.0 + 1e-9: ">100 %",
     1.006: "100.6 %",
     1.06: "106 %",
     0.9994: "99.9 %",

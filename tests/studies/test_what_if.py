@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from functools import cache
 
 import builders
 import numpy as np
@@ -20,6 +21,7 @@ from budget.spec.records import Limit, Origin, Requirement
 from budget.studies.analysis import analyze_as
 from budget.studies.conformity import assess
 from budget.studies.request import Analysis
+from budget.studies.verdicts import STAYS_BELOW
 from budget.studies.what_if import one_at_a_time, what_if
 from budget.units import ARCSEC, DEG_PER_HOUR, PPM
 
@@ -475,4 +477,137 @@ def test_one_at_a_time_is_of_the_calibration():
         what_if(replace(budget.analysis, mission=None), budget=budget)
     )
     assert rows
-    assert [row.to_dict() for row in rows] == [row.to_dict() for row in before]
+    for row, own in zip(rows, before, strict=True):
+        assert (row.source, row.output, row.share) == (
+            own.source,
+            own.output,
+            own.share,
+        )
+        for step, same in zip(row.steps, own.steps, strict=True):
+            assert step.expanded == same.expanded
+
+
+def test_what_meets_is_up_to_the_limits_of_a_mission_too():
+    """A line alone brings the mission to its limit; one that cannot has no factor.
+
+    Control: by the limits of the calibration the gyro's line could grow.
+    """
+    device = oblong()
+    budget = on_outage(device)
+    rows = {
+        row.source.name: row
+        for row in one_at_a_time(what_if(budget.analysis, budget=budget))
+    }
+    name = "accelerometer.bias_repeatability"
+    truth = on_outage(scaled(device, {name: rows[name].most})).assessment
+    used = {one.sensor: one.utilisation for one in truth.sensors}
+    calibration = replace(budget.analysis, mission=None)
+    alone = {
+        row.source.name: row.most
+        for row in one_at_a_time(what_if(calibration, budget=budget))
+    }
+
+    assert_allclose(used[MISSION], 1.0, rtol=1e-9)
+    assert {step.verdict for step in rows[name].steps} == {"meets", "fails"}
+    assert rows["gyro.bias_repeatability"].most is None
+    assert alone["gyro.bias_repeatability"] > 2.0
+
+
+# ---- verdicts that hold if ----------------------------------------------------------
+
+
+# A gyro that gives no mounting repeatability, against a limit of what that reaches.
+ANGLE = {
+    "name": "angles",
+    "reference": "next_turn_on",
+    "environment": "none",
+    "limits": {"gyro": {"mounting_angle": "600 arcsec"}},
+}
+LACKING = "ltm210#S1B"
+NOISE = "gyro.angle_random_walk"
+
+
+@cache
+def lacking():
+    """Return the budget of it."""
+    return analyzed_against(load_device(LACKING))
+
+
+def analyzed_against(device):
+    """Return the budget of a device against that limit."""
+    return analyze_as(
+        Settings(validate=False, reference="next_turn_on"),
+        device,
+        requirement=load_requirement(ANGLE),
+    )
+
+
+@pytest.mark.parametrize(
+    ("factor", "verdict"),
+    [(1.0, "meets_if"), (1.1, "meets_if"), (250.0, "undecidable"), (500.0, "fails")],
+)
+def test_a_missing_line_leaves_conditions(factor, verdict):
+    """At its ceiling beside what is changed it is within, or not; or all is beyond.
+
+    Of these the own budget of the changed device says the same.
+    """
+    budget, device = lacking(), load_device(LACKING)
+    model = what_if(budget.analysis, budget=budget)
+    (outlook,) = model.evaluate({NOISE: factor}).sensors
+    lines = tuple(
+        replace(one, u=one.u * factor) if one.name == NOISE.partition(".")[2] else one
+        for one in device.gyro.lines
+    )
+    changed = replace(device, gyro=replace(device.gyro, lines=lines))
+    (truth,) = analyzed_against(changed).assessment.sensors
+
+    assert (truth.verdict, outlook.verdict) == (verdict, verdict)
+    assert_allclose(outlook.utilisation, truth.utilisation, rtol=1e-9)
+    (sensor,) = model.sensors
+    assert [text.template for text in sensor.conditions] == [STAYS_BELOW]
+
+
+def test_at_the_ceilings_it_uses_what_the_verdict_says():
+    """What missing lines add is what the standing of the budget is of."""
+    budget = lacking()
+    model = what_if(budget.analysis, budget=budget)
+    (sensor,) = budget.assessment.sensors
+    used = np.array(
+        [
+            np.sqrt(row.standard_uncertainty**2 + added) * factor / row.limit
+            for row, added, factor in (
+                (
+                    row,
+                    model.added[0, k],
+                    model.coverage_factor[k],
+                )
+                for k, output in enumerate(model.outputs)
+                for row in budget.assessment.outputs
+                if row.output.name == output.name
+            )
+        ]
+    )
+    assert model.added[0].any()
+    # The rest is the mean, of second order.
+    assert_allclose(used.max(), sensor.standing.at_ceilings, rtol=1e-3)
+
+
+def test_limits_together_are_not_said_to_be_kept():
+    """The law does not say here with what probability all are; one beyond fails."""
+    limits = {"gyro": {"bias": "0.4 deg/h", "scale_factor": "300 ppm"}}
+    wanted = load_requirement(
+        {
+            "name": "together",
+            "limits": limits,
+            "environment": "none",
+            "decision": "joint",
+        }
+    )
+    budget = analyze(load_device("zhao-2019"), requirement=wanted, validate=False)
+    model = what_if(budget.analysis, budget=budget)
+    own = [one.verdict for one in budget.assessment.sensors]
+
+    assert [one.verdict for one in model.evaluate({}).sensors] == own == ["meets"]
+    for factor, verdict in ((0.9, "undecided"), (9.0, "fails")):
+        (found,) = model.evaluate({"gyro.bias_repeatability": factor}).sensors
+        assert found.verdict == verdict
