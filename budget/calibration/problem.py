@@ -271,7 +271,7 @@ def line_u_of_inputs(owner: str, line: Given, group: Group) -> Array:
     Shape (n,) [SI of the line]: that of the axis of the input; of inputs that are of
     one process together, the largest.
     """
-    n, u = len(group.mean), line.u
+    n, u = len(group.mean), np.abs(line.u)  # a coefficient has a sign
     if isinstance(source_of(owner, line.name).meant(line).effect, Noise):
         found = np.empty(n)
         order = _statistics_order(n // 3)

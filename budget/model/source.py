@@ -52,7 +52,8 @@ class Given:
     name : str
         The key: 'bias_stability'.
     u : ndarray, shape (n_axes,)
-        Standard uncertainty, process sigma, density or coefficient by axis [SI].
+        Standard uncertainty, process sigma, density or coefficient by axis [SI]; a
+        coefficient of temperature has a sign.
     distributions : tuple of Distribution
         Shape by axis; processes are normal.
     correlation_time : ndarray, shape (n_axes,), or None
@@ -76,6 +77,11 @@ class Given:
     points: Array | None = None
     form: str = ""
     horizons: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def largest(self) -> float:
+        """Size of the largest axis, of a coefficient whatever its sign [SI]."""
+        return float(abs(self.u).max())
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

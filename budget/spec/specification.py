@@ -758,7 +758,7 @@ def read_value(
     # In an order that is not the file's: of equal ones, what stays in this line.
     readings = tuple(sorted(readings, key=_ORDER.index))
     read = [_under(line, sensor, given, word) for word in readings]
-    place = first_largest([float(one.line.u.max()) for one in read])
+    place = first_largest([one.line.largest for one in read])
     key = Name(line.name, owner=sensor)
     said = note(
         "{key}: what the value means is open ({readings}); the largest taken, {taken}",

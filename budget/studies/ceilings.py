@@ -17,8 +17,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from budget.model.sources.later import AGEING, growth
 from budget.names import Name
 from budget.studies.grades import FAMILIES, UNKNOWN, family, grade
@@ -182,7 +180,7 @@ def _printed(
     for device in catalogue:
         for sensor in device.sensors:
             for line in (*sensor.lines, *sensor.initial):
-                u = float(np.abs(line.u).max())
+                u = line.largest
                 if line.name in AGEING.values():
                     u *= growth(line, YEAR)
                 if u > 0.0:

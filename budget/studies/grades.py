@@ -55,7 +55,7 @@ def grade(sensor: Sensor) -> str:
     line = sensor.line(GRADED_BY[sensor.kind])
     if line is None:
         return UNKNOWN
-    size = float(line.u.max())
+    size = line.largest
     return next((name for name, below in BELOW[sensor.kind] if size < below), REST)
 
 

@@ -70,7 +70,7 @@ def sensitivities(analysis: Analysis) -> dict[Name, Sensitivity]:
         of_inputs = (
             line_u_of_inputs(group.name.owner, line, group)
             if analysis.journey is None
-            else np.full(group.size, line.u.max())
+            else np.full(group.size, line.largest)
         )
         each = np.abs(law.C[:, rows]) * np.sqrt(np.diag(group.covariance))
         # An output that nothing reaches has c = 0 of the largest axis.
@@ -109,7 +109,7 @@ def _quantity(name: Name, line: ErrorLine, origin: str) -> InputQuantity:
         meaning=meaning,
         unit=line.unit,
         si_per_unit=si_per_unit,
-        u=tuple(float(u) for u in line.u / si_per_unit),
+        u=tuple((abs(line.u) / si_per_unit).tolist()),
         distribution=", ".join(dict.fromkeys(shape.name for shape in shapes)),
         divisor=None if own is None else own / reading,
         degrees_of_freedom=None

@@ -259,10 +259,10 @@ def _worst(
     A Gauss-Markov process of one maker is flicker noise of the same size: its
     correlation time is not that of another unit.
     """
-    line, owner = offers[first_largest([float(line.u.max()) for line, _ in offers])]
+    line, owner = offers[first_largest([line.largest for line, _ in offers])]
     source = stand_in(name)
     if FLICKER in source.forms and line.form != FLICKER:
-        worst = line_of(source, name.owner, float(line.u.max()), meaning=line.meaning)
+        worst = line_of(source, name.owner, line.largest, meaning=line.meaning)
         line = replace(worst, u=line.u, source=line.source)
     owners = (owner.name,)
     return line, _told(name, line, mode=WORST, owners=owners, number=len(offers))
@@ -279,7 +279,7 @@ def _typical(
     logs: dict[str, list[float]] = {}
     for line, owner in offers:
         design = owner.origin.sha256 or owner.name
-        logs.setdefault(design, []).append(settle(float(np.log(line.u.max()))))
+        logs.setdefault(design, []).append(settle(float(np.log(line.largest))))
     middle = float(np.exp(np.median([np.median(own) for own in logs.values()])))
     line = line_of(stand_in(name), name.owner, middle, meaning="median")
     owners = tuple(dict.fromkeys(owner.name for _, owner in offers))
@@ -319,7 +319,7 @@ def _told(
         expected=name,
         mode=mode,
         printed=line.printed,
-        u=float(line.u.max()),
+        u=line.largest,
         unit=line.unit,
         si_per_unit=line.si_per_unit,
         owners=owners,

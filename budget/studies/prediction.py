@@ -396,8 +396,7 @@ def figures_of(device: Device) -> dict[Name, Figure]:
         )
         for sensor in device.sensors
         for source in stand_ins(sensor.kind)
-        if (line := sensor.line(source.name)) is not None
-        and (u := float(line.u.max())) > 0.0
+        if (line := sensor.line(source.name)) is not None and (u := line.largest) > 0.0
     }
 
 

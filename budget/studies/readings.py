@@ -200,7 +200,7 @@ def _combinations(
 def _sizes(sensor: Sensor, name: Name) -> dict[str, float]:
     """Return the standard uncertainty of each reading, by its word [SI]."""
     line = next(one for one in sensor.lines if _is_open_as(one, name))
-    return {word: settle(float(one.u.max())) for word, one in line.readings}
+    return {word: settle(one.largest) for word, one in line.readings}
 
 
 def _u(

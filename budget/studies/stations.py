@@ -783,9 +783,7 @@ def _figures(case: _Case, probe: _Probe, strategy: str) -> tuple[StationFigure, 
     n = len(law.sources)
     unit = np.array([probe.lines[name].si_per_unit for name in law.sources])
     given = given_lines((), case.procedure)
-    now = np.array(
-        [float(given[g].u.max()) if g in given else 0.0 for g in law.sources]
-    )
+    now = np.array([given[g].largest if g in given else 0.0 for g in law.sources])
     most = np.maximum(
         [_ceiling(source_of(g.owner, g.quantity), g.owner) for g in law.sources], now
     )

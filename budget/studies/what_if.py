@@ -578,7 +578,7 @@ def _source(name: Name, line: ErrorLine) -> WhatIfSource:
     """Return a line that is given as a source."""
     return WhatIfSource(
         name=name,
-        u=float(line.u.max()),
+        u=line.largest,
         unit=line.unit,
         si_per_unit=line.si_per_unit,
         printed=line.printed,

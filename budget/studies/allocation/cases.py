@@ -176,7 +176,7 @@ def set_up(
     law = scaled_law(problem)
     statuses, low, high = [], [], []
     for name in law.sources:
-        now = float(given[name].u.max())
+        now = given[name].largest
         statuses.append(_status(name, now, bounds, kinds))
         least, most = _bounds_of(name, now, bounds, market)
         low.append(least)
@@ -306,7 +306,7 @@ def _prices(case: SensorCase, costs: Costs | None) -> Prices:
     c, p = [], []
     for name in case.task.law.sources:
         cost = named.get(name)
-        now = float(case.given[name].u.max())
+        now = case.given[name].largest
         power = 1.0 if cost is None else cost.p
         ratio = 1.0
         if cost is not None and cost.u_ref is not None and now > 0.0:

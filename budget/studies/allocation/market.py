@@ -61,7 +61,7 @@ def best_offered(
             for line in sensor.lines:
                 name, u = (
                     Name(line.name, owner=sensor.kind),
-                    float(np.abs(line.u).max()),
+                    line.largest,
                 )
                 own = (
                     wanted[sensor.kind].line(line.name)

@@ -90,8 +90,8 @@ def source_allotments(
                 unit=line.unit,
                 si_per_unit=line.si_per_unit,
                 status=NOT_REQUIRED,
-                now=float(line.u.max()),
-                allowed=float(line.u.max()),
+                now=line.largest,
+                allowed=line.largest,
                 best_offered=offered.get(Name(line.name, owner=sensor.kind)),
             )
             for line in sensor.lines
@@ -164,7 +164,7 @@ def _allotments(
         if name.owner not in owners:
             continue
         line = case.given[name]
-        now = float(line.u.max())
+        now = line.largest
         status = case.statuses[g]
         free = status == FREE
         allotted = s is not None and free
