@@ -12,7 +12,7 @@ from budget.language import say, term, words
 from budget.model.norm import NormScheme
 from budget.model.response import STATISTICS
 from budget.model.rotation import RotationScheme
-from budget.model.sources import BAND
+from budget.model.sources import BAND, FLICKER
 from budget.names import AXES, by_group, parameters_of
 from budget.report.blocks import (
     Cell,
@@ -107,7 +107,8 @@ HELD = term(
     "A limit is on the absolute error: what is held against it is the larger of the "
     "two ends, without its sign."
 )
-PLUS_MINUS, SIGMA, TAU = "\N{PLUS-MINUS SIGN}", "\u03c3", "\u03c4"
+PLUS_MINUS = "\N{PLUS-MINUS SIGN}"
+LETTERS = {"sigma": "\u03c3", "tau": "\u03c4", "pi": "\u03c0"}
 # Lines of a data sheet; variance of the average over a window, and what it is of.
 NOISE = (
     (
@@ -129,6 +130,16 @@ NOISE = (
         {"rate_random_walk", "acceleration_random_walk"},
         "K^2 (s + L/3)",
         term("random walk K from t = 0"),
+    ),
+    (
+        {FLICKER},
+        'B^2/pi ((x sin x + 1 - cos x)\\/x^2 - "Ci"(x))',
+        term("flicker, coefficient B, without power below f: x = 2{pi}f L"),
+    ),
+    (
+        {"quantization"},
+        "q^2/(6 L^2)",
+        term("rounding of the integral to steps q"),
     ),
 )
 
@@ -618,7 +629,7 @@ def _coverage_panel(settings: Settings) -> Panel:
 def _noise_panels(lines: AbstractSet[str]) -> list[Panel]:
     """Return the variance of a window average of every process that is given."""
     found = [
-        (f"u_L^2 = {variance}", say(note, sigma=SIGMA, tau=TAU))
+        (f"u_L^2 = {variance}", say(note, **LETTERS))
         for names, variance, note in NOISE
         if names & lines
     ]

@@ -65,6 +65,19 @@ def test_flicker_has_the_printed_covariance():
         assert_allclose(C[0, 0] + C[1, 1] - 2.0 * C[0, 1], 4.0 * np.log(2.0) / np.pi)
 
 
+@pytest.mark.parametrize("x", [1e-4, 0.0131, 0.9, 30.0])
+def test_flicker_has_the_formula_of_the_report(x):
+    """B^2/pi ((x sin x + 1 - cos x)/x^2 - Ci(x)) of one window, x = 2 pi f_L L."""
+    length = x * DAY / (2.0 * np.pi)
+    C = Flicker(2.0, 1.0 / DAY).covariance(schedule((5.0, length)))
+    with mpmath.workdps(30):
+        y = mpmath.mpf(x)
+        shape = (y * mpmath.sin(y) + 1 - mpmath.cos(y)) / y**2 - mpmath.ci(y)
+        expected = float(4 / mpmath.pi * shape)
+
+    assert_allclose(C, [[expected]], rtol=1e-9)
+
+
 def test_flicker_is_the_integral_of_its_density():
     """The covariance of two windows is that of the spectrum, by quadrature."""
     low = 1e-3
