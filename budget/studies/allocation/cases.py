@@ -310,7 +310,8 @@ def _prices(case: SensorCase, costs: Costs | None) -> Prices:
         power = 1.0 if cost is None else cost.p
         ratio = 1.0
         if cost is not None and cost.u_ref is not None and now > 0.0:
-            ratio = cost.u_ref / now
+            # In the maker's own terms, of a floor of the Allan curve 0.664 B.
+            ratio = cost.u_ref * case.given[name].factor / now
         if abs(power * log10(ratio)) > MOST_DECADES:
             raise CallError(
                 f"costs.{name}: u_ref is {ratio:.3g} times the "

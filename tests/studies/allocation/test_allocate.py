@@ -503,6 +503,45 @@ def test_costs_decide_who_pays():
     assert all(report.is_optimal for report in paid.costs)
 
 
+def test_a_cost_at_a_floor_is_in_the_terms_of_the_data_sheet():
+    """u_ref as the sheet prints its floor is what the device has: no u_ref at all."""
+    one = load_device(
+        {
+            "name": "x",
+            "gyro": {
+                "errors": {
+                    "bias_stability": {
+                        "value": "0.04 deg/h",
+                        "definition": "allan_minimum",
+                    },
+                    "bias_repeatability": "0.05 deg/h",
+                }
+            },
+        }
+    )
+    wanted = load_requirement(
+        {"name": "x", "environment": "none", "limits": {"gyro": {"bias": "0.03 deg/h"}}}
+    )
+    name = Name("bias_stability", owner="gyro")
+    found = [
+        allocate(
+            one,
+            requirement=wanted,
+            strategy="cost",
+            costs=Costs(
+                costs=(Cost(source=name, a=2.0, p=1.5, u_ref=u_ref),),
+                assumptions=(),
+                origin=builders.NOWHERE,
+            ),
+        )
+        for u_ref in (None, 0.04 * DEG_PER_HOUR, 0.08 * DEG_PER_HOUR)
+    ]
+    own, same, other = (allowed(each, name) for each in found)
+
+    assert_allclose(same, own, rtol=1e-9)
+    assert other > 1.01 * own
+
+
 def test_parts_add_up_to_the_squared_utilisation():
     """Sources, products and mean error of each limit make up all that is used."""
     for row in allot(strategy="equal").outputs:
