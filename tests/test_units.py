@@ -563,13 +563,14 @@ def gyro(tmp_path, line, figure):
 def test_random_walk_and_density_differ_by_their_factor_of_sixty(tmp_path):
     """1 deg/sqrt(h) is a 60th of 1 (deg/s)/sqrt(Hz), 60 times 1 (deg/h)/sqrt(Hz).
 
-    These are two-sided: one-sided ones, which is the default, are sqrt(2) smaller.
+    These are two-sided: one-sided ones are sqrt(2) smaller.
     """
     walk = gyro(tmp_path, "angle_random_walk", "1 deg/sqrt(h)")
     both = "{{value: 1 ({})/sqrt(Hz), density: two-sided}}"
     fast = gyro(tmp_path, "angle_random_walk", both.format("deg/s"))
     slow = gyro(tmp_path, "angle_random_walk", both.format("deg/h"))
-    one_sided = gyro(tmp_path, "angle_random_walk", "1 (deg/s)/sqrt(Hz)")
+    side = "{value: 1 (deg/s)/sqrt(Hz), density: one-sided}"
+    one_sided = gyro(tmp_path, "angle_random_walk", side)
     assert_allclose(fast.u, 2.0**0.5 * one_sided.u, rtol=1e-15)
     assert_allclose(walk.u, 2.908882086657216e-4, rtol=1e-15)
     assert_allclose(fast.u, 60.0 * walk.u, rtol=1e-15)

@@ -428,7 +428,7 @@ def _mapping(
         if isinstance(branch, dict):
             level = _mapping(f"{title} {key}", owner, branch)
             # 'temperature: 20 degC' is that of the use, as in a requirement.
-            is_stated = f"{key}.{MISSION}" in LINES
+            is_stated = MISSION in branch and branch[MISSION].name in LINES
             fields[key] = Annotated[level, OrPart(key=MISSION)] if is_stated else level
         else:
             source: Source = branch

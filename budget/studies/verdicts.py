@@ -23,6 +23,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from math import inf
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -918,7 +919,7 @@ def cautions_of(case: Case) -> tuple[Caution, ...]:
                         kind="horizon",
                         line=name,
                         text=note(
-                            "{line} holds over {time}, and the use is {age} after the "
+                            "{line} is of {time}, and the use is {age} after the "
                             "calibration",
                             line=line_note(name),
                             time=time.printed,
@@ -1140,7 +1141,7 @@ def calibration_words(procedure: Procedure) -> str:
 def station_words(procedure: Procedure) -> str:
     """Say at which station: 'an ideal table', or the name of its file."""
     if procedure.station_origin is not None:
-        return procedure.station_origin.file.partition(".")[0]
+        return Path(procedure.station_origin.file).stem
     return (
         note("an ideal table")
         if IDEAL in procedure.assumptions

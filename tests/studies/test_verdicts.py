@@ -235,7 +235,7 @@ class TestAge:
         )
         (sensor,) = found.assessment.sensors
         assert sensor.verdict == "undecidable"
-        assert "holds over 10 s" in texts_of(sensor.standing)
+        assert "is of 10 s, and the use is 1 year after" in texts_of(sensor.standing)
 
 
 TURNING = {

@@ -119,8 +119,8 @@ def headline(budget: Budget, assessment: Assessment | None) -> str:
     if overall == MEETS_IF:
         return counted(
             number,
-            "MEETS {requirement} IF a condition holds{part}, {after}",
-            "MEETS {requirement} IF {number} conditions hold{part}, {after}",
+            "MEETS {requirement} ON A CONDITION{part}, {after}",
+            "MEETS {requirement} ON {number} CONDITIONS{part}, {after}",
             number=number,
             requirement=assessment.requirement,
             part=part,

@@ -429,7 +429,7 @@ MISSING_NOTES = {
     "refuse": (
         term(
             "; they count as 0, so that the error is this or more (≥), "
-            "and a 'meets' holds on conditions at the best. At worst: with each at its "
+            "and 'meets if' is the best verdict. At worst: with each at its "
             "ceiling, the larger of what the worst comparable device prints and the "
             "97.5 % point of its prediction; ?: one has none, and decides."
         )
