@@ -447,14 +447,19 @@ def _warnings(
     if MISSION in requirement.kinds:
         found += [
             note(
-                "{device} has no {kind}, and a mission takes gyro and accelerometer: "
-                "it is not compared by it",
-                device=device.name,
+                "a mission takes gyro and accelerometer; not compared by it, as they "
+                "have no {kind}: {devices}",
+                devices=", ".join(names),
                 kind=note(kind),
             )
-            for device in devices
             for kind in SENSORS
-            if len(device.sensors) == 1 and kind != device.sensors[0].kind
+            if (
+                names := [
+                    device.name
+                    for device in devices
+                    if [one.kind for one in device.sensors] not in ([kind], [*SENSORS])
+                ]
+            )
         ]
     impossible = {name for finding in findings for name in finding.impossible}
     found += [
