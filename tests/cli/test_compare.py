@@ -314,7 +314,7 @@ class TestMission:
         assert row["worst_output"] == "mission.position.horizontal.3600"
         assert run.document["mission"] == "bench, 1 h"
         assert any(file["role"] == "mission" for file in run.document["inputs"])
-        assert "Good has no accelerometer" in " ".join(run.document["warnings"])
+        assert "have no accelerometer: Good" in " ".join(run.document["warnings"])
 
     def test_the_map_says_what_is_limited_and_when(self, folder):
         """Above a column stand quantity, axis and time: it is no angle of a sensor."""
