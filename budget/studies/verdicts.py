@@ -487,7 +487,7 @@ class Margin:
         """Missing lines that overturn a verdict, the one to ask for first."""
         if none := self.without_ceiling:
             return none
-        if self.at_ceilings is None or settle(self.at_ceilings) <= 1.0:
+        if not self.missing or settle(self.at_ceilings or 0.0) <= 1.0:
             return ()
         places = [list(self.groups[name]) for name in self.missing]
         sizes = [
@@ -508,7 +508,7 @@ class Margin:
         C = self.rest + added
         top = np.tensordot(self.weights, self.parts, axes=1)[:, 0, 0]
         # From the factor of what is given to that with all lines at their ceilings.
-        grown = np.minimum(added[:, 0, 0] / np.maximum(top, TINY), 1.0)
+        grown = np.minimum(added[:, 0, 0], top) / np.maximum(top, TINY)
         k = self.factor[0] + (self.factor[1] - self.factor[0]) * grown
         ends = self.mean + k * np.sqrt(np.maximum(C[:, 0, 0], 0.0))
         for j in np.flatnonzero(self.ratio):
