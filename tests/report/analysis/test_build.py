@@ -20,6 +20,7 @@ from report_examples import (
     make_output,
     make_outputs,
     make_procedure,
+    make_standing,
 )
 from saying import assert_says
 
@@ -188,6 +189,24 @@ def test_undecidable_report_names_what_is_missing():
         say(report.cards[0].lines[0]),
         *("Cannot be judged", "accelerometer noise", "not given", "ask for it"),
     )
+
+
+@pytest.mark.parametrize(("number", "shown"), [(1, 1), (4, 4), (8, 3)])
+def test_page_one_says_the_first_conditions(number, shown):
+    """A long list goes on under Limits, where all stand; one more is no list."""
+    budget = make_budget(outputs=make_outputs("accelerometer", ACCELEROMETER))
+    assessment = make_assessment(budget, accelerometer="meets_if")
+    standing = make_standing("meets_if", "accelerometer", conditions=number)
+    sensors = tuple(replace(one, standing=standing) for one in assessment.sensors)
+    report = document(budget, assessment=replace(assessment, sensors=sensors))
+    first = say(report.cards[0].lines[0])
+    told = [line for line in lines(section(report, "limits")) if "stays below" in line]
+
+    conditions = "a condition holds" if number == 1 else f"{number} conditions hold"
+    assert report.headline == f"MEETS tactical grade IF {conditions}, {AFTER}"
+    assert first.count("accelerometer noise stays below") == shown
+    assert ("and 5 more" in first) == (number == 8)
+    assert len(told) == number
 
 
 def test_meeting_report_says_the_margin():

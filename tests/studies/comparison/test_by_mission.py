@@ -100,14 +100,20 @@ def test_verdict_is_that_of_the_mission_itself(name, limit):
 
 
 def test_missing_lines_leave_what_would_meet_undecidable():
-    """A line that is not given stops a verdict, and says what it could do at worst."""
+    """A line that is not given stops a verdict where at its ceiling it would fail.
+
+    With more room it bounds the verdict alone.
+    """
     bare = imu(missing=("bias_stability",))
-    wide, narrow = on_mission(horizontal(1e6)), on_mission(horizontal(1.0))
+    free, open_one, failed = (
+        row
+        for limit in (1e6, 1e4, 1.0)
+        for row in compare([bare], on_mission(horizontal(limit)), **LAW).devices
+    )
 
-    (open_one,) = compare([bare], wide, **LAW).devices
-    (failed,) = compare([bare], narrow, **LAW).devices
-
-    assert (open_one.verdict, failed.verdict) == ("undecidable", "fails")
+    verdicts = (free.verdict, open_one.verdict, failed.verdict)
+    assert verdicts == ("meets_if", "undecidable", "fails")
+    assert free.standing.at_ceilings < 1.0 < open_one.standing.at_ceilings
     assert open_one.lower_bound
     assert {name.owner for name in open_one.missing.lines} == {*BOTH}
 

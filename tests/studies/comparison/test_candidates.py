@@ -100,18 +100,21 @@ def test_missing_line_is_bounded_by_the_catalogue():
     )
     bound = found.devices[0].missing
 
-    assert tuple(map(str, bound.filling.lines)) == (
-        "gyro.bias_repeatability  (of worst fog)",
-    )
+    (condition,) = found.devices[0].standing.conditions
+    assert condition.line == "gyro.bias_repeatability"
+    assert_allclose(condition.ceiling, 0.2 * DEG_PER_HOUR, rtol=1e-12)
     assert bound.utilisation > found.devices[0].utilisation
     assert_allclose(bound.utilisation, K95 * sqrt(0.2**2 + 0.03**2), rtol=0.01)
     assert bound.verdict == "meets"
 
 
 def test_missing_line_that_nobody_has_is_not_bounded():
-    """Without such a line in the catalogue nothing is said, least of all `meets`."""
-    found = compared([paper_device(missing=("bias_repeatability",))], method="gum")
+    """Without such a line in the catalogue it decides, and has to be asked for."""
+    bare = paper_device(missing=("bias_repeatability",))
+    found = compared([bare], catalogue=[], method="gum")
 
+    (condition,) = found.devices[0].standing.conditions
+    assert (found.devices[0].verdict, condition.decides) == ("undecidable", True)
     assert found.devices[0].missing.utilisation is None
     assert found.devices[0].missing.verdict == ""
 
@@ -380,7 +383,7 @@ def test_kind_of_device():
 
 
 def test_imus_are_ranked_as_one_device():
-    """The worse triad rules; equal units tie, and one with more lines missing is last.
+    """The worse triad rules; equal units tie, and one that cannot be judged is last.
 
     Each is better in one triad: the rank by the gyro alone is another one.
     """
@@ -395,7 +398,7 @@ def test_imus_are_ranked_as_one_device():
     found = compared([uneven, gap, even, twin], requirement(times=2.0, **both))
 
     names = [(pair.gyro, rank) for pair, rank in found.ranked_imus]
-    assert names == [("even", "1="), ("twin", "1="), ("uneven", "3"), ("gap", "4")]
+    assert names == [("even", "1="), ("twin", "1="), ("uneven", "3"), ("gap", "")]
     assert next(one.name for one in found.devices if one.sensor == "gyro") == "uneven"
     pair = found.imus[2]
     assert pair.utilisation == by_name(found, "uneven", "accelerometer").utilisation
@@ -403,6 +406,10 @@ def test_imus_are_ranked_as_one_device():
     assert found.imus[3].verdict == "undecidable"
     document = found.to_dict()
     assert [(one["name"], one["rank"]) for one in document["imus"]] == [
-        *(("even", 1), ("twin", 1), ("uneven", 3), ("gap", 4))
+        *(("even", 1), ("twin", 1), ("uneven", 3), ("gap", None))
     ]
+    (gap,) = (one for one in document["imus"] if one["name"] == "gap")
+    parts = [one for one in document["devices"] if one["name"] == "gap"]
+    assert len(parts) == len(gap["conditions"]) == 2
+    assert gap["conditions"] == [one for part in parts for one in part["conditions"]]
     assert document["pairs"] == []
