@@ -63,17 +63,32 @@ def table():
 TABLE = table()
 
 
+def is_of_use(kind, path):
+    """Say whether a key states what a unit is used in, and not what a test is."""
+    if path[0] == "environment" and kind == "procedure":
+        return len(path) == 1 or path[1:] in {("temperature",), ("vibration",)}
+    return path[0] == "age" or (
+        path[0] == "environment" and kind in {"requirement", "mission"}
+    )
+
+
 @cache
 def silent(kind, path):
     """Say whether the docs have this key among those that move no number."""
-    surroundings = kind in {"procedure", "station"} and path[0] in {
-        "station",
-        "environment",
-    }
-    figure = (kind == "device" and "errors" in path) or surroundings
+    used = is_of_use(kind, path)
+    surroundings = (
+        kind in {"procedure", "station"}
+        and path[0] in {"station", "environment"}
+        and not used
+    )
+    figure = (kind == "device" and "errors" in path) or surroundings or used
     name = ".".join(path[1:-1]) if surroundings else "".join(path[2:3])
+    owner = path[0]
+    if used:
+        owner, *steps = ("environment", *path) if path[0] == "age" else path
+        name = "age" if "age" in steps else f"{''.join(steps[:1])}.mission"
     process = figure and any(
-        line.process for line in lines_of(path[0]) if line.name == name
+        line.process for line in lines_of(owner) if line.name == name
     )
     is_ageing = (
         kind == "device" and {*path[2:3]} <= {*AGEING.values()} and len(path) > 3

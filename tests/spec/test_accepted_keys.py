@@ -15,7 +15,7 @@ import pytest
 from builders import line
 from command_line import call
 from fuzz.grammar import replaced
-from fuzz.keys import KEYS, TABLE, Key, silent
+from fuzz.keys import KEYS, TABLE, Key, is_of_use, silent
 from jsonschema import Draft202012Validator
 from places import ROOT
 
@@ -32,7 +32,9 @@ from budget.spec import load_costs, load_device, uncalibrated, validate
 from budget.spec.device import read_device
 from budget.spec.files import find, open_file
 from budget.spec.records import ANGLES, AXES
+from budget.spec.use import in_use
 from budget.studies.allocation.allocate import allocate
+from budget.studies.verdicts import VERDICTS
 
 DEG, G = np.pi / 180.0, 9.80665
 CHANGED = 1e-9  # relative; far above rounding, far below what any perturbation does
@@ -190,8 +192,7 @@ def numbers(value):
         value = list(value.values())
     if isinstance(value, list | tuple):
         return [number for item in value for number in numbers(item)]
-    verdicts = {"meets", "fails", "undecided", "undecidable"}
-    is_result = isinstance(value, int | float) or value in verdicts
+    is_result = isinstance(value, int | float) or value in VERDICTS
     return [value] if is_result else []
 
 
@@ -222,13 +223,17 @@ def analyzed(one, procedure=WARM):
     return numbers([document["outputs"], document["covariance"]])
 
 
-def choices(kind, *, moving, const=False):
-    """Return the keys of a kind that have to move a number, or those that need not."""
+def choices(kind, *, moving, of_use=False):
+    """Return the keys of a kind that have to move a number, or those that need not.
+
+    What a unit is used in several kinds say alike: a test of its own, `of_use`.
+    """
     return [
         key
         for key in KEYS[kind]
         if silent(kind, base_of(key.path)) != moving
-        and ("const" in key.schema) == const
+        and "const" not in key.schema
+        and is_of_use(kind, key.path) == of_use
     ]
 
 
@@ -607,6 +612,81 @@ FLIGHT = {
 }
 
 
+# What feels each use: its test is ideal, and all that is missing is let be.
+USED = {
+    "temperature": {"value": "9 degC"},
+    "vibration": {"value": "0.9 g"},
+    "age": {"value": "0.9 year"},
+}
+FEELING = {
+    "name": "x",
+    "gyro": {
+        "errors": {
+            "bias_repeatability": "1 deg/h",
+            "bias_temperature_coefficient": "1 deg/h/degC",
+            "vibration_rectification": "1 deg/h/g^2",
+            "ageing": {"value": "1 deg/h", "horizon": "1 year"},
+        },
+        "range": "100 deg/s",
+    },
+}
+WHOLE = {  # files that state no use
+    "requirement": {"name": "x", "limits": {"gyro": {"bias": "90 deg/h"}}},
+    "mission": FLIGHT,
+    "procedure": {"latitude": "34.2394 deg"},
+}
+
+
+def used(kind, tree):
+    """Return the numbers of a verdict on what feels each use that a file states."""
+    files = WHOLE | {kind: tree}
+    wanted = budget.load_requirement(files["requirement"])
+    mission = budget.load_mission(files["mission"])
+    plan = in_use(budget.load_procedure(files["procedure"]), wanted, mission)
+    judged = budget.analyze(
+        load_device(FEELING),
+        procedure=plan,
+        requirement=wanted,
+        coverage=wanted.coverage,
+        reference=wanted.reference,
+        validate=False,
+    )
+    return numbers(judged.assessment.to_dict())
+
+
+def stated(kind, key):
+    """Return such a file without a key, and with it."""
+    tree, steps = WHOLE[kind], steps_of(key)
+    name = steps[-2] if steps[-1] in FIGURE_KEYS else steps[-1]
+    if steps[-1] in FIGURE_KEYS:
+        tree = replaced(tree, steps[:-1], USED[name] | BESIDE.get(steps[-1], {}))
+    like = {"temperature": "7 degC", "vibration": "0.7 g", "age": "0.7 year"}
+    value = like[name] if steps[-1] in {*like, "value"} else example(key)
+    return tree, replaced(tree, steps, value)
+
+
+@pytest.mark.parametrize("kind", WHOLE)
+def test_a_key_of_the_use_moves_a_number(kind):
+    """A verdict, or the margin of one, is another one with each key."""
+    keys = choices(kind, moving=True, of_use=True)
+
+    def judged(key):
+        return [used(kind, tree) for tree in stated(kind, key)]
+
+    assert len(keys) > 4
+    assert unmoved(keys, judged) == []
+
+
+@pytest.mark.parametrize("kind", WHOLE)
+def test_a_key_of_the_use_in_the_table_moves_none(kind):
+    """Words beside a temperature, a vibration or an age change no verdict."""
+    keys = choices(kind, moving=False, of_use=True)
+    for key in keys:
+        before, after = (used(kind, tree) for tree in stated(kind, key))
+        assert not differ(before, after), str(key)
+    assert len(keys) > 3
+
+
 def limited_flight(key):
     """Return a requirement on a mission without a key, and with it."""
     kinds = {"position": "50 m", "velocity": "5 m/s"}
@@ -672,7 +752,8 @@ def compared(requirement):
 
 def judged_by(key):
     """Return the numbers of a comparison without a key of its limits, and with it."""
-    tree = {"limits": {"gyro": {"bias": "30 deg/h"}}}
+    # Each axis is within this by 6 %, all three together are not.
+    tree = {"limits": {"gyro": {"bias": "32 deg/h"}}}
     if key.path[0] == "limits" and key.path[1] != "mission":
         tree = replaced({}, key.path, example(key).replace("7", "9", 1))
     if key.path[:2] == ("limits", "mission"):
