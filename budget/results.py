@@ -1112,7 +1112,8 @@ class Condition:
     unit: str
     si_per_unit: float
     text: str
-    largest_comparable: str = ""  # what the worst comparable device prints
+    # The largest that a comparable device prints, as a standard uncertainty [SI].
+    largest_comparable: float | None = None
     ceiling: float | None = None  # [SI]
     decides: bool = False  # whether it leaves the verdict open, being not given
     # Lines of a use that nobody has stated, which its sheet does not give.
@@ -1129,7 +1130,7 @@ class Condition:
             "line": self.line,
             "below": of(self.below),
             "unit": self.unit,
-            "largest_comparable": self.largest_comparable or None,
+            "largest_comparable": of(self.largest_comparable),
             "ceiling": of(self.ceiling),
             "decides": self.decides,
             "not_given": list(self.silent),

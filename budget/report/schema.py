@@ -297,8 +297,7 @@ def _standing(schema: _Schema) -> Node:
     condition = schema.entry(
         "condition",
         Condition,
-        "kind line below unit ceiling decides not_given=silent text",
-        largest_comparable=str | None,
+        "kind line below unit largest_comparable ceiling decides not_given=silent text",
     )
     return {
         "verdict": {"enum": list(VERDICTS)},

@@ -556,12 +556,9 @@ class Margin:
         below = self.bound(change, alone=alone) * self.sizes[name]
         top = self.tops.get(name)
         largest = None if top is None else top.largest_comparable
-        line = line_of(stand_in(name), name.owner, below if 0.0 < below < inf else None)
-        texts = {
-            "line": line_note(name),
-            "bound": line.printed,
-            "largest": "" if largest is None else largest.printed,
-        }
+        source = stand_in(name)
+        line = line_of(source, name.owner, below if 0.0 < below < inf else None)
+        texts = {"line": line_note(name), "bound": line.printed}
         if below == inf:
             text = note("whatever {line} is", **texts)
         elif alone and below == 0.0:
@@ -576,6 +573,7 @@ class Margin:
             text = note(
                 "if {line} stays below {bound}; comparable devices print up to "
                 "{largest}",
+                largest=line_of(source, name.owner, largest.u).printed,
                 **texts,
             )
         return Condition(
@@ -584,7 +582,7 @@ class Margin:
             below=None if below == inf else below,
             unit=line.unit,
             si_per_unit=line.si_per_unit,
-            largest_comparable=texts["largest"],
+            largest_comparable=None if largest is None else largest.u,
             ceiling=None if top is None else top.u,
             decides=alone,
             text=text,
