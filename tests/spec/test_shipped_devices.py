@@ -396,7 +396,7 @@ def utilisation(ref, requirement, sensor):
         ("hg4930#C", "accelerometer", "0.95"),
         ("stim300#10g", "accelerometer", "0.96"),
         ("hg4930#B", "accelerometer", "1.01"),
-        ("dg068#30", "accelerometer", "1.03"),
+        ("dg068#10", "accelerometer", "1.32"),
         ("hg4930#A", "accelerometer", "1.51"),
     ],
 )

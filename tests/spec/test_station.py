@@ -22,7 +22,7 @@ station:
   gravity: 1 mGal
 environment: {temperature: {ramp: 1 degC/h}}
 """
-REQUIREMENT = "name: r\nlimits: {gyro: {scale_factor: 500 ppm}}\n"
+REQUIREMENT = "name: r\nenvironment: none\nlimits: {gyro: {scale_factor: 500 ppm}}\n"
 
 
 @pytest.fixture
@@ -136,7 +136,7 @@ def test_an_age_is_given_once(tmp_path):
     how = load_procedure(age="1 year")
     (line,) = (one for one in how.environment if one.name == "age")
     assert_allclose(line.u, 365.25 * 86400.0, rtol=1e-15)
-    assert "environment.age: 1 year, known value" in how.assumptions
+    assert "environment.age: 1 year, known value, --age" in how.assumptions
     station = tmp_path / "station.yaml"
     station.write_text("station: {}\nenvironment: {age: 2 years}\n", encoding="utf-8")
     with pytest.raises(SpecError, match=r"has an age of its own.*remove one"):

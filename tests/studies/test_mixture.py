@@ -144,10 +144,11 @@ def test_circles_hold_as_many_as_they_say(predicted, at_medians, time):
         inside = np.mean(np.hypot(north, east) < radius)
         sigma = sqrt(p * (1.0 - p) / TRIALS)
         assert abs(inside - p) < 3.0 * sigma + POINTS_OFF
-        # Control: circles at the medians of the lines hold too few.
-        k = [o.name for o in at_medians.outputs].index(row.output.name)
-        usual = at_medians.interval(p)[k, 1]
-        assert np.mean(np.hypot(north, east) < usual) < p - 0.01
+    # Control: R95 at the medians of the lines holds too few; the circle of half of them
+    # may lie near, as half of the lines are beyond their medians.
+    k = [o.name for o in at_medians.outputs].index(row.output.name)
+    usual = at_medians.interval(0.95)[k, 1]
+    assert np.mean(np.hypot(north, east) < usual) < 0.95 - 0.2
     (axis,) = [
         each
         for each in predicted.outputs
@@ -237,16 +238,25 @@ def test_numbers_beside_each_other_are_of_one_law(predicted):
     )
 
 
-@pytest.mark.parametrize("missing", ["refuse", "worst", "typical"])
-def test_other_modes_are_of_the_law(missing):
-    """Radii are those of one normal law, and nobody speaks of a mixture."""
+@pytest.mark.parametrize(
+    ("missing", "by"),
+    [("refuse", "law"), ("worst", "monte-carlo"), ("typical", "law")],
+)
+def test_other_modes_are_of_one_unit(missing, by):
+    """Radii are those of one normal law, and nobody speaks of a mixture.
+
+    The worst line is another maker's bound, of uniform shape: its circle by trials is
+    smaller than the law's.
+    """
     found = on_the_bench(missing=missing)
     row = horizontal(found, 60.0)
     law = analysis_of(found).law
     k = [output.name for output in law.outputs].index(row.output.name)
 
-    assert row.interval_by == "law"
-    assert_allclose(row.radii.r95, law.interval(0.95)[k, 1], rtol=1e-12)
+    assert row.interval_by == by
+    ratio = row.radii.r95 / law.interval(0.95)[k, 1]
+    expected, rtol = {"law": (1.0, 1e-12), "monte-carlo": (0.85, 0.02)}[by]
+    assert_allclose(ratio, expected, rtol=rtol)
     assert not any("mixture" in text for text in found.assumptions)
 
 
@@ -268,10 +278,10 @@ def test_a_requirement_changes_no_radius(predicted, tmp_path):
 
 
 def test_the_vn100_on_a_bench(predicted, at_medians):
-    """After a minute R95 is half a km; the medians of its lines would say 86 m."""
+    """After a minute R95 is 0.7 km; the medians of its lines would say 101 m."""
     row = horizontal(predicted, 60.0)
     k = [output.name for output in at_medians.outputs].index(row.output.name)
 
-    assert_allclose(row.radii.r95, 530.0, rtol=0.05)
-    assert_allclose(row.radii.cep, 55.0, rtol=0.05)
-    assert_allclose(at_medians.interval(0.95)[k, 1], 86.0, rtol=0.05)
+    assert_allclose(row.radii.r95, 677.0, rtol=0.05)
+    assert_allclose(row.radii.cep, 66.0, rtol=0.05)
+    assert_allclose(at_medians.interval(0.95)[k, 1], 101.0, rtol=0.05)

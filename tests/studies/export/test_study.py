@@ -473,9 +473,12 @@ def test_numbers_are_short_where_rounding_alone_makes_them_long():
     assert found["gyro_Memory"] == exp(-1.0 / (RATE * 300.0))
 
 
+ZERO = "{value: 0 deg/sqrt(h), meaning: exact}"
+
+
 def test_zero_is_refused_where_the_target_reads_none(tmp_path):
     """Kalibr raises on a noise of 0: so does the export, naming the line."""
-    unit = device(tmp_path, WHOLE.replace("0.06 deg/sqrt(h)", "0 deg/sqrt(h)"))
+    unit = device(tmp_path, WHOLE.replace("0.06 deg/sqrt(h)", ZERO))
     with pytest.raises(CallError) as caught:
         export(unit, to="kalibr", rate=RATE)
     assert_says(str(caught.value), "gyro.angle_random_walk", "above 0")
