@@ -355,7 +355,7 @@ def test_conditions_stand_right_below_the_headline(files):
     """On the page of a mission, before the table of limits."""
     what = ("zhao-2019", "--mission", files["bench"], "--requirement", files["open"])
     lines = call("mission", *what, *LAW).out.splitlines()
-    (top,) = [n for n, line in enumerate(lines) if line.startswith("MEETS open IF")]
+    (top,) = [n for n, line in enumerate(lines) if line.startswith("MEETS open ON")]
     below = next(n for n, line in enumerate(lines) if "does not say what" in line)
     table = next(n for n, line in enumerate(lines) if "limit" in line and n > below)
     assert top < below <= top + 2 < table

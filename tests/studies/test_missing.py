@@ -128,8 +128,8 @@ def test_a_sensor_without_any_line_stays_unknown():
     assert [one.name for one in found.nothing_known] == [empty.name]
 
 
-def test_worst_is_what_at_worst_says(by_mode):
-    """The utilisation of `worst` is that which `refuse` prints as at worst."""
+def test_a_ceiling_is_no_less_than_the_worst(by_mode):
+    """At ceilings `refuse` has no less than `worst` with the worst in their place."""
     for one in by_mode["refuse"].devices:
         if one.missing is None or one.at_worst is None:
             continue
@@ -138,9 +138,10 @@ def test_worst_is_what_at_worst_says(by_mode):
             for each in by_mode["worst"].devices
             if (each.name, each.sensor) == (one.name, one.sensor)
         ]
-        assert_allclose(worst.utilisation, one.at_worst, rtol=1e-9)
-        assert worst.verdict == one.missing.verdict or one.verdict == "fails"
-        assert not worst.lower_bound
+        assert worst.utilisation <= one.at_worst * (1.0 + 1e-9)
+        if worst.verdict == "fails":
+            assert one.verdict in {"undecidable", "fails"}
+        assert worst.lower_bound is bool(worst.missing.filling.left)
 
 
 def test_predictions_decide_what_is_undecidable(by_mode):
@@ -170,8 +171,8 @@ def test_exit_code_goes_by_given_lines_alone():
     """A device that meets with lines of others does not make the requirement met."""
     for mode, verdict in (
         ("refuse", "undecidable"),
-        ("worst", "meets"),
-        ("typical", "meets"),
+        ("worst", "meets_if"),
+        ("typical", "meets_if"),
         ("predict", "predicted"),
     ):
         found = compared(LACKS_ONE, missing=mode)
@@ -188,7 +189,8 @@ def test_what_rests_on_others_is_never_ahead_of_equals(by_mode, mode):
         p = [one.doubt.probability for one in rows if one.doubt is not None]
         assert p == sorted(p, reverse=True)
         order = [one.verdict for one in rows if one.verdict != "undecidable"]
-        assert order == sorted(order, key=["meets", "predicted", "fails"].index)
+        known = ["meets", "meets_if", "predicted", "fails"]
+        assert order == sorted(order, key=known.index)
         for one in rows:
             if one.missing is not None:
                 assert one.ahead is None
@@ -270,15 +272,16 @@ def test_pairs_of_predicted_parts():
     assert failing.to_dict()["conformance"] is None
 
 
-def test_no_chance_ranks_below_what_fails(by_mode):
-    """Of equal probability, 0, the decided device ranks before the predicted one."""
+def test_what_is_predicted_ranks_before_what_fails(by_mode):
+    """Whatever its probability: an open one is never behind a hopeless one."""
     rows = [one for one in by_mode["predict"].devices if one.sensor == "gyro"]
     fails = next(one for one in rows if one.verdict == "fails" and not one.missing)
     likely = next(one for one in rows if one.doubt is not None)
     none = replace(likely, doubt=replace(likely.doubt, probability=0.0))
     some = replace(likely, doubt=replace(likely.doubt, probability=0.01))
 
-    assert rank([none, fails])[0].verdict == "fails"
+    assert rank([fails, none])[0].verdict == "predicted"
+    assert rank([none, some])[0].doubt.probability == 0.01
     assert rank([fails, some])[0].verdict == "predicted"
 
 

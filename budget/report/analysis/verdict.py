@@ -461,10 +461,6 @@ def _verdict_card(
         lines.append(
             (say("It would meet, but {reasons}.", reasons=say(" and ").join(reasons)),)
         )
-    lines += [
-        (Run(text=say("{said}.", said=capital(text)), strong=True),)
-        for text in standing_lines(sensor.standing, most=ON_A_CARD)
-    ]
     if sensor.is_open_by_reading and sensor.readings is not None:
         said = verdict_line(sensor.readings)
         lines.append((say("What its data sheet means is open: it {said}.", said=said),))
@@ -476,6 +472,10 @@ def _verdict_card(
             high=high,
         )
         lines.append((text,))
+    lines += [
+        (Run(text=say("{said}.", said=capital(text)), strong=True),)
+        for text in standing_lines(sensor.standing, most=ON_A_CARD)
+    ]
     if sensor.doubt is not None:
         said = doubt_sentence(sensor.doubt, of=sensor.sensor)
         low, high = (print_utilisation(end) for end in sensor.doubt.utilisation_90)

@@ -186,7 +186,7 @@ def test_devices_with_one_sensor_are_said_not_to_be_comparable():
         "alone",
     }
     assert any(
-        "alone has no accelerometer" in text and "mission" in text
+        "have no accelerometer: alone" in text and "mission" in text
         for text in found.warnings
     )
 
