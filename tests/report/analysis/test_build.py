@@ -202,8 +202,8 @@ def test_page_one_says_the_first_conditions(number, shown):
     first = say(report.cards[0].lines[0])
     told = [line for line in lines(section(report, "limits")) if "stays below" in line]
 
-    conditions = "a condition holds" if number == 1 else f"{number} conditions hold"
-    assert report.headline == f"MEETS tactical grade IF {conditions}, {AFTER}"
+    conditions = "A CONDITION" if number == 1 else f"{number} CONDITIONS"
+    assert report.headline == f"MEETS tactical grade ON {conditions}, {AFTER}"
     assert first.count("accelerometer noise stays below") == shown
     assert ("and 5 more" in first) == (number == 8)
     assert len(told) == number
