@@ -21,9 +21,11 @@ from budget.report.comparison.page import comparison_answer, comparison_document
 from budget.report.comparison.tables import rankings
 from budget.report.comparison.wording import missing_effects
 from budget.spec.load import load_variants
+from budget.studies.ceilings import ceilings
 from budget.studies.comparison.compare import compare
 from budget.studies.comparison.ranking import rank
 from budget.studies.missing import MODES, comparable, fill
+from budget.studies.verdicts import MEETS, MEETS_IF, VERDICTS
 
 EDGE = load_requirement("catalogue-edge")
 MOUNTING = Name("mounting_repeatability", owner="gyro")
@@ -128,8 +130,9 @@ def test_a_sensor_without_any_line_stays_unknown():
     assert [one.name for one in found.nothing_known] == [empty.name]
 
 
-def test_a_ceiling_is_no_less_than_the_worst(by_mode):
-    """At ceilings `refuse` has no less than `worst` with the worst in their place."""
+def test_at_worst_is_no_better_than_worst(by_mode):
+    """A ceiling is the worst comparable device's line, or more: hiding never helps."""
+    found = 0
     for one in by_mode["refuse"].devices:
         if one.missing is None or one.at_worst is None:
             continue
@@ -139,9 +142,22 @@ def test_a_ceiling_is_no_less_than_the_worst(by_mode):
             if (each.name, each.sensor) == (one.name, one.sensor)
         ]
         assert worst.utilisation <= one.at_worst * (1.0 + 1e-9)
-        if worst.verdict == "fails":
-            assert one.verdict in {"undecidable", "fails"}
-        assert worst.lower_bound is bool(worst.missing.filling.left)
+        assert (one.missing.verdict == "fails") == (one.at_worst > 1.0)
+        found += 1
+
+    assert found > 4
+
+
+def test_at_worst_is_that_of_a_device_with_the_ceilings():
+    """What `refuse` prints as at worst is what a sheet at its ceilings comes to."""
+    top = ceilings(LACKS_ONE, [MOUNTING], catalogue())[MOUNTING]
+    gyro = LACKS_ONE.gyro.with_lines((*LACKS_ONE.gyro.lines, top.line))
+    whole = replace(LACKS_ONE, gyro=replace(gyro, expected_missing=()))
+
+    refused = gyro_of(compared(LACKS_ONE, missing="refuse"), LACKS_ONE.name)
+    full = gyro_of(compared(whole, missing="refuse"), LACKS_ONE.name)
+    assert_allclose(full.utilisation, refused.at_worst, rtol=1e-3)
+    assert not full.lower_bound
 
 
 def test_predictions_decide_what_is_undecidable(by_mode):
@@ -184,13 +200,13 @@ def test_exit_code_goes_by_given_lines_alone():
 def test_what_rests_on_others_is_never_ahead_of_equals(by_mode, mode):
     """Devices that give all and meet come first; no lead and no front of the others."""
     for rows in by_mode[mode].lists.values():
-        given = [one.missing is None for one in rows if one.verdict == "meets"]
+        numbered = [one for one in rows if one.verdict in {MEETS, MEETS_IF}]
+        given = [one.missing is None for one in numbered]
         assert given == sorted(given, reverse=True)
         p = [one.doubt.probability for one in rows if one.doubt is not None]
         assert p == sorted(p, reverse=True)
-        order = [one.verdict for one in rows if one.verdict != "undecidable"]
-        known = ["meets", "meets_if", "predicted", "fails"]
-        assert order == sorted(order, key=known.index)
+        order = [one.verdict for one in rows]
+        assert order == sorted(order, key=VERDICTS.index)
         for one in rows:
             if one.missing is not None:
                 assert one.ahead is None
@@ -272,8 +288,8 @@ def test_pairs_of_predicted_parts():
     assert failing.to_dict()["conformance"] is None
 
 
-def test_what_is_predicted_ranks_before_what_fails(by_mode):
-    """Whatever its probability: an open one is never behind a hopeless one."""
+def test_what_fails_ranks_below_any_chance(by_mode):
+    """A device that exceeds by what it gives is behind one that is open, at 0 too."""
     rows = [one for one in by_mode["predict"].devices if one.sensor == "gyro"]
     fails = next(one for one in rows if one.verdict == "fails" and not one.missing)
     likely = next(one for one in rows if one.doubt is not None)
@@ -281,8 +297,7 @@ def test_what_is_predicted_ranks_before_what_fails(by_mode):
     some = replace(likely, doubt=replace(likely.doubt, probability=0.01))
 
     assert rank([fails, none])[0].verdict == "predicted"
-    assert rank([none, some])[0].doubt.probability == 0.01
-    assert rank([fails, some])[0].verdict == "predicted"
+    assert rank([fails, none, some])[0].doubt.probability == 0.01
 
 
 def test_one_device_is_judged_as_among_others(by_mode):
