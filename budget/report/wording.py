@@ -84,12 +84,16 @@ MISSING = {"noise": term("a noise line")}
 NOT_KNOWN = term("not known")
 
 
-def standing_lines(standing: Standing, *, most: int | None = None) -> tuple[str, ...]:
-    """Say what a verdict stands on: what it holds if, or what decides; cautions.
+def standing_lines(standing: Standing) -> tuple[str, ...]:
+    """Say what a verdict stands on: its conditions, or what decides; cautions.
 
-    The same sentences in every command and on every page; where a list of them is
-    longer than `most`, its first ones.
+    The same sentences in every command and on every page.
     """
+    return (*deciding_lines(standing), *caution_texts(standing))
+
+
+def deciding_lines(standing: Standing, *, most: int | None = None) -> tuple[str, ...]:
+    """Say what a verdict depends on; of a list longer than `most` its first ones."""
     texts, found = condition_texts(standing), []
     if texts and standing.asks:
         first, *others = standing.asks
@@ -105,7 +109,8 @@ def standing_lines(standing: Standing, *, most: int | None = None) -> tuple[str,
         is_met = standing.verdict == "meets_if"
         conditions = say("; ").join(_first(texts, most))
         found.append(say(how, conditions=conditions) if is_met else conditions)
-    return (*found, *_first(caution_texts(standing), most))
+    beyond = (one for one in standing.cautions if one.kind == "saturates")
+    return (*found, *(say(one.text) for one in beyond))
 
 
 def condition_texts(standing: Standing) -> list[str]:
@@ -125,10 +130,15 @@ def condition_texts(standing: Standing) -> list[str]:
     return texts
 
 
-def caution_texts(standing: Standing) -> list[str]:
-    """Say one by one what qualifies a verdict, besides its conditions."""
+def caution_texts(standing: Standing, *, most: int | None = None) -> list[str]:
+    """Say one by one what qualifies a verdict, besides what it depends on."""
     told = {str(one.text) for one in standing.conditions}
-    return [say(one.text) for one in standing.cautions if str(one.text) not in told]
+    texts = [
+        say(one.text)
+        for one in standing.cautions
+        if str(one.text) not in told and one.kind != "saturates"
+    ]
+    return _first(texts, most)
 
 
 def _first(texts: list[str], most: int | None) -> list[str]:

@@ -48,6 +48,7 @@ from budget.report.wording import (
     caution_texts,
     cell,
     condition_texts,
+    deciding_lines,
     doubt_sentence,
     error_reference,
     mode_remark,
@@ -55,7 +56,6 @@ from budget.report.wording import (
     outcome_words,
     points,
     say_words,
-    standing_lines,
     value,
 )
 from budget.studies.request import given_lines, sensors_of
@@ -474,7 +474,7 @@ def _verdict_card(
         lines.append((text,))
     lines += [
         (Run(text=say("{said}.", said=capital(text)), strong=True),)
-        for text in standing_lines(sensor.standing, most=ON_A_CARD)
+        for text in deciding_lines(sensor.standing, most=ON_A_CARD)
     ]
     if sensor.doubt is not None:
         said = doubt_sentence(sensor.doubt, of=sensor.sensor)
@@ -526,6 +526,8 @@ def _verdict_card(
     if missing and sensor.verdict != "undecidable":
         text += say(" Not given: {missing}.", missing=missing)
     lines.append((text,))
+    if beside := caution_texts(sensor.standing, most=ON_A_CARD):
+        lines.append((f"{capital(say('; ').join(beside))}.",))
     return Card(
         title=say(
             "{sensor}: {verdicts}",
