@@ -12,6 +12,7 @@ from budget.names import MISSION
 from budget.references.quantities import device_of, snapshot_of
 from budget.references.records import JOBS, Asked, files_fault
 from budget.references.sampling import standard_errors
+from budget.results import BY_TRIALS
 from budget.spec.costs import read_costs
 from budget.spec.device import read_device
 from budget.spec.procedure import read_procedure
@@ -21,6 +22,7 @@ from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.cases import Bounds
 from budget.studies.analysis import analyze
 from budget.studies.comparison.compare import compare
+from budget.studies.judgement import TRIALS
 from budget.studies.request import (
     Analysis,
     analysis_of,
@@ -195,9 +197,12 @@ def _analyze(
         **(given | vars(basis)),
     )
     settings = budget.settings
-    sure = settings.trials is not None and standard_errors(
+    # By the law some intervals are of trials all the same.
+    is_drawn = any(row.interval_by == BY_TRIALS for row in budget.outputs)
+    trials = settings.trials or (TRIALS if is_drawn else None)
+    sure = trials is not None and standard_errors(
         analysis_of(budget).problem,
-        trials=settings.trials,
+        trials=trials,
         coverage=settings.coverage,
         interval=settings.interval,
     )

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from budget.names import Name, as_name
 from budget.references.records import NominalProperty, QuantityValue, Snapshot
+from budget.results import BY_TRIALS
 from budget.studies.judgement import NORMAL_TRIALS
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ PART = 1e-9
 # flat around its least, it is sure of a line to the root of that only.
 LEAST_COST, LEAST_COST_LINE = 1e-5, 2e-3
 UTILISATION = "utilisation"
+ENDS = ("low", "high", "end")  # statistics of intervals
 NO_BOUNDS = {"mean", "sobol_first", "sobol_total"}  # nothing makes them worse
 
 
@@ -117,7 +119,8 @@ def snapshot_of(document: Record, errors: Mapping[str, StandardErrors]) -> Snaps
         else:
             numbers.append(_number(meaning, place, value, sure))
     if document["command"] == "analyze":
-        numbers += _correlations(document, errors.get(""))
+        is_law = document["settings"]["method"] == "gum"
+        numbers += _correlations(document, None if is_law else errors.get(""))
         for sensor in dict.fromkeys(row["sensor"] for row in document["outputs"]):
             own = [name for name in document["not_given"] if name.owner == sensor]
             words.append(_word(sensor, _NOT_GIVEN, own))
@@ -212,7 +215,7 @@ def _number(
     elif meaning.statistic == "count":  # by the law a sensor is counted in draws of it
         row = place.records[1]
         trials = row["trials"] or (NORMAL_TRIALS if record is row else None)
-    elif meaning.statistic and sure is not None:
+    elif sure is not None and _is_drawn(document, meaning.statistic, outputs):
         errors = [sure.of(meaning.statistic, _name(one)) for one in outputs]
         error = max(e / part for e, part in zip(errors, parts, strict=True))
         freedom = sure.freedom(meaning.statistic)
@@ -237,6 +240,13 @@ def _number(
         lower_bound=record.get("lower_bound", is_bound)
         and meaning.quantity not in NO_BOUNDS,
     )
+
+
+def _is_drawn(document: Record, statistic: str, outputs: Sequence[Record]) -> bool:
+    """Say whether trials gave a number: by the law alone those of some intervals."""
+    if document["settings"]["method"] != "gum":
+        return bool(statistic)
+    return statistic in ENDS and any(one["interval_by"] == BY_TRIALS for one in outputs)
 
 
 def _outputs(meaning: Meaning, records: Sequence[Record]) -> list[Record]:

@@ -409,5 +409,6 @@ class Checked:
     variants: tuple[str, ...]  # of a device, '' for its base; () of the others
     assumptions: tuple[str, ...]  # of the base and every variant, each once
     ranges: tuple[str, ...] = ()  # of its sensors, likewise
-    devices: tuple[Device, ...] = ()  # the base and every variant, of a device file
+    # The base and every variant, of a device file.
+    devices: tuple[Device, ...] = field(default=(), repr=False)
     changes: tuple[str, ...] = ()  # those of the call that it has

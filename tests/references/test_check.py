@@ -31,8 +31,6 @@ WORDS |= {"source"}
 
 # Under these references the figure moves nothing, and is reported so.
 IDLE = {
-    # A constant of the device is in the reference too.
-    ("stim300-5g-monte-carlo", "gyro.errors.scale_factor_nonlinearity"),
     # Only eq. 4 as printed carries the true mounting angles into the bias.
     *(
         (f"zhao-2019-corrected-{origin}", "gyro.nominal.mounting_angle")
