@@ -313,7 +313,10 @@ def done_at(procedure: Procedure, station: Station, shown: str) -> Procedure:
     """
     for has, what in (
         (IDEAL not in procedure.assumptions, STATION),
-        (of_the_test(procedure.environment) and station.environment, ENVIRONMENT),
+        (
+            of_the_test(procedure.environment) and of_the_test(station.environment),
+            ENVIRONMENT,
+        ),
     ):
         if has:
             message = (
@@ -341,7 +344,7 @@ def used(procedure: Procedure, environment: str, shown: str) -> Procedure:
             "one of them"
         )
         raise refuse(shown, message)
-    has_age = any(line.name == AGE for line in procedure.environment)
+    has_age = any(x.name == AGE and x.u.any() for x in procedure.environment)
     new = [line for line in lines if not (has_age and line.name == AGE)]
     return with_use(
         procedure, [replace(line, source=OPTION[ENVIRONMENT]) for line in new]
@@ -358,7 +361,7 @@ def aged(procedure: Procedure, age: str, shown: str) -> Procedure:
     SpecError
         Its environment has one of its own.
     """
-    if any(line.name == AGE for line in procedure.environment):
+    if any(line.name == AGE and line.u.any() for line in procedure.environment):
         message = (
             "has an age of its own (environment), and another is given beside it; "
             "remove one of them"
@@ -389,7 +392,11 @@ def at_station(procedure: Procedure, station: Station) -> Procedure:
             {
                 line.name: line
                 for line in (
-                    *(station.environment or of_the_test(procedure.environment)),
+                    *(
+                        of_the_test(station.environment)
+                        or of_the_test(procedure.environment)
+                    ),
+                    *(x for x in station.environment if x.name in LINES),
                     *(x for x in procedure.environment if x.name in LINES),
                 )
             }.values()

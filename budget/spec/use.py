@@ -215,7 +215,8 @@ def in_use(
 ) -> Procedure:
     """Return a procedure that is used as all of them state.
 
-    What a call states goes before what files do, and is told by its source.
+    What a call states goes before what files do, and is told by its source. An age of
+    0, as `environment: none` has it, gives way to any other.
 
     Raises
     ------
@@ -231,8 +232,13 @@ def in_use(
     for file in (requirement, mission):
         for line in () if file is None else file.use:
             other, where = stated.get(line.name, (line, ""))
-            if other.source in OPTION.values():
+            gives_way = line.name == AGE and not other.u.any()
+            if line.name == AGE and line.name in stated and not line.u.any():
                 continue
+            if other.source in OPTION.values() and not gives_way:
+                continue
+            if gives_way:
+                other = line
             if other.u[0] != line.u[0]:
                 key = next(key for key, (own, _) in STATED.items() if own == line.name)
                 raise CallError(
@@ -242,8 +248,7 @@ def in_use(
                 )
             stated[line.name] = line, file.origin.file if file else ""
             new[line.name] = line
-    there = {line.name for line in procedure.environment}
-    return with_use(procedure, [one for one in new.values() if one.name not in there])
+    return with_use(procedure, new.values())
 
 
 def of_the_test(lines: Iterable[ErrorLine]) -> tuple[ErrorLine, ...]:

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
-from math import inf
+from math import floor, inf, log10
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -46,6 +46,7 @@ from budget.model.sources.later import (
     AGE,
     AGEING,
     MISSION_TEMPERATURE,
+    TEST_VIBRATION,
     growth,
 )
 from budget.model.sources.temperature import BIAS_COEFFICIENT, SCALE_COEFFICIENT
@@ -54,9 +55,9 @@ from budget.results import TINY, VERDICTS, Caution, Condition, Standing
 from budget.spec.records import FACTORY, JOINT, NONE
 from budget.spec.specification import read_value, time_of
 from budget.spec.station import IDEAL
-from budget.spec.use import STATED, stated_of
+from budget.spec.use import LINES, STATED, stated_of
 from budget.studies.ceilings import ceilings, largest_printed
-from budget.studies.grades import family
+from budget.studies.grades import FAMILIES, family
 from budget.studies.judgement import (
     TRIALS,
     interval_by_law,
@@ -68,7 +69,7 @@ from budget.studies.missing import Filling, line_of, shipped_devices
 from budget.studies.prediction import stand_in
 from budget.studies.readings import verdict_of
 from budget.ties import first_largest, settle
-from budget.units import STANDARD_GRAVITY, parse_quantity
+from budget.units import STANDARD_GRAVITY, YEAR, parse_quantity
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -203,15 +204,16 @@ def decide(
     if not any(one.lines for one in case.there):
         return silent
     margin = Margin.of(case, held, law, judged, seed=seed)
-    decisive = margin.decisive if doubt is None else ()
+    # What is predicted is in the doubt; what else nothing bounds decides all the same.
+    decisive = margin.decisive if doubt is None else margin.without_ceiling
     conditions = tuple(
         margin.of_line(name, alone=bool(decisive))
         for name in (decisive or margin.missing)
-        if doubt is None
+        if doubt is None or decisive
     )
     uses = uses_of(case, margin)
     verdict = given
-    if decisive and given in {MEETS, UNDECIDED}:
+    if decisive and given in {MEETS, UNDECIDED, PREDICTED}:
         verdict = UNDECIDABLE
     elif given == MEETS and (conditions or uses):
         verdict = MEETS_IF
@@ -229,8 +231,36 @@ def uses_of(case: Case, margin: Margin) -> tuple[Condition, ...]:
     uses = (
         *(one for key in unstated(case) for one in margin.of_use(key, case)),
         *ranges_of(case),
+        *_silent_in_test(case),
     )
     return (_in_its_test(),) if unstated(case) and not uses else uses
+
+
+def _exercised_in_test(case: Case) -> tuple[str, ...]:
+    """Return what acts in the test itself: its temperature, its vibration."""
+    there = [line.name for line in case.procedure.environment if line.u.any()]
+    found = {
+        "temperature": any(
+            name.startswith("temperature") and name not in LINES for name in there
+        ),
+        "vibration": TEST_VIBRATION in there,
+    }
+    return tuple(key for key, acts in found.items() if acts)
+
+
+def _silent_in_test(case: Case) -> Iterator[Condition]:
+    """Yield the conditions of a test whose environment a sheet says nothing of."""
+    for key in _exercised_in_test(case):
+        lines = lacking_use(case, key)
+        if lines and case.requirement.outputs:
+            yield replace(
+                _silent(key, lines),
+                silent=(),
+                text=note(
+                    "its sheet does not say what the {use} of the test does",
+                    use=note(key),
+                ),
+            )
 
 
 def unjudged(case: Case) -> Standing:
@@ -557,7 +587,11 @@ class Margin:
         top = self.tops.get(name)
         largest = None if top is None else top.largest_comparable
         source = stand_in(name)
-        line = line_of(source, name.owner, below if 0.0 < below < inf else None)
+        printed = below if 0.0 < below < inf else None
+        if printed and not alone:  # a size below the bound is within it
+            one = line_of(source, name.owner).si_per_unit
+            printed = rounded_down(below / one, 3) * one
+        line = line_of(source, name.owner, printed)
         texts = {"line": line_note(name), "bound": line.printed}
         if below == inf:
             text = note("whatever {line} is", **texts)
@@ -590,16 +624,9 @@ class Margin:
 
     def of_use(self, key: str, case: Case) -> tuple[Condition, ...]:
         """Return the conditions of a use that nobody has stated, and that reaches."""
-        places = [k for k in self.groups.get(key, ()) if self._reaches(k)]
         found = []
-        if places:
-
-            def change(weights: Array, size: float) -> None:
-                for k in places:
-                    weights[k] = self._grown(key, k, size)
-
-            below = self.bound(change, alone=False) * _tried_at(key)
-            found.append(_bounded(key, below))
+        if (size := self.use_bounds.get(key)) is not None:
+            found.append(_bounded(key, size * _tried_at(key)))
         held_over = _horizon(case) if key == "age" else None
         if held_over is not None:
             found.append(held_over)
@@ -608,6 +635,37 @@ class Margin:
         if not found and _is_felt(case, key):
             found.append(_over_its_range(key))
         return tuple(found)
+
+    @cached_property
+    def use_bounds(self) -> Mapping[str, float]:
+        """Largest sizes of the uses that nobody has stated, over those tried [1].
+
+        Each alone first, then all of them by one factor, at which every output is
+        within its limit with all of them there.
+        """
+        places = {
+            key: [k for k in self.groups.get(key, ()) if self._reaches(k)]
+            for key in STATED
+        }
+
+        def change(sizes: Mapping[str, float]) -> Callable[[Array, float], None]:
+            def put(weights: Array, times: float) -> None:
+                for key, size in sizes.items():
+                    for k in places[key]:
+                        weights[k] = self._grown(key, k, times * size)
+
+            return put
+
+        alone = {
+            key: self.bound(change({key: 1.0}), alone=False)
+            for key, own in places.items()
+            if own
+        }
+        within = {key: size for key, size in alone.items() if 0.0 < size < inf}
+        if len(within) > 1:
+            factor = min(self.bound(change(within), alone=False), 1.0)
+            alone |= {key: factor * size for key, size in within.items()}
+        return alone
 
     def _reaches(self, group: int) -> bool:
         """Say whether a group makes anything of what is limited."""
@@ -686,16 +744,18 @@ def expected_of(case: Case) -> tuple[Name, ...]:
     for key, line in stated.items():
         if key != "age" and line.u.any():
             names += lacking_use(case, key)
-    technologies = {
-        sensor.kind: family(device.technology)
+    families = {
+        family(device.technology)
         for device in case.devices
         for sensor in device.sensors
+        if sensor.kind == GYRO
     }
     gyros = [one for one in case.there if one.kind == GYRO]
     if (
         gyros
         and gyros[0].line(G_SENSITIVITY) is None
-        and technologies.get(GYRO) == MEMS
+        # A technology that nobody has told, or that nobody knows, may be one.
+        and not families & ({*FAMILIES} - {MEMS})
         and case.mission is not None
         and manoeuvres(case.mission)
     ):
@@ -816,9 +876,9 @@ def _bounded(key: str, below: float) -> Condition:
         "age": term("for use within {bound} of the calibration"),
     }
     is_open = below == inf
-    bound = f"{float(f'{below / size:.2g}'):g} {unit}"
+    bound = "" if is_open else f"{rounded_down(below / size, 2):g} {unit}"
     if key == "age" and not is_open:
-        bound = time_text(float(f"{below:.2g}"))
+        bound = _long_time(below)
     return Condition(
         kind=key,
         line=Name(STATED[key][0], owner=ENVIRONMENT),
@@ -829,6 +889,22 @@ def _bounded(key: str, below: float) -> Condition:
         if is_open
         else note(texts[key], bound=bound),
     )
+
+
+def rounded_down(value: float, digits: int) -> float:
+    """Return the next number below that has so many digits."""
+    if value <= 0.0:
+        return 0.0
+    step = 10.0 ** (floor(log10(value)) - digits + 1)
+    return float(f"{floor(settle(value / step)) * step:.{digits}g}")
+
+
+def _long_time(seconds: float) -> str:
+    """Write a time as people do, of more than a day in days or years."""
+    for unit, size in (("years", YEAR), ("days", 86400.0)):
+        if seconds >= 2.0 * size:
+            return f"{rounded_down(seconds / size, 2):g} {unit}"
+    return time_text(rounded_down(seconds, 2))
 
 
 def _silent(key: str, lines: tuple[Name, ...]) -> Condition:
@@ -900,7 +976,8 @@ def cautions_of(case: Case) -> tuple[Caution, ...]:
         for line in sensor.lines:
             name = Name(line.name, owner=sensor.kind)
             key = USE_OF.get(line.name, "")
-            if key in stated and not stated[key].u.any() and line.u.any():
+            is_idle = key in stated and not stated[key].u.any() and line.u.any()
+            if is_idle and key not in _exercised_in_test(case):
                 found.append(_idle(name, line, key))
             if case.mission is not None:
                 found += _open_lines(name, line)

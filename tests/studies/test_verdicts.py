@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from copy import deepcopy
 from html import escape
-from math import pi, sqrt
+from math import floor, pi, sqrt
 from typing import Any
 
 import numpy as np
@@ -103,7 +103,7 @@ class TestEnvironment:
             for one in sensor.standing.conditions
             if one.kind == "temperature" and one.below is not None
         ]
-        assert f"{bound:.2g} degC" in texts_of(sensor.standing)
+        assert f"{floor(10.0 * bound) / 10.0:g} degC" in texts_of(sensor.standing)
         at_bound, _ = standing_of(HOT, f"temperature {bound!r} degC, vibration 0 g")
         assert_allclose(at_bound.utilisation, 1.0, rtol=1e-6)
 
@@ -742,3 +742,90 @@ def test_verdicts_on_a_mission_agree_word_for_word(sheets):
         document = found.to_dict()["assessment"]["sensors"][0]
         assert document["verdict"] == row.to_dict()["verdict"]
         assert document["conditions"] == row.to_dict()["conditions"]
+
+
+class TestHidden:
+    """What a sheet or a call leaves out is never better than what it says."""
+
+    AGED = TestAge.AGED
+
+    def test_an_environment_of_a_call_leaves_the_age_of_a_file(self):
+        """`--environment none` beside 10 years in the requirement fails as they do."""
+        need = NEED | {"age": "10 years"}
+        for environment in ("none", "temperature 0 degC, vibration 0 g"):
+            sensor, _ = standing_of(self.AGED, environment, **need)
+            assert sensor.verdict == "fails"
+
+    def test_no_environment_goes_with_an_age_of_another_file(self):
+        """The requirement says none, the mission a year: used after a year."""
+        found = budget.analyze(
+            self.AGED,
+            mission=OUTAGE | {"age": "1 year"},
+            requirement=NEED | {"environment": "none"},
+            procedure=budget.uncalibrated("factory"),
+            validate=False,
+        )
+        assert "1 year after the calibration" in str(
+            found.assessment.sensors[0].standing.use
+        )
+
+    def test_the_environment_of_the_test_asks_for_its_coefficients(self):
+        """A test at a random temperature: what hides them is on condition."""
+        test = {
+            "name": "warm",
+            "latitude": "45 deg",
+            "environment": {
+                "temperature": {"sigma": "1 degC", "correlation_time": "1 h"}
+            },
+        }
+        need = {
+            "name": "bias",
+            "environment": "none",
+            "limits": {"gyro": {"bias": "30 deg/h"}},
+        }
+        found = budget.analyze(SHEET, procedure=test, requirement=need, validate=False)
+        (sensor,) = found.assessment.sensors
+        assert sensor.verdict == "meets_if"
+        assert "temperature of the test" in texts_of(sensor.standing)
+
+    def test_a_hidden_technology_is_no_better(self):
+        """A gyro of no technology may be MEMS, whose g-sensitivity is expected."""
+        untold = {key: value for key, value in SHEET.items() if key != "technology"}
+        sensor = on_the_turn(untold)
+        assert "gyro.g_sensitivity" in {one.line for one in sensor.standing.conditions}
+
+    def test_bounds_of_several_uses_are_kept_together(self):
+        """At 0.99 of the temperature and of the vibration that are named it meets."""
+        both = sheet_with(
+            {
+                "gyro.bias_temperature_coefficient": "54 deg/h/degC",
+                "gyro.vibration_rectification": "500 deg/h/g^2",
+            }
+        )
+        sensor, _ = standing_of(both)
+        bounds = {
+            one.kind: one.below / one.si_per_unit
+            for one in sensor.standing.conditions
+            if one.below is not None
+        }
+        at_bounds, _ = standing_of(
+            both,
+            f"temperature {0.99 * bounds['temperature']!r} degC, "
+            f"vibration {0.99 * bounds['vibration']!r} g",
+        )
+        assert at_bounds.utilisation < 1.0
+
+    def test_what_is_not_predicted_decides_beside_what_is(self):
+        """A coefficient that nobody predicts is no 0 by `--missing predict`."""
+        sheet = sheet_with({}, without=("gyro.angle_random_walk",))
+        found = budget.analyze(
+            sheet,
+            mission=OUTAGE,
+            requirement=NEED,
+            procedure=budget.uncalibrated(
+                "factory", environment="temperature 0 degC, vibration 1 g"
+            ),
+            missing="predict",
+            validate=False,
+        )
+        assert found.assessment.sensors[0].verdict == "undecidable"

@@ -169,7 +169,7 @@ def compare(
         for test in tests
         for place, device in enumerate(imus)
         for on in ((None,) if journey is None else (None, journey))
-        for procedure in [in_use(test, wanted, on)]
+        for procedure in [in_use(test, wanted, journey)]
         for bare in [
             expecting_device(device, procedure, wanted.reference, every=on is not None)
         ]
