@@ -460,11 +460,17 @@ def _read_sensor(
         (
             read_value(line, kind, value, known=density),
             getattr(value, "is_exact", False),
+            # What is expected of every axis is given where no axis has a 0.
+            bool(line.expected),
         )
         for line, value in values.items()
         if value
     ]
-    read = [one for one, is_exact in every if is_exact or one.line.u.any()]
+    given = [
+        is_exact or bool(one.line.u.all() if of_all else one.line.u.any())
+        for one, is_exact, of_all in every
+    ]
+    read = [one for (one, *_), is_given in zip(every, given, strict=True) if is_given]
     bias = _nominal(part, "bias", AXES)
     angle = _nominal(part, "mounting_angle", ANGLES)
     assumptions = [text for one in read for text in one.assumptions]
@@ -475,8 +481,8 @@ def _read_sensor(
             key=Name(one.line.name, owner=kind),
             value=one.line.printed,
         )
-        for one, is_exact in every
-        if not is_exact and not one.line.u.any()
+        for (one, *_), is_given in zip(every, given, strict=True)
+        if not is_given
     ]
     for key, named, axes in (("bias", bias, AXES), ("mounting_angle", angle, ANGLES)):
         absent = [axis for axis in axes if axis not in named]

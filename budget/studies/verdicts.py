@@ -1192,7 +1192,7 @@ def _idle(name: Name, line: ErrorLine, key: str) -> Caution:
         kind="not_exercised",
         line=name,
         text=note(
-            "{line} {printed} is given and not exercised: no {use} is stated",
+            "{line} {printed} is given and not exercised: the {use} stated is 0",
             line=line_note(name),
             printed=line.printed,
             use=note(key),

@@ -815,6 +815,20 @@ class TestHidden:
         )
         assert at_bounds.utilisation < 1.0
 
+    def test_a_zero_on_one_axis_is_not_given(self):
+        """0 on x beside 3 deg/h: a limit on x is not met by it; exact, it is."""
+        axes = {"x": "0 deg/h", "y": "3 deg/h", "z": "3 deg/h"}
+        exact = axes | {"x": {"value": "0 deg/h", "meaning": "exact"}}
+        need = {
+            "name": "x",
+            "environment": "none",
+            "limits": {"gyro": {"bias": {"x": "5 deg/h"}}},
+        }
+        for given, verdict in ((axes, False), (exact, True)):
+            sheet = sheet_with({"gyro.bias_repeatability": {"axes": given}})
+            found = budget.analyze(sheet, requirement=need, validate=False)
+            assert (found.assessment.sensors[0].verdict == "meets") is verdict
+
     def test_what_is_not_predicted_decides_beside_what_is(self):
         """A coefficient that nobody predicts is no 0 by `--missing predict`."""
         sheet = sheet_with({}, without=("gyro.angle_random_walk",))
