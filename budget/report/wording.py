@@ -116,15 +116,16 @@ def deciding_lines(standing: Standing, *, most: int | None = None) -> tuple[str,
 def condition_texts(standing: Standing) -> list[str]:
     """Say one by one what must hold; uses that a sheet is silent on stand together."""
     texts = [say(one.text) for one in standing.conditions if not one.silent]
-    silent = [say(one.kind) for one in standing.conditions if one.silent]
+    silent = [one for one in standing.conditions if one.silent]
     if silent:
-        uses = say(", ").join(silent)
+        lines = (key_title(name) for one in silent for name in one.silent)
         texts.append(
             counted(
                 len(silent),
-                "its sheet does not say what {use} does",
-                "its sheet does not say what {use} do",
-                use=uses,
+                "its sheet does not say what {use} does: {lines} not given",
+                "its sheet does not say what {use} do: {lines} not given",
+                use=say(", ").join(say(one.kind) for one in silent),
+                lines=say(", ").join(lines),
             )
         )
     return texts

@@ -8,17 +8,20 @@ same sensor, family of technology and grade, and the 97.5 % point of the predict
 
 m location and s scale of ln u. A sheet that hides is never better off: where nobody
 can tell its technology or its grade, devices of any are comparable with it, so that to
-tell can only make fewer of them, and lower the largest.
+tell can only make fewer of them, and lower the largest; and of what is predicted that
+of the worst technology stands.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
+from math import inf
 from typing import TYPE_CHECKING
 
 from budget.model.sources.later import AGEING, growth
 from budget.names import Name
+from budget.spec.specification import time_of
 from budget.studies.grades import FAMILIES, UNKNOWN, family, grade
 from budget.studies.missing import line_of, shipped_devices
 from budget.studies.prediction import figures_of, predict, stand_in
@@ -26,12 +29,21 @@ from budget.ties import first_largest
 from budget.units import YEAR
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from budget.spec.records import Device, ErrorLine
 
-BY_DEVICES, BY_PREDICTION = ORIGINS = ("comparable devices", "prediction")
+BY_DEVICES, BY_PREDICTION, BY_NATURE = ORIGINS = (
+    "comparable devices",
+    "prediction",
+    "no sensor is worse",
+)
+# A scale factor may be wrong by all of it, an axis stand a radian off [1, rad]: by the
+# unit of a line.
+MOST = {"ppm": 1.0, "arcsec": 1.0}
 TECHNOLOGY, GRADE = UNTOLD = ("technology", "grade")
+QUANTIZATION = "quantization"
+FEW = 5  # devices that a line is held against to call it unusual
 COVERAGE = 0.95  # of the central interval whose upper end is a ceiling [1]
 
 
@@ -59,7 +71,8 @@ class Ceiling:
     u : float
         [SI]
     origin : str
-        'comparable devices' or 'prediction': the larger of the two.
+        'comparable devices' or 'prediction', the larger of the two; without either
+        'no sensor is worse', of a ratio or an angle.
     largest_comparable : Comparable or None
         What the worst comparable device prints; None where none prints it.
     untold : tuple of str
@@ -111,11 +124,14 @@ def ceilings(
     wanted = [own for own in dict.fromkeys(meant.values()) if own.owner in there]
     given = figures_of(device)  # of which nothing is left to predict
     expected = [own for own in wanted if stand_in(own).expected]
-    prediction = predict(device, [own for own in expected if own not in given], devices)
-    upper = {}
-    if prediction is not None:
-        ends = prediction.interval(COVERAGE)[:, 1].tolist()
-        upper = dict(zip(prediction.names, ends, strict=True))
+    asked = [own for own in expected if own not in given]
+    upper: dict[Name, float] = {}
+    for word in ("", *FAMILIES) if not _family(device) else (device.technology,):
+        prediction = predict(replace(device, technology=word), asked, devices)
+        if prediction is not None:
+            ends = prediction.interval(COVERAGE)[:, 1].tolist()
+            for own, end in zip(prediction.names, ends, strict=True):
+                upper[own] = max(end, upper.get(own, 0.0))
     found = {}
     for name, own in meant.items():
         if own not in wanted:
@@ -130,7 +146,10 @@ def ceilings(
         ]
         worst = offers[first_largest([one.u for one in offers])] if offers else None
         sizes = [0.0 if worst is None else worst.u, upper.get(own, 0.0)]
-        if max(sizes) == 0.0:
+        most = at_most(own)
+        if max(sizes) == 0.0 or max(sizes) > most:
+            sizes = [0.0, 0.0, most]
+        if not 0.0 < max(sizes) < inf:
             continue
         origin = first_largest(sizes)
         found[name] = Ceiling(
@@ -150,6 +169,13 @@ def ceilings(
     return found
 
 
+def at_most(name: Name) -> float:
+    """Return what a line of any sensor is below [SI]; inf: nothing says."""
+    source = stand_in(name)
+    is_sum = source.process or source.name == QUANTIZATION
+    return inf if is_sum else MOST.get(source.like(name.owner), inf)
+
+
 def largest_printed(
     name: Name, catalogue: Sequence[Device] | None = None
 ) -> float | None:
@@ -157,6 +183,22 @@ def largest_printed(
     devices = tuple(shipped_devices() if catalogue is None else catalogue)
     found = _printed(devices).get((name.owner, stand_in(name).name), ())
     return max((one.u for one in found), default=None)
+
+
+def least_printed(
+    name: Name, device: Device, catalogue: Sequence[Device] | None = None
+) -> Comparable | None:
+    """Return the least of a line that other devices of like technology print.
+
+    None where fewer than FEW print it: that is no measure.
+    """
+    devices = tuple(shipped_devices() if catalogue is None else catalogue)
+    found = [
+        one
+        for one in _printed(devices).get((name.owner, name.quantity), ())
+        if one.owner != device.as_printed and _family(device) in {one.family, ""}
+    ]
+    return min(found, key=lambda one: one.u) if len(found) >= FEW else None
 
 
 def _expected(name: Name) -> Name:
@@ -180,11 +222,8 @@ def _printed(
     for device in catalogue:
         for sensor in device.sensors:
             for line in (*sensor.lines, *sensor.initial):
-                u = line.largest
-                if line.name in AGEING.values():
-                    u *= growth(line, YEAR)
-                if u > 0.0:
-                    found.setdefault((sensor.kind, line.name), []).append(
+                for name, u in _says(line):
+                    found.setdefault((sensor.kind, name), []).append(
                         Comparable(
                             u=u,
                             printed=line.printed,
@@ -194,3 +233,18 @@ def _printed(
                         )
                     )
     return found
+
+
+def _says(line: ErrorLine) -> Iterator[tuple[str, float]]:
+    """Yield the lines that one tells of, and their sizes [SI]; of 0 it tells nothing.
+
+    A repeatability over a year or more is not less than what a year of ageing adds.
+    """
+    ages = line.name in AGEING.values()
+    if (u := line.largest * (growth(line, YEAR) if ages else 1.0)) > 0.0:
+        yield line.name, u
+        horizon = time_of(line.horizon)
+        for parameter, ageing in AGEING.items():
+            is_long = horizon is not None and horizon.value >= YEAR
+            if is_long and line.name == f"{parameter}_repeatability":
+                yield ageing, u

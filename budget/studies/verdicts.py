@@ -28,6 +28,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.calibration.mission import mission_outputs, mission_problem
 from budget.calibration.saturation import (
     UNITS as SHOWN,
 )
@@ -49,14 +50,25 @@ from budget.model.sources.later import (
     TEST_VIBRATION,
     growth,
 )
-from budget.model.sources.temperature import BIAS_COEFFICIENT, SCALE_COEFFICIENT
+from budget.model.sources.temperature import (
+    BIAS_COEFFICIENT,
+    COEFFICIENTS,
+    SCALE_COEFFICIENT,
+)
 from budget.names import Name, time_text
 from budget.results import TINY, VERDICTS, Caution, Condition, Standing
 from budget.spec.records import FACTORY, JOINT, NONE
 from budget.spec.specification import read_value, time_of
 from budget.spec.station import IDEAL
 from budget.spec.use import LINES, STATED, stated_of
-from budget.studies.ceilings import ceilings, largest_printed
+from budget.studies.cautions import beyond_first_order
+from budget.studies.ceilings import (
+    BY_NATURE,
+    at_most,
+    ceilings,
+    largest_printed,
+    least_printed,
+)
 from budget.studies.grades import FAMILIES, family
 from budget.studies.judgement import (
     TRIALS,
@@ -68,7 +80,7 @@ from budget.studies.judgement import (
 from budget.studies.missing import Filling, line_of, shipped_devices
 from budget.studies.prediction import stand_in
 from budget.studies.readings import verdict_of
-from budget.ties import first_largest, settle
+from budget.ties import from_largest, settle
 from budget.units import STANDARD_GRAVITY, YEAR, parse_quantity
 
 if TYPE_CHECKING:
@@ -114,6 +126,12 @@ SAME = 1e-9  # relative, of a bound [1]
 # A line reaches a limit where u at its ceiling is more than this part of it; without
 # one, where so many times the largest that any device prints is [1].
 NEGLIGIBLE, FAR_ABOVE = 0.005, 10.0
+# Lines through which the environment of a test acts.
+IN_TEST = {
+    "temperature": (BIAS_COEFFICIENT, SCALE_COEFFICIENT),
+    "vibration": (RECTIFICATION,),
+}
+SHORT = 1.0  # correlation time of a bias stability that is none [s]
 # By the line of a sensor: the use that it acts in.
 USE_OF = {
     **dict.fromkeys((BIAS_COEFFICIENT, SCALE_COEFFICIENT), "temperature"),
@@ -190,6 +208,53 @@ def decide(
     readings : ReadingVerdicts, optional
         Verdicts under other readings of lines whose meaning is open.
     """
+    found = _decided(case, held, law, judged, seed=seed, doubt=doubt, readings=readings)
+    lost = () if found.verdict in {UNDECIDABLE, FAILS} else _lost(case, held)
+    if not lost:
+        return found
+    return replace(
+        found,
+        verdict=UNDECIDED,
+        conditions=lost,
+        cautions=(*_as_cautions(lost), *found.cautions),
+    )
+
+
+def _lost(case: Case, held: Limited) -> tuple[Condition, ...]:
+    """Return what leaves a verdict open where first order ends before a limit."""
+    if case.mission is None:
+        return ()
+    times = dict.fromkeys(output.name.time or 0.0 for output in held.outputs)
+    attitudes = [
+        name
+        for name in mission_outputs(case.mission, times)
+        if name.quantity == "attitude"
+    ]
+    problem = mission_problem(case.sensors, case.procedure, case.mission, attitudes)
+    return tuple(
+        Condition(
+            kind="first_order",
+            line=attitudes[-1].group,
+            below=None,
+            unit="",
+            si_per_unit=1.0,
+            text=text,
+        )
+        for text in beyond_first_order(problem, propagate(problem))
+    )
+
+
+def _decided(
+    case: Case,
+    held: Limited,
+    law: Propagation,
+    judged: Judged,
+    *,
+    seed: int,
+    doubt: Doubt | None,
+    readings: ReadingVerdicts | None,
+) -> Standing:
+    """Return the verdict as far as the equations are of first order."""
     silent = unjudged(case)
     cautions, words = silent.cautions, replace(silent, conditions=())
     given = verdict_of(judged, held.absent, doubt=doubt, readings=readings)
@@ -211,6 +276,8 @@ def decide(
         for name in (decisive or margin.missing)
         if doubt is None or decisive
     )
+    # What no sensor reaches is no condition.
+    conditions = tuple(one for one in conditions if one.below is not None)
     uses = uses_of(case, margin)
     verdict = given
     if decisive and given in {MEETS, UNDECIDED, PREDICTED}:
@@ -231,36 +298,45 @@ def uses_of(case: Case, margin: Margin) -> tuple[Condition, ...]:
     uses = (
         *(one for key in unstated(case) for one in margin.of_use(key, case)),
         *ranges_of(case),
-        *_silent_in_test(case),
     )
     return (_in_its_test(),) if unstated(case) and not uses else uses
 
 
+def _temperatures_of_test(procedure: Procedure) -> frozenset[Name]:
+    """Return the sources of a temperature that changes in the test itself."""
+    return frozenset(
+        Name(line.name, owner=ENVIRONMENT)
+        for line in procedure.environment
+        if line.name.startswith("temperature") and line.name not in LINES
+        if line.u.any()
+    )
+
+
 def _exercised_in_test(case: Case) -> tuple[str, ...]:
     """Return what acts in the test itself: its temperature, its vibration."""
-    there = [line.name for line in case.procedure.environment if line.u.any()]
     found = {
-        "temperature": any(
-            name.startswith("temperature") and name not in LINES for name in there
+        "temperature": bool(_temperatures_of_test(case.procedure)),
+        "vibration": any(
+            line.name == TEST_VIBRATION and line.u.any()
+            for line in case.procedure.environment
         ),
-        "vibration": TEST_VIBRATION in there,
     }
     return tuple(key for key, acts in found.items() if acts)
 
 
-def _silent_in_test(case: Case) -> Iterator[Condition]:
-    """Yield the conditions of a test whose environment a sheet says nothing of."""
-    for key in _exercised_in_test(case):
-        lines = lacking_use(case, key)
-        if lines and case.requirement.outputs:
-            yield replace(
-                _silent(key, lines),
-                silent=(),
-                text=note(
-                    "its sheet does not say what the {use} of the test does",
-                    use=note(key),
-                ),
-            )
+def lacking_in_test(case: Case) -> tuple[Name, ...]:
+    """Return the lines that are not given of what acts in the test itself.
+
+    A residual over temperature says nothing of it: that is of a later use.
+    """
+    exercised = _exercised_in_test(case)
+    return tuple(
+        Name(line, owner=sensor.kind)
+        for sensor in case.there
+        for key in exercised
+        for line in IN_TEST[key]
+        if sensor.lines and sensor.line(line) is None
+    )
 
 
 def unjudged(case: Case) -> Standing:
@@ -395,25 +471,37 @@ class Margin:
         """Compute what each missing line and each use that is not stated makes."""
         names = expected_of(case)
         stands = {one.expected: one for one in case.filling.lines}
+        silent = silent_of(case)
+        every = dict.fromkeys((*names, *(name for x in silent.values() for name in x)))
         tops = {
             name: one
             for device in case.devices
             for own in [{sensor.kind for sensor in device.sensors}]
             for name, one in ceilings(
-                device, [name for name in names if name.owner in own], case.catalogue
+                device, [name for name in every if name.owner in own], case.catalogue
             ).items()
         }
-        sizes = {name: tops[name].u if name in tops else _one(name) for name in names}
-        lines = {name: _standing(case, name, u) for name, u in sizes.items()}
-        silent = silent_of(case)
+        sizes = {name: tops[name].u if name in tops else _one(name) for name in every}
+        comparable = {name for name in tops if tops[name].origin != BY_NATURE}
+        in_test = [x for x in lacking_in_test(case) if x.quantity in COEFFICIENTS]
+        lines = {
+            name: _standing(case, name, sizes[name])
+            for name in names
+            if name not in in_test or name in _lacking_stated(case)
+        }
         probes = {
-            name: _standing(case, name, _one(name))
+            name: _standing(case, name, sizes[name])
             for x in silent.values()
             for name in x
         }
         whole = case.like(held, completed(case.sensors, lines | probes), _tried(case))
         found = propagate(whole.problem)
-        parts = _parts(whole, found)
+        parts = np.concatenate(
+            [
+                _parts(whole, found),
+                *(_of_test(case, held, name, sizes[name]) for name in in_test),
+            ]
+        )
         places = {group.name: k for k, group in enumerate(whole.problem.groups)}
         known: dict[str, tuple[Name, ...]] = {
             **{
@@ -421,12 +509,24 @@ class Margin:
                 for name, line in (lines | probes).items()
             },
             **{name: (one.source,) for name, one in stands.items()},
-            **{key: _felt_by(case, key) for key in unstated(case)},
+            **{
+                key: (
+                    *_felt_by(case, key),
+                    *(
+                        Name(probes[name].name, owner=name.owner)
+                        for name in silent[key]
+                        if comparable >= {*silent[key]}
+                    ),
+                )
+                for key in unstated(case)
+            },
         }
         groups = {
-            name: tuple(places[own] for own in every if own in places)
-            for name, every in known.items()
+            name: tuple(places[own] for own in several if own in places)
+            for name, several in known.items()
         }
+        for k, name in enumerate(in_test, start=len(places)):
+            groups[name] = (*groups.get(name, ()), k)
         least = np.array([output.resolution for output in held.outputs]) ** 2
 
         def variance(name: str) -> Array:
@@ -463,10 +563,15 @@ class Margin:
                 for line in sensor.lines
                 if line.name in AGEING.values()
                 if Name(line.name, owner=sensor.kind) in places
+            }
+            | {
+                places[name]: line
+                for name, line in (lines | probes).items()
+                if line.name in AGEING.values() and name in places
             },
             silent={
-                key: tuple(name for name in every if reaches(name))
-                for key, every in silent.items()
+                key: tuple(name for name in own if reaches(name))
+                for key, own in silent.items()
             },
             parts=parts,
             rest=rest,
@@ -514,17 +619,25 @@ class Margin:
 
     @cached_property
     def decisive(self) -> tuple[Name, ...]:
-        """Missing lines that overturn a verdict, the one to ask for first."""
+        """Missing lines that overturn a verdict, the one to ask for first.
+
+        No more than are needed: with these at 0 all others may be at their ceilings.
+        """
         if none := self.without_ceiling:
             return none
-        if not self.missing or settle(self.at_ceilings or 0.0) <= 1.0:
-            return ()
+        weights = self.weights.copy()
         places = [list(self.groups[name]) for name in self.missing]
         sizes = [
             float((self.parts[own].sum(axis=0)[:, 0, 0] / self.held.limits**2).max())
             for own in places
         ]
-        return (self.missing[first_largest(sizes)],)
+        asked: list[Name] = []
+        for k in from_largest(sizes):
+            if settle(self.used(weights)) <= 1.0:
+                break
+            weights[places[k]] = 0.0
+            asked.append(self.missing[k])
+        return tuple(asked)
 
     def used(self, weights: Array) -> float:
         """Return the utilisation with groups at so many times their variance [1].
@@ -584,6 +697,7 @@ class Margin:
             weights[places] = times**2
 
         below = self.bound(change, alone=alone) * self.sizes[name]
+        below = inf if below >= at_most(name) else below
         top = self.tops.get(name)
         largest = None if top is None else top.largest_comparable
         source = stand_in(name)
@@ -597,6 +711,12 @@ class Margin:
             text = note("whatever {line} is", **texts)
         elif alone and below == 0.0:
             text = note(DECIDES, **texts)
+        elif alone and top is not None and below > top.u:
+            text = note(
+                "{line} is not given, and beside others that are not given it decides: "
+                "ask for it",
+                **texts,
+            )
         elif alone:
             text = note(
                 "{line} is not given, and from {bound} on it fails: ask for it", **texts
@@ -625,13 +745,20 @@ class Margin:
     def of_use(self, key: str, case: Case) -> tuple[Condition, ...]:
         """Return the conditions of a use that nobody has stated, and that reaches."""
         found = []
+        silent = self.silent.get(key, ())
+        unknown = tuple(
+            name
+            for name in silent
+            if name not in self.tops or self.tops[name].origin == BY_NATURE
+        )
         if (size := self.use_bounds.get(key)) is not None:
-            found.append(_bounded(key, size * _tried_at(key)))
+            tops = [] if unknown else [self.tops[name] for name in silent]
+            found.append(_bounded(key, size * _tried_at(key), tops))
         held_over = _horizon(case) if key == "age" else None
         if held_over is not None:
             found.append(held_over)
-        if self.silent.get(key):
-            found.append(_silent(key, self.silent[key]))
+        if unknown:
+            found.append(_silent(key, unknown))
         if not found and _is_felt(case, key):
             found.append(_over_its_range(key))
         return tuple(found)
@@ -740,10 +867,7 @@ def expected_of(case: Case) -> tuple[Name, ...]:
     if case.only is not None:
         return ()
     names = [name for sensor in case.there for name in sensor.expected_missing]
-    stated = stated_of(case.procedure) if case.is_later else {}
-    for key, line in stated.items():
-        if key != "age" and line.u.any():
-            names += lacking_use(case, key)
+    names += [*_lacking_stated(case), *lacking_in_test(case)]
     families = {
         family(device.technology)
         for device in case.devices
@@ -762,6 +886,17 @@ def expected_of(case: Case) -> tuple[Name, ...]:
         names.append(Name(G_SENSITIVITY, owner=GYRO))
     filled = {one.expected for one in case.filling.lines}
     return tuple(dict.fromkeys(name for name in names if name not in filled))
+
+
+def _lacking_stated(case: Case) -> tuple[Name, ...]:
+    """Return the lines that are not given of a temperature and a vibration stated."""
+    stated = stated_of(case.procedure) if case.is_later else {}
+    return tuple(
+        name
+        for key, line in stated.items()
+        if key != "age" and line.u.any()
+        for name in lacking_use(case, key)
+    )
 
 
 def manoeuvres(mission: Mission) -> bool:
@@ -851,22 +986,40 @@ def _standing(case: Case, name: Name, u: float) -> ErrorLine:
     return line_of(stand_in(name), name.owner, u)
 
 
+def _of_test(case: Case, held: Limited, name: Name, size: float) -> Array:
+    """Return the covariance that one coefficient has of the temperature of a test.
+
+    Alone, as its sign beside that of others is not known: shape (1, n_required, 2, 2).
+    """
+    line = line_of(stand_in(name), name.owner, size)
+    alone = completed(case.sensors, {name: line}, less=COEFFICIENTS)
+    own = case.like(held, alone, case.procedure)
+    there = _temperatures_of_test(case.procedure)
+    rows = [k for k, group in enumerate(own.problem.groups) if group.name in there]
+    parts = _parts(own, propagate(own.problem))[rows]
+    return np.asarray(parts.sum(axis=0, keepdims=True))
+
+
 def completed(
-    sensors: tuple[Sensor, ...], lines: Mapping[Name, ErrorLine]
+    sensors: tuple[Sensor, ...],
+    lines: Mapping[Name, ErrorLine],
+    *,
+    less: Sequence[str] = (),
 ) -> tuple[Sensor, ...]:
-    """Return triads, and those beside them, with more lines."""
+    """Return triads, and those beside them, with more lines, and `less` some."""
 
     def whole(sensor: Sensor) -> Sensor:
         own = [line for name, line in lines.items() if name.owner == sensor.kind]
-        found = sensor.with_lines((*sensor.lines, *sensor.initial, *own))
+        there = [x for x in (*sensor.lines, *sensor.initial) if x.name not in less]
+        found = sensor.with_lines((*there, *own))
         beside = sensor.beside
         return replace(found, beside=beside and whole(beside))
 
     return tuple(map(whole, sensors))
 
 
-def _bounded(key: str, below: float) -> Condition:
-    """Return the condition on a use that lines are given of."""
+def _bounded(key: str, below: float, tops: Sequence[Ceiling]) -> Condition:
+    """Return the condition on a use: of lines that are given, and `tops` of others."""
     unit, size = PROBE[key].unit, PROBE[key].si_per_unit
     texts = {
         "temperature": term(
@@ -885,9 +1038,27 @@ def _bounded(key: str, below: float) -> Condition:
         below=None if is_open else below,
         unit=unit,
         si_per_unit=size,
-        text=note("whatever the {key} at use is", key=note(key))
-        if is_open
-        else note(texts[key], bound=bound),
+        text=_with_ceilings(
+            note("whatever the {key} at use is", key=note(key))
+            if is_open
+            else note(texts[key], bound=bound),
+            tops,
+        ),
+    )
+
+
+def _with_ceilings(text: str, tops: Sequence[Ceiling]) -> str:
+    """Say a bound, and what lines that are not given may be below it."""
+    if not tops:
+        return text
+    lines = [
+        note("{line} of {size}", line=line_note(one.name), size=one.printed)
+        for one in tops
+    ]
+    return note(
+        "{bound}, with {lines} in the place of what is not given",
+        bound=text,
+        lines=in_a_row(lines),
     )
 
 
@@ -916,7 +1087,11 @@ def _silent(key: str, lines: tuple[Name, ...]) -> Condition:
         unit=PROBE[key].unit,
         si_per_unit=PROBE[key].si_per_unit,
         silent=lines,
-        text=note("its sheet does not say what {use} does", use=note(key)),
+        text=note(
+            "its sheet does not say what {use} does: {lines} not given",
+            use=note(key),
+            lines=in_a_row([line_note(name) for name in lines]),
+        ),
     )
 
 
@@ -971,6 +1146,9 @@ def cautions_of(case: Case) -> tuple[Caution, ...]:
     use; what its sheet leaves to the procedure.
     """
     found = [*_ranges_needed(case), *_saturations(case)]
+    found += [
+        one for device in case.devices for one in _unusual(device, case.catalogue)
+    ]
     stated = stated_of(case.procedure) if case.is_later else {}
     for sensor in case.there:
         for line in sensor.lines:
@@ -981,6 +1159,20 @@ def cautions_of(case: Case) -> tuple[Caution, ...]:
                 found.append(_idle(name, line, key))
             if case.mission is not None:
                 found += _open_lines(name, line)
+            felt = stated.get("temperature")
+            if felt is not None and felt.u.any() and _includes(line, "temperature"):
+                found.append(
+                    Caution(
+                        kind="temperature",
+                        line=name,
+                        text=note(
+                            "{line} includes what temperature does, in the range of "
+                            "its sheet: see whether {temperature} is in it",
+                            line=line_note(name),
+                            temperature=felt.printed,
+                        ),
+                    )
+                )
             time = time_of(line.horizon)
             age = stated.get("age")
             if (
@@ -1003,6 +1195,44 @@ def cautions_of(case: Case) -> tuple[Caution, ...]:
                     )
                 )
     return tuple(found)
+
+
+def _unusual(
+    device: Device, catalogue: Sequence[Device] | None = None
+) -> Iterator[Caution]:
+    """Yield the lines of a sheet that are far below those of every other device.
+
+    So is a bias stability that has no time to be one: of a standard uncertainty s and a
+    correlation time T its spectral density is at most 2 s^2 T, that of a random walk.
+    """
+    for sensor in device.sensors:
+        for line in sensor.lines:
+            name = Name(line.name, owner=sensor.kind)
+            least = least_printed(name, device, catalogue)
+            if least is not None and line.largest < least.u / FAR_ABOVE:
+                yield Caution(
+                    kind="unusual",
+                    line=name,
+                    text=note(
+                        "{line} {printed} is less than a tenth of what any other "
+                        "device like it prints ({least}): see to its unit",
+                        line=line_note(name),
+                        printed=line.printed,
+                        least=least.printed,
+                    ),
+                )
+            time = line.correlation_time
+            if line.name == STABILITY and time is not None and time.min() < SHORT:
+                yield Caution(
+                    kind="correlation_time",
+                    line=name,
+                    text=note(
+                        "{line} has a correlation time of {time}, so that it acts as "
+                        "noise, and after a minute hardly at all",
+                        line=line_note(name),
+                        time=time_text(float(time.min())),
+                    ),
+                )
 
 
 def _peaks(case: Case) -> tuple[Peak, ...]:
@@ -1050,10 +1280,8 @@ def _saturations(case: Case) -> Iterator[Caution]:
 def ranges_of(case: Case) -> tuple[Condition, ...]:
     """Return the conditions on ranges that are not given, where they may not do.
 
-    Some device of the catalogue that reads gravity reads less than the mission asks.
+    Some device of the catalogue that reads gravity reads less than is asked of it.
     """
-    if case.mission is None:
-        return ()
     found = []
     for peak in _peaks(case):
         unit, size = SHOWN[peak.sensor]
@@ -1108,7 +1336,7 @@ def cautions_of_device(device: Device) -> tuple[Caution, ...]:
             elif key != "age" and time_of(line.horizon) is not None:
                 found.append(_lasting(name, line.horizon))
             found += _open_lines(name, line)
-    return tuple(found)
+    return (*found, *_unusual(device))
 
 
 def _absent(names: Sequence[Name]) -> Caution:

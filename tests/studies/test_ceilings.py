@@ -160,7 +160,9 @@ def test_without_devices_and_prediction_there_is_none():
     other = Name("bias_repeatability", owner="accelerometer")
 
     assert ceilings(device, [absent, other], catalogue()) == {}
-    assert ceilings(device, [MOUNTING, G_SENSITIVITY], ()) == {}
+    assert ceilings(device, [G_SENSITIVITY], ()) == {}
+    (angle,) = ceilings(device, [MOUNTING], ()).values()
+    assert (angle.u, angle.origin) == (1.0, "no sensor is worse")  # a radian
     with pytest.raises(CallError, match="is no error source"):
         ceilings(device, [Name("drift", owner="gyro")], catalogue())
 

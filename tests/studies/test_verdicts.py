@@ -95,7 +95,7 @@ class TestEnvironment:
     """What nobody states is a condition, what is stated counts."""
 
     def test_temperature_that_nobody_states_bounds_the_verdict(self):
-        """At the bound in degC that is named the limit is used up."""
+        """At the bound in degC that is named the limit is used up, ceilings counted."""
         sensor, _ = standing_of(HOT)
         assert sensor.verdict == "meets_if"
         (bound,) = [
@@ -105,7 +105,8 @@ class TestEnvironment:
         ]
         assert f"{floor(10.0 * bound) / 10.0:g} degC" in texts_of(sensor.standing)
         at_bound, _ = standing_of(HOT, f"temperature {bound!r} degC, vibration 0 g")
-        assert_allclose(at_bound.utilisation, 1.0, rtol=1e-6)
+        # What the sheet does not say of temperature is at its ceilings in both.
+        assert_allclose(at_bound.standing.at_ceilings, 1.0, rtol=1e-6)
 
     def test_a_temperature_of_20_degC_fails(self):
         """54 deg/h/degC x 20 degC make 1.8 km in 60 s: sigma = w g t^3/6 on a line."""
@@ -182,6 +183,46 @@ class TestEnvironment:
         sheet = sheet_with({"gyro.bias_over_temperature": "5000 deg/h"})
         assert standing_of(sheet)[0].verdict == "fails"
         assert standing_of(sheet, "none")[0].verdict == "meets"
+
+
+class TestWhatNoSensorIs:
+    """Sizes that no unit has, and a unit that is lost."""
+
+    def test_a_unit_that_is_lost_is_undecided(self):
+        """1,000 deg/h turn a level in 60 s by 17 deg: first order is over."""
+        lost = sheet_with({"gyro.bias_repeatability": "2000 deg/h"})
+        far = {"position": {"horizontal": "900 km", "at": "60 s"}}
+        sensor, _ = standing_of(lost, "none", limits={"mission": far})
+        assert sensor.verdict == "undecided"
+        assert sensor.utilisation < 1.0
+        assert "5.7 deg" in texts_of(sensor.standing)
+        sensor, _ = standing_of(SHEET, "none", limits={"mission": far})
+        assert sensor.verdict == "meets"
+
+    @pytest.mark.parametrize(
+        ("value", "said"),
+        [
+            ({"value": "50 deg/h", "correlation_time": "1e-6 s"}, "acts as noise"),
+            ({"value": "1e-9 deg/h", "correlation_time": "100 s"}, "see to its unit"),
+        ],
+    )
+    def test_a_stability_that_is_none_is_said(self, value, said):
+        """A process that vanishes, and a figure that nobody reaches."""
+        sheet = sheet_with({"gyro.bias_stability": value})
+        sensor, _ = standing_of(sheet, "none")
+        assert said in texts_of(sensor.standing)
+        sensor, _ = standing_of(SHEET, "none")
+        assert said not in texts_of(sensor.standing)
+
+    def test_what_no_sensor_reaches_is_no_condition(self):
+        """A scale factor that may be wrong by all of it asks for nothing."""
+        sensor, _ = standing_of(
+            sheet_with({}, without=("gyro.scale_factor_repeatability",)), "none"
+        )
+        assert all(
+            one.below is None or one.unit != "ppm" or one.below < 1.0
+            for one in sensor.standing.conditions
+        )
 
 
 class TestAge:
@@ -770,7 +811,7 @@ class TestHidden:
         )
 
     def test_the_environment_of_the_test_asks_for_its_coefficients(self):
-        """A test at a random temperature: what hides them is on condition."""
+        """A test at a random temperature: from the named size on it fails."""
         test = {
             "name": "warm",
             "latitude": "45 deg",
@@ -783,10 +824,23 @@ class TestHidden:
             "environment": "none",
             "limits": {"gyro": {"bias": "30 deg/h"}},
         }
-        found = budget.analyze(SHEET, procedure=test, requirement=need, validate=False)
-        (sensor,) = found.assessment.sensors
-        assert sensor.verdict == "meets_if"
-        assert "temperature of the test" in texts_of(sensor.standing)
+
+        def judged(sheet):
+            found = budget.analyze(
+                sheet, procedure=test, requirement=need, validate=False
+            )
+            return found.assessment.sensors[0]
+
+        hidden = judged(SHEET)
+        assert hidden.verdict == "undecidable"
+        (asked,) = hidden.standing.asks
+        line = "gyro.bias_temperature_coefficient"
+        assert asked.line == line
+        size = asked.below * 3600.0 * 180.0 / pi
+        known = {"gyro.scale_factor_temperature_coefficient": "0.001 ppm/degC"}
+        for part, verdict in ((0.999, "meets"), (1.001, "fails")):
+            told = sheet_with({**known, line: f"{part * size!r} deg/h/degC"})
+            assert judged(told | {"range": {"gyro": "90 deg/s"}}).verdict == verdict
 
     def test_a_hidden_technology_is_no_better(self):
         """A gyro of no technology may be MEMS, whose g-sensitivity is expected."""
