@@ -1146,9 +1146,10 @@ def cautions_of(case: Case) -> tuple[Caution, ...]:
     use; what its sheet leaves to the procedure.
     """
     found = [*_ranges_needed(case), *_saturations(case)]
-    found += [
-        one for device in case.devices for one in _unusual(device, case.catalogue)
-    ]
+    stands = {one.source for one in case.filling.lines}
+    for device in case.devices:
+        own = _unusual(device, case.catalogue)
+        found += [one for one in own if one.line not in stands]
     stated = stated_of(case.procedure) if case.is_later else {}
     for sensor in case.there:
         for line in sensor.lines:
