@@ -14,7 +14,7 @@ of the worst technology stands.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from math import inf
 from typing import TYPE_CHECKING
@@ -126,8 +126,8 @@ def ceilings(
     expected = [own for own in wanted if stand_in(own).expected]
     asked = [own for own in expected if own not in given]
     upper: dict[Name, float] = {}
-    for word in ("", *FAMILIES) if not _family(device) else (device.technology,):
-        prediction = predict(replace(device, technology=word), asked, devices)
+    for word in (None,) if _family(device) else (None, *FAMILIES):
+        prediction = predict(device, asked, devices, technology=word)
         if prediction is not None:
             ends = prediction.interval(COVERAGE)[:, 1].tolist()
             for own, end in zip(prediction.names, ends, strict=True):

@@ -53,7 +53,7 @@ from budget.names import Name
 from budget.studies.grades import family
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from budget.arrays import Array
     from budget.model.source import Source
@@ -73,6 +73,7 @@ DF_0 = 2.0  # weight of the prior sigma^2 = 1, of a factor e, in observations
 WITNESSES = 5.0  # weight of the common spread of designs, in designs
 TAILS = 4.0  # degrees of freedom of the effects of a design: a round number
 ROUNDS = 12  # of the fit, after which no w moves by more than 0.01
+ROUNDS_NEAR = 1  # from a fit of figures of which one device is as before
 # Designs that give a line, of which one more can be predicted: fewer say nothing of
 # the spread between designs.
 LEAST_DESIGNS = 3
@@ -154,7 +155,11 @@ def joined(parts: Sequence[Prediction]) -> Prediction:
 
 
 def predict(
-    device: Device, missing: Sequence[Name], catalogue: Sequence[Device]
+    device: Device,
+    missing: Sequence[Name],
+    catalogue: Sequence[Device],
+    *,
+    technology: str | None = None,
 ) -> Prediction | None:
     """Predict expected lines that a device does not give.
 
@@ -167,6 +172,8 @@ def predict(
         out.
     catalogue : sequence of Device
         Where the other lines come from.
+    technology : str, optional
+        That its missing lines are taken to be of, where its own is not known.
 
     Returns
     -------
@@ -176,10 +183,14 @@ def predict(
     same = [one for one in catalogue if one.as_printed == device.as_printed]
     if same:  # also out of another file: the same data sheet is no other witness
         device = replace(device, origin=same[0].origin)
-    wanted = {name: figure_of(device, name) for name in missing}
-    if [figures_of(one) for one in same] == [figures_of(device)]:
+    meant = device if technology is None else replace(device, technology=technology)
+    wanted = {name: figure_of(meant, name) for name in missing}
+    if not technology and [figures_of(one) for one in same] == [figures_of(device)]:
         return _fit(tuple(catalogue)).predict(wanted)
     others = [one for one in catalogue if one not in same]
+    if technology:
+        near = _fit(tuple(catalogue) if same else (*others, device))
+        return Fit.of(_figures((*others, meant)), near=near).predict(wanted)
     return _fit((*others, device)).predict(wanted)
 
 
@@ -206,13 +217,13 @@ class Fit:
     sigma_2: float
 
     @classmethod
-    def of(cls, given: Sequence[Figure]) -> Self:
-        """Fit scale and weights to figures."""
+    def of(cls, given: Sequence[Figure], *, near: Fit | None = None) -> Self:
+        """Fit scale and weights to figures; soon, where one is `near` that of them."""
         alike = _alike(given, given)
         trust = dict.fromkeys((each.groups[DESIGN] for each in given), 1.0)
         with small_blocks():
-            fit = cls._at(given, alike, trust)
-            for _ in range(ROUNDS):
+            fit = cls._at(given, alike, trust | (near.trust if near else {}))
+            for _ in range(ROUNDS_NEAR if near else ROUNDS):
                 fit = cls._at(given, alike, fit.reweighted(alike))
         return fit
 
@@ -438,7 +449,12 @@ def _figure(device: Device, kind: str, source: Source, log_u: float) -> Figure:
 @lru_cache(maxsize=2)
 def _fit(devices: tuple[Device, ...]) -> Fit:
     """Return the fit of all figures of devices."""
-    return Fit.of([each for one in devices for each in figures_of(one).values()])
+    return Fit.of(_figures(devices))
+
+
+def _figures(devices: Iterable[Device]) -> list[Figure]:
+    """Return all figures that devices give."""
+    return [each for one in devices for each in figures_of(one).values()]
 
 
 def _lines(figures: Sequence[Figure], spread: dict[str, float]) -> Array:

@@ -185,3 +185,16 @@ def test_an_ageing_is_compared_at_a_year():
     assert found.largest_comparable.owner == "month"  # a drift: 12.2e-6 after a year
     assert_allclose(found.u, 1e-6 * year / month, rtol=1e-9)
     assert found.line.horizons == ((year, 1.0),)
+
+
+@pytest.mark.parametrize("name", ["jdwdg073-083#073", "stim300#80g", "ltm210#S10"])
+def test_a_hidden_technology_lowers_no_ceiling(name):
+    """What is predicted is then of the worst technology: 0.16 of it, were it not so."""
+    device = load_device(name)
+    names = [line for one in device.sensors for line in one.expected_missing]
+    told = ceilings(device, names)
+    hidden = ceilings(replace(device, technology=""), names)
+
+    assert told
+    for line, one in told.items():
+        assert hidden[line].u >= 0.98 * one.u  # fitted from the weights of the former
