@@ -861,8 +861,9 @@ def _parts(held: Limited, law: Propagation, *, whole: bool = False) -> Array:
 def expected_of(case: Case) -> tuple[Name, ...]:
     """Return the lines that are not given and that the question exercises.
 
-    The expected ones; what temperature and vibration do where these are stated; the
-    g-sensitivity of a MEMS gyro on a route that turns or climbs.
+    The expected ones; what temperature and vibration do where these are stated or the
+    test has its own; the g-sensitivity of a MEMS gyro that is turned in gravity by a
+    test, or goes a route that turns or climbs.
     """
     if case.only is not None:
         return ()
@@ -880,8 +881,12 @@ def expected_of(case: Case) -> tuple[Name, ...]:
         and gyros[0].line(G_SENSITIVITY) is None
         # A technology that nobody has told, or that nobody knows, may be one.
         and not families & ({*FAMILIES} - {MEMS})
-        and case.mission is not None
-        and manoeuvres(case.mission)
+        and (
+            # A test turns them in gravity.
+            calibrates(GYRO, case.procedure)
+            if case.mission is None
+            else manoeuvres(case.mission)
+        )
     ):
         names.append(Name(G_SENSITIVITY, owner=GYRO))
     filled = {one.expected for one in case.filling.lines}
