@@ -879,13 +879,12 @@ def expected_of(case: Case) -> tuple[Name, ...]:
     if (
         gyros
         and gyros[0].line(G_SENSITIVITY) is None
-        # A technology that nobody has told, or that nobody knows, may be one.
-        and not families & ({*FAMILIES} - {MEMS})
         and (
             # A test turns them in gravity.
-            calibrates(GYRO, case.procedure)
+            MEMS in families and calibrates(GYRO, case.procedure)
             if case.mission is None
-            else manoeuvres(case.mission)
+            # A technology that nobody has told, or that nobody knows, may be one.
+            else not families & ({*FAMILIES} - {MEMS}) and manoeuvres(case.mission)
         )
     ):
         names.append(Name(G_SENSITIVITY, owner=GYRO))
@@ -1215,7 +1214,8 @@ def _unusual(
         for line in sensor.lines:
             name = Name(line.name, owner=sensor.kind)
             least = least_printed(name, device, catalogue)
-            if least is not None and line.largest < least.u / FAR_ABOVE:
+            is_expected = bool(stand_in(name).expected)
+            if is_expected and least and line.largest < least.u / FAR_ABOVE:
                 yield Caution(
                     kind="unusual",
                     line=name,
