@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from budget.names import Name, as_name
 from budget.references.records import NominalProperty, QuantityValue, Snapshot
 from budget.results import BY_TRIALS
-from budget.studies.judgement import NORMAL_TRIALS
+from budget.studies.jointly import NORMAL_TRIALS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

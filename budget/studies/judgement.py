@@ -10,23 +10,23 @@ the utilisation, or until there are as many as may be: then it is undecided.
 Outputs that are equal by the law, source by source, as equal axes are, have one
 distribution: the trials of the first of them stand for all, so that they have one
 interval and tie. What has no limit gets the interval of the first trials.
+
+Limits that are to be kept together (`decision: joint`) have one utilisation, the
+quantile of the largest error over its limit (budget.studies.jointly), by the trials.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import lru_cache
 from math import exp, pi, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.arrays import root_of_correlation
 from budget.calibration.derived import outputs_for
 from budget.calibration.mission import mission_problem
 from budget.calibration.problem import calibration_problem
 from budget.distributions import normal_coverage_factor
-from budget.methods.execution import BLOCK, small_blocks, stream
 from budget.methods.intervals import interval_of_values
 from budget.methods.largest import (
     CONFIDENCE,
@@ -41,10 +41,12 @@ from budget.methods.trials import first_trials
 from budget.results import (
     BY_LAW,
     BY_TRIALS,
+    TINY,
     OutputAssessment,
     Probability,
 )
 from budget.spec.records import JOINT
+from budget.studies.jointly import components_of, ends_together, largest_of_normals
 from budget.studies.request import on_mission
 from budget.ties import ALIKE, equal_to, first_largest, settle
 
@@ -65,7 +67,6 @@ STEP = 4  # times as many trials in each try
 # Of what sampling leaves open of an end of a normal output: a law that is surer is
 # surer than trials of any output that is so nearly normal [1].
 SURE = 0.5
-NORMAL_TRIALS = 16_384  # of the joint normal law, where there are no others
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -175,7 +176,8 @@ class Judged:
     # Whether an interval is of the trials, else it is the law's, shape (n_required,).
     by_trials: NDArray[np.bool_]
     # Coverage factors: what times u gives the largest end from |mean| on, shape
-    # (n_required,) [1].
+    # (n_required,); of limits to be kept together so many times as the utilisation is
+    # the largest of `used` [1].
     factor: Array
     u: Array  # standard uncertainties, by the law, shape (n_required,) [SI]
     # Utilisations: largest absolute end over limit, shape (n_required,) [1].
@@ -190,7 +192,7 @@ class Judged:
     conformance: Probability  # of all together
     # In which trials all are within; of the joint normal law where `trials` is None.
     inside: Marks = field(repr=False)
-    # What the interval of the utilisation was taken from.
+    # What the utilisation and its interval were taken from.
     ends: Ends = field(repr=False)
     # Half the 95 % sampling interval of each utilisation, were it of the trials, shape
     # (n_required,) [1].
@@ -211,15 +213,12 @@ class Judged:
 
     @property
     def utilisation(self) -> float:
-        """The largest of all outputs [1]."""
-        return float(self.used.max())
+        """The largest of all outputs; of limits to be kept together theirs [1]."""
+        return self.ends.largest
 
     @property
     def is_open(self) -> bool:
-        """Whether the limit lies within the interval of what is held against it."""
-        if self.together is not None:
-            p = self.conformance
-            return p.low is not None and p.low < self.together <= (p.high or 0.0)
+        """Whether the limit lies within the interval of the utilisation."""
         low, high = (settle(end) for end in self.utilisation_interval)
         return low <= 1.0 < high
 
@@ -231,12 +230,7 @@ class Judged:
         """
         if self.is_open:
             return "undecided"
-        kept = (
-            settle(self.utilisation) <= 1.0
-            if self.together is None
-            else self.conformance.value >= self.together
-        )
-        if not kept:
+        if settle(self.utilisation) > 1.0:
             return "fails"
         return "undecidable" if missing else "meets"
 
@@ -257,9 +251,7 @@ def judge(
     while True:
         values = _first_trials(held, law, number, seed, known=values)
         judged = _judge_by(values, held, law)
-        settles = judged.is_open and (
-            held.is_joint or can_sharpen(judged, max_trials, above=1.0)
-        )
+        settles = judged.is_open and can_sharpen(judged, max_trials, above=1.0)
         if not settles or number >= max_trials:
             return judged
         number = min(STEP * number, max_trials)
@@ -439,9 +431,10 @@ def _judge_by(values: Array, held: Limited, law: Propagation) -> Judged:
     found = _of_trials(values, held, law)
     chosen = np.tile(found.by_trials, 2)
     places = np.searchsorted(_drawn_rows(held, law), held.rows)
-    inside = np.ones(values.shape[1], dtype=bool)
+    largest = np.zeros(values.shape[1])
     for place, limit in zip(places, held.limits, strict=True):
-        inside &= np.abs(values[place]) <= limit
+        np.maximum(largest, np.abs(values[place]) / limit, out=largest)
+    inside = largest <= 1.0
     return _judged(
         held,
         law,
@@ -451,7 +444,7 @@ def _judge_by(values: Array, held: Limited, law: Propagation) -> Judged:
         by_trials=found.by_trials,
         within=found.within,
         conformance=_binomial(int(inside.sum()), inside.size),
-        inside=inside,
+        largest=largest,
         ends=Ends(
             value=np.where(chosen, found.ends.value, found.given.value),
             noise=np.where(chosen, found.ends.noise, 0.0),
@@ -468,7 +461,9 @@ def screen(held: Limited, law: Propagation, *, seed: int) -> Judged:
 
     The joint probability of a box has no closed form; it is counted in draws of the
     normal distribution with the law's means and joint covariance, and says nothing of
-    what the law is off by: it has no interval. Arguments as of `judge`.
+    what the law is off by: it has no interval. The utilisation of limits to be kept
+    together has one, of the draws and of what the law is off by. Arguments as of
+    `judge`.
     """
     from scipy.special import ndtr
 
@@ -483,7 +478,12 @@ def screen(held: Limited, law: Propagation, *, seed: int) -> Judged:
     lengths = held.rows - law.value.size + law.legs.shape[1]
     for k in np.flatnonzero(lengths >= 0):
         within[k] = law.probability_of_length(lengths[k], limits[k])
-    inside = _inside_normal(held, law, seed)
+    largest = largest_of_normals(
+        components_of(held.rows, held.limits, law),
+        seed=seed,
+        name=held.outputs[0].name.owner,
+        is_joint=held.is_joint,
+    )
     ends = _ends_of_law(held, law)
     return _judged(
         held,
@@ -491,8 +491,10 @@ def screen(held: Limited, law: Propagation, *, seed: int) -> Judged:
         interval=interval_by_law(held, law),
         by_trials=np.zeros(held.rows.size, dtype=bool),
         within=within,
-        conformance=Probability(value=float(inside.mean()), low=None, high=None),
-        inside=inside,
+        conformance=Probability(
+            value=float((largest <= 1.0).mean()), low=None, high=None
+        ),
+        largest=largest,
         ends=ends,
         given=ends,
         sampled=np.zeros(held.rows.size),
@@ -503,10 +505,11 @@ def screen(held: Limited, law: Propagation, *, seed: int) -> Judged:
 def can_sharpen(judged: Judged, max_trials: int, *, above: float) -> bool:
     """Whether more trials can make surer what reaches above a utilisation.
 
-    They cannot where the law gave it, and is surer than the last of them would be.
+    They cannot where the law gave it, and is surer than the last of them would be: of
+    limits to be kept together it gives none.
     """
-    if judged.trials is None:
-        return False
+    if judged.trials is None or judged.together is not None:
+        return judged.trials is not None
     bound = judged.ends.bound.reshape(2, -1)[0]
     doubt = np.where(judged.by_trials, judged.sampled, bound)
     sharpest = judged.sampled * sqrt(judged.trials / max_trials)
@@ -559,27 +562,33 @@ def _judged(
     by_trials: NDArray[np.bool_],
     within: Array,
     conformance: Probability,
-    inside: Array,
+    largest: Array,
     ends: Ends,
     given: Ends,
     sampled: Array,
     trials: int | None,
 ) -> Judged:
-    """Add to intervals what follows from them."""
-    largest = np.abs(interval).max(axis=1)
+    """Add to intervals what follows from them; `largest` is of every trial."""
+    end = np.abs(interval).max(axis=1)
+    used = end / held.limits
     u = law.standard_uncertainty[held.rows]
-    beyond_mean = largest - np.abs(law.mean[held.rows])
+    times = 1.0
+    if held.is_joint:
+        off = given.bound.max() if trials is None else 0.0
+        ends = ends_together(largest, held.usual, off=off)
+        times = ends.largest / max(used.max(), TINY)
+    beyond_mean = times * end - np.abs(law.mean[held.rows])
     return Judged(
         interval=interval,
         by_trials=by_trials,
         factor=np.where(u > 0.0, beyond_mean / np.where(u > 0.0, u, 1.0), 0.0),
         u=u,
-        used=largest / held.limits,
+        used=used,
         used_by_law=given.value.reshape(2, -1).max(axis=0),
         utilisation_interval=sampling_interval(ends),
         within=within,
         conformance=conformance,
-        inside=Marks.of(inside),
+        inside=Marks.of(np.asarray(largest <= 1.0)),
         ends=ends,
         sampled=sampled,
         trials=trials,
@@ -601,67 +610,6 @@ def _ends_of_law(held: Limited, law: Propagation) -> Ends:
         noise=np.zeros((1, 2 * held.rows.size)),
         bound=np.tile(off / held.limits, 2),
     )
-
-
-def _inside_normal(held: Limited, law: Propagation, seed: int) -> Array:
-    """Return which of NORMAL_TRIALS draws of the law lie within all limits."""
-    rows, limits, ends = _components(held, law)
-    sensor = held.outputs[0].name.owner
-    normals = _unit_normals(seed, sensor, rows.size)
-    # Scaled by the limits: the box becomes the unit cube.
-    mean = law.mean[rows] / limits
-    covariance = law.covariance[np.ix_(rows, rows)] / np.outer(limits, limits)
-    reach = normals.longest * np.sqrt(np.diag(covariance))
-    if not ends.size and (np.abs(mean) + reach <= 1.0).all():  # no draw gets out
-        return np.ones(NORMAL_TRIALS, dtype=bool)
-    u = np.sqrt(np.diag(covariance))
-    safe = np.where(u > 0.0, u, 1.0)
-    factor = u[:, None] * root_of_correlation(covariance / np.outer(safe, safe))
-    inside = np.empty(NORMAL_TRIALS, dtype=bool)
-    with small_blocks():
-        for start in range(0, NORMAL_TRIALS, BLOCK):  # blocks stay in the cache
-            y = factor @ normals.z[:, start : start + BLOCK]
-            y += mean[:, None]
-            for a, b in ends:
-                y[a] = np.hypot(y[a], y[b])
-                y[b] = 0.0
-            inside[start : start + BLOCK] = np.abs(y, out=y).max(axis=0) <= 1.0
-    return inside
-
-
-def _components(held: Limited, law: Propagation) -> tuple[Array, Array, Array]:
-    """Return rows and limits with two components in the place of each length.
-
-    And the places of these pairs among the rows, shape (n_lengths, 2).
-    """
-    first = law.value.size - law.legs.shape[1]
-    rows: list[int] = []
-    limits: list[float] = []
-    pairs: list[tuple[int, int]] = []
-    for row, limit in zip(held.rows.tolist(), held.limits.tolist(), strict=True):
-        own = [row] if row < first else law.legs[:, row - first].tolist()
-        if row >= first:
-            pairs.append((len(rows), len(rows) + 1))
-        rows += own
-        limits += [limit] * len(own)
-    return np.array(rows), np.array(limits), np.array(pairs).reshape(-1, 2)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Normals:
-    """Independent unit normals that all devices with one kind of sensor share."""
-
-    z: Array  # shape (n, NORMAL_TRIALS)
-    longest: float  # the largest norm of a draw
-
-
-@lru_cache(maxsize=4)
-def _unit_normals(seed: int, sensor: str, n: int) -> _Normals:
-    """Draw unit normals for n outputs; those of two sensors are independent."""
-    rng = stream(seed, f"joint conformance {sensor}", 0)
-    z = rng.standard_normal((n, NORMAL_TRIALS))
-    z.flags.writeable = False
-    return _Normals(z=z, longest=float(np.sqrt((z**2).sum(axis=0).max())))
 
 
 def _binomial(successes: int, trials: int) -> Probability:

@@ -70,6 +70,7 @@ from budget.studies.ceilings import (
     least_printed,
 )
 from budget.studies.grades import FAMILIES, family
+from budget.studies.jointly import Jointly, components_of
 from budget.studies.judgement import (
     TRIALS,
     interval_by_law,
@@ -448,6 +449,8 @@ class Margin:
         Coverage factors on what is given, and with all lines at their ceilings [1].
     ratio : ndarray, shape (n_required,)
         Of a length what was judged over the circle of the law [1].
+    jointly : Jointly, optional
+        Of limits to be kept together what decides in the place of these.
     """
 
     held: Limited
@@ -463,6 +466,7 @@ class Margin:
     mean: Array
     factor: Array
     ratio: Array
+    jointly: Jointly | None = None
 
     @classmethod
     def of(
@@ -581,10 +585,18 @@ class Margin:
                 is_length, judged.used * held.limits / np.maximum(circle, TINY), 0.0
             ),
         )
+        if held.is_joint:
+            margin = replace(
+                margin, jointly=_jointly(margin, whole, found, law, judged)
+            )
         if margin.without_ceiling or not (lines and judged.by_trials.any()):
             return margin
         top = case.like(held, completed(case.sensors, lines), case.procedure)
         at_top = judge(top, propagate(top.problem), seed=seed, max_trials=TRIALS)
+        if margin.jointly is not None:
+            top_known = (margin.weights, at_top.utilisation)
+            both = (*margin.jointly.known, top_known)
+            margin = replace(margin, jointly=replace(margin.jointly, known=both))
         return replace(
             margin, factor=np.stack([margin.factor[0], _factor(top, at_top)])
         )
@@ -647,6 +659,8 @@ class Margin:
         weights : ndarray, shape (n_groups,)
             Of what is not among the given.
         """
+        if self.jointly is not None:
+            return self.jointly.used(weights)
         added = np.tensordot(weights, self.parts, axes=1)
         C = self.rest + added
         top = np.tensordot(self.weights, self.parts, axes=1)[:, 0, 0]
@@ -656,7 +670,7 @@ class Margin:
         ends = self.mean + k * np.sqrt(np.maximum(C[:, 0, 0], 0.0))
         for j in np.flatnonzero(self.ratio):
             axes = principal_variances(C[j, :1, 0], C[j, 1:, 1], C[j, :1, 1])
-            circle = radius_of(_coverages(self.held)[[j]], axes)
+            circle = radius_of(self.held.coverage[[j]], axes)
             ends[j] = self.ratio[j] * float(circle[0])
         return float((ends / self.held.limits).max())
 
@@ -816,24 +830,33 @@ def _one(name: Name) -> float:
     return float(line_of(stand_in(name), name.owner).u[0])
 
 
-def _coverages(held: Limited) -> Array:
-    """Return the coverages that limits are held at, shape (n_required,) [1].
-
-    Of n that are to be kept together 1 - (1 - p)/n of each keeps all with p at the
-    least (Bonferroni).
-    """
-    if not held.is_joint:
-        return held.coverage
-    each = 1.0 - (1.0 - held.usual) / held.rows.size
-    return np.asarray(np.maximum(held.coverage, each))
-
-
 def _factor(held: Limited, judged: Judged) -> Array:
     """Return the coverage factors that were judged by; of what is 0 the normal ones."""
-    usual = np.array([normal_coverage_factor(p) for p in _coverages(held).tolist()])
-    if held.is_joint:
-        return np.asarray(np.maximum(judged.factor, usual))
+    usual = np.array([normal_coverage_factor(p) for p in held.coverage.tolist()])
     return np.where(judged.factor > 0.0, judged.factor, usual)
+
+
+def _jointly(
+    margin: Margin,
+    whole: Limited,
+    found: Propagation,
+    law: Propagation,
+    judged: Judged,
+) -> Jointly:
+    """Return what limits to be kept together have room for: `whole` is with `parts`."""
+    of = components_of(margin.held.rows, margin.held.limits, law)
+    of_whole = components_of(whole.rows, whole.limits, found)
+    parts = of_whole.scaled(covariance_by_source(whole.problem, found)[:-1])
+    given = np.zeros(len(parts))
+    for name in margin.filled:
+        given[list(margin.groups[name])] = 1.0
+    return Jointly(
+        of=of,
+        rest=of.covariance - np.tensordot(given, parts, axes=1),
+        parts=parts,
+        coverage=margin.held.usual,
+        known=((given, judged.utilisation),),
+    )
 
 
 def _parts(held: Limited, law: Propagation, *, whole: bool = False) -> Array:
