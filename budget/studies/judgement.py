@@ -123,13 +123,8 @@ def required_problem(
     )
 
 
-def limit_problem(
-    problem: Problem, requirement: Requirement, *, apart: str = ""
-) -> Limited | None:
-    """Put the limits of a requirement on a Problem; None where it has none there.
-
-    Limits of the owner `apart` are judged by nobody else: they count as absent.
-    """
+def limit_problem(problem: Problem, requirement: Requirement) -> Limited | None:
+    """Put the limits of a requirement on a Problem; None where it has none there."""
     places = {output.name: row for row, output in enumerate(problem.outputs)}
     required = [limit for limit in requirement.limits if limit.output in places]
     if not required:
@@ -146,7 +141,7 @@ def limit_problem(
             limit.output
             for limit in requirement.limits
             if limit.output not in places
-            and limit.output.owner in {apart, *(name.owner for name in places)}
+            and limit.output.owner in {name.owner for name in places}
         ),
     )
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from budget.language import counted, key_title, say, term, words
 from budget.names import time_text
-from budget.report.comparison.tables import merit_points
+from budget.report.comparison.tables import merit_points, what_is_judged
 from budget.report.figures.rows import (
     Bar,
     Chart,
@@ -160,7 +160,7 @@ def margin_title(table: Ranking) -> str:
     if not decided:
         return say(
             "{sensor}: {number} can be decided, lines are missing",
-            sensor=say(sensor),
+            sensor=what_is_judged(sensor),
             number=number,
         )
     best = table.best or min(decided, key=lambda row: row.of.utilisation)
@@ -195,7 +195,7 @@ def margin_title(table: Ranking) -> str:
     )
     return say(
         "{sensor}: {number} meets; {least} is {named}{lack}",
-        sensor=say(sensor),
+        sensor=what_is_judged(sensor),
         number=number,
         least=least,
         named=named,

@@ -37,6 +37,7 @@ from budget.report.comparison.tables import (
     ranking_note,
     ranking_table,
     rankings,
+    what_is_judged,
 )
 from budget.report.comparison.wording import (
     advice_lines,
@@ -312,7 +313,7 @@ def _procedures(
                 Paragraph(words=(text,), small=True),
                 *(
                     Panel(
-                        title=capital(say(sensor)),
+                        title=capital(what_is_judged(sensor)),
                         blocks=(procedures_table(comparison, found, sensor),),
                     )
                     for sensor in dict.fromkeys(t.sensor for t in found if t.rows)
@@ -342,7 +343,7 @@ def _devices(
     name = f"devices-{end}"
     title = say(
         "{sensor} devices{under}: {counts}",
-        sensor=capital(say(table.sensor)),
+        sensor=capital(what_is_judged(table.sensor)),
         under=table.under,
         counts=table.counts,
     )

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from budget.errors import CallError
 from budget.language import Note, key_title, say, term, words
+from budget.names import IMU
 from budget.report.blocks import Cell, Field, table_of
 from budget.report.tables import (
     AT_LEAST,
@@ -89,7 +90,7 @@ class Ranking:
     @property
     def subject(self) -> str:
         """'Gyro', or 'Gyro, Zhao 2019' where there are several procedures."""
-        return f"{capital(say(self.sensor))}{self.under}"
+        return f"{capital(what_is_judged(self.sensor))}{self.under}"
 
     @property
     def best(self) -> Row | None:
@@ -122,6 +123,11 @@ class SideRow:
 
     device: str
     cells: tuple[str, ...]
+
+
+def what_is_judged(sensor: str) -> str:
+    """Name a triad, both together, or the mission."""
+    return say("gyro and accelerometer") if sensor == IMU else say(sensor)
 
 
 def rankings(
@@ -467,7 +473,9 @@ def ranking_table(devices: Ranking, name: str) -> Table:
         devices.rows,
         _named_after(RANKING, (row.of.conformance for row in devices.rows)),
         name=name,
-        caption=say("Ranking of the {sensor} devices", sensor=say(devices.sensor)),
+        caption=say(
+            "Ranking of the {sensor} devices", sensor=what_is_judged(devices.sensor)
+        ),
         is_wide=True,
         searchable=len(devices.rows) >= LONG,
     )
@@ -675,7 +683,7 @@ def procedures_table(
         name=f"procedures-{sensor}",
         caption=say(
             "{sensor} devices by procedure: % of the limit and verdict",
-            sensor=say(sensor),
+            sensor=what_is_judged(sensor),
         ),
         is_wide=True,
         searchable=len(rows) >= LONG,
@@ -737,7 +745,11 @@ def missing_table(effects: Sequence[MissingEffect], *, head: str = "") -> Table:
     return table_of(
         effects,
         (
-            Field(head=say("sensor"), weight=0.7, cell=lambda row: say(row.sensor)),
+            Field(
+                head=say("sensor"),
+                weight=0.7,
+                cell=lambda row: what_is_judged(row.sensor),
+            ),
             Field(
                 head=say("devices"),
                 weight=1.5,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from budget.language import counted, say, term, words
 from budget.names import IMU, MISSION
-from budget.report.comparison.tables import MissingEffect
+from budget.report.comparison.tables import MissingEffect, what_is_judged
 from budget.report.readings import verdict_line
 from budget.report.tables import print_count, print_coverage, source_title
 from budget.report.wording import (
@@ -37,7 +37,7 @@ def headline(comparison: Comparison) -> str:
     if comparison.not_compared:  # 'MET' alone would speak for what nobody judged
         verdict += say(
             " for the {required}",
-            required=say(" and the ").join(map(say, comparison.required)),
+            required=say(" and the ").join(map(what_is_judged, comparison.required)),
         )
     return say(
         "{verdict}: {requirement}{mode_remark}",
@@ -97,7 +97,7 @@ def answer(comparison: Comparison) -> str:
         if _on_conditions(comparison)
         else "The {required} {has} device that meets; the limits for "
         "the {left} are not judged: {reasons}.",
-        required=say(" and the ").join(map(say, comparison.required)),
+        required=say(" and the ").join(map(what_is_judged, comparison.required)),
         has=has,
         left=say(" and the ").join(map(words, left)),
         reasons=say(", ").join(dict.fromkeys(map(_why_not_compared, left))),
@@ -165,7 +165,7 @@ def verdict_lines(found: Sequence[Ranking]) -> tuple[str, ...]:
         lines.append(
             say(
                 "{sensor}{under}: {said} ({counts})",
-                sensor=say(table.sensor),
+                sensor=what_is_judged(table.sensor),
                 under=table.under,
                 said=said,
                 counts=table.counts,
@@ -176,7 +176,7 @@ def verdict_lines(found: Sequence[Ranking]) -> tuple[str, ...]:
             lines.append(
                 say(
                     "{sensor}{under}, by predicted lines: {device} {doubt_sentence}",
-                    sensor=say(table.sensor),
+                    sensor=what_is_judged(table.sensor),
                     under=table.under,
                     device=likely.device,
                     doubt_sentence=doubt_sentence(likely.of.doubt, of=table.sensor),
@@ -195,7 +195,7 @@ def nothing_known_line(table: Ranking) -> str:
         "{sensor} is given, so nothing is computed and the verdict "
         "is undecidable",
         names=names,
-        sensor=say(table.sensor),
+        sensor=what_is_judged(table.sensor),
     )
 
 
@@ -204,7 +204,7 @@ def not_compared_lines(comparison: Comparison) -> tuple[str, ...]:
     return tuple(
         say(
             "{sensor}: limits not judged, {why_not_compared}",
-            sensor=words(sensor),
+            sensor=what_is_judged(sensor),
             why_not_compared=_why_not_compared(sensor),
         )
         for sensor in comparison.not_compared
@@ -214,7 +214,7 @@ def not_compared_lines(comparison: Comparison) -> tuple[str, ...]:
 def _why_not_compared(sensor: str) -> str:
     """Say why limits are judged for no device."""
     if sensor == IMU:
-        return say("sensors are taken one by one")
+        return say("no device here has both triads and their angles estimated")
     if sensor == MISSION:
         return say("no device here has gyro and accelerometer")
     return say("no device here has one")
@@ -237,7 +237,7 @@ def undecidable_lines(comparison: Comparison) -> Iterator[str]:
                     "{number} {sensor} devices would meet, but lack lines that "
                     "a verdict needs: undecidable",
                     number=len(names),
-                    sensor=say(sensor),
+                    sensor=what_is_judged(sensor),
                 )
             )
 
@@ -253,12 +253,15 @@ def rests_on_others_lines(comparison: Comparison) -> Iterator[str]:
         }
         if names:
             verb = (
-                say("the verdict on 1 {sensor} device rests", sensor=say(sensor))
+                say(
+                    "the verdict on 1 {sensor} device rests",
+                    sensor=what_is_judged(sensor),
+                )
                 if len(names) == 1
                 else say(
                     "the verdicts on {names} {sensor} devices rest",
                     names=len(names),
-                    sensor=say(sensor),
+                    sensor=what_is_judged(sensor),
                 )
             )
             yield say(
@@ -276,7 +279,7 @@ def reading_lines(comparison: Comparison) -> Iterator[str]:
             under = say(", {procedure}", procedure=one.procedure) if several else ""
             yield say(
                 "the {sensor} of {name}{under} {verdict_line}",
-                sensor=say(one.sensor),
+                sensor=what_is_judged(one.sensor),
                 name=one.name,
                 under=under,
                 verdict_line=verdict_line(one.readings),
@@ -411,7 +414,11 @@ def advice_lines(comparison: Comparison) -> tuple[str, ...]:
     for one in comparison.devices:
         if one.advice:
             names.setdefault(one.advice, []).append(
-                say("{name} ({sensor})", name=one.name, sensor=say(one.sensor))
+                say(
+                    "{name} ({sensor})",
+                    name=one.name,
+                    sensor=what_is_judged(one.sensor),
+                )
             )
     return tuple(
         say(

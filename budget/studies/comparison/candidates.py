@@ -35,8 +35,9 @@ GROWTH = 4.0  # of a variance, from one try of a bracket to the next [1]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Candidate:
-    """What is judged: one triad of a device under a procedure, or both on a mission.
+    """What is judged: one triad of a device under a procedure, or both together.
 
+    By what belongs to both, of which alone the requirement then is, or on a mission.
     Its Problem is made where it is judged and not kept: there may be thousands.
     """
 
@@ -53,8 +54,10 @@ class Candidate:
 
     @property
     def owner(self) -> str:
-        """Owner of the outputs: the triad, or the mission."""
-        return self.sensors[0].kind if self.mission is None else MISSION
+        """Owner of the outputs: the triad, what belongs to both, or the mission."""
+        if self.mission is not None:
+            return MISSION
+        return IMU if len(self.sensors) > 1 else self.sensors[0].kind
 
     @property
     def has_lines(self) -> bool:
@@ -66,10 +69,10 @@ class Candidate:
         """Whether anything is required of what is estimated of it."""
         if self.mission is not None:
             return MISSION in self.requirement.kinds
-        (sensor,) = self.sensors
-        if is_beside(self.procedure) and sensor.kind == GYRO and sensor.beside is None:
+        first = self.sensors[0]
+        if is_beside(self.procedure) and first.kind == GYRO and first.beside is None:
             return False  # a gyro is found beside accelerometers
-        names = known_outputs((sensor.kind,), self.procedure)
+        names = known_outputs([one.kind for one in self.sensors], self.procedure)
         return any(limit.output in names for limit in self.requirement.limits)
 
     @property
@@ -101,8 +104,7 @@ class Candidate:
         problem = required_problem(
             self.sensors, self.procedure, self.requirement, self.mission
         )
-        apart = IMU if self.mission is None else ""
-        held = limit_problem(problem, self.requirement, apart=apart)
+        held = limit_problem(problem, self.requirement)
         if held is None:
             raise CallError(
                 f"{self.requirement.name} limits nothing of the {self.owner}; "

@@ -12,7 +12,7 @@ from budget.language import note
 from budget.methods.execution import local_executor
 from budget.model.sources import ENVIRONMENT, SENSORS
 from budget.model.sources.later import AGE
-from budget.names import IMU, MISSION
+from budget.names import IMU, MISSION, by_group
 from budget.results import Settings, input_file, named_files
 from budget.spec import load_calibration, load_devices, load_mission, load_requirement
 from budget.spec.load import several
@@ -38,7 +38,6 @@ from budget.studies.request import (
     needs_test,
     not_calibrated,
     not_estimated,
-    not_of_one_sensor,
     not_weighted,
 )
 from budget.studies.verdicts import unjudged
@@ -90,6 +89,8 @@ def compare(
     progress: Progress | None = None,
 ) -> Comparison:
     """Judge every sensor of every device under every procedure, and rank them.
+
+    What belongs to both triads of a device is judged with both.
 
     Parameters
     ----------
@@ -147,6 +148,8 @@ def compare(
     wanted = load_requirement(requirement)
     journey = None if mission is None else load_mission(mission)
     mission_for(wanted, journey)
+    of_both = tuple(one for one in wanted.limits if one.output.owner == IMU)
+    shared = replace(wanted, limits=of_both)
     tests = tuple(
         load_calibration(
             calibration,
@@ -182,7 +185,7 @@ def compare(
                 given=given,
                 sensors=sensors,
                 procedure=procedure,
-                requirement=wanted,
+                requirement=shared if on is None and len(sensors) > 1 else wanted,
                 mission=on,
                 filling=filled[1],
                 catalogue=None if catalogue is None else tuple(catalogue),
@@ -200,6 +203,7 @@ def compare(
         for one in candidates
     }
     reasons = tuple(dict.fromkeys(text for some in refused.values() for text in some))
+    not_compared = _not_compared(imus, wanted, [one.owner for one in candidates])
     tested = [one for one in candidates if not refused[id(one)]]
     if reasons and (strict or not tested):
         raise CallError("\n".join(reasons))
@@ -256,14 +260,14 @@ def compare(
             normals_per_trial=max((finding.normals for finding in findings), default=0),
         ),
         caps=wanted.caps,
-        not_compared=_not_compared(imus, wanted),
+        not_compared=not_compared,
         devices=ranked,
         nothing_known=tuple(
             _entrant(one, unjudged(one.case)) for one in candidates if not one.has_lines
         ),
         untested=tuple(untested),
-        imus=rank_imus(ranked),
-        pairs=pair_up(ranked) if pairs else (),
+        imus=rank_imus(ranked, is_shared=bool(of_both)),
+        pairs=pair_up(ranked, is_shared=bool(of_both)) if pairs else (),
         assumptions=(() if journey is None else journey.assumptions)
         + tuple(
             note(
@@ -305,9 +309,9 @@ def compare(
                     *not_estimated(imus, procedure, wanted),
                 )
             ),
-            *not_of_one_sensor(wanted),
+            *_not_of_both(imus, shared, pairs=pairs),
             *reasons,
-            *_warnings(imus, wanted, judged, findings),
+            *_warnings(imus, wanted, judged, findings, not_compared),
         ),
     )
 
@@ -315,14 +319,14 @@ def compare(
 def _subjects(
     given: Device, filled: Device, mission: Mission | None
 ) -> Iterator[tuple[tuple[Sensor, ...], tuple[Sensor, ...]]]:
-    """Yield what is judged of a device: each triad, or both on a mission.
+    """Yield what is judged of a device: each triad and both, or both on a mission.
 
     As the file gives them, and with what stands for lines that are not given.
     """
     if mission is None:
         for one, sensor in zip(given.sensors, filled.sensors, strict=True):
             yield (one,), (sensor,)
-    elif len(filled.sensors) == len(SENSORS):
+    if len(filled.sensors) == len(SENSORS):
         yield given.sensors, filled.sensors
 
 
@@ -417,6 +421,7 @@ def _warnings(
     requirement: Requirement,
     candidates: Sequence[Candidate],
     findings: Sequence[JudgedCandidate],
+    not_compared: Sequence[str],
 ) -> tuple[str, ...]:
     """Name what a reader could misread."""
     found = []
@@ -441,7 +446,7 @@ def _warnings(
             "has: its limits are not judged",
             kind=note(kind),
         )
-        for kind in _not_compared(devices, requirement)
+        for kind in not_compared
         if kind not in {IMU, MISSION}
     ]
     if MISSION in requirement.kinds:
@@ -487,11 +492,29 @@ def _warnings(
     return tuple(found)
 
 
+def _not_of_both(
+    devices: Sequence[Device], shared: Requirement, *, pairs: bool
+) -> Iterator[str]:
+    """Say once of what limits on both triads together are not judged."""
+    if pairs or any(len(device.sensors) < len(SENSORS) for device in devices):
+        for parameters in by_group(shared.outputs):
+            yield note(
+                "the limit on {parameters} is on gyro and accelerometer together: it "
+                "is judged of a device that has both, not of one sensor, nor of "
+                "sensors of two devices, which budget analyze judges",
+                parameters=parameters,
+            )
+
+
 def _not_compared(
-    devices: Sequence[Device], requirement: Requirement
+    devices: Sequence[Device], requirement: Requirement, owners: Sequence[str]
 ) -> tuple[str, ...]:
-    """Return the sensors that have limits, and that no device has."""
-    return tuple(kind for kind in requirement.kinds if kind not in _present(devices))
+    """Return the sensors that have limits, and that no device has.
+
+    So of what belongs to both, where none of the `owners` of what is judged is that.
+    """
+    there = _present(devices) | ({IMU} & {*owners})
+    return tuple(kind for kind in requirement.kinds if kind not in there)
 
 
 def _present(devices: Sequence[Device]) -> set[str]:

@@ -144,7 +144,7 @@ def _judge(task: tuple[Candidate, None], *, judging: Judging) -> JudgedCandidate
     if prediction is not None and not missing:
         doubt = doubt_of(prediction, held, law, judged)
     readings = None
-    if prediction is None and one.mission is None:
+    if prediction is None and len(one.sensors) == 1:
         by_law = judging.method == "gum" and not judging.validate
         is_usual = (judging.trials, judging.max_trials) == (TRIALS, MAX_TRIALS)
         readings = verdicts_by_reading(

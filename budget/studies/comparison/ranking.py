@@ -7,7 +7,8 @@ from math import prod
 from typing import TYPE_CHECKING
 
 from budget.methods.largest import joined, probability_smaller
-from budget.model.sources import SENSORS
+from budget.model.sources import ACCELEROMETER, GYRO, SENSORS
+from budget.names import IMU
 from budget.results import VERDICTS
 from budget.studies.comparison.records import DeviceVerdict, Lead, Pair
 from budget.studies.figures_of_merit import MERITS, front, read_amount
@@ -88,26 +89,34 @@ def _ahead(row: DeviceVerdict, following: DeviceVerdict | None) -> Lead | None:
     )
 
 
-def _both(gyro: DeviceVerdict, other: DeviceVerdict) -> float | None:
-    """Return the probability that both meet; None where nothing is predicted.
+def _all(parts: Sequence[DeviceVerdict]) -> float | None:
+    """Return the probability that all parts meet; None where nothing is predicted.
 
     As if their missing lines were independent: of one device they go together, and
     then it is more.
     """
-    doubts = [one.doubt for one in (gyro, other) if one.doubt is not None]
-    if not doubts or gravest((gyro.verdict, other.verdict)) != PREDICTED:
+    doubts = [one.doubt for one in parts if one.doubt is not None]
+    if not doubts or gravest(one.verdict for one in parts) != PREDICTED:
         return None
     return prod(doubt.probability for doubt in doubts)
 
 
-def pair_up(rows: Sequence[DeviceVerdict]) -> tuple[Pair, ...]:
-    """Pair every gyro with every accelerometer of the same procedure, best first."""
+def pair_up(rows: Sequence[DeviceVerdict], *, is_shared: bool) -> tuple[Pair, ...]:
+    """Pair every gyro with every accelerometer of the same procedure, best first.
+
+    Where limits `is_shared` by both nobody knows whether those of two devices meet.
+    """
+    whole = {(row.procedure, row.place): row for row in rows if row.sensor == IMU}
     found = [
-        _pair(gyro, other)
+        _pair(
+            (gyro, other, *([shared] if gyro.place == other.place and shared else [])),
+            is_shared=is_shared,
+        )
         for gyro in rows
-        if gyro.sensor == "gyro"
+        if gyro.sensor == GYRO
+        for shared in [whole.get((gyro.procedure, gyro.place))]
         for other in rows
-        if other.sensor == "accelerometer" and other.procedure == gyro.procedure
+        if other.sensor == ACCELEROMETER and other.procedure == gyro.procedure
     ]
     found.sort(
         key=lambda p: (
@@ -120,21 +129,22 @@ def pair_up(rows: Sequence[DeviceVerdict]) -> tuple[Pair, ...]:
     return tuple(found)
 
 
-def rank_imus(rows: Sequence[DeviceVerdict]) -> tuple[Pair, ...]:
+def rank_imus(rows: Sequence[DeviceVerdict], *, is_shared: bool) -> tuple[Pair, ...]:
     """Rank the devices of which both sensors are judged, under each procedure.
 
-    As `rank` does, with the graver verdict, the missing lines of both and the larger
-    utilisation; so sure as the largest of the outputs of both tells them apart.
+    As `rank` does, with the gravest verdict of both and, where limits `is_shared`, of
+    what belongs to both, the missing lines of all and the largest utilisation; so sure
+    as the largest of the outputs of all tells them apart.
     """
     both: dict[tuple[str, int], dict[str, DeviceVerdict]] = {}
     for row in rows:
-        if row.sensor in SENSORS:
+        if row.sensor in {*SENSORS, IMU}:
             both.setdefault((row.procedure, row.place), {})[row.sensor] = row
     lists: dict[str, list[_Imu]] = {}
     for (procedure, _), parts in both.items():
-        if len(parts) > 1:
-            gyro, other = parts["gyro"], parts["accelerometer"]
-            one = _Imu(pair=_pair(gyro, other), parts=(gyro, other))
+        if IMU in parts or len(parts) > 1:
+            own = [parts[kind] for kind in (*SENSORS, IMU) if kind in parts]
+            one = _Imu(pair=_pair(own, is_shared=is_shared), parts=tuple(own))
             lists.setdefault(procedure, []).append(one)
     ranked: list[Pair] = []
     for found in lists.values():
@@ -146,10 +156,10 @@ def rank_imus(rows: Sequence[DeviceVerdict]) -> tuple[Pair, ...]:
 
 @dataclass(frozen=True, kw_only=True)
 class _Imu:
-    """Both sensors of one device."""
+    """Both sensors of one device, and what belongs to both."""
 
     pair: Pair
-    parts: tuple[DeviceVerdict, DeviceVerdict]
+    parts: tuple[DeviceVerdict, ...]
 
     @property
     def place(self) -> tuple[int, float, float, float]:
@@ -160,7 +170,7 @@ class _Imu:
 
     @property
     def ends(self) -> Ends:
-        """The ends of both, moved by the same trials."""
+        """The ends of all, moved by the same trials."""
         return joined([one.closer.ends for one in self.parts])
 
     def lead(self, following: _Imu | None) -> Lead | None:
@@ -176,23 +186,31 @@ class _Imu:
         )
 
 
-def _pair(gyro: DeviceVerdict, other: DeviceVerdict) -> Pair:
-    """Put a gyro and an accelerometer together."""
-    worst = max(gyro, other, key=lambda one: settle(one.utilisation))
-    verdict = gravest((gyro.verdict, other.verdict))
-    both, needed = together((gyro.judged, other.judged)), gyro.judged.together
-    if needed is not None and both.value < needed:
-        verdict = FAILS
+def _pair(parts: Sequence[DeviceVerdict], *, is_shared: bool) -> Pair:
+    """Put a gyro and an accelerometer together, and what belongs to both."""
+    worst = max(parts, key=lambda one: settle(one.utilisation))
+    standing = parts[0].standing
+    for one in parts[1:]:
+        verdict = gravest((standing.verdict, one.verdict))
+        standing = standing.beside(one.standing, verdict=verdict)
+    if is_shared and not any(one.sensor == IMU for one in parts):
+        verdict = gravest((standing.verdict, UNDECIDABLE))
+        standing = replace(standing, verdict=verdict)
+    all_of, needed = together([x.judged for x in parts]), parts[0].judged.together
+    at_medians = any(one.at_medians for one in parts)
+    if needed is not None and all_of.value < needed and not at_medians:
+        standing = replace(standing, verdict=FAILS)
+    names = {one.sensor: one.name for one in parts}
     return Pair(
-        gyro=gyro.name,
-        accelerometer=other.name,
-        procedure=gyro.procedure,
-        standing=gyro.standing.beside(other.standing, verdict=verdict),
-        probability=_both(gyro, other),
-        at_medians=gyro.at_medians or other.at_medians,
-        lower_bound=gyro.lower_bound or other.lower_bound,
-        utilisation=max(gyro.utilisation, other.utilisation),
+        gyro=names.get(GYRO, parts[0].name),
+        accelerometer=names.get(ACCELEROMETER, parts[0].name),
+        procedure=parts[0].procedure,
+        standing=standing,
+        probability=_all(parts),
+        at_medians=at_medians,
+        lower_bound=any(one.lower_bound for one in parts),
+        utilisation=worst.utilisation,
         worst_outputs=worst.worst_outputs,
         limiting_source=worst.remedy.source,
-        conformance=both,
+        conformance=all_of,
     )
