@@ -29,7 +29,7 @@ from budget.report.tables import (
     source_title,
     used_part,
 )
-from budget.report.wording import capital, parted
+from budget.report.wording import capital, deciding_lines, parted
 from budget.results import VERDICTS
 from budget.studies.comparison.records import rank_number, ranks
 from budget.studies.figures_of_merit import read_amount
@@ -635,6 +635,11 @@ def imus_table(imus: Sequence[tuple[Pair, str]]) -> Table:
             cell=lambda one: source_title(
                 one[0].limiting_source, of=one[0].worst_outputs[0].owner
             ),
+        ),
+        Field(
+            head=say("stands on"),
+            weight=2.5,
+            cell=lambda one: say("; ").join(deciding_lines(one[0].standing)),
         ),
     )
     return table_of(

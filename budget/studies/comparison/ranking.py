@@ -200,6 +200,8 @@ def _pair(parts: Sequence[DeviceVerdict], *, is_shared: bool) -> Pair:
     at_medians = any(one.at_medians for one in parts)
     if needed is not None and all_of.value < needed and not at_medians:
         standing = replace(standing, verdict=FAILS)
+    if standing.verdict == FAILS:  # nothing to ask for could mend it
+        standing = replace(standing, conditions=())
     names = {one.sensor: one.name for one in parts}
     return Pair(
         gyro=names.get(GYRO, parts[0].name),

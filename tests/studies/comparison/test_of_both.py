@@ -64,10 +64,11 @@ def test_it_says_what_the_budget_says(device, limit, more, verdict, decision):
     assert said_of(found.devices) == said_of(told.sensors)
     assert (whole.verdict, told.verdict) == (verdict, verdict)
     assert_allclose(whole.conformance.value, told.conformance.value, rtol=1e-12)
-    asked = [one.standing.asks for one in told.sensors]
+    asked = [one.standing.asks for one in told.sensors if verdict == "undecidable"]
     assert [str(one.text) for one in whole.standing.asks] == [
         str(one.text) for one in chain(*asked)
     ]
+    assert bool(whole.standing.asks) == (verdict == "undecidable")
     assert found.not_compared == ()
 
 
@@ -112,3 +113,20 @@ def test_sensors_of_two_devices_do_not_meet_what_nobody_judged():
         assert {
             (pair.gyro == pair.accelerometer, pair.verdict) for pair in found.pairs
         } == {*verdicts.items()}
+
+
+def test_every_row_of_the_catalogue_has_conditions_or_an_ask():
+    """Under the requirements that ship and one on both; what fails asks for nothing."""
+    more = {"gyro": {"bias": "20 deg/h"}, "accelerometer": {"bias": "10 mg"}}
+    for wanted in (
+        "catalogue-edge",
+        "navigation-grade",
+        "tactical-grade",
+        need("60 arcsec", more),
+    ):
+        found = compare(budget.load_catalogue(), wanted, method="gum")
+        rows = [one.standing for one in (*found.entrants, *found.imus)]
+        assert len(rows) > 100
+        for one in rows:
+            assert bool(one.asks) == (one.verdict == "undecidable")
+            assert bool(one.conditions) == (one.verdict in {"undecidable", "meets_if"})
