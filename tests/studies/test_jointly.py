@@ -14,7 +14,10 @@ from scipy.stats import norm
 
 import budget
 from budget.methods.largest import sampling_interval
+from budget.studies.allocation.allocate import allocate
+from budget.studies.comparison.compare import compare
 from budget.studies.jointly import (
+    NORMAL_TRIALS,
     POINTS,
     Components,
     Jointly,
@@ -252,3 +255,34 @@ def test_lengths_are_the_last_rows_of_a_law():
     assert found.pairs.tolist() == [[1, 2]]
     assert_allclose(found.mean, [0.5, 0.1, 0.3], rtol=1e-12)
     assert_allclose(np.diag(found.covariance), [1.0, 0.04, 0.36], rtol=1e-12)
+
+
+TOGETHER = {
+    "name": "together",
+    "decision": "joint",
+    "reference": "next_turn_on",
+    "environment": "none",
+    "limits": {"gyro": {"bias": "0.35 deg/h", "scale_factor": "300 ppm"}},
+}
+
+
+def test_the_fast_screen_is_of_the_same_number():
+    """Draws of the normal law and trials of the model, both about one quantile."""
+    used = {}
+    for method in ("gum", "monte-carlo"):
+        (row,) = compare(["zhao-2019"], TOGETHER, method=method).devices
+        used[method] = row.utilisation
+        low, high = row.utilisation_interval
+        assert low < row.utilisation < high
+        assert row.verdict == "meets"
+    # Four standard errors of one output alone, from so many draws and trials.
+    error = PLAIN * sqrt(POINTS / NORMAL_TRIALS + POINTS / TRIALS)
+    assert_allclose(used["gum"], used["monte-carlo"], rtol=4.0 * error)
+
+
+def test_an_allocation_keeps_limits_together():
+    """At its limits it is not said to fail; by a factor of each alone it was."""
+    found = allocate("zhao-2019", requirement=TOGETHER)
+    ((owner, standing),) = found.standings
+    assert owner == "gyro"
+    assert standing.verdict in {"meets", "undecided"}
