@@ -133,6 +133,7 @@ SHEET: dict[str, Any] = {
             "scale_factor_repeatability": "100 ppm",
             "mounting_repeatability": "10 arcsec",
             "bias_temperature_coefficient": "0.3 deg/h/degC",
+            "scale_factor_temperature_coefficient": "1e-6 ppm/degC",
         }
     },
     "accelerometer": {
@@ -142,6 +143,8 @@ SHEET: dict[str, Any] = {
             "velocity_random_walk": "0.05 m/s/sqrt(h)",
             "scale_factor_repeatability": "300 ppm",
             "mounting_repeatability": "10 arcsec",
+            "bias_temperature_coefficient": "1e-3 ug/degC",
+            "scale_factor_temperature_coefficient": "1e-6 ppm/degC",
         }
     },
 }
@@ -231,7 +234,10 @@ class TestOfOneNumber:
         assert off["joint"] < SAMPLED < off["each"]
 
     def test_at_the_bound_of_a_temperature_the_limits_are_kept_with_p(self, length):
-        """The same of a use that nobody has stated."""
+        """The same of a use that nobody has stated; all its coefficients are given.
+
+        What is not given is at its ceiling in the bound, and 0 in what is put back.
+        """
         found = judged(2.0 * length, environment=None)
         (bound, *_) = (
             one.below / one.si_per_unit
