@@ -519,7 +519,7 @@ def read_procedure(document: Document, station: Document | None = None) -> Proce
         node = document.root.nearest(("environment",))
         message = f"stands beside that of {named}, which has one; remove one of them"
         raise all_of([document.issue(node, message, on_key=True)])
-    return with_use(at_station(procedure, there), use)
+    return at_station(with_use(procedure, use), there)
 
 
 def _idle(gyro: GyroTest) -> tuple[str, ...]:

@@ -12,7 +12,6 @@ import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import core_schema
 
-from budget.errors import CallError, UnitError
 from budget.language import note
 from budget.model.sources import ENVIRONMENT, STATION, lines_of, source_of
 from budget.model.sources.later import AGE
@@ -36,12 +35,14 @@ from budget.spec.use import (
     LINES,
     NONE,
     OPTION,
+    Age,
     OrPart,
     of_the_test,
+    read_age,
     read_environment,
+    refuse_two,
     with_use,
 )
-from budget.units import Quantity, parse_quantity
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -55,6 +56,7 @@ if TYPE_CHECKING:
     from budget.spec.records import Procedure
     from budget.spec.specification import ReadValue
     from budget.spec.tree import Document
+    from budget.units import Quantity
 
 IDEAL = note("station: not given, an ideal one assumed")
 LONGEST_NAME = 200  # of a file
@@ -367,13 +369,7 @@ def aged(procedure: Procedure, age: str, shown: str) -> Procedure:
             "remove one of them"
         )
         raise refuse(shown, message)
-    try:
-        time = parse_quantity(age, "s")
-    except UnitError as error:
-        raise CallError(f"age: {error}") from None
-    if time.value <= 0.0:
-        raise CallError(f"age: found {age!r}, expected a time that is positive")
-    return with_age(procedure, time, OPTION[AGE])
+    return with_use(procedure, [replace(read_age(age), source=OPTION[AGE])])
 
 
 def with_age(procedure: Procedure, age: Quantity, source: str = "") -> Procedure:
@@ -383,7 +379,25 @@ def with_age(procedure: Procedure, age: Quantity, source: str = "") -> Procedure
 
 
 def at_station(procedure: Procedure, station: Station) -> Procedure:
-    """Return a procedure at another station, whose environment counts if it has one."""
+    """Return a procedure at another station, whose environment counts if it has one.
+
+    Raises
+    ------
+    CallError
+        Both state a use, and different ones; an age of 0 gives way.
+    """
+    own = {line.name: line for line in procedure.environment if line.name in LINES}
+    for line in station.environment:
+        if line.name in own and (line.name != AGE or line.u.any()):
+            if line.name == AGE and not own[AGE].u.any():
+                del own[AGE]
+            else:
+                refuse_two(
+                    own[line.name],
+                    procedure.origin.file,
+                    line,
+                    station.origin.file,
+                )
     left = tuple(text for text in procedure.assumptions if text != IDEAL)
     return replace(
         procedure,
@@ -397,7 +411,7 @@ def at_station(procedure: Procedure, station: Station) -> Procedure:
                         or of_the_test(procedure.environment)
                     ),
                     *(x for x in station.environment if x.name in LINES),
-                    *(x for x in procedure.environment if x.name in LINES),
+                    *own.values(),
                 )
             }.values()
         ),
@@ -439,7 +453,9 @@ def _mapping(
             fields[key] = Annotated[level, OrPart(key=MISSION)] if is_stated else level
         else:
             source: Source = branch
-            fields[key], meanings[key] = value_type(source, owner), source.model
+            is_age = source.name == AGE
+            fields[key] = Age if is_age else value_type(source, owner)
+            meanings[key] = source.model
             if source.time:
                 fields[source.time] = Time
                 meanings[source.time] = f"of {key}"

@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 from pydantic_core import core_schema
 
 from budget.errors import CallError, UnitError
@@ -22,6 +22,7 @@ from budget.model.sources.later import AGE, MISSION_TEMPERATURE, MISSION_VIBRATI
 from budget.names import MISSION, Name
 from budget.spec.fields import fault, mapping_of
 from budget.spec.specification import read_value, value_type
+from budget.spec.tree import describe
 from budget.units import Quantity, parse_quantity
 
 if TYPE_CHECKING:
@@ -62,14 +63,14 @@ class OrPart:
     def read(self, value: object) -> object:
         """Return the mapping that a value means."""
         whole = dict(self.words)
-        if isinstance(value, str) and value in whole:
-            return dict(whole[value])
+        if isinstance(value, str) and value.strip().casefold() in whole:
+            return dict(whole[value.strip().casefold()])
         if self.key and isinstance(value, str | int | float):
             return {self.key: value}
         if whole and not isinstance(value, dict):
             allowed = " or ".join(whole)
             raise fault(
-                f"found {value!r}, expected {allowed}, or a mapping such as "
+                f"found {describe(value)}, expected {allowed}, or a mapping such as "
                 "{temperature: 20 degC, vibration: 1 g}"
             )
         return value
@@ -110,7 +111,14 @@ ENVIRONMENT_FIELD: Any = Field(
 AGE_FIELD: Any = Field(
     default=None, description="time from the calibration to the use; unset: not stated"
 )
-Age: Any = _VALUES["age"]
+
+
+def _zero(value: object) -> object:
+    """Return 0 s for a 0 without a unit: of a time it is clear."""
+    return STATED[AGE][1] if str(value).strip() == "0" else value
+
+
+Age: Any = Annotated[_VALUES[AGE], BeforeValidator(_zero)]
 
 
 def stated_lines(environment: object, age: object) -> tuple[ErrorLine, ...]:
@@ -146,7 +154,7 @@ def read_environment(text: str) -> tuple[ErrorLine, ...]:
     CallError
         It says neither.
     """
-    if text.strip() == NONE:
+    if text.strip().casefold() == NONE:
         return stated_lines(
             _Stated(**{key: _of(key, zero) for key, zero in _NONE}), None
         )
@@ -155,8 +163,9 @@ def read_environment(text: str) -> tuple[ErrorLine, ...]:
         key, _, value = part.strip().replace("=", " ").replace(":", " ").partition(" ")
         if key not in dict(_NONE) or key in found:
             raise CallError(
-                f"environment: found {part.strip()!r}, expected none, or temperature "
-                "and vibration, each once: 'temperature 20 degC, vibration 1 g'"
+                f"environment: found {part.strip()!r}{' again' if key in found else ''}"
+                f" in {text!r}, expected the one word none, or temperature and "
+                "vibration, each once at the most: 'temperature 20 degC, vibration 1 g'"
             )
         found[key] = _of(key, value.strip())
     return tuple(_line(key, value) for key, value in found.items())
@@ -170,11 +179,16 @@ class _Stated:
     vibration: Quantity | None = None
 
 
+def read_age(text: str) -> ErrorLine:
+    """Read the age that a call states, '1 year' or 0; CallError: it is none."""
+    return _line(AGE, _of(AGE, text))
+
+
 def _of(key: str, text: str) -> Quantity:
     """Read one quantity of a call, which is not negative."""
     like = source_of(ENVIRONMENT, STATED[key][0]).like(ENVIRONMENT)
     try:
-        found = parse_quantity(text, like)
+        found = parse_quantity(str(_zero(text)) if key == AGE else text, like)
     except UnitError as error:
         raise CallError(f"{key}: {error}") from None
     if found.value < 0.0:
@@ -232,23 +246,33 @@ def in_use(
     for file in (requirement, mission):
         for line in () if file is None else file.use:
             other, where = stated.get(line.name, (line, ""))
-            gives_way = line.name == AGE and not other.u.any()
+            is_asked = other.source == OPTION[AGE]
+            gives_way = line.name == AGE and not other.u.any() and not is_asked
             if line.name == AGE and line.name in stated and not line.u.any():
                 continue
             if other.source in OPTION.values() and not gives_way:
                 continue
             if gives_way:
                 other = line
-            if other.u[0] != line.u[0]:
-                key = next(key for key, (own, _) in STATED.items() if own == line.name)
-                raise CallError(
-                    f"{key} is {other.printed} in {where} and {line.printed} in "
-                    f"{file.origin.file if file else ''}; state it once, or with "
-                    f"{OPTION.get(key, OPTION['environment'])}"
-                )
+            refuse_two(other, where, line, file.origin.file if file else "")
             stated[line.name] = line, file.origin.file if file else ""
             new[line.name] = line
     return with_use(procedure, new.values())
+
+
+def refuse_two(one: ErrorLine, where: str, other: ErrorLine, there: str) -> None:
+    """Refuse two files that state different ones.
+
+    Raises
+    ------
+    CallError
+    """
+    if one.u[0] != other.u[0]:
+        key = next(key for key, (own, _) in STATED.items() if own == one.name)
+        raise CallError(
+            f"{key} is {one.printed} in {where} and {other.printed} in {there}; state "
+            f"it once, or with {OPTION.get(key, OPTION['environment'])}"
+        )
 
 
 def of_the_test(lines: Iterable[ErrorLine]) -> tuple[ErrorLine, ...]:

@@ -7,6 +7,7 @@ import json
 import pytest
 from command_line import call
 from numpy.testing import assert_allclose
+from saying import assert_says
 
 import budget
 from budget.errors import CallError, SpecError
@@ -359,3 +360,103 @@ def test_conditions_stand_right_below_the_headline(files):
     below = next(n for n, line in enumerate(lines) if "does not say what" in line)
     table = next(n for n, line in enumerate(lines) if "limit" in line and n > below)
     assert top < below <= top + 2 < table
+
+
+@pytest.mark.parametrize("age", ["0", "0 s", "0 year"])
+def test_an_age_of_0_is_clear_with_or_without_its_unit(files, tmp_path, age):
+    """On a call and in a file; both say that the unit is used right after its test."""
+    path = tmp_path / "aged.yaml"
+    path.write_text(files["anywhere"].read_text("utf-8") + f"age: {age}\n", "utf-8")
+    told = [
+        document("analyze", "zhao-2019", "--requirement", *more, *LAW)
+        for more in ((files["anywhere"], "--age", age), (path,))
+    ]
+    for one in told:
+        (sensor, *_) = one["assessment"]["sensors"]
+        assert "in the environment of its test" in sensor["use"]
+        assert not [c for c in sensor["conditions"] if c["kind"] == "age"]
+
+
+def test_an_age_of_0_on_a_call_goes_before_that_of_a_file(files, tmp_path):
+    """As any other age that a call states does."""
+    path = tmp_path / "old.yaml"
+    path.write_text(files["test"].read_text("utf-8") + "age: 1 year\n", "utf-8")
+    own, other = (
+        document("analyze", "zhao-2019", "--requirement", path, *more, *LAW)
+        for more in ((), ("--age", "0"))
+    )
+    uses = [one["assessment"]["sensors"][0]["use"] for one in (own, other)]
+    assert uses == ["1 year after the calibration", "in the environment of its test"]
+
+
+def test_no_environment_is_said_in_any_capitals(files, tmp_path):
+    """On a call and in a file."""
+    path = tmp_path / "none.yaml"
+    path.write_text(
+        files["anywhere"].read_text("utf-8") + "environment: NONE\n", "utf-8"
+    )
+    for more in ((files["anywhere"], "--environment", "None"), (path,)):
+        found = document("analyze", "zhao-2019", "--requirement", *more, *LAW)
+        use = found["assessment"]["sensors"][0]["use"]
+        assert use == "in the environment of its test"
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("none, none", "found 'none' in 'none, none'"),
+        ("temperature 1 degC, temperature 2 degC", "found 'temperature 2 degC' again"),
+        ("[a, b]", "found '[a' in '[a, b]'"),
+    ],
+)
+def test_an_environment_that_is_none_is_refused_by_what_is_allowed(files, text, found):
+    """What was found, and that the one word none, or each use once, will do."""
+    run = call(
+        *("analyze", "zhao-2019", "--requirement", files["anywhere"]),
+        *("--environment", text),
+    )
+    assert run.code == 2
+    assert_says(run.err, "expected the one word none, or temperature and vibration")
+    assert found in run.err
+
+
+def test_a_list_is_no_environment_of_a_file(files, tmp_path):
+    """It is told as a person wrote it."""
+    path = tmp_path / "list.yaml"
+    path.write_text(
+        files["anywhere"].read_text("utf-8") + "environment: [a, b]\n", "utf-8"
+    )
+    run = call("analyze", "zhao-2019", "--requirement", path)
+    assert run.code == 2
+    assert_says(run.err, "environment: found a list, expected none, or a mapping")
+
+
+USES = {
+    "age": ("age: {}\n", "environment: {{age: {}}}\n", "1 year", "2 year"),
+    "temperature": (
+        "environment: {{temperature: {}}}\n",
+        "environment: {{temperature: {}}}\n",
+        "10 degC",
+        "20 degC",
+    ),
+}
+STATION = "name: a hut\nstation: {}\n"
+
+
+@pytest.mark.parametrize("key", USES)
+@pytest.mark.parametrize("is_same", [False, True])
+def test_a_procedure_and_its_station_that_state_different_uses_are_refused(
+    tmp_path, key, is_same
+):
+    """Equal ones pass, as of a requirement and a mission."""
+    of_test, of_station, one, other = USES[key]
+    station = tmp_path / "hut.yaml"
+    size = one if is_same else other
+    station.write_text(STATION + of_station.format(size), encoding="utf-8")
+    test = tmp_path / "test.yaml"
+    test.write_text(f"name: a test\n{of_test.format(one)}", encoding="utf-8")
+    given = ("analyze", "zhao-2019", "--procedure", test, "--station", station, *LAW)
+    run = call(*given)
+    assert run.code == (0 if is_same else 2), run.err
+    if not is_same:
+        assert_says(run.err, f"{key} is {one} in", f"and {other} in")
