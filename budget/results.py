@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, field, replace
 from importlib import import_module
 from math import inf, isfinite, prod
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from budget.ties import first_largest, from_largest, settle
 from budget.units import parse_quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     import pandas as pd
@@ -267,6 +267,14 @@ class OutputBudget:
             standard_uncertainty=self.standard_uncertainty / scale,
             interval=(low / scale, high / scale),
         )
+
+    def lacking(self, lacks: tuple[Name, ...]) -> Self:
+        """Return it where these lines alone are not given and would widen it."""
+        contributions = (
+            replace(part, lower_bound=part.lower_bound and bool(lacks))
+            for part in self.contributions
+        )
+        return replace(self, lacks=lacks, contributions=tuple(contributions))
 
     @property
     def is_resolved(self) -> bool:
@@ -1170,6 +1178,29 @@ class Standing:
     use: str = ""
     mission: str = ""
     decision: str = ""  # by which rule limits are held
+    # Lines that are not given and, whatever they are, take next to nothing of a limit.
+    negligible: tuple[Name, ...] = ()
+
+    @property
+    def saturates(self) -> bool:
+        """Whether a mission asks for more than a sensor reads.
+
+        Its numbers are then those of one that reads enough.
+        """
+        return any(one.kind == "saturates" for one in self.cautions)
+
+    @property
+    def misses(self) -> bool:
+        """Whether it is up to a line that nothing stands for.
+
+        Its numbers are then that or more, and what is sure of it that or less.
+        """
+        is_open = any(one.ceiling is not None for one in self.conditions)
+        return is_open or self.verdict == "undecidable"
+
+    def matter(self, lacks: Iterable[Name]) -> tuple[Name, ...]:
+        """Return of lines that are not given those that its limits are open to."""
+        return tuple(name for name in lacks if name not in self.negligible)
 
     @property
     def asks(self) -> tuple[Condition, ...]:

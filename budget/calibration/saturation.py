@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.language import note
+from budget.language import in_a_row, note
 from budget.model.source import ACCELEROMETER, GYRO, SENSORS
 from budget.names import AXES, time_text
 from budget.navigation.route import Legs
@@ -70,11 +70,12 @@ class Peak:
 
 @dataclass(frozen=True, kw_only=True)
 class Saturation:
-    """An axis that is asked for more than it reads."""
+    """Axes of a triad that are asked for more than they read."""
 
     device: str
-    peak: Peak
-    range: float  # [rad/s or m/s^2]
+    peak: Peak  # of the axis that is furthest beyond
+    range: float  # of that [rad/s or m/s^2]
+    axes: tuple[str, ...]  # all of them
 
     @property
     def range_shown(self) -> str:
@@ -84,9 +85,14 @@ class Saturation:
     @property
     def said(self) -> Note:
         """The sentence on a mission."""
+        is_one = len(self.axes) == 1
         return note(
             "saturates: {sensor} {axis} of {device} reads up to {range}, {where} asks "
-            "{peak}",
+            "{peak}"
+            if is_one
+            else "saturates: {sensor} {axes} of {device}; {axis} reads up to {range}, "
+            "{where} asks {peak}",
+            **({} if is_one else {"axes": in_a_row(self.axes)}),
             sensor=note(self.peak.sensor),
             axis=self.peak.axis,
             device=self.device,
@@ -141,27 +147,35 @@ def peaks_of_mission(mission: Mission) -> tuple[Peak, ...]:
     )
 
 
-def beyond(sensor: Sensor, peaks: Sequence[Peak]) -> tuple[Saturation, ...]:
-    """Return the axes of a triad whose peaks are beyond its range.
+def beyond(sensor: Sensor, peaks: Sequence[Peak]) -> Saturation | None:
+    """Return the axes of a triad whose peaks are beyond its range; None: none is.
 
     By more than ROUNDED of it: as large as the range is within.
     """
     if sensor.range is None:
-        return ()
+        return None
     limits = dict(zip(AXES, sensor.range.tolist(), strict=True))
-    return tuple(
-        Saturation(device=sensor.device, peak=peak, range=limits[peak.axis])
+    found = [
+        peak
         for peak in peaks
         if peak.sensor == sensor.kind
         and peak.size > limits[peak.axis] * (1.0 + ROUNDED)
+    ]
+    if not found:
+        return None
+    furthest = max(found, key=lambda peak: peak.size / limits[peak.axis])
+    return Saturation(
+        device=sensor.device,
+        peak=furthest,
+        range=limits[furthest.axis],
+        axes=tuple(peak.axis for peak in found),
     )
 
 
 def saturations(sensors: Sequence[Sensor], mission: Mission) -> tuple[Saturation, ...]:
-    """Return the axes that a mission asks for more than they read."""
-    return tuple(
-        found for one in sensors for found in beyond(one, peaks_of_mission(mission))
-    )
+    """Return the triads that a mission asks for more than they read."""
+    found = (beyond(one, peaks_of_mission(mission)) for one in sensors)
+    return tuple(one for one in found if one is not None)
 
 
 def needed_range(sensors: Sequence[Sensor], mission: Mission) -> tuple[Peak, ...]:

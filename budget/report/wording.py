@@ -188,10 +188,17 @@ MODES = {
 }
 
 
+STAND_INS = {
+    "worst": term(", with missing lines at the worst of the catalogue"),
+    "typical": term(", with missing lines at the median of the catalogue"),
+    "predict": term(", with missing lines as predicted from the catalogue"),
+}
+
+
 def mode_remark(settings: Settings) -> str:
-    """Name the mode beside a headline: ' (missing lines: predict)'; '' to refuse."""
+    """Say beside a headline what stands for missing lines; '' where nothing does."""
     mode = settings.missing
-    return say(" (missing lines: {mode})", mode=mode) if mode in MODES else ""
+    return say(STAND_INS[mode]) if mode in STAND_INS else ""
 
 
 def mode_sentence(settings: Settings) -> str:
@@ -311,17 +318,18 @@ def outcome_words(assessment: Assessment, row: OutputAssessment) -> str:
     """Say on which side of its limit an output is, if anybody knows."""
     if row not in assessment.judged:
         return say(NOT_KNOWN)
-    word = assessment.outcome(row)
     if row in assessment.open_rows:
         return say("open: lines missing")
     if row.lower_bound and row.is_within:
         return say("conforms on conditions")
-    if any(
-        one.doubt and one.sensor == row.output.name.owner for one in assessment.sensors
-    ):
-        return say("{word} at the medians", word=say(word))
-    return (
-        say("{word}, by Monte Carlo", word=say(word))
-        if row.by_monte_carlo
-        else say(word)
-    )
+    word = say(assessment.outcome(row))
+    owner = row.output.name.owner
+    own = next((one for one in assessment.sensors if one.sensor == owner), None)
+    how = term("{word}, by Monte Carlo") if row.by_monte_carlo else term("{word}")
+    if own is not None and own.doubt:
+        how = term("{word} at the medians")
+    elif own is not None and row.is_within and own.standing.saturates:
+        how = term("{word}, if it read enough")
+    elif own is not None and row.is_within and own.verdict == "undecidable":
+        how = term("{word} on what is given")
+    return say(how, word=word)

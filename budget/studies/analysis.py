@@ -53,7 +53,7 @@ from budget.spec.records import UNCALIBRATED
 from budget.spec.use import in_use
 from budget.studies import blunders, cautions
 from budget.studies.compensation import compensations
-from budget.studies.conformity import assess
+from budget.studies.conformity import assess, open_to
 from budget.studies.input_quantities import input_quantities, sensitivities
 from budget.studies.judgement import intervals_of
 from budget.studies.lower_bounds import could_widen, expecting_device
@@ -65,6 +65,7 @@ from budget.studies.readings import effects
 from budget.studies.request import (
     Analysis,
     after_a_turn_on,
+    analysis_of,
     check_settings,
     choose_basis,
     choose_outputs,
@@ -427,12 +428,12 @@ def analyze_as(
         if chosen is None and of_test
         else (),
         mission=analysis.journey,
-        bought=() if of_test or chosen is not None else bought(analysis),
         analysis=analysis,
     )
     budget = budget if requirement is None else _judge(budget, requirement)
     return replace(
         budget,
+        bought=() if of_test or chosen is not None else bought(analysis, budget),
         warnings=(
             *budget.warnings,
             *cautions.judged_otherwise(budget),
@@ -612,6 +613,8 @@ def _judge(budget: Budget, requirement: Requirement) -> Budget:
     """Judge a budget; its required outputs get the intervals that were judged."""
     assessment = assess(budget, requirement)
     judged = {row.output.name: row for row in assessment.outputs}
+    lacks = open_to(analysis_of(budget), assessment)
+    rows = [row.lacking(lacks[row.output.name]) for row in budget.outputs]
     return replace(
         budget,
         assessment=assessment,
@@ -630,7 +633,7 @@ def _judge(budget: Budget, requirement: Requirement) -> Budget:
             # What is judged is judged at the medians.
             and row.interval_by != BY_PREDICTION
             else row
-            for row in budget.outputs
+            for row in rows
         ),
     )
 

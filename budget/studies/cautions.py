@@ -336,9 +336,12 @@ def left_behind(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[str, .
 
 
 def saturated(analysis: Analysis) -> tuple[str, ...]:
-    """Name the axes that the mission asks for more than they read; () of a test."""
+    """Name the axes that the mission asks for more than they read; () of a test.
+
+    Of what has limits the verdict says it.
+    """
     mission = analysis.journey
-    if mission is None:
+    if mission is None or analysis.requirement is not None:
         return ()
     return tuple(one.said for one in saturations(analysis.sensors, mission))
 

@@ -5,12 +5,15 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from budget.calibration.derived import known_outputs
 from budget.errors import CallError
 from budget.names import MISSION
 from budget.results import INTERACTION, Assessment, CapAssessment, SensorAssessment
 from budget.spec import load_devices, load_requirement
 from budget.spec.records import JOINT
+from budget.studies.ceilings import ceilings
 from budget.studies.doubt import doubt_of
 from budget.studies.figures_of_merit import over_cap, read_amount
 from budget.studies.judgement import (
@@ -25,17 +28,20 @@ from budget.studies.judgement import (
 from budget.studies.lower_bounds import missing_of
 from budget.studies.readings import verdicts_by_reading
 from budget.studies.request import analysis_of
-from budget.studies.verdicts import Case, Margin, decide
+from budget.studies.verdicts import Case, Margin, completed, decide
 from budget.ties import first_largest
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
+    from budget.names import Name
     from budget.results import Budget, OutputAssessment, ReadingVerdicts
     from budget.spec.files import File
-    from budget.spec.records import Device, Requirement
+    from budget.spec.records import Device, ErrorLine, Requirement
     from budget.studies.judgement import Judged, Limited
     from budget.studies.request import Analysis
+
+AS_PRINTED = 1.05  # times u that is the same to half a digit of the two printed [1]
 
 
 def assess(
@@ -110,10 +116,11 @@ def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Asses
             # What missing lines leave open, no trial decides.
             max_trials=TRIALS if prediction else MAX_TRIALS,
         )
-        outputs += assess_outputs(held, judged, own.lacks)
         if any(sensor.lines for sensor in own.sensors):
             found.append(judged)
-        verdicts.append(_verdict(owner, own, requirement, held, judged, seed=seed))
+        verdict = _verdict(owner, own, requirement, held, judged, seed=seed)
+        verdicts.append(verdict)
+        outputs += assess_outputs(held, judged, verdict.standing, own.lacks)
     if not verdicts:
         raise CallError(
             f"{requirement.name} sets no limit for what is estimated of a sensor that "
@@ -127,7 +134,9 @@ def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Asses
         outputs=tuple(sorted(outputs, key=lambda row: order[row.output.name])),
         sensors=tuple(verdicts),
         conformance=together(found)
-        if found and analysis.filled.prediction is None
+        if found
+        and analysis.filled.prediction is None
+        and not any(one.standing.saturates for one in verdicts)
         else None,
         not_there=tuple(kind for kind in requirement.kinds if kind not in judged_kinds),
         together=requirement.coverage if requirement.decision == JOINT else None,
@@ -151,6 +160,59 @@ def margins(analysis: Analysis) -> Iterator[tuple[str, Case, Margin]]:
         case = _case(own, analysis.requirement)
         judged = screen(held, own.law, seed=0)
         yield owner, case, Margin.of(case, held, own.law, judged, seed=0)
+
+
+def open_to(
+    analysis: Analysis, assessment: Assessment
+) -> Mapping[Name, tuple[Name, ...]]:
+    """Return by output the lines that are not given and that its number is open to.
+
+    Not those that are negligible to the limits of its owner, where u with all of these
+    at their ceilings is the same to the digits that are printed.
+    """
+    spared = {one.sensor: one.standing.negligible for one in assessment.sensors}
+    names = tuple(dict.fromkeys(name for own in spared.values() for name in own))
+    tops = {
+        name: one.line
+        for device in analysis.devices
+        for own in [{sensor.kind for sensor in device.sensors}]
+        for name, one in ceilings(
+            device, [name for name in names if name.owner in own], analysis.catalogue
+        ).items()
+    }
+    if not tops:
+        return analysis.lacks
+    whole = replace(
+        analysis, devices=tuple(_with_lines(one, tops) for one in analysis.devices)
+    )
+    least = np.array([output.resolution for output in analysis.problem.outputs]) ** 2
+    variance = np.diag(analysis.law.covariance)
+    same = np.diag(whole.law.covariance) <= np.maximum(AS_PRINTED**2 * variance, least)
+    is_same = {
+        output.name: bool(one)
+        for output, one in zip(analysis.problem.outputs, same, strict=True)
+    }
+    return {
+        output: tuple(
+            name
+            for name in lacks
+            if not (
+                is_same.get(output)
+                and name in tops
+                and name in spared.get(output.owner, ())
+            )
+        )
+        for output, lacks in analysis.lacks.items()
+    }
+
+
+def _with_lines(device: Device, lines: Mapping[Name, ErrorLine]) -> Device:
+    """Return a device whose triads have more lines."""
+    gyro, other = (
+        None if sensor is None else completed((sensor,), lines)[0]
+        for sensor in (device.gyro, device.accelerometer)
+    )
+    return replace(device, gyro=gyro, accelerometer=other)
 
 
 def _owners(analysis: Analysis, requirement: Requirement) -> Iterator[str]:
@@ -244,9 +306,11 @@ def _verdict(
         worst_outputs=tuple(held.outputs[k].name for k in judged.all_worst),
         limiting_source=limiting,
         # At the medians of predicted lines it would look better than it is.
-        conformance=judged.conformance if has_lines and not prediction else None,
+        conformance=judged.conformance
+        if has_lines and not prediction and not standing.saturates
+        else None,
         trials=judged.trials,
-        expected_missing=missing,
+        expected_missing=standing.matter(missing),
         nothing_known=not has_lines,
         not_estimated=held.absent,
         readings=readings,

@@ -59,6 +59,7 @@ if TYPE_CHECKING:
     from budget.methods.gum import Propagation
     from budget.names import Name
     from budget.problem import Output, Problem
+    from budget.results import Standing
     from budget.spec.records import Mission, Procedure, Requirement, Sensor
 
 TRIALS = 100_000  # at first
@@ -514,12 +515,17 @@ def can_sharpen(judged: Judged, max_trials: int, *, above: float) -> bool:
 
 
 def assess_outputs(
-    held: Limited, judged: Judged, lacks: Mapping[Name, tuple[Name, ...]]
+    held: Limited,
+    judged: Judged,
+    standing: Standing,
+    lacks: Mapping[Name, tuple[Name, ...]],
 ) -> tuple[OutputAssessment, ...]:
     """Return every required output against its limit.
 
-    `lacks` are the lines that are not given and would widen an output, by its name.
+    `lacks` are the lines that are not given and would widen an output, by its name;
+    those that by the verdict are negligible leave nothing open.
     """
+    open_to = [standing.matter(lacks[output.name]) for output in held.outputs]
     return tuple(
         OutputAssessment(
             output=output,
@@ -529,8 +535,8 @@ def assess_outputs(
             interval=(float(judged.interval[k, 0]), float(judged.interval[k, 1])),
             interval_by=BY_TRIALS if judged.by_trials[k] else BY_LAW,
             conformance=float(judged.within[k]),
-            lower_bound=bool(lacks[output.name]),
-            is_unknown=bool(lacks[output.name] and judged.u[k] <= output.resolution),
+            lower_bound=bool(open_to[k]),
+            is_unknown=bool(open_to[k] and judged.u[k] <= output.resolution),
             coverage=p if (p := float(held.coverage[k])) != held.usual else None,
         )
         for k, output in enumerate(held.outputs)

@@ -206,7 +206,7 @@ def drawn_times(duration: float, asked: Sequence[float]) -> tuple[float, ...]:
     return tuple(sorted({*even, *own, duration}))
 
 
-def bought(analysis: Analysis) -> tuple[Calibrated, ...]:
+def bought(analysis: Analysis, budget: Budget) -> tuple[Calibrated, ...]:
     """Return how far off a unit is after no calibration, its maker's, and this one.
 
     CEP at the times that the mission is looked at; each by the law. Of a test that
@@ -233,7 +233,10 @@ def bought(analysis: Analysis) -> tuple[Calibrated, ...]:
             Calibrated(
                 name=procedure.name,
                 cep=tuple(grown.radius(CEP).tolist()),
-                lower_bound=any(one.lacks[name] for name in names),
+                lower_bound=any(
+                    budget.output(name).lacks if procedure is own else one.lacks[name]
+                    for name in names
+                ),
             )
         )
     place = UNCALIBRATED.index(FACTORY)

@@ -291,6 +291,7 @@ def _decided(
         conditions=(*conditions, *uses),
         cautions=(*_as_cautions((*conditions, *uses)), *cautions),
         at_ceilings=margin.at_ceilings,
+        negligible=tuple(x for x in expected_of(case) if x not in margin.missing),
     )
 
 

@@ -455,6 +455,11 @@ def _beside(calibration: WhatIf, mission: WhatIf) -> WhatIf:
 def _what_if(analysis: Analysis, budget: Budget | None) -> WhatIf:
     """Set it up for a calibration or a mission alone."""
     problem, law, required = analysis.problem, analysis.law, analysis.requirement
+    held_against = None if budget is None else budget.assessment
+    bounds = {
+        row.output.name: row.lower_bound
+        for row in (held_against.outputs if held_against else ())
+    }
     varying = [group.name for group in problem.groups if not group.is_constant]
     given = given_lines(
         analysis.sensors, analysis.procedure, every=analysis.journey is not None
@@ -509,7 +514,10 @@ def _what_if(analysis: Analysis, budget: Budget | None) -> WhatIf:
         shift=shift[rows],
         limit=tuple(limits.get(output.name) for output in outputs),
         coverages=coverages[rows],
-        lower_bound=tuple(bool(analysis.lacks[output.name]) for output in outputs),
+        lower_bound=tuple(
+            bounds.get(output.name, bool(analysis.lacks[output.name]))
+            for output in outputs
+        ),
         law=scaled.select([output.name for output in outputs]),
         added=np.zeros((3, len(outputs))),
     )

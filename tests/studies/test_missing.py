@@ -227,7 +227,9 @@ def test_every_result_names_the_mode_and_the_lines(by_mode):
         assert f"--missing {mode}" in text
         assert f"on lines of other devices (missing lines: {mode})" in text
         assert f"--missing {mode}" in said
-        assert f"missing lines: {mode}" in page.headline
+        stands = {"worst": "at the worst", "typical": "at the median"}
+        how = stands.get(mode, "as predicted")
+        assert f"with missing lines {how} " in page.headline
         assert document["settings"]["missing"] == mode
         (one,) = [
             d

@@ -84,7 +84,7 @@ def refusals(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[str, ...]
         )
         for one in sensors
         if one.range is not None and calibrates(one.kind, procedure)
-        for found in beyond(one, _peaks(one.kind, procedure))[:1]
+        if (found := beyond(one, _peaks(one.kind, procedure))) is not None
     )
 
 

@@ -20,6 +20,7 @@ from budget.report.analysis.station import station_section
 from budget.report.analysis.verdict import (
     group_cards,
     headline,
+    judged_by,
     limits_section,
     rank_contributions,
     summary,
@@ -53,7 +54,9 @@ from budget.report.inputs import (
 from budget.report.provenance import provenance_section, sign_off_section
 from budget.report.tables import group_tables, print_count
 from budget.report.wording import capital, not_given_lines, parted, points, say_words
-from budget.studies.request import sensors_of
+from budget.spec.records import UNCALIBRATED
+from budget.studies.request import analysis_of, sensors_of
+from budget.studies.verdicts import calibration_words
 from budget.studies.what_if import one_at_a_time
 from budget.version import __version__
 
@@ -131,6 +134,9 @@ def report_document(
         cards = (*cards, mission_card(carried))
     rows = one_at_a_time(evidence.what_if)
     latitude = print_degrees(procedure.latitude)
+    judged = judged_by(budget, carried)
+    own = analysis_of(judged).procedure
+    is_beside = own.formulas in UNCALIBRATED
     found: list[Section | None] = [
         _overview(groups, assessment),
         _contributions(
@@ -153,7 +159,12 @@ def report_document(
         _distributions(budget, evidence),
         *(section for extra in extras for section in extra.sections),
         method_section(
-            budget.settings, procedure, devices, sensors, _trials(budget, evidence)
+            budget.settings,
+            procedure,
+            devices,
+            sensors,
+            _trials(budget, evidence),
+            of_verdict=judged.settings,
         ),
         provenance_section(
             (*budget.inputs, *_further_inputs(budget, extras)),
@@ -169,14 +180,18 @@ def report_document(
         facts=(
             *((say("report {number}", number=number),) if number else ()),
             say(
-                "procedure {name}, latitude {latitude} deg",
+                "{calibration}; beside it the budget of procedure {name}, latitude "
+                "{latitude} deg"
+                if is_beside
+                else "procedure {name}, latitude {latitude} deg",
+                calibration=capital(say(calibration_words(own))),
                 name=procedure.name,
                 latitude=latitude,
             ),
             *((_mission_fact(carried.mission),) if carried and carried.mission else ()),
         ),
         headline=headline(budget, assessment),
-        summary=summary(budget, assessment),
+        summary=summary(budget, assessment, carried),
         cards=cards,
         sections=tuple(section for section in found if section is not None),
         json=to_json(

@@ -158,10 +158,12 @@ def method_section(
     devices: Collection[Device],
     sensors: Collection[str],
     trials: Trials,
+    *,
+    of_verdict: Settings,
 ) -> Section:
     """Return settings, formulas and references; of the sensors that are there."""
     panels: list[Block] = [
-        Pairs(rows=_settings_rows(settings, trials)),
+        Pairs(rows=_settings_rows(settings, trials, of_verdict)),
         Paragraph(words=with_math(say(NOTATION, paper=say(PAPER)))),
     ]
     if procedure.formulas in {"least_squares", "weighted", "norm"}:
@@ -196,7 +198,9 @@ def method_section(
     return Section(name="method", title=say("Method"), blocks=tuple(panels))
 
 
-def _settings_rows(settings: Settings, trials: Trials) -> tuple[tuple[str, Words], ...]:
+def _settings_rows(
+    settings: Settings, trials: Trials, of_verdict: Settings
+) -> tuple[tuple[str, Words], ...]:
     """Return what the result depends on besides the files."""
     kind = say(BY_LAW if settings.method == "gum" else INTERVALS[settings.interval])
     rows: list[tuple[str, str]] = [
@@ -215,13 +219,24 @@ def _settings_rows(settings: Settings, trials: Trials) -> tuple[tuple[str, Words
             say("interval"),
             say("{interval}: {kind}", interval=say(settings.interval), kind=kind),
         ),
-        (
-            say("error reference"),
-            say(
-                "{reference}: {error_references}",
-                reference=words(settings.reference),
-                error_references=error_reference(settings),
-            ),
+        *(
+            (
+                head,
+                say(
+                    "{reference}: {error_references}",
+                    reference=words(own.reference),
+                    error_references=error_reference(own),
+                ),
+            )
+            for head, own in {
+                error_reference(of_verdict): (say("error reference"), of_verdict),
+                error_reference(settings): (
+                    say("error reference")
+                    if error_reference(of_verdict) == error_reference(settings)
+                    else say("error reference of the test alone"),
+                    settings,
+                ),
+            }.values()
         ),
     ]
     if settings.sobol_samples is not None:

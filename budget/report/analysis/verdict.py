@@ -102,13 +102,9 @@ def headline(budget: Budget, assessment: Assessment | None) -> str:
             key_title(sensor.sensor) for sensor in assessment.sensors
         )
         part = say(", {present} alone{part}", present=present, part=part)
-    said = say(VERDICTS[overall])
     if overall == "predicted" and assessment.chance is not None:
-        said = say(
-            "{meets} with {chance}:",
-            meets=say(VERDICTS["meets"]),
-            chance=print_chance(assessment.chance),
-        )
+        chance = print_chance(assessment.chance)
+        part += say(": meets with a probability of {chance}", chance=chance)
     part += mode_remark(budget.settings)
     after = say(assessment.sensors[-1].standing.after)  # a mission stands last
     number = sum(
@@ -128,14 +124,28 @@ def headline(budget: Budget, assessment: Assessment | None) -> str:
         )
     return say(
         "{verdict} {requirement}{part}, {after}",
-        verdict=said,
+        verdict=say(VERDICTS[overall]),
         requirement=assessment.requirement,
         part=part,
         after=after,
     )
 
 
-def summary(budget: Budget, assessment: Assessment | None) -> Words:
+def judged_by(budget: Budget, carried: Budget | None) -> Budget:
+    """Return the budget that the verdicts are of, where the mission alone is limited.
+
+    A unit on it may be as its maker calibrated it, and the test of the other budget
+    then calibrated nothing that is judged.
+    """
+    found = budget.assessment
+    if carried and found and {one.sensor for one in found.sensors} == {MISSION}:
+        return carried
+    return budget
+
+
+def summary(
+    budget: Budget, assessment: Assessment | None, carried: Budget | None = None
+) -> Words:
     """Return the answer in a sentence or two: margin, and what errors are."""
     not_there = () if assessment is None else assessment.not_there
     triads = [owner for owner in not_there if owner not in {IMU, MISSION}]
@@ -176,7 +186,7 @@ def summary(budget: Budget, assessment: Assessment | None) -> Words:
     return (
         *_left_out(budget.settings),
         *absent,
-        *_margin(budget, assessment),
+        *_margin(judged_by(budget, carried), assessment),
         *((f" {mode}",) if mode else ()),
     )
 
@@ -393,10 +403,10 @@ def _provisos(assessment: Assessment) -> Iterator[str]:
     sensors = assessment.sensors
     if assessment.chance is not None:
         yield term("At the medians of predicted lines: {found}")
-    if any(row.lower_bound for row in assessment.outputs) and (
-        {one.verdict for one in sensors} <= {"meets", MEETS_IF}
-    ):
+    if any(one.standing.misses for one in sensors):
         yield term("On what is given: {found}")
+    if any(one.standing.saturates for one in sensors):
+        yield term("Of sensors that read enough: {found}")
     if any(one.is_open_by_reading for one in sensors):
         yield term("As the values are read here: {found}")
 
@@ -411,9 +421,7 @@ def _jointly(assessment: Assessment) -> str:
         if total == 1
         else say("All {total} conform together", total=total)
     )
-    most = any(
-        sensor.expected_missing or sensor.not_estimated for sensor in assessment.sensors
-    )
+    most = any(map(_is_at_most, assessment.sensors))
     said = say(
         "{what} with a probability of at the most {probability} %. "
         if most
@@ -427,6 +435,12 @@ def _jointly(assessment: Assessment) -> str:
             needed=print_coverage(assessment.together),
         )
     return said
+
+
+def _is_at_most(sensor: SensorAssessment) -> bool:
+    """Say whether its conformance is that or less, as something is not known."""
+    missing = sensor.expected_missing or sensor.not_estimated
+    return bool(missing) or sensor.standing.misses
 
 
 def _verdict_card(
@@ -503,7 +517,7 @@ def _verdict_card(
     if worst.by_monte_carlo:
         lines.append((say("By Monte Carlo: the law is not sure enough there."),))
     if sensor.conformance is not None:
-        is_open = sensor.expected_missing or sensor.not_estimated
+        is_open = _is_at_most(sensor)
         used = (print_most if is_open else print_probability)(sensor.conformance)
         lines.append(
             say_words(

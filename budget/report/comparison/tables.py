@@ -196,7 +196,9 @@ def _row(one: DeviceVerdict, rank: str) -> Row:
         conformance=_conformance(one),
         worst_output=join_outputs([name.without_owner for name in one.worst_outputs]),
         limiting_source=source_title(one.remedy.source, of=one.sensor),
-        factor="" if one.rests_on_others else print_factor(one.remedy),
+        factor=""
+        if one.rests_on_others or one.standing.saturates
+        else print_factor(one.remedy),
         missing="" if one.missing is None else f"{len(one.missing.lines)}",
         at_worst=print_worst_case(one.missing),
         ask="" if one.doubt is None else print_ask(one.doubt, one.sensor),
@@ -217,8 +219,8 @@ def _named_after(
 
 
 def _conformance(one: DeviceVerdict) -> str:
-    """Print the conformance; '' where it would be that of predicted medians."""
-    if one.at_medians:
+    """Print the conformance; '' where it would be that of another unit."""
+    if one.at_medians or one.standing.saturates:
         return ""
     return (print_at_most if one.lower_bound else print_probability)(one.conformance)
 
@@ -569,8 +571,8 @@ def _pair_verdict(pair: Pair) -> str:
 
 
 def _pair_conformance(pair: Pair) -> Cell | str:
-    """Print the joint conformance; '' where it would be that of predicted medians."""
-    if pair.at_medians:
+    """Print the joint conformance; '' where it would be that of another unit."""
+    if pair.at_medians or pair.standing.saturates:
         return ""
     printed = print_at_most if pair.lower_bound else print_probability
     return Cell(text=printed(pair.conformance), exact=PER_CENT * pair.conformance.value)

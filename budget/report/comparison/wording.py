@@ -10,6 +10,7 @@ from budget.report.comparison.tables import MissingEffect, what_is_judged
 from budget.report.readings import verdict_line
 from budget.report.tables import print_count, print_coverage, source_title
 from budget.report.wording import (
+    deciding_lines,
     doubt_sentence,
     error_reference,
     mode_remark,
@@ -294,8 +295,10 @@ def standing_effects(comparison: Comparison) -> tuple[MissingEffect, ...]:
     """
     names: dict[tuple[str, str], list[str]] = {}
     for one in sorted(comparison.entrants, key=lambda one: VERDICTS.index(one.verdict)):
-        effect = say("; ").join(standing_lines(one.standing))
-        if effect and one.verdict != "fails":
+        is_beyond = one.standing.saturates
+        lines = (deciding_lines if is_beyond else standing_lines)(one.standing)
+        effect = say("; ").join(lines)
+        if effect and (one.verdict != "fails" or is_beyond):
             names.setdefault((one.sensor, effect), []).append(one.name)
     return tuple(
         MissingEffect(

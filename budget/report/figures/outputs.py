@@ -218,6 +218,10 @@ def utilisation_title(assessment: Assessment) -> str:
     ]
     beyond = sum(not output.is_within for output in assessment.outputs)
     at = "" if assessment.chance is None else say("At the medians of predicted lines: ")
+    if any(one.standing.saturates for one in sensors):
+        at = say("Of sensors that read enough: ")
+    elif any(one.standing.misses for one in sensors):
+        at = say("On what is given: ")
     name = join_outputs([name for one in nearest for name in one.worst_outputs])
     part = say(
         "{name} at {used_part} of the limit", name=name, used_part=used_part(worst).text

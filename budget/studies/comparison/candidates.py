@@ -183,8 +183,8 @@ def _of_length(
 
 
 def missing_lines(one: Candidate, standing: Standing) -> MissingLines | None:
-    """Return what expected lines that are not given could do; None where none miss."""
-    missing = missing_of(one.given, one.procedure)
+    """Return what lines that are not given could do to limits; None where none can."""
+    missing = standing.matter(missing_of(one.given, one.procedure))
     if not missing:
         return None
     used = standing.at_ceilings

@@ -155,19 +155,20 @@ def _judge(task: tuple[Candidate, None], *, judging: Judging) -> JudgedCandidate
             by_law=by_law,
             taken=judged if by_law or is_usual else None,
         )
+    standing = decide(
+        one.case,
+        held,
+        law,
+        judged,
+        seed=judging.seed,
+        doubt=doubt,
+        readings=readings,
+    )
     return JudgedCandidate(
         judged=judged,
         closer=judged,
-        standing=decide(
-            one.case,
-            held,
-            law,
-            judged,
-            seed=judging.seed,
-            doubt=doubt,
-            readings=readings,
-        ),
-        outputs=assess_outputs(held, judged, one.lacks(held)),
+        standing=standing,
+        outputs=assess_outputs(held, judged, standing, one.lacks(held)),
         worst=names[judged.worst],
         all_worst=tuple(names[place] for place in judged.all_worst),
         remedy=find_remedy(held, law, judged),

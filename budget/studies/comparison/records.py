@@ -160,7 +160,7 @@ class DeviceVerdict(Entrant):
     @property
     def lower_bound(self) -> bool:
         """Whether the utilisation is this or more, the conformance this or less."""
-        return any(row.lower_bound for row in self.outputs)
+        return self.standing.misses or any(row.lower_bound for row in self.outputs)
 
     @property
     def range(self) -> tuple[float, float]:
@@ -210,7 +210,11 @@ class DeviceVerdict(Entrant):
             "worst_output": self.worst_output,
             "worst_outputs": list(self.worst_outputs),
             # At the medians of predicted lines it would look better than it is.
-            **(UNKNOWN_CONFORMANCE if self.at_medians else self.conformance.to_dict()),
+            **(
+                UNKNOWN_CONFORMANCE
+                if self.at_medians or self.standing.saturates
+                else self.conformance.to_dict()
+            ),
             "limiting_source": self.remedy.source,
             "limiting_share": self.remedy.share,
             "improvement_factor": self.remedy.factor,
@@ -264,7 +268,11 @@ class Pair:
             "utilisation": self.utilisation,
             "worst_outputs": list(self.worst_outputs),
             "limiting_source": self.limiting_source,
-            **(UNKNOWN_CONFORMANCE if self.at_medians else self.conformance.to_dict()),
+            **(
+                UNKNOWN_CONFORMANCE
+                if self.at_medians or self.standing.saturates
+                else self.conformance.to_dict()
+            ),
             **({} if self.probability is None else {"probability": self.probability}),
         }
 

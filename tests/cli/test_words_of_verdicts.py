@@ -1,0 +1,238 @@
+"""Words beside a verdict: none of them says another one than it does."""
+
+from __future__ import annotations
+
+import html
+import re
+
+import pytest
+from command_line import call
+from saying import assert_says
+
+LAW = ("--no-validate",)
+NEED = """\
+name: road
+environment: none
+limits:
+  mission: {position: {horizontal: 150 m, at: 60 s, probability: 50 %}}
+"""
+OF_TEST = """\
+name: bench
+environment: none
+limits:
+  accelerometer: {bias: 5 mg}
+"""
+OUTAGE = """\
+name: a minute without satellites
+mission:
+  latitude: 45 deg
+  segments:
+    - {straight: 20 s, speed: 20 m/s}
+    - {turn: 90 deg, rate: 36 deg/s}
+    - {straight: 40 s}
+"""
+NOISE = "    velocity_random_walk: 0.05 m/s/sqrt(h)\n"
+SHEET = f"""\
+name: Sheet A
+technology: MEMS
+range: {{gyro: 400 deg/s, accelerometer: 10 g}}
+gyro:
+  errors:
+    bias_repeatability: 3 deg/h
+    bias_stability: {{value: 1 deg/h, correlation_time: 100 s}}
+    angle_random_walk: 0.1 deg/sqrt(h)
+    scale_factor_repeatability: 100 ppm
+    mounting_repeatability: 10 arcsec
+    g_sensitivity: 1 deg/h/g
+accelerometer:
+  errors:
+    bias_repeatability: 0.5 mg
+    bias_stability: {{value: 50 ug, correlation_time: 100 s}}
+{NOISE}    scale_factor_repeatability: 300 ppm
+    mounting_repeatability: 10 arcsec
+variants:
+  narrow:
+    range: {{gyro: 30 deg/s, accelerometer: 1.01 g}}
+  narrower:
+    range:
+      gyro: {{x: 0.001 deg/s, y: 0.001 deg/s, z: 30 deg/s}}
+      accelerometer: 0.9 g
+"""
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """Write a sheet, one without a line that takes next to nothing, and the needs."""
+    folder = tmp_path_factory.mktemp("words")
+    texts = {
+        "sheet": SHEET,
+        "hidden": SHEET.replace(NOISE, ""),
+        "need": NEED,
+        "test": OF_TEST,
+        "outage": OUTAGE,
+    }
+    for name, text in texts.items():
+        (folder / f"{name}.yaml").write_text(text, encoding="utf-8")
+    return {name: str(folder / f"{name}.yaml") for name in texts}
+
+
+def told(*args):
+    """Return what a call says, and its page or document beside it."""
+    run = call(*args, *(LAW if args[0] != "compare" else ()))
+    assert run.code in {0, 1}, run.err
+    return run
+
+
+def flat(text):
+    """Return a text on one line."""
+    return " ".join(text.split())
+
+
+def of_page(tmp_path, *args):
+    """Return the text of the page of a call."""
+    page = tmp_path / "page.html"
+    told(*args, "-o", page)
+    text = page.read_text("utf-8")
+    for part in ("script", "style", "svg"):
+        text = re.sub(rf"(?s)<{part}\b.*?</{part}>", "", text)
+    return flat(html.unescape(re.sub(r"<[^>]+>", " ", text))).replace(" .", ".")
+
+
+def both(tmp_path, *args):
+    """Return what a terminal says of a mission, and the page of a report."""
+    return flat(told("mission", *args).out), of_page(tmp_path, "report", *args)
+
+
+# What says that a verdict is open, which MEETS is not.
+OPEN = ("open: lines missing", "cannot be decided", "at the most 100 %", "Not given: a")
+
+
+def test_nothing_is_open_where_a_verdict_hangs_on_no_missing_line(files, tmp_path):
+    """A noise that takes next to nothing of a limit: it is met, and nothing lacks."""
+    given = (files["hidden"], "--requirement", files["test"])
+    texts = {
+        "analyze": flat(told("analyze", *given).out),
+        "compare": flat(told("compare", *given).out),
+        "report": of_page(tmp_path, "report", *given),
+    }
+    for command, text in texts.items():
+        assert "meets" in text.casefold(), command
+        assert [word for word in OPEN if word in text] == [], command
+        assert "lines missing" not in text, command
+    document = told("analyze", *given, "--json", "-").document
+    found = document["assessment"]
+    (sensor,) = found["sensors"]
+    assert (found["verdict"], sensor["expected_missing"]) == ("meets", [])
+    assert not any(row["lower_bound"] for row in found["outputs"])
+    # Without a requirement nobody knows what it is nothing of.
+    bare = told("analyze", files["hidden"], "--json", "-").document["outputs"]
+    assert any(row["lower_bound"] for row in bare if row["parameter"] == "bias")
+
+
+def test_a_number_that_a_missing_line_changes_stays_a_lower_bound(tmp_path):
+    """The control: it takes next to nothing of a wide limit, and much of the number."""
+    path = tmp_path / "wide.yaml"
+    wide = "name: wide\nenvironment: none\nlimits:\n  gyro: {scale_factor: 50 %}\n"
+    path.write_text(wide, encoding="utf-8")
+    sheet = tmp_path / "bare.yaml"
+    without = SHEET.replace("    scale_factor_repeatability: 100 ppm\n", "")
+    sheet.write_text(without, encoding="utf-8")
+    found = told("analyze", sheet, "--requirement", path, "--json", "-").document
+    assert found["assessment"]["verdict"] == "meets"
+    assert all(
+        row["lower_bound"]
+        for row in found["outputs"]
+        if (row["sensor"], row["parameter"]) == ("gyro", "scale_factor")
+    )
+
+
+@pytest.fixture(scope="module")
+def beyond(files):
+    """Return what is asked of a unit that reads too little."""
+    return (
+        f"{files['sheet']}#narrow",
+        *("--mission", files["outage"], "--requirement", files["need"]),
+    )
+
+
+def test_a_sensor_that_saturates_has_no_good_numbers(beyond, tmp_path):
+    """They are those of sensors that read enough, and no conformance is one of it."""
+    for text in both(tmp_path, *beyond):
+        assert "FAILS" in text
+        assert_says(text, "of sensors that read enough")
+        assert "It conforms with a probability" not in text
+        assert "Conformance probability" not in text
+    assert_says(of_page(tmp_path, "report", *beyond), "conforms, if it read enough")
+    document = told("mission", *beyond, "--json", "-").document["assessment"]
+    assert document["conformance"] is None
+    assert document["sensors"][0]["conformance"] is None
+    compared = told("compare", *beyond, "--json", "-").document
+    found = [one for one in compared["devices"] if one["name"].endswith("(narrow)")]
+    assert {one["verdict"] for one in found} == {"fails"}
+    assert {one["conformance"] for one in found} == {None}
+    assert_says(flat(told("compare", *beyond).out), "saturates: gyro z")
+
+
+def test_every_axis_that_saturates_is_named_once(beyond):
+    """All of a triad in one sentence, both triads, and no warning that repeats it."""
+    sheet, *others = beyond
+    text = flat(told("mission", f"{sheet}er", *others).out)
+    assert_says(text, "gyro x, y, z of Sheet A", "accelerometer x, z of Sheet A")
+    assert text.casefold().count("saturates:") == 2
+
+
+def test_an_undecidable_verdict_is_on_what_is_given(files, tmp_path):
+    """What its table and its sentences say of within is up to what is not given."""
+    need = tmp_path / "shaken.yaml"
+    need.write_text(
+        NEED.replace("none", "{temperature: 0 degC, vibration: 1 g}"), encoding="utf-8"
+    )
+    given = (files["sheet"], "--mission", files["outage"], "--requirement", str(need))
+    for text in both(tmp_path, *given):
+        assert "UNDECIDABLE" in text
+        assert_says(
+            text,
+            "on what is given: the required output stays within its limit",
+            "a probability of at the most 100 %",
+        )
+    assert_says(of_page(tmp_path, "report", *given), "conforms on what is given")
+
+
+def test_a_report_counts_from_what_its_mission_counts_from(files, tmp_path):
+    """As the maker calibrated it: any later turn-on, once, in the words of mission."""
+    given = (
+        files["sheet"],
+        *("--mission", files["outage"], "--requirement", files["need"]),
+    )
+    once = "at any later turn-on, which the navigation system will meet"
+    words = flat(told("mission", *given).out)
+    page = of_page(tmp_path, "report", *given)
+    for text in (words, page):
+        assert_says(text, once, "a repeatability counts once")
+    first, _, rest = page.partition("Against the limits")
+    assert "twice" not in first
+    assert_says(first, "as the maker calibrated it; beside it the budget of procedure")
+    assert_says(rest, "error reference of the test alone")
+
+
+def test_a_headline_says_what_stands_for_missing_lines(tmp_path):
+    """In words, beside calibration and use; of predicted ones how probable it is."""
+    sheet = tmp_path / "bare.yaml"
+    bare = SHEET.replace("    scale_factor_repeatability: 300 ppm\n", "")
+    sheet.write_text(bare.replace("    g_sensitivity: 1 deg/h/g\n", ""), "utf-8")
+    need = tmp_path / "bench.yaml"
+    limit = "accelerometer: {scale_factor: 4000 ppm}"
+    need.write_text(OF_TEST.replace("accelerometer: {bias: 5 mg}", limit), "utf-8")
+    heads = {}
+    for mode in ("worst", "predict"):
+        out = told("analyze", sheet, "--requirement", need, "--missing", mode).out
+        heads[mode] = flat(out.split("\n\n")[1])
+    for mode, how in (
+        ("worst", "with missing lines at the worst of the catalogue"),
+        ("predict", "with missing lines as predicted from the catalogue"),
+    ):
+        assert_says(
+            heads[mode], how, "after the test", "in the environment of its test"
+        )
+    assert heads["predict"].startswith("PREDICTED bench")
+    assert "meets with a probability of" in heads["predict"]
