@@ -361,7 +361,7 @@ def unjudged(case: Case) -> Standing:
         cautions=cautions_of(case),
         calibration=calibration_words(case.procedure),
         station=station_words(case.procedure),
-        use=use_words(case.procedure) if case.is_later else "",
+        use=use_words(case.procedure) if case.is_later else note("at its test"),
         mission="" if case.mission is None else case.mission.name,
         decision=decision_words(case.requirement),
     )
