@@ -11,14 +11,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from budget.errors import CallError, Issue
+from budget.errors import CallError, Issue, UnitError
 from budget.language import note
-from budget.model.sources import SENSORS, lines_of
+from budget.model.sources import ACCELEROMETER, GYRO, SENSORS, lines_of
 from budget.names import ANGLES, AXES, Name, keys_of, words
 from budget.spec.checking import nearest
 from budget.spec.composer import UNSAFE, compose, forbid
 from budget.spec.tree import Node, all_of, describe, merge
-from budget.units import per_root_hertz
+from budget.units import parse_quantity, per_root_hertz
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -31,6 +31,7 @@ _OF_THE_OLD = {"source", "condition", "includes"}
 _SIZES = {"value", "axes"}
 _NOMINAL = {"bias": AXES, "mounting_angle": ANGLES}
 _ABSENT = "not given"
+RANGE = "range"  # of a triad: it stands beside the sensors in a file
 _LONGEST = 1000  # characters of a change
 _EXAMPLE = "gyro.bias_stability='0.02 deg/h'"
 
@@ -46,7 +47,7 @@ class Change:
     device : str
         The device that it is of, as FILE, FILE#VARIANT or #VARIANT; '' of all.
     sensor, place, line : str
-        'gyro', 'errors' or 'nominal', and the key under it.
+        'gyro', 'errors', 'nominal' or 'range', and the key under it, '' of a range.
     inside : tuple of str
         Keys below that, an axis among them; () of the line as a whole.
     node : Node
@@ -66,11 +67,22 @@ class Change:
         """What is changed, as results name it."""
         if self.place == "errors":
             return Name(self.line, owner=self.sensor)
+        if self.place == RANGE:
+            return Name(RANGE, owner=self.sensor)
         return Name(self.place, owner=self.sensor, axis=self.line)
+
+    @property
+    def path(self) -> tuple[str, ...]:
+        """Where it stands in a device file."""
+        if self.place == RANGE:
+            return (RANGE, self.sensor)
+        return (self.sensor, self.place, self.line)
 
     @property
     def axes(self) -> tuple[str, ...]:
         """Axes of the line; () of one that is not known."""
+        if self.place == RANGE:
+            return AXES
         if self.place == "nominal":
             return _NOMINAL.get(self.line, ())
         known = {line.name: line.axes for line in lines_of(self.sensor)}
@@ -159,10 +171,13 @@ def read_change(text: str) -> Change:
         )
     place = keys.pop(0) if keys[0] in {"errors", "nominal"} and keys[1:] else "errors"
     line, *inside = keys
+    if line == RANGE:
+        place, line = RANGE, ""
     label = f"--set {path.strip()}"
     node, issues = compose(value.strip(), label)
     if issues:
         raise all_of(issues)
+    at = (RANGE, sensor) if place == RANGE else (sensor, place, line)
     return Change(
         text=text,
         device=device,
@@ -170,14 +185,18 @@ def read_change(text: str) -> Change:
         place=place,
         line=line,
         inside=tuple(inside),
-        node=_labelled(node, label, ".".join((sensor, place, *keys))),
+        node=_labelled(node, label, ".".join(filter(None, (*at, *inside)))),
     )
 
 
 def _whose(path: str, known: tuple[str, ...]) -> str:
     """Return a hint at the line that a text is a slip of."""
     hint = nearest(path, known)
-    owners = [owner for owner in SENSORS for one in lines_of(owner) if one.name == path]
+    owners = [
+        owner
+        for owner in SENSORS
+        if path == RANGE or path in {one.name for one in lines_of(owner)}
+    ]
     if owners:
         names = " or ".join(repr(str(Name(path, owner=owner))) for owner in owners)
         return f"; did you mean {names}?"
@@ -209,18 +228,38 @@ def apply(root: Node, change: Change) -> Node:
     if change.place == "errors":
         over = _line(base, over, change)
     elif change.inside:
-        over = _nominal(base, over, change)
-    path = (change.sensor, change.place, change.line)
-    for key in reversed(path):
+        over = _by_key(base, over, change)
+    if change.place == RANGE:
+        root = _with_ranges(root)
+    for key in reversed(change.path):
         over = replace(change.node, value={key: over}, path="")
-    return _replaced(root, over, depth=len(path))
+    return _replaced(root, over, depth=len(change.path))
+
+
+def _with_ranges(root: Node) -> Node:
+    """Return a device whose range, where it is a text, stands by its sensor."""
+    node = root.child(RANGE)
+    if (
+        node is None
+        or not isinstance(node.value, str)
+        or not isinstance(root.value, dict)
+    ):
+        return root
+    try:
+        parse_quantity(node.value.removeprefix("±"), "deg/s")
+        sensor = GYRO
+    except UnitError:
+        sensor = ACCELEROMETER
+    ranges = replace(node, value={sensor: node})
+    return replace(root, value={**root.value, RANGE: ranges})
 
 
 def _at(root: Node, change: Change) -> Node | None:
     """Return what stands there now."""
-    sensor = root.child(change.sensor)
-    place = None if sensor is None else sensor.child(change.place)
-    return None if place is None else place.child(change.line)
+    node: Node | None = _with_ranges(root) if change.place == RANGE else root
+    for key in change.path:
+        node = None if node is None else node.child(key)
+    return node
 
 
 def _by_axis(over: Node, change: Change) -> Node:
@@ -283,11 +322,11 @@ def _line(base: Node | None, over: Node, change: Change) -> Node:
     return replace(new, value={"source": told, **fields})
 
 
-def _nominal(base: Node | None, over: Node, change: Change) -> Node:
-    """Return nominal values with that of one axis changed."""
+def _by_key(base: Node | None, over: Node, change: Change) -> Node:
+    """Return nominal values, or a range, with that of one axis changed."""
     known: dict[str, Node] = {}
     if base is not None and isinstance(base.value, dict):
-        known = base.value
+        known = {key: one for key, one in base.value.items() if key != "condition"}
     elif base is not None:
         known = dict.fromkeys(change.axes, base)
     (axis, *_) = change.inside

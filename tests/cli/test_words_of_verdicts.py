@@ -9,6 +9,8 @@ import pytest
 from command_line import call
 from saying import assert_says
 
+import budget
+
 LAW = ("--no-validate",)
 NEED = """\
 name: road
@@ -236,3 +238,61 @@ def test_a_headline_says_what_stands_for_missing_lines(tmp_path):
         )
     assert heads["predict"].startswith("PREDICTED bench")
     assert "meets with a probability of" in heads["predict"]
+
+
+@pytest.mark.parametrize("axis", ["", ".z"])
+def test_a_range_is_set_on_a_call(files, axis):
+    """As a variant of the file would have it, of the triad or of an axis."""
+    given = (
+        files["sheet"],
+        *("--mission", files["outage"], "--requirement", files["need"]),
+    )
+    run = told("mission", *given, "--set", f"gyro.range{axis}=30 deg/s", "--json", "-")
+    found = run.document["assessment"]
+    assert found["verdict"] == "fails"
+    (caution,) = [
+        one for one in found["sensors"][0]["cautions"] if one["kind"] == "saturates"
+    ]
+    assert_says(caution["text"], "gyro z", "reads up to ±30 deg/s")
+    assert told("mission", *given, "--json", "-").document["assessment"]["verdict"] == (
+        "meets"
+    )
+
+
+def test_a_range_that_is_a_text_is_set_beside_that_of_the_other_triad(tmp_path):
+    """A text says by its unit whose it is; the change leaves the other one."""
+    sheet = tmp_path / "text.yaml"
+    of_both = "range: {gyro: 400 deg/s, accelerometer: 10 g}"
+    sheet.write_text(SHEET.replace(of_both, "range: 10 g"), encoding="utf-8")
+    found = budget.load_device(sheet, changes={"gyro.range": "30 deg/s"})
+    shown = [sensor.range_printed for sensor in found.sensors]
+    assert [one.split()[0] for one in shown] == ["±30", "±10"]
+
+
+@pytest.mark.parametrize(
+    ("change", "found"),
+    [
+        ("gyro.range=30 g", "found '30 g', which is an acceleration"),
+        ("range=30 deg/s", "did you mean 'gyro.range' or 'accelerometer.range'"),
+    ],
+)
+def test_a_range_that_is_none_is_refused_with_what_is_meant(files, change, found):
+    """As a file would be; without a sensor the two that have one are named."""
+    run = call("analyze", files["sheet"], "--set", change)
+    assert run.code == 2
+    assert_says(run.err, found)
+
+
+@pytest.mark.parametrize("reference", ["nominal", "as_tested"])
+def test_a_requirement_of_the_unit_at_its_test_asks_for_no_use(
+    files, tmp_path, reference
+):
+    """In the place of a use its headline says so."""
+    path = tmp_path / "now.yaml"
+    text = f"name: now\nreference: {reference}\nlimits:\n  gyro: {{bias: 20 deg/h}}\n"
+    path.write_text(text, encoding="utf-8")
+    run = told("analyze", files["sheet"], "--requirement", path)
+    assert_says(flat(run.out), "an ideal table, at its test")
+    found = told("analyze", files["sheet"], "--requirement", path, "--json", "-")
+    (sensor,) = found.document["assessment"]["sensors"]
+    assert (sensor["use"], sensor["conditions"]) == ("at its test", [])
