@@ -296,3 +296,19 @@ def test_a_requirement_of_the_unit_at_its_test_asks_for_no_use(
     found = told("analyze", files["sheet"], "--requirement", path, "--json", "-")
     (sensor,) = found.document["assessment"]["sensors"]
     assert (sensor["use"], sensor["conditions"]) == ("at its test", [])
+
+
+def test_limits_of_a_mission_and_of_triads_have_room_in_one_chart(files, tmp_path):
+    """One scale below another: beside two triads nothing of a mission could be read."""
+    need = tmp_path / "all.yaml"
+    gyro = "  gyro: {bias: 20 deg/h}\n  accelerometer: {bias: 5 mg}\n  mission"
+    need.write_text(NEED.replace("  mission", gyro), encoding="utf-8")
+    page = tmp_path / "all.html"
+    given = (files["sheet"], "--mission", files["outage"], "--requirement", need)
+    told("report", *given, "-o", page)
+    text = page.read_text("utf-8")
+    (chart, *_) = re.findall(r"(?s)<svg\b.*?</svg>", text)
+    words = re.findall(r">\s*([^<>]+?)\s*</text>", chart)
+    for title in ("gyro bias", "accelerometer bias", "mission position"):
+        assert title in words
+    assert words.count("limit") == 1

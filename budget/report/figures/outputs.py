@@ -7,6 +7,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from budget.language import axis_title, key_title, say, term, words
+from budget.names import MISSION
 from budget.report.blocks import Cell, Field, table_of
 from budget.report.figures.rows import (
     Chart,
@@ -145,6 +146,7 @@ def _overview_row(group: GroupTable, row: OutputRow) -> Row:
     )
 
 
+ABREAST = 2  # sensors beside each other at the most
 MOST_LINEAR = 4.0  # utilisations beyond need a logarithmic axis [1]
 
 
@@ -176,19 +178,24 @@ def utilisation_chart(assessment: Assessment) -> Chart:
         lines=((100.0, say("limit")),),
     )
     sensors = dict.fromkeys(row.output.name.owner for row in assessment.outputs)
+    # Names of a mission are long: beside another side there is no room for them.
+    is_one = MISSION in sensors or len(sensors) > ABREAST
+    panels = {
+        sensor: Panel(
+            scale=scale,
+            groups=_limit_groups(assessment, sensor, scale.low, is_one=is_one),
+        )
+        for sensor in sensors
+    }
+    every = tuple(group for panel in panels.values() for group in panel.groups)
     return Chart(
         name="utilisation",
         title=utilisation_title(assessment),
-        sides=tuple(
-            Side(
-                title=words(sensor),
-                panels=(
-                    Panel(
-                        scale=scale, groups=_limit_groups(assessment, sensor, scale.low)
-                    ),
-                ),
-            )
-            for sensor in sensors
+        sides=(Side(panels=(Panel(scale=scale, groups=every),)),)
+        if is_one
+        else tuple(
+            Side(title=words(sensor), panels=(panel,))
+            for sensor, panel in panels.items()
         ),
         lead=say("Largest errors in per cent of the limit. "),
         foot=say("largest error [% of the limit]; filled: beyond it"),
@@ -279,16 +286,22 @@ def _ranked(assessment: Assessment, sensor: str) -> list[list[OutputAssessment]]
 
 
 def _limit_groups(
-    assessment: Assessment, sensor: str, start: float
+    assessment: Assessment, sensor: str, start: float, *, is_one: bool
 ) -> tuple[Group, ...]:
-    """Return the rows of the outputs of a sensor, the worst group first."""
+    """Return the rows of the outputs of a sensor, the worst group first.
+
+    In `is_one` side for all sensors with the name of the sensor.
+    """
     return tuple(
         Group(
-            title=key_title(outputs[0].output.name.group.without_owner),
+            title=key_title(
+                group if is_one else group.without_owner,
+            ),
             said=key_title(outputs[0].output.name.group),
             rows=tuple(_limit_row(output, start) for output in outputs),
         )
         for outputs in _ranked(assessment, sensor)
+        for group in [outputs[0].output.name.group]
     )
 
 
