@@ -73,7 +73,7 @@ class Saturation:
     """Axes of a triad that are asked for more than they read."""
 
     device: str
-    peak: Peak  # of the axis that is furthest beyond
+    peak: Peak  # of the first of them
     range: float  # of that [rad/s or m/s^2]
     axes: tuple[str, ...]  # all of them
 
@@ -163,11 +163,10 @@ def beyond(sensor: Sensor, peaks: Sequence[Peak]) -> Saturation | None:
     ]
     if not found:
         return None
-    furthest = max(found, key=lambda peak: peak.size / limits[peak.axis])
     return Saturation(
         device=sensor.device,
-        peak=furthest,
-        range=limits[furthest.axis],
+        peak=found[0],
+        range=limits[found[0].axis],
         axes=tuple(peak.axis for peak in found),
     )
 
