@@ -33,6 +33,11 @@ if TYPE_CHECKING:
 WIDTH = 88
 OPEN, CLOSE = "<!--", "-->"  # comments of XML
 COLUMNS = ("key", "sensor", "axis", "value", "unit", "from")
+# What Python (PEP 263) and editors (Vim, Emacs, YAML's server) obey in a comment.
+_ORDERS = re.compile(
+    r"(coding|\bvim?[<=>]?\d*|\bex|local variables|language-server|-\*)(?=[:=-])",
+    re.IGNORECASE,
+)
 _NAMES = re.compile(r"\$\{?([A-Za-z]\w*)\}?")
 _DIGITS = 6  # of a value for people
 _ASSUMED, _SOURCES = "Assumed", "Keys and units from"
@@ -141,12 +146,12 @@ def _lists(found: Export) -> Iterator[tuple[str, Sequence[str]]]:
 def _comments(
     texts: Sequence[str] | Iterator[str], sign: str, indent: str
 ) -> list[str]:
-    """Write lines of comment, which no text ends or leaves."""
+    """Write lines of comment, which no text ends or leaves, nor gives orders in."""
     rows = [
         row
         for text in texts
         for row in wrap(
-            " ".join(text.split()),
+            _ORDERS.sub(r"\1 ", _printable(" ".join(text.split()))),
             WIDTH - len(indent) - len(sign) - 1,
             subsequent_indent="    ",
             break_on_hyphens=False,
@@ -161,6 +166,11 @@ def _comments(
         *(f"{indent}  {row}" for row in inside),
         f"{indent}{CLOSE}",
     ]
+
+
+def _printable(text: str) -> str:
+    """Write what cannot be seen as escapes."""
+    return "".join(one if one.isprintable() else ascii(one)[1:-1] for one in text)
 
 
 def remarks(found: Export) -> tuple[str, ...]:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import re
 import shutil
 import subprocess
+import sys
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -15,8 +17,9 @@ from numpy.testing import assert_allclose
 
 from budget import load_device
 from budget.report.export import export_csv, print_double, write_export
+from budget.resources import shipped
 from budget.studies.export.study import export
-from budget.studies.export.targets import NAMES
+from budget.studies.export.targets import NAMES, TARGETS
 
 RATE = 200.0
 OCTAVE = shutil.which("octave-cli")
@@ -165,25 +168,140 @@ def test_gazebo_reads_its_file(name):
                     assert read[key.removeprefix(f"{triad.tag}_")] == told[place]
 
 
-def test_no_text_of_a_file_ends_a_comment(tmp_path):
-    """Hyphens, line ends and signs of a device's own words stay within the comments."""
-    text = (
-        "name: 'a -- b --> %{ # \\'\n"
-        "gyro: {errors: {angle_random_walk: {value: 1 deg/sqrt(h), source: '--> x', "
-        "condition: '# %} ...'}, bias_stability: 1 deg/h}}\n"
-        "accelerometer: {errors: {velocity_random_walk: 1 m/s/sqrt(h), "
-        "bias_stability: 1 mg}}\n"
+# Texts that would leave a comment, or give orders in one: to Python (a codec that turns
+# escapes into line feeds), MATLAB, YAML, XML, a package manager, an editor.
+ORDERS = (
+    "x coding: unicode_escape",
+    "coding=unicode_escape",
+    "-*- coding: utf-7 -*-",
+    "vim: set fileencoding=unicode_escape :",
+    "Local Variables: eval: (ding) End:",
+    "%{ %} ... %#codegen",
+    "%YAML 1.2 --- ! &a *a",
+    "yaml-language-server: $schema=https://example.com/x",
+    "a -- b --> <x/> <!-- ]]> <?x?> -",
+    '/// script dependencies = ["x"] ///',
+    "$gravity ${rate} $$",
+    "\\",
+)
+# What a codec, a line end or an end of a comment would let run.
+RUNS = (
+    "\\u000aprint('RUN')#",
+    "+AAo-print('RUN')#",
+    "\u200eprint('RUN')\u2062disp('RUN')\xad",
+    "%} disp('RUN') %{",
+    "--- run: RUN ...",
+    "--><run>RUN</run><!--",
+    f"{'x' * 60} {'/// script':<60} {'x' * 70}",
+)
+# What the script of GTSAM imports, which is not free of its compiler.
+GTSAM = """
+class PreintegrationCombinedParams:
+    def MakeSharedU(g):
+        return PreintegrationCombinedParams()
+
+    def __getattr__(self, name):
+        return lambda value: None
+"""
+
+
+def of_texts(folder, order, run):
+    """Return a device with one text wherever a device has texts."""
+    line = {"source": run, "condition": run}
+    tree = {
+        "name": order,
+        "source": run,
+        "notes": f"x\n{run}\n---\n%}}\n{run}",
+        "gyro": {
+            "errors": {
+                "angle_random_walk": {"value": "1 deg/sqrt(h)", **line},
+                "bias_stability": {"value": "1 deg/h", **line},
+                "bias_repeatability": {"value": "1 deg/h", "meaning": "max", **line},
+                "scale_factor_repeatability": {"value": "9 ppm", **line},
+            }
+        },
+        "accelerometer": {
+            "errors": {
+                "velocity_random_walk": {"value": "1 m/s/sqrt(h)", **line},
+                "bias_stability": {"value": "1 mg", **line},
+                "bias_repeatability": {"value": "1 mg", **line},
+                "scale_factor_repeatability": {"value": "9 ppm", **line},
+            }
+        },
+    }
+    path = folder / f"{order.replace('/', '_')}\nprint('RUN')\u202e\x1b.yaml"
+    path.write_text(yaml.safe_dump(tree, allow_unicode=False), encoding="utf-8")
+    return load_device(path)
+
+
+def obeyed(to, text):
+    """Return what the reader of a target takes from a file: all but comments."""
+    data = text.encode("utf-8")
+    if to == "gtsam":
+        return ast.dump(ast.parse(data))  # bytes: the declared encoding counts
+    if to == "gazebo":
+        return ET.canonicalize(text)  # declarations and comments go
+    if to in {"psins", "matlab", "nav-toolkit"}:
+        return commands(text)
+    assert not re.search("^ *(---|[.]{3})", text, re.MULTILINE)
+    return read_yaml(text)
+
+
+def commands(text):
+    """Return the lines of a MATLAB script without comments, blocks of them too."""
+    depth, told = 0, []
+    for line in re.split("[\n\r]", text):
+        if line.strip() in {"%{", "#{"}:
+            depth += 1
+        elif line.strip() in {"%}", "#}"}:
+            depth -= 1
+        elif not depth and (code := re.sub("[%#].*", "", line).strip()):
+            told.append(code)
+    assert depth == 0
+    return told
+
+
+@pytest.mark.parametrize("to", NAMES)
+def test_no_text_of_a_file_gives_orders(to, tmp_path):
+    """Whatever a device's texts are, the target reads what it reads of a tame one."""
+    how = {"to": to, "rate": RATE}
+    tame = obeyed(to, write_export(export(of_texts(tmp_path, "a", "b"), **how)))
+    (name,) = (target.template for target in TARGETS if target.name == to)
+    first = (shipped("templates") / "export" / name).read_text("utf-8")
+    for order in ORDERS:
+        for run in RUNS:
+            text = write_export(export(of_texts(tmp_path, order, run), **how))
+            assert obeyed(to, text) == tame, (order, run)
+            assert text.splitlines()[0] == first.splitlines()[0]
+            assert all(map(str.isprintable, text.splitlines())), (order, run)
+            for tool in (
+                r"coding[:=](?! utf-8 -|.UTF-8.)",
+                r"\b(vim?|ex):",
+                "iables:",
+                "server:",
+            ):
+                assert not re.search(tool, text), (order, run, tool)
+            assert not re.search("^[#%] ///", text, re.MULTILINE), (order, run)
+
+
+def test_what_is_obeyed_is_seen():
+    """A control: a declared codec, an end of a comment, a block are no longer equal."""
+    bad = "# coding: unicode_escape\n# \\u000aprint('RUN')#\n"
+    assert "RUN" in obeyed("gtsam", bad)
+    assert "RUN" in obeyed("gazebo", "<a><!-- --><run>RUN</run><!-- --></a>")
+    assert obeyed("matlab", "% a\n%{\nx = 1;\n%}\ny = 2; % z") == ["y = 2;"]
+
+
+def test_python_runs_nothing_of_a_device(tmp_path):
+    """The script itself, run with a stand-in for GTSAM, says nothing."""
+    (tmp_path / "gtsam.py").write_text(GTSAM, encoding="utf-8")
+    device = of_texts(tmp_path, ORDERS[0], RUNS[0])
+    script = tmp_path / "told.py"
+    script.write_text(write_export(export(device, to="gtsam")), encoding="utf-8")
+    run = subprocess.run(
+        [sys.executable, script], capture_output=True, text=True, check=True, timeout=60
     )
-    (tmp_path / "imu.yaml").write_text(text, encoding="utf-8")
-    unit = load_device(tmp_path / "imu.yaml")
-    for to in ("gazebo", "ros", "kalibr", "gtsam"):
-        written = write_export(export(unit, to=to, rate=RATE))
-        if to == "gazebo":
-            assert ET.fromstring(written).tag == "sdf"  # noqa: S314 - our own text
-        elif to == "gtsam":
-            compile(written, "gtsam.py", "exec")
-        else:
-            assert isinstance(read_yaml(written), dict)
+    assert (run.stdout, run.stderr) == ("", "")
 
 
 # Stand-ins that hand back what they are given: the toolboxes are not free.
