@@ -40,6 +40,11 @@ def keep_journal() -> Iterator[Journal]:
         _present.reset(token)
 
 
+def is_kept() -> bool:
+    """Whether this is a run of the command line."""
+    return _present.get() is not None
+
+
 def note_read(path: Path) -> None:
     """Note a file that is an input; one that is not there is none."""
     journal = _present.get()

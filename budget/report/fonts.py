@@ -9,14 +9,22 @@ in its place: 'U+8D75'.
 
 from __future__ import annotations
 
+import os
 import re
+import sys
+from contextlib import chdir
 from dataclasses import dataclass, replace
 from functools import cache
 from html import escape
+from importlib import import_module
+from importlib.util import find_spec
 from itertools import groupby
+from logging import ERROR, getLogger
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from unicodedata import category
+
+from budget.journal import is_kept
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -261,11 +269,26 @@ def _may_print(character: str) -> bool:
     return category(character) not in UNPRINTABLE and character not in COMMANDS
 
 
+def drawing_library() -> Any:  # noqa: ANN401 - a module
+    """Import matplotlib; in a run of the command line without the user's settings.
+
+    A variable or a file of settings, which may be of a notebook or stand in any folder,
+    can end the import or make it wait or talk. It looks into the current folder first:
+    for that moment it is the one of its own defaults. A program that uses this library
+    keeps its settings.
+    """
+    found = find_spec("matplotlib")
+    if is_kept() and found is not None and "matplotlib" not in sys.modules:
+        os.environ.pop("MPLBACKEND", None)
+        getLogger("matplotlib").setLevel(ERROR)  # it warns of folders for its caches
+        with chdir(Path(found.origin or "").parent / "mpl-data"):
+            import_module("matplotlib")
+    return import_module("matplotlib")
+
+
 def _bundled(name: str) -> Path:
     """Return a font file that matplotlib carries."""
-    import matplotlib as mpl
-
-    return Path(mpl.get_data_path()) / "fonts" / "ttf" / name
+    return Path(drawing_library().get_data_path()) / "fonts" / "ttf" / name
 
 
 @cache

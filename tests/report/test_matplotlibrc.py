@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import ast
+import os
 
 import pytest
-from failing import run_here, run_warm
+from failing import run, run_here, run_warm
 from matplotlib import rc_params_from_file, rcParamsDefault
 from places import PACKAGE
 
@@ -71,6 +72,33 @@ def test_a_matplotlibrc_of_the_user_changes_no_byte(tmp_path):
         assert run.returncode in {0, 1}, run
         pages.append((folder / "out.html").read_bytes())
     assert pages[0] == pages[1]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes of POSIX systems")
+def test_no_setting_of_the_drawing_library_ends_a_report(tmp_path):
+    """A notebook's backend, a file that is none or a pipe: the same page, no word more.
+
+    A pipe in the current folder would be waited for, for ever.
+    """
+    folder, broken = tmp_path / "here", tmp_path / "broken"
+    folder.mkdir()
+    (folder / "one.yaml").write_text(DEVICE, encoding="utf-8")
+    broken.write_bytes(b"axes.grid: maybe\nnokey: \xff\n")
+    first = run_here(*REPORT, folder=folder, SOURCE_DATE_EPOCH="0")
+    clean = (folder / "out.html").read_bytes()
+    os.mkfifo(folder / "matplotlibrc")
+    outcome = run(
+        *REPORT,
+        folder=folder,
+        SOURCE_DATE_EPOCH="0",
+        MPLBACKEND="module://matplotlib_inline.backend_inline",
+        MATPLOTLIBRC=str(broken),
+        MPLCONFIGDIR="/proc/none",
+    )
+    assert outcome.returncode == first.returncode, outcome
+    assert outcome.stderr == b"out.html: written\n"
+    assert (folder / "out.html").read_bytes() == clean
 
 
 def test_every_line_of_the_hostile_file_is_one_that_the_library_obeys(tmp_path):

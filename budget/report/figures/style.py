@@ -18,6 +18,7 @@ from warnings import catch_warnings, filterwarnings
 from budget.model.sources import SOURCES
 from budget.names import Name
 from budget.report.blocks import Picture
+from budget.report.fonts import drawing_library
 from budget.results import INTERACTION
 
 if TYPE_CHECKING:
@@ -105,17 +106,17 @@ def house_style() -> Iterator[None]:
     Such a file may stand in any folder: `text.usetex` in one would start a program.
     Also a decorator, of every function that draws.
     """
-    from matplotlib import rc_context, rcParamsDefault
-
     if _STYLED.get():
         yield
         return
+    mpl = drawing_library()
     defaults = {
-        name: rcParamsDefault[name] for name in rcParamsDefault.keys() - OF_WINDOWS
+        name: mpl.rcParamsDefault[name]
+        for name in mpl.rcParamsDefault.keys() - OF_WINDOWS
     }
     token = _STYLED.set(True)
     try:
-        with rc_context(defaults | STYLE):
+        with mpl.rc_context(defaults | STYLE):
             yield
     finally:
         _STYLED.reset(token)
