@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import logging
 import os
 import signal
 import sys
@@ -148,6 +149,8 @@ def main() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Files are read by our schemas alone: no plugins are looked for among all packages.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+    # Other libraries' talk is not ours: what a person must know is said in our words.
+    logging.disable(logging.NOTSET if os.environ.get(DETAILS) else logging.CRITICAL)
     # Nearly all objects of a run are modules and classes, which stay: to look through
     # them for circles at every 700 new ones takes a tenth of its time.
     gc.set_threshold(GARBAGE)
@@ -175,6 +178,8 @@ def _guard(journal: Journal) -> None:
             f"there is not enough memory for this run, {_written(journal)}; expected "
             "some 300 MB and more for each worker: use fewer workers, trials or windows"
         )
+    except KeyboardInterrupt:
+        _stop(f"{ENDINGS[EXIT_INTERRUPTED]}; {_written(journal)}", EXIT_INTERRUPTED)
     except SystemExit as end:
         said = ENDINGS.get(end.code) if isinstance(end.code, int) else None
         if said is not None:  # typer answers Ctrl-C with its code, in silence

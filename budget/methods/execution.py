@@ -23,7 +23,7 @@ from hashlib import sha256
 from itertools import islice
 from multiprocessing import get_context, parent_process
 from threading import Thread
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from threadpoolctl import ThreadpoolController
@@ -132,6 +132,19 @@ class _Pool(ProcessPoolExecutor, WatchedExecutor):
     the worker died. Without workers, and with its own end of the pipe closed, it does.
     """
 
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:  # noqa: ANN401 - as Executor has it
+        """Give a task; a process that this starts never hears of Ctrl-C.
+
+        It would end in a traceback while it loads, before it can ignore it.
+        """
+        if not hasattr(signal, "pthread_sigmask"):  # no POSIX system
+            return super().submit(fn, *args, **kwargs)
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            return super().submit(fn, *args, **kwargs)
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
     def fault(self) -> str:
         """Let the pool see that a worker died; it says so itself."""
         workers = list((self._processes or {}).values())
@@ -206,9 +219,11 @@ def in_order(
             yield _result(under_way.popleft(), executor)
             under_way.extend(executor.submit(work, task) for task in islice(source, 1))
     except (BrokenExecutor, CancelledError):
+        fault = executor.fault() if isinstance(executor, WatchedExecutor) else ""
         raise WorkerError(
-            "a worker died before its task was done, or its scheduler did; nothing was "
-            "computed with what it left. A script that asks for workers needs its "
+            fault
+            or "a worker died before its task was done, or its scheduler did; nothing "
+            "was computed with what it left. A script that asks for workers needs its "
             "calls under `if __name__ == '__main__':`; else memory may have run out: "
             "use fewer"
         ) from None

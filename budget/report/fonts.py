@@ -19,7 +19,6 @@ from html import escape
 from importlib import import_module
 from importlib.util import find_spec
 from itertools import groupby
-from logging import ERROR, getLogger
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from unicodedata import category
@@ -280,7 +279,6 @@ def drawing_library() -> Any:  # noqa: ANN401 - a module
     found = find_spec("matplotlib")
     if is_kept() and found is not None and "matplotlib" not in sys.modules:
         os.environ.pop("MPLBACKEND", None)
-        getLogger("matplotlib").setLevel(ERROR)  # it warns of folders for its caches
         with chdir(Path(found.origin or "").parent / "mpl-data"):
             import_module("matplotlib")
     return import_module("matplotlib")

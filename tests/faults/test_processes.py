@@ -12,6 +12,7 @@ from contextlib import suppress
 from pathlib import Path
 from time import monotonic, sleep
 
+import numpy as np
 import pytest
 from command_line import call
 from failing import (
@@ -276,6 +277,64 @@ def test_ctrl_c_leaves_no_process_and_no_file(workers, start, tmp_path, at_work)
         workers_of(process)
     else:
         wait_for_block(process, at_work, 1)
+    os.killpg(process.pid, signal.SIGINT)
+    _, talk = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 130
+    assert "interrupted" in talk.decode()
+    assert "Traceback" not in talk.decode()
+    assert is_gone(process.pid)
+    assert contents(tmp_path) == {}
+
+
+# Raises a signal while a module is loaded: the rest of the start-up is still to come.
+LOADING = """
+import os, runpy, sys
+
+
+class Watch:
+    def find_spec(self, name, *_):
+        if name == sys.argv[-1]:
+            del sys.meta_path[0]
+            os.kill(os.getpid(), int(os.environ["SIGNAL"]))
+
+
+sys.meta_path.insert(0, Watch())
+runpy.run_module("budget", run_name="__main__", alter_sys=True)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("module", ["budget.cli", "typer", "budget.report.rendering"])
+@pytest.mark.parametrize(
+    ("number", "code", "word"),
+    [
+        (signal.SIGINT, 130, b"interrupted"),
+        (signal.SIGTERM, 143, b"ended on request"),
+        (signal.SIGHUP, 129, b"hung up"),
+    ],
+)
+def test_a_signal_while_the_command_is_loaded(number, code, word, module):
+    """Its code and its words, as later."""
+    outcome = subprocess.run(
+        [sys.executable, "-c", LOADING, module],
+        env=environment(SIGNAL=str(int(number))),
+        capture_output=True,
+        check=False,
+        timeout=PATIENCE,
+    )
+    assert outcome.returncode == code
+    assert outcome.stderr == word + b"; nothing was written\n"
+
+
+@pytest.mark.slow
+@needs_proc
+@pytest.mark.parametrize("seed", range(3))
+def test_ctrl_c_while_workers_are_loaded(seed, start, tmp_path):
+    """The workers, which the terminal interrupts too, say nothing of it."""
+    process = start(*TWO_WORKERS)
+    while len(children(process)) < 2:
+        sleep(0.001)
+    sleep(np.random.default_rng(seed).uniform(0.0, 0.3))
     os.killpg(process.pid, signal.SIGINT)
     _, talk = process.communicate(timeout=PATIENCE)
     assert process.returncode == 130

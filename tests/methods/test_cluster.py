@@ -396,3 +396,44 @@ def test_the_command_without_workers_left_ends_with_2(lone_worker):
     assert command.returncode == 2
     assert "no workers are left" in talk
     assert "Traceback" not in talk
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGTERM])
+def test_the_command_whose_scheduler_dies_says_that_alone(end):
+    """No log of another library stands before the words, and none after them."""
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    address = f"tcp://127.0.0.1:{port}"
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    dask = (sys.executable, "-m")
+    far = ("--host", "127.0.0.1", "--port", str(port), "--no-dashboard")
+    near = (address, "--nthreads", "1", "--no-nanny", "--no-dashboard")
+    scheduler = subprocess.Popen(
+        [*dask, "distributed.cli.dask_scheduler", *far], **quiet
+    )
+    worker = subprocess.Popen([*dask, "distributed.cli.dask_worker", *near], **quiet)
+    started = [scheduler, worker]
+    try:
+        with distributed.Client(address, timeout=PATIENCE, set_as_default=False) as own:
+            own.wait_for_workers(1, timeout=PATIENCE)
+            run = ("budget", "analyze", "zhao-2019", "--cluster", address)
+            command = subprocess.Popen(
+                [*dask, *run, "--method", "monte-carlo", "--trials", "100000000"],
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.PIPE,
+                text=True,
+            )
+            started.append(command)
+            while not any(own.processing().values()):  # it works for the command
+                assert command.poll() is None
+                sleep(0.1)
+        scheduler.send_signal(end)
+        _, talk = command.communicate(timeout=PATIENCE)
+    finally:
+        for process in started:
+            process.kill()
+            process.wait()
+    assert command.returncode == 2
+    (line,) = talk.splitlines()
+    assert line.startswith("the cluster's scheduler went away")
