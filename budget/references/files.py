@@ -17,7 +17,7 @@ from budget.resources import shipped
 from budget.spec.changes import check_used, read_change
 from budget.spec.checking import nearest
 from budget.spec.device import read_device, root_of, variant_names
-from budget.spec.files import FOLDERS, NamedFile, find, open_file
+from budget.spec.files import FOLDERS, NamedFile, find, lies_in, open_file
 from budget.spec.load import PAPER
 from budget.spec.reader import parse
 from budget.spec.station import named_station, station_file
@@ -303,11 +303,7 @@ def _confine(role: str, file: str, path: Path, tree: Path, reference: str) -> No
     Whoever forges a reference would else have any file of the reader's read, and lines
     of it in a message.
     """
-    try:
-        inside = path.resolve().is_relative_to(tree.resolve())
-    except (OSError, ValueError, RuntimeError):  # no name of a file, or links in a ring
-        inside = False
-    if not inside:
+    if not lies_in(path, tree):
         raise ReferenceFileError(
             f"{reference}: its {role} {file} is outside {tree}, expected a "
             "file in the tree of the reference; it was not opened. If you trust the "

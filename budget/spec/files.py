@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from budget.errors import CallError
+from budget.errors import CallError, SpecError
 from budget.resources import shipped
 from budget.spec.checking import nearest
 from budget.spec.reader import INPUT, read, read_stdin, refuse
@@ -208,6 +209,41 @@ def exists(path: Path) -> bool:
         return path.exists()
     except (OSError, ValueError):
         return False
+
+
+def lies_in(path: Path, tree: Path) -> bool:
+    """Say whether a file is in a folder or below it, links followed."""
+    try:
+        return path.resolve().is_relative_to(tree.resolve())
+    except (OSError, ValueError, RuntimeError):  # no name of a file, or links in a ring
+        return False
+
+
+@contextmanager
+def unshown(path: Path, what: str, document: Document, node: Node) -> Iterator[None]:
+    """Read a file that another one names at `node`; show nothing of a stranger's.
+
+    Whoever writes a file for others could else name any file of theirs, and have lines
+    of it in a message. In the folder of the file that names it, or below, it is ours.
+
+    Raises
+    ------
+    SpecError
+        What is wrong; of a file elsewhere, where that begins.
+    """
+    try:
+        yield
+    except SpecError as error:
+        folder = Path(document.file).parent
+        if lies_in(path, folder):
+            raise
+        first = error.issues[0]
+        message = (
+            f"found {describe(node.value)}, which cannot be read as {what}, from line "
+            f"{first.line}, column {first.column} on; nothing of a file outside "
+            f"{str(folder)!r} is shown: copy it there to see what is wrong"
+        )
+        raise all_of([document.issue(node, message)]) from None
 
 
 def _check_format(document: Document) -> None:

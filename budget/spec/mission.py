@@ -15,7 +15,7 @@ from budget.language import note
 from budget.navigation.route import STEP, TURN_STEP, Leg, Legs, Start, Track, moved
 from budget.spec.checking import check
 from budget.spec.fields import Measured, ShortText, Sign, Strict, fault, faults
-from budget.spec.files import exists
+from budget.spec.files import exists, unshown
 from budget.spec.procedure import MOST_HEIGHT
 from budget.spec.records import Mission, Origin
 from budget.spec.trajectory import (
@@ -519,7 +519,8 @@ def _recorded(document: Document, part: MissionPart) -> Recorded:
             "expected a CSV file, by its place from this file"
         )
         raise all_of([document.issue(node, message)])
-    recorded = read_trajectory(path, str(path))
+    with unshown(path, "a CSV file of a trajectory", document, node):
+        recorded = read_trajectory(path, str(path))
     end = float(recorded.time[-1])
     messages: Faults = part.late(end)
     if part.alignment == SELF and recorded.first_speed > LEAST_SPEED:

@@ -29,7 +29,7 @@ from budget.spec.fields import (
     fault,
     faults,
 )
-from budget.spec.files import open_file
+from budget.spec.files import open_file, unshown
 from budget.spec.records import (
     AXES,
     AccelerometerProcedure,
@@ -513,8 +513,11 @@ def read_procedure(document: Document, station: Document | None = None) -> Proce
     if named is None:
         return with_use(procedure, use)
     if station is None:
-        station = open_file(station_file(document), STATION)
-    there = read_station(station)
+        file, node = station_file(document), document.root.nearest((STATION,))
+        with unshown(file.path, f"a {STATION}", document, node):
+            there = read_station(open_file(file, STATION))
+    else:
+        there = read_station(station)
     if model.environment is not None and there.environment:
         node = document.root.nearest(("environment",))
         message = f"stands beside that of {named}, which has one; remove one of them"
