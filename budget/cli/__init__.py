@@ -29,9 +29,10 @@ from budget.cli.paper import paper
 from budget.cli.report import report
 from budget.cli.station import station
 from budget.cli.streams import in_line, prepare_streams, talk, tell
-from budget.errors import BudgetError, WorkerError
+from budget.errors import BudgetError, CallError, WorkerError
 from budget.journal import keep_journal
 from budget.report.rendering import document_date
+from budget.spec.tree import LONGEST_SHOWN
 from budget.version import __version__
 
 if TYPE_CHECKING:
@@ -44,6 +45,7 @@ EXIT_BAD_INPUT = 2
 EXIT_SIGNAL = 128  # and the number of the signal, as shells count
 EXIT_INTERRUPTED = 130  # SIGINT
 EXIT_FAULT = 70  # of the program itself, as sysexits.h has it
+LONGEST_WORD = 4096  # characters of an argument: no path that can be opened is longer
 GARBAGE = 100_000  # new objects before circles among them are looked for
 DETAILS = "BUDGET_TRACEBACK"  # environment variable: print where a fault arose
 ENDINGS = {129: "hung up", EXIT_INTERRUPTED: "interrupted", 143: "ended on request"}
@@ -66,6 +68,10 @@ class _Commands(TyperGroup):
         """Run the command."""
         try:
             return super().invoke(ctx)
+        except typer.BadParameter as error:  # from typer 0.29 on with pydantic's words
+            said = error.message.removeprefix("Value error, ").partition(", unable")[0]
+            error.message = said.replace("Input should be", "expected")
+            raise
         except BrokenPipeError as error:
             raise WorkerError(
                 "a pipe to another process of this run broke, expected one that stays "
@@ -198,6 +204,12 @@ def _written(journal: Journal) -> str:
 def _run() -> None:
     """Run the command, and see that all it printed has gone out."""
     _check_epoch()
+    for word in sys.argv[1:]:  # whatever is wrong with it, a message would repeat it
+        if len(word) > LONGEST_WORD:
+            raise CallError(
+                f"the argument '{word[:LONGEST_SHOWN]}...' has {len(word)} characters, "
+                f"{LONGEST_WORD} are the most of one; give a longer text in a file"
+            )
     try:
         app()
     finally:

@@ -30,6 +30,7 @@ def allocate(
     strategy: Annotated[
         Literal["equal", "proportional", "cost"] | None,
         typer.Option(
+            case_sensitive=False,
             help="How limits are shared out (proportional; cost where --costs is).",
             show_default=False,
         ),

@@ -57,7 +57,9 @@ def check(
     ] = None,
     kind: Annotated[
         Literal["analyze", "compare", "allocate"] | None,
-        typer.Option(help="What to store (analyze).", show_default=False),
+        typer.Option(
+            case_sensitive=False, help="What to store (analyze).", show_default=False
+        ),
     ] = None,
     requirement: Annotated[
         str | None,
@@ -79,6 +81,7 @@ def check(
     method: Annotated[
         Literal["gum", "monte-carlo", "simulation"] | None,
         typer.Option(
+            case_sensitive=False,
             help="How uncertainty is propagated (gum, for every kind).",
             show_default=False,
         ),
@@ -98,7 +101,9 @@ def check(
     coverage: options.Coverage = None,
     interval: Annotated[
         Literal["symmetric", "shortest"] | None,
-        typer.Option(help="Of Monte Carlo (symmetric).", show_default=False),
+        typer.Option(
+            case_sensitive=False, help="Of Monte Carlo (symmetric).", show_default=False
+        ),
     ] = None,
     reference: options.Reference = None,
     only: options.Only = None,
@@ -108,6 +113,7 @@ def check(
     strategy: Annotated[
         Literal["equal", "proportional", "cost"] | None,
         typer.Option(
+            case_sensitive=False,
             help="How an allocation shares limits out (proportional; cost with "
             "--costs).",
             show_default=False,
@@ -408,7 +414,9 @@ def _show_mission(name: str) -> None:
 def schema(
     kind: Annotated[
         SchemaKind,
-        typer.Argument(metavar="KIND", help=", ".join(get_args(SchemaKind))),
+        typer.Argument(
+            metavar="KIND", case_sensitive=False, help=", ".join(get_args(SchemaKind))
+        ),
     ],
 ) -> None:
     """Print the JSON Schema of a kind of file, for editors that complete and check.

@@ -48,7 +48,7 @@ def compare(
     environment: options.Environment = None,
     method: Annotated[
         Literal["gum", "monte-carlo"],
-        typer.Option(help="gum is the fast screen."),
+        typer.Option(case_sensitive=False, help="gum is the fast screen."),
     ] = "monte-carlo",
     trials: Annotated[int | None, options.FIRST_TRIALS] = None,
     max_trials: Annotated[int | None, options.MOST_OF_A_DEVICE] = None,

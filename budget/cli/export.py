@@ -69,7 +69,11 @@ def export(
             "matlab",
             "nav-toolkit",
         ],
-        typer.Option("--to", help="What reads the file; nav-toolkit is NaveGo."),
+        typer.Option(
+            "--to",
+            case_sensitive=False,
+            help="What reads the file; nav-toolkit is NaveGo.",
+        ),
     ],
     residual: Annotated[
         bool,

@@ -206,6 +206,7 @@ Environment = Annotated[
 Accept = Annotated[
     Literal["meets", "meets_if"],
     typer.Option(
+        case_sensitive=False,
         help="The least verdict whose exit code is 0: meets_if accepts conditions that "
         "nobody has stated.",
     ),
@@ -245,15 +246,17 @@ OUTPUT: Any = typer.Option(
 )
 Paper = Annotated[
     Literal["a4", "letter"],
-    typer.Option(help="Sheets of a PDF: A4, or US Letter."),
+    typer.Option(case_sensitive=False, help="Sheets of a PDF: A4, or US Letter."),
 ]
 Language = Annotated[
     Literal["en", "zh"],
-    typer.Option(help="Language of results and pages: English, or Chinese."),
+    typer.Option(
+        case_sensitive=False, help="Language of results and pages: English, or Chinese."
+    ),
 ]
 Method = Annotated[
     Literal["gum", "monte-carlo", "simulation"],
-    typer.Option(help="How uncertainty is propagated."),
+    typer.Option(case_sensitive=False, help="How uncertainty is propagated."),
 ]
 Trials = Annotated[
     int | None,
@@ -328,11 +331,14 @@ Coverage = Annotated[
 ]
 Interval = Annotated[
     Literal["symmetric", "shortest"],
-    typer.Option(help="Coverage interval of Monte Carlo results."),
+    typer.Option(
+        case_sensitive=False, help="Coverage interval of Monte Carlo results."
+    ),
 ]
 Reference = Annotated[
     Literal["nominal", "as_tested", "next_turn_on"] | None,
     typer.Option(
+        case_sensitive=False,
         help="Error reference: what errors are counted from (nominal).",
         show_default=False,
     ),
@@ -396,6 +402,7 @@ Grades = Annotated[
 Missing = Annotated[
     Literal["refuse", "worst", "typical", "predict"],
     typer.Option(
+        case_sensitive=False,
         help="What stands for expected lines that a device does not give: nothing, the "
         "worst or the median of comparable devices, or a distribution predicted from "
         "them. Exit codes go by refuse.",

@@ -76,8 +76,9 @@ def station(
     strategy: Annotated[
         Literal["equal", "proportional"],
         typer.Option(
+            case_sensitive=False,
             help="How figures share the limits: in equal parts, or in proportion to "
-            "the procedure's own station."
+            "the procedure's own station.",
         ),
     ] = "equal",
     stations: Annotated[

@@ -28,6 +28,7 @@ from budget.references.records import (
     Sha256,
     files_fault,
 )
+from budget.spec.checking import in_our_words
 from budget.spec.reader import MOST_BYTES as LONGEST_INPUT
 from budget.spec.schema import schema_of
 from budget.version import __version__
@@ -41,7 +42,7 @@ MOST_BYTES = 8 * 1024 * 1024  # forty times the largest that ships
 WRITER = "`budget check --save`"
 RESTORE = "restore it from version control, or save it again"
 SHOWN = 3  # faults that one message says
-WORDED = {"unexpected_keyword_argument": "Extra inputs are not permitted"}
+WORDED = {"unexpected_keyword_argument": "extra inputs are not permitted"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -248,7 +249,7 @@ def _faults(error: ValidationError, shown: str) -> str:
     found = error.errors(include_url=False)
     lines = [
         f"{shown}: {'.'.join(str(step)[:40] for step in one['loc'])}: "
-        f"{WORDED.get(one['type'], one['msg']).lower()}"
+        f"{WORDED.get(one['type']) or in_our_words(one)}"
         for one in found[:SHOWN]
     ]
     if len(found) > SHOWN:

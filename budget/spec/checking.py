@@ -44,6 +44,18 @@ _RADIUS = {
     "r95": "expected 'horizontal' with 'probability: 95 %' beside it",
 }
 
+# Bounds of pydantic in our words; of a range it names one end at a time.
+_BOUNDS = {
+    "greater_than": "expected more than {gt}",
+    "greater_than_equal": "expected {ge} or more",
+    "less_than": "expected less than {lt}",
+    "less_than_equal": "expected {le} or less",
+    "too_short": "has {actual_length} items, expected {min_length} or more",
+    "too_long": "has {actual_length} items, expected {max_length} at the most",
+    "string_too_long": "expected at most {max_length} characters",
+    "finite_number": "expected a finite number",
+    "int_parsing_size": "expected a number of fewer digits",
+}
 _EXPECTED = {
     "string_type": "expected text; put it in quotes",
     "int_type": "expected a whole number, such as 1",
@@ -76,7 +88,7 @@ def check(
     issues: list[Issue] = []
     context = {} if gravity is None else {"gravity": gravity}
     try:
-        checked = model.model_validate(plain(root), context=context)
+        checked = _validated(model, root, context, {})
     except ValidationError as error:
         details = error.errors(include_url=False)[: MOST_ISSUES + 1]
         issues.extend(_issue(document, root, model, detail) for detail in details)
@@ -88,10 +100,42 @@ def check(
     raise all_of([*document.issues, *new])
 
 
+def _validated(
+    model: type[Model], root: Node, context: dict[str, float], words: dict[int, str]
+) -> Model:
+    """Read the values; `words` stand for those of fixed lists in other capitals.
+
+    They are looked for where something is wrong: a file without them costs nothing.
+
+    Raises
+    ------
+    pydantic_core.ValidationError
+        Of what is wrong besides.
+    """
+    try:
+        return model.model_validate(plain(root, words), context=context)
+    except ValidationError as error:
+        found = dict(words)
+        for detail in error.errors(include_url=False):
+            if detail["type"] == "literal_error":
+                node = root.nearest(detail["loc"])
+                allowed = {word.lower(): word for word in _words_of(detail)}
+                if word := allowed.get(node.written.lower()):
+                    found[id(node)] = word
+        if found == words:
+            raise
+    return _validated(model, root, context, found)
+
+
+def _words_of(detail: ErrorDetails) -> tuple[str, ...]:
+    """Return the words that a finding of pydantic allows."""
+    return tuple(re.findall(r"'([^']*)'", detail["ctx"]["expected"]))
+
+
 @lru_cache(maxsize=1024)
 def nearest(word: str, allowed: tuple[str, ...]) -> str:
     """Return a hint at the allowed word that is nearest, or ''."""
-    by_lower = {name.lower(): name for name in allowed}
+    by_lower = {name.lower(): name for name in allowed if name != word}
     near = get_close_matches(word.lower(), by_lower, n=1)
     return f"; did you mean {by_lower[near[0]]!r}?" if near else ""
 
@@ -157,8 +201,7 @@ def _issue(
     if kind == "budget":
         message = f"{detail['msg']}{_see(steps) if 'expected' in detail['msg'] else ''}"
     elif kind == "literal_error":
-        words = tuple(re.findall(r"'([^']*)'", detail["ctx"]["expected"]))
-        hint = _slip(node.written, words)
+        hint = _slip(node.written, _words_of(detail))
         see = f"; what makers mean: {MEANINGS}" if steps[-1] == "meaning" else ""
         message = f"found {found}, expected {detail['ctx']['expected']}{hint}{see}"
     elif kind in _EXPECTED:
@@ -166,8 +209,17 @@ def _issue(
         if kind == "tuple_type":
             message += _bracketed(model, steps, node)
     else:
-        message = f"found {found}; {detail['msg'].lower()}"
+        message = f"found {found}, {in_our_words(detail)}"
     return document.issue(node, message)
+
+
+def in_our_words(detail: ErrorDetails) -> str:
+    """Return what pydantic expects."""
+    kind, about = detail["type"], detail.get("ctx", {})
+    if kind in _BOUNDS:
+        return _BOUNDS[kind].format_map(about)
+    said = detail["msg"].removeprefix("Value error, ")
+    return _EXPECTED.get(kind, said.lower().replace("input should be", "expected"))
 
 
 def _mended(node: Node, kind: str) -> str:

@@ -48,7 +48,8 @@ LEVEL = note(
 SHORTEST = 1e-3  # of a segment [s]
 MOST_SEGMENTS = 10_000
 MOST_STEPS = 10_000  # in which errors are carried along: 160 turns, 83 h of level
-MOST_TIMES = 100  # that are asked for
+# That are asked for: the law has second derivatives of every output.
+MOST_TIMES = 16
 DECADES = (10.0, 60.0, 600.0, 3600.0)  # asked for where nothing is said [s]
 _ROUNDING = 1e-9  # of a time, relative
 _SAME = 1e-6  # of a heading [rad], and of a speed, relative

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from budget.errors import Issue, SpecError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
 
 @dataclass(frozen=True, order=True)
@@ -95,13 +95,16 @@ def all_of(issues: Iterable[Issue]) -> SpecError:
     return SpecError(tuple(found))
 
 
-def plain(node: Node) -> object:
-    """Return the values alone: dicts, tuples and scalars."""
+def plain(node: Node, words: Mapping[int, str] | None = None) -> object:
+    """Return the values alone: dicts, tuples and scalars.
+
+    `words` stand for the values of some nodes, by their id().
+    """
     if isinstance(node.value, dict):
-        return {key: plain(child) for key, child in node.value.items()}
+        return {key: plain(child, words) for key, child in node.value.items()}
     if isinstance(node.value, tuple):
-        return tuple(plain(item) for item in node.value)
-    return node.value
+        return tuple(plain(item, words) for item in node.value)
+    return words.get(id(node), node.value) if words else node.value
 
 
 def merge(base: Node, over: Node, *, short: bool = False) -> Node:

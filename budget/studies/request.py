@@ -47,6 +47,7 @@ from budget.names import (
     time_text,
 )
 from budget.spec import load_procedure
+from budget.spec.mission import MOST_TIMES
 from budget.spec.records import UNCALIBRATED, Device
 from budget.studies.lower_bounds import expecting, lacking, lacking_of_mission
 from budget.studies.missing import Filling
@@ -72,7 +73,6 @@ SHARED = (STATION, ENVIRONMENT)  # what all triads share
 DEFAULT_COVERAGE = 0.95  # [1]
 DEFAULT_REFERENCE = "nominal"
 SAME_TIME = 1e-9  # relative; of two times that are one [1]
-MOST_TIMES = 16  # of a mission: the law holds second derivatives of every output
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -18,6 +18,7 @@ import pytest
 from command_line import call, start
 from places import PACKAGE
 from saying import assert_says
+from typer.main import get_command
 
 from budget.cli import app
 from budget.resources import shipped
@@ -603,3 +604,39 @@ def test_bad_standard_input_is_refused_in_place(text, said, monkeypatch):
     assert found.err.startswith("standard input:1:")
     monkeypatch.setattr(sys, "stdin", None)
     assert_says(call("analyze", "-").err, "standard input", "is closed")
+
+
+def test_every_word_of_a_fixed_list_may_stand_in_capitals():
+    """Options with a list of words, of every command."""
+    lists = [
+        (name, option)
+        for name, command in get_command(app).commands.items()
+        for option in command.params
+        if "Literal[" in str(option.type_descriptor.annotation)
+    ]
+    assert len(lists) > 20
+    for name, option in lists:
+        assert not option.type_descriptor.case_sensitive, (name, option.name)
+    assert call("schema", "DEVICE").out == call("schema", "device").out
+
+
+def test_an_argument_that_is_no_name_is_not_repeated():
+    """One of 100,000 characters is shortened, whichever option it is of."""
+    long = "a" * 100_000
+    for words in (["analyze", long], ["export", "--to", long], ["--set", long]):
+        run = call(*words)
+        assert run.code == 2
+        assert "has 100000 characters" in run.err
+        assert len(run.err) < 300
+
+
+def test_what_is_wrong_with_an_option_is_in_words_of_our_own():
+    """Nothing of the library that reads them."""
+    for words in (
+        ["schema", "x"],
+        ["analyze", "--seed", "x"],
+        ["check", "--seed", "-1"],
+    ):
+        run = call(*words)
+        assert run.code == 2
+        assert not re.search("value error|input should|parse", run.err, re.IGNORECASE)

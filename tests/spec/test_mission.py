@@ -199,7 +199,7 @@ def test_a_group_is_repeated():
         ({"climb": "1 h", "rate": "-30 m/s"}, ".climb", "-108 km, expected"),
         ({**STAND, "segments": [STAND]}, ".stand", "beside a group"),
         ({"segments": []}, ".segments", "at least"),
-        ({**STAND, "repeat": 0}, ".repeat", "greater"),
+        ({**STAND, "repeat": 0}, ".repeat", "expected 1 or more"),
     ],
 )
 def test_a_segment_is_one_thing_within_bounds(segment, where, what):
@@ -263,7 +263,8 @@ def test_a_pole_is_not_flown_over(sense):
             "standing",
         ),
         ({"altitude": "held"}, "altitude", "'aided' or 'free'"),
-        ({"at": []}, "at", "1 to 100"),
+        ({"at": []}, "at", "1 to 16"),
+        ({"at": [f"{n} s" for n in range(1, 18)]}, "at", "17 times, expected 1 to 16"),
         ({"at": "60 s"}, "at", r"brackets, such as 'at: \[60 s\]'"),
         ({"at": 60}, "at", r"brackets, such as 'at: \[60\]'"),
         ({"at": {"one": "60 s"}}, "at", "in brackets, such as .x, y. of two items$"),

@@ -11,7 +11,9 @@ import yaml
 from budget.errors import SpecError
 from budget.resources import shipped
 from budget.spec import composer, load_device, load_procedure, validate
+from budget.spec.checking import nearest
 from budget.spec.composer import compose
+from budget.spec.load import load_costs
 from budget.spec.reader import read
 
 GYRO = "name: x\ngyro:\n  errors:\n"
@@ -203,7 +205,7 @@ BAD = {
     "gravity unit": ("name: x\ngyro: {}\ngravity_unit: 9.81 m/s\n", "3:15", "m/s"),
     "gravity typo": ("name: x\ngyro: {}\ngravity_unit: 980 m/s^2\n", "3:15", "9.5 to"),
     "half a turn": ("latitude: 0 deg\ngyro: {turns: 0.5}\n", "2:15", "whole number"),
-    "no turn": ("latitude: 0 deg\ngyro: {turns: 0}\n", "2:15", "equal to 1"),
+    "no turn": ("latitude: 0 deg\ngyro: {turns: 0}\n", "2:15", "expected 1 or more"),
     "octal turns": ("latitude: 0 deg\ngyro: {turns: 010}\n", "2:15", "did you mean 10"),
     "turns with _": ("latitude: 0 deg\ngyro: {turns: 1_000}\n", "2:15", "mean 1000"),
     "turns with unit": (
@@ -230,7 +232,7 @@ BAD = {
         "2:14",
         "a turn of 0.5 s has no sample",
     ),
-    "formulas": ("formulas: Paper\n", "1:11", "did you mean 'paper'"),
+    "formulas": ("formulas: Papr\n", "1:11", "did you mean 'paper'"),
     "no limits": (LIMITS + "  gyro: {}\n", "3:3", "names no limit"),
     "zero limit": (LIMITS + "  gyro: {bias: 0 deg/h}\n", "3:16", "positive"),
     "limit of nothing": (LIMITS + "  gyro: {noise: 1 ppm}\n", "3:10", "unknown key"),
@@ -253,7 +255,7 @@ BAD = {
     "free": (
         "costs: {gyro.bias_stability: {a: 0}}\n",
         "1:34",
-        "greater than or equal to",
+        "expected 1e-12 or more",
     ),
     "infinite": (
         "costs: {gyro.bias_stability: {a: .inf}}\n",
@@ -442,3 +444,42 @@ def test_no_shipped_file_drives_another_out(tmp_path):
         for path in files:
             read(path, str(path))
     assert not composed.called
+
+
+def test_a_word_of_a_fixed_list_may_stand_in_capitals(tmp_path):
+    """It is understood, at any depth; what else is wrong is said as ever."""
+    text = (
+        "name: x\ngyro: {errors: {bias_stability: {value: 1 deg/h, meaning: MAX, "
+        "distribution: Normal}, angle_random_walk: {value: 1 deg/sqrt(h), "
+        "meaning: %s}}}\n"
+    )
+    (tmp_path / "a.yaml").write_text(text % "Max", encoding="utf-8")
+    (tmp_path / "b.yaml").write_text(text.lower() % "max", encoding="utf-8")
+    (tmp_path / "c.yaml").write_text(text % "MAXI", encoding="utf-8")
+    a, b = (load_device(tmp_path / name) for name in ("a.yaml", "b.yaml"))
+    assert [one.u.tolist() for one in a.sensors[0].lines] == [
+        one.u.tolist() for one in b.sensors[0].lines
+    ]
+    with pytest.raises(SpecError) as error:
+        load_device(tmp_path / "c.yaml")
+    (issue,) = error.value.issues
+    assert "found 'MAXI'" in issue.message
+
+
+@pytest.mark.parametrize("allowed", [("alpha",), ("alpha", "ALPHA")])
+def test_no_hint_proposes_what_stands_there(allowed):
+    """What was written is no word that could have been meant."""
+    assert "'alpha'" not in nearest("alpha", allowed)
+    assert "did you mean 'alpha'?" in nearest("alphb", ("alpha",))
+
+
+def test_bounds_are_in_words_of_our_own(tmp_path):
+    """A list that is too short or a number too large: no word of the library's."""
+    costs = "costs: {gyro.bias_stability: {a: 1e99, p: -1}}\n"
+    (tmp_path / "c.yaml").write_text(costs, encoding="utf-8")
+    with pytest.raises(SpecError) as error:
+        load_costs(tmp_path / "c.yaml")
+    said = str(error.value).lower()
+    assert "or less" in said
+    assert "or more" in said
+    assert not re.search("input should|should have|value error", said)

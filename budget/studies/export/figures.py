@@ -287,7 +287,8 @@ def _step(known: Known) -> Figure | Missing:
     if isinstance(sigma, Missing) or isinstance(memory, Missing):
         return sigma if isinstance(sigma, Missing) else memory
     # 1 - phi^2 without the loss of digits that phi near 1 brings.
-    value = sigma.value * np.sqrt(-np.expm1(2.0 * np.log(memory.value)))
+    with np.errstate(divide="ignore"):  # nothing is left of a fast one: phi is 0
+        value = sigma.value * np.sqrt(-np.expm1(2.0 * np.log(memory.value)))
     said = f"w = sigma sqrt(1 - phi^2) = {print_values(value)}, of each sample"
     return Figure(
         value=value,

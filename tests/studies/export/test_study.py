@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 from math import exp, expm1, pi, sqrt
 
@@ -531,3 +532,23 @@ def test_every_target_says_where_its_keys_were_read():
         keys = [entry.key for entry in target.entries]
         assert len(set(keys)) == len(keys)
         assert find_target(target.name) is target
+
+
+@pytest.mark.parametrize("to", NAMES)
+@pytest.mark.parametrize("time", ["1e-9 s", "1e9 s"])
+def test_processes_of_any_speed_are_exported_without_a_warning(to, time, tmp_path):
+    """Nothing is left of a fast one after a sample, and each step is sigma."""
+    text = (
+        "name: x\ngyro: {errors: {angle_random_walk: 1 deg/sqrt(h), "
+        "bias_repeatability: 1 deg/h, scale_factor_repeatability: 9 ppm,"
+        f" bias_stability: {{value: 1 deg/h, correlation_time: {time}}}}}}}\n"
+        "accelerometer: {errors: {velocity_random_walk: 1 m/s/sqrt(h), "
+        "bias_repeatability: 1 mg, scale_factor_repeatability: 9 ppm, "
+        f"bias_stability: {{value: 1 mg, correlation_time: {time}}}}}}}\n"
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = values(export(device(tmp_path, text), to=to, rate=200.0))
+    assert all(np.isfinite(one).all() for one in found.values())
+    if to == "matlab" and time == "1e-9 s":
+        assert_allclose(found["gyro_BiasInstability"], D2R / 3600.0, rtol=1e-14)
