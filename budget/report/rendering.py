@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
 from budget.errors import CallError
+from budget.spec.tree import describe
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -86,6 +87,6 @@ def document_date() -> str:
         return datetime.fromtimestamp(int(epoch), tz=UTC).date().isoformat()
     except (ValueError, OverflowError, OSError):
         raise CallError(
-            f"SOURCE_DATE_EPOCH is {epoch!r}, expected seconds since 1970 as a whole "
-            "number; unset it to use today's date"
+            f"SOURCE_DATE_EPOCH is {describe(epoch)}, expected seconds since 1970 as a "
+            "whole number; unset it to use today's date"
         ) from None
