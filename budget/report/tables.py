@@ -438,6 +438,13 @@ def print_contributions(shares: Sequence[tuple[str, float]]) -> str:
     )
 
 
+def of_the_variance(shares: Sequence[tuple[str, float]]) -> str:
+    """Name the two largest as shares 'of the variance'; 'no spread' has none."""
+    if (said := print_contributions(shares)) == say("no spread"):
+        return said
+    return say("{said} of the variance", said=said)
+
+
 def source_title(source: Name, *, of: str = "") -> str:
     """Name a source for people: 'gyro.bias_stability' to 'bias stability'.
 

@@ -11,6 +11,7 @@ from budget.report.analysis.groups import rest_sections, verdict_sections
 from budget.report.blocks import Abreast, Card, ForPages, Paragraph, Section
 from budget.report.figures.growth import growth_pictures
 from budget.report.mission import (
+    blamed,
     bought_table,
     by_time,
     contributions_table,
@@ -27,7 +28,7 @@ from budget.report.tables import (
     AT_LEAST,
     Number,
     bound_number,
-    print_contributions,
+    of_the_variance,
     print_share,
     round_uncertainty,
     validation_words,
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
 
     from budget.report.blocks import Block
     from budget.report.mission import AtTime
-    from budget.results import Assessment, Budget, Calibrated
+    from budget.results import Assessment, Budget, Calibrated, OutputBudget
     from budget.studies.mission import Curve
 
 
@@ -143,7 +144,8 @@ def mission_blocks(budget: Budget, moments: Sequence[AtTime]) -> Iterator[Block]
         yield Paragraph(words=(gaps,), small=True)
     if said := leading(moments):
         yield Paragraph(words=(said,))
-    yield contributions_table(moments)
+    if any(any(one.shares) for one in blamed(moments)):
+        yield contributions_table(moments)
     table = bought_table(budget, moments)
     if table is not None:
         is_tested = len(budget.bought) > len(UNCALIBRATED)
@@ -180,6 +182,9 @@ def finding(moments: Sequence[AtTime]) -> Iterator[str]:
         return
     row, radii = at.horizontal, at.horizontal.radii
     unit = at.unit_of("position")[0]
+    if not row.is_resolved:
+        yield unmoved(at, row)
+        return
     cep, r95, drms = (
         size(at, row, value).text
         for value in (radii.cep, radii.r95, row.standard_uncertainty)
@@ -204,6 +209,23 @@ def finding(moments: Sequence[AtTime]) -> Iterator[str]:
         )
     elif (found := rate_per_hour(moments)) is not None:
         yield rate_sentence(*found)
+
+
+def unmoved(at: AtTime, row: OutputBudget) -> str:
+    """Say that no line moves a position beyond rounding, and whether any may."""
+    if row.is_unknown:
+        return say(
+            "After {time} nothing is known of the horizontal position: no line that is "
+            "given reaches it.",
+            time=time_text(at.time),
+        )
+    return say(
+        "After {time} no line moves the horizontal position by more than {resolution} "
+        "{unit}, the rounding of the computation.",
+        time=time_text(at.time),
+        resolution=round_uncertainty(row.output.resolution / row.output.si_per_unit),
+        unit=row.output.unit,
+    )
 
 
 def rate_sentence(at: AtTime, rate: float) -> str:
@@ -244,9 +266,9 @@ def mission_limits(budget: Budget, assessment: Assessment) -> Iterator[Block]:
         yield Paragraph(
             words=(
                 say(
-                    "{output}: {because} of the variance.",
+                    "{output}: {because}.",
                     output=capital(key_title(sensor.worst_output)),
-                    because=print_contributions(
+                    because=of_the_variance(
                         [(full_title(part.source), part.share) for part in parts]
                     ),
                 ),

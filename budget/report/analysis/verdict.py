@@ -28,8 +28,8 @@ from budget.report.tables import (
     as_limited,
     join_outputs,
     largest_error,
+    of_the_variance,
     print_chance,
-    print_contributions,
     print_coverage,
     print_decimals,
     print_most,
@@ -527,16 +527,14 @@ def _verdict_card(
                 used=Run(text=f"{used} %", exact=sensor.conformance.value),
             )
         )
-    because = print_contributions(
+    because = of_the_variance(
         [
             (source_title(part.source, of=sensor.sensor), part.share)
             for part in budget.output(sensor.worst_output).contributions
         ]
     )
     at = "" if sensor.doubt is None else say(", at the medians")
-    text = say(
-        "Because: {because} of the variance of that output{at}.", because=because, at=at
-    )
+    text = say("Because: {because} of that output{at}.", because=because, at=at)
     if missing and sensor.verdict != "undecidable":
         text += say(" Not given: {missing}.", missing=missing)
     lines.append((text,))
@@ -561,9 +559,9 @@ def _group_card(group: GroupTable) -> Card:
     first: Words = (f"U{coverage} ", value(widest.expanded, group.unit))
     if widest.mean.text not in {"0", UNKNOWN} and float(widest.mean.text) != 0.0:
         first += (say(", mean "), value(widest.mean, group.unit))
-    contributions = group.contributions
-    if contributions != say("no spread"):
-        contributions += say(" of the variance")
+    contributions = of_the_variance(
+        [(row.title, row.share.exact) for row in group.sources]
+    )
     lines: list[Words] = [(*first, say(" ({where})", where=where)), (contributions,)]
     if group.gaps:
         lines.append((say("{gaps}.", gaps=group.gaps),))

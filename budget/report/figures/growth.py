@@ -80,7 +80,7 @@ class Growth:
             cep=curve.radius(CEP),
             r95=curve.radius(R95),
             sources=tuple(curve.sources[k] for k in order),
-            shares=np.vstack([own, 1.0 - own.sum(axis=0)]),
+            shares=np.vstack([own, np.delete(shares, order, axis=0).sum(axis=0)]),
         )
 
     @property
@@ -160,6 +160,7 @@ def shares_picture(growth: Growth) -> Picture:
         for k, (name, shares) in enumerate(
             zip(_names(growth), growth.shares, strict=True)
         )
+        if shares.any()
     }
     return as_picture(
         _draw_shares(growth, title),
