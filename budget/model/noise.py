@@ -7,6 +7,7 @@ nothing has to be sampled in time.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import lru_cache
 from math import factorial
@@ -22,6 +23,9 @@ if TYPE_CHECKING:
 
 SAME_EDGE = 1e-9  # part of a window that edges of two may be apart by rounding [1]
 SERIES_TERMS = 20  # of the exponential series; the last one is 1/21! at x = 1
+# Windows whose rows of a covariance are made at a time: what of it is held grows with
+# the windows, not with their square. Tests of no more are made whole, and kept.
+ROWS = 128
 
 
 class Process(Protocol):
@@ -44,6 +48,43 @@ class Process(Protocol):
         """
         ...
 
+    def covariance(self, schedule: Schedule) -> Array:
+        """Return the covariance C of the averages, shape (n, n) [SI squared]."""
+        ...
+
+
+class _InRows(ABC):
+    """A process whose covariance is made of some of its rows at a time."""
+
+    @abstractmethod
+    def rows(self, schedule: Schedule, own: slice) -> Array:
+        """Return some rows of the covariance, shape (m, n) [SI squared]."""
+
+    def covariance(self, schedule: Schedule) -> Array:
+        """Return the covariance of the averages, shape (n, n) [SI squared]."""
+        C = self.rows(schedule, slice(0, len(schedule.windows)))
+        return np.asarray(0.5 * (C + C.T))
+
+    def reduce(self, schedule: Schedule, weights: Array) -> Array:
+        """Return the covariance of weighted window averages; see Process."""
+        C = weighed(weights, lambda own: self.rows(schedule, own)) @ weights.T
+        return np.asarray(0.5 * (C + C.T))
+
+
+def weighed(weights: Array, rows: Callable[[slice], Array]) -> Array:
+    """Return W C, shape (k, n), of W (k, n) and C (n, n), which is never whole.
+
+    `rows` returns ROWS rows of C at the most, shape (m, n).
+    """
+    n = weights.shape[1]
+    parts = (slice(k, min(k + ROWS, n)) for k in range(0, n, ROWS))
+    return np.asarray(sum(weights[:, own] @ rows(own) for own in parts))
+
+
+def _put_diagonal(rows: Array, own: slice, values: Array) -> None:
+    """Put what stands on the diagonal of a matrix into some of its rows, (m, n)."""
+    np.fill_diagonal(rows[:, own], values[own])
+
 
 @dataclass(frozen=True)
 class White:
@@ -57,30 +98,26 @@ class White:
 
     def reduce(self, schedule: Schedule, weights: Array) -> Array:
         """Return the covariance of weighted window averages; see Process."""
-        return np.asarray(weights @ self.covariance(schedule) @ weights.T)
+        return np.asarray(weights * (self.density**2 / schedule.lengths) @ weights.T)
 
 
 @dataclass(frozen=True)
-class RandomWalk:
+class RandomWalk(_InRows):
     """Integrated white noise that is 0 at t = 0: rate or acceleration random walk."""
 
     density: float  # K [SI unit over sqrt(s)]
 
-    def covariance(self, schedule: Schedule) -> Array:
-        """Return the covariance of the averages, shape (n, n) [SI squared].
+    def rows(self, schedule: Schedule, own: slice) -> Array:
+        """Return some rows of the covariance, shape (m, n) [SI squared].
 
         K^2 (s + L/3) on the diagonal, K^2 (s_a + L_a/2) for a before b: the integral
         of min(t, t') over both windows.
         """
         starts, lengths = schedule.starts, schedule.lengths
         before = starts + lengths / 2.0
-        C = np.minimum(before[:, None], before[None, :])
-        np.fill_diagonal(C, starts + lengths / 3.0)
+        C = np.minimum(before[own, None], before[None, :])
+        _put_diagonal(C, own, starts + lengths / 3.0)
         return self.density**2 * C
-
-    def reduce(self, schedule: Schedule, weights: Array) -> Array:
-        """Return the covariance of weighted window averages; see Process."""
-        return np.asarray(weights @ self.covariance(schedule) @ weights.T)
 
 
 @dataclass(frozen=True)
@@ -99,7 +136,9 @@ class GaussMarkov:
         2 sigma^2 (tau/L)^2 (L/tau - 1 + e^(-L/tau)) on the diagonal, sigma^2
         tau^2/(L_a L_b) e^(-gap/tau) (1 - e^(-L_a/tau)) (1 - e^(-L_b/tau)) beside it.
         """
-        return self.sigma**2 * _correlation(schedule, self.correlation_time).whole
+        n = len(schedule.windows)
+        shape = _correlation(schedule, self.correlation_time, 0, n)
+        return self.sigma**2 * shape.whole
 
     def reduce(self, schedule: Schedule, weights: Array) -> Array:
         """Return the covariance of weighted window averages; see Process.
@@ -111,9 +150,14 @@ class GaussMarkov:
         """
         tau = self.correlation_time
         constant = weights.sum(axis=1)
-        shape = _correlation(schedule, tau)
-        rest = weights @ shape.without_constant @ weights.T
-        whole = weights @ shape.whole @ weights.T
+        correlation = _correlation if weights.shape[1] > ROWS else _kept_correlation
+
+        def rows(own: slice) -> Array:
+            made = correlation(schedule, tau, own.start, own.stop)
+            return np.hstack([made.whole, made.without_constant])
+
+        both = weighed(weights, rows).reshape(len(weights), 2, -1) @ weights.T
+        whole, rest = both[:, 0], both[:, 1]
         slow = tau > np.where(weights != 0.0, schedule.lengths, 0.0).max(axis=1)
         C = np.where(
             slow[:, None] & slow[None, :], np.outer(constant, constant) + rest, whole
@@ -122,7 +166,7 @@ class GaussMarkov:
 
 
 @dataclass(frozen=True)
-class Quantized:
+class Quantized(_InRows):
     """Rounding of an increment, by at most half a step: IEEE 952, quantisation noise.
 
     What is left over at the end of a window is counted in the one that follows it.
@@ -130,38 +174,37 @@ class Quantized:
 
     step: float  # q, of the integral of the unit [SI unit times s]
 
-    def covariance(self, schedule: Schedule) -> Array:
-        """Return the covariance of the averages, shape (n, n) [SI squared].
+    def rows(self, schedule: Schedule, own: slice) -> Array:
+        """Return some rows of the covariance, shape (m, n) [SI squared].
 
         Each edge is off by q^2/12: q^2/(6 L^2) on the diagonal, -q^2/(12 L_a L_b) for
         windows that share one.
         """
         starts, lengths = schedule.starts, schedule.lengths
-        apart = starts[None] - (starts + lengths)[:, None]
-        meets = np.abs(apart) <= SAME_EDGE * lengths.max()
-        shared = -1.0 * (meets | meets.T)
-        np.fill_diagonal(shared, 2.0)
-        return np.asarray(self.step**2 / 12.0 * shared / np.outer(lengths, lengths))
-
-    def reduce(self, schedule: Schedule, weights: Array) -> Array:
-        """Return the covariance of weighted window averages; see Process."""
-        return np.asarray(weights @ self.covariance(schedule) @ weights.T)
+        ends = starts + lengths
+        apart = np.minimum(
+            np.abs(starts - ends[own, None]), np.abs(starts[own, None] - ends)
+        )
+        shared = -1.0 * (apart <= SAME_EDGE * lengths.max())
+        _put_diagonal(shared, own, np.full(ends.shape, 2.0))
+        L2 = np.outer(lengths[own], lengths)
+        return np.asarray(self.step**2 / 12.0 * shared / L2)
 
 
 FAR = 1e4  # where the next term of the series of Ci is below rounding [1]
 
 
 @dataclass(frozen=True)
-class Flicker:
+class Flicker(_InRows):
     """Flicker noise: two-sided density B^2/(2 pi |f|) above a low cut, IEEE 952."""
 
     coefficient: float  # B [SI]
     low_cut: float  # f_L [Hz]
 
-    def covariance(self, schedule: Schedule) -> Array:
-        """Return the covariance of the averages, shape (n, n) [SI squared]."""
-        (C,) = stationary(schedule.starts, schedule.lengths, (self._integral,))
-        return np.asarray(0.5 * (C + C.T))
+    def rows(self, schedule: Schedule, own: slice) -> Array:
+        """Return some rows of the covariance, shape (m, n) [SI squared]."""
+        (C,) = stationary(schedule.starts, schedule.lengths, (self._integral,), own)
+        return C
 
     def _integral(self, t: Array) -> Array:
         """Return G, whose second derivative is the autocovariance [SI squared, s^2].
@@ -181,32 +224,25 @@ class Flicker:
         inner = np.where(x < FAR, inner, far)
         return np.asarray(-(self.coefficient**2) / (np.pi * a**2) * inner)
 
-    def reduce(self, schedule: Schedule, weights: Array) -> Array:
-        """Return the covariance of weighted window averages; see Process."""
-        return np.asarray(weights @ self.covariance(schedule) @ weights.T)
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Correlation:
-    """Covariance of window averages over sigma^2, shape (n, n), to rounding."""
+    """Rows of the covariance of window averages over sigma^2, (m, n), to rounding."""
 
     whole: Array  # [1]
     without_constant: Array  # minus 1: what is left of a process that is nearly one
 
 
-@lru_cache(maxsize=256)
-def _correlation(schedule: Schedule, tau: float) -> _Correlation:
-    """Return the covariance over sigma^2, with and without its constant part.
-
-    Kept: axes and devices mostly share their schedule and their correlation time.
-    """
+def _correlation(schedule: Schedule, tau: float, first: int, last: int) -> _Correlation:
+    """Return rows of the covariance over sigma^2, with and without its constant."""
+    own = slice(first, last)
     starts, lengths = schedule.starts, schedule.lengths
     ends, x = starts + lengths, lengths / tau
-    later_start = np.maximum(starts[:, None], starts[None, :])
-    earlier_end = np.minimum(ends[:, None], ends[None, :])
+    later_start = np.maximum(starts[own, None], starts[None, :])
+    earlier_end = np.minimum(ends[own, None], ends[None, :])
     gap = np.maximum(later_start - earlier_end, 0.0) / tau
     log_mean = _log_mean_exponential(x)
-    exponent = log_mean[:, None] + log_mean[None, :] - gap
+    exponent = log_mean[own, None] + log_mean[None, :] - gap
     whole: Array = np.exp(exponent)
     rest: Array = np.expm1(exponent)
     # On the diagonal 2 (x - 1 + e^(-x)) / x^2.
@@ -215,17 +251,22 @@ def _correlation(schedule: Schedule, tau: float) -> _Correlation:
         2.0 * (-small) ** k / factorial(k + 2) for k in range(SERIES_TERMS, 0, -1)
     )  # minus 1
     closed = 2.0 / large * (1.0 + np.expm1(-large) / large)
-    np.fill_diagonal(whole, np.where(x < 1.0, series + 1.0, closed))
-    np.fill_diagonal(rest, np.where(x < 1.0, series, closed - 1.0))
+    _put_diagonal(whole, own, np.where(x < 1.0, series + 1.0, closed))
+    _put_diagonal(rest, own, np.where(x < 1.0, series, closed - 1.0))
     for one in (whole, rest):
         one.flags.writeable = False
     return _Correlation(whole=whole, without_constant=rest)
+
+
+# Of tests that are made whole: axes and devices mostly share their schedule and tau.
+_kept_correlation = lru_cache(maxsize=256)(_correlation)
 
 
 def stationary(
     starts: Array,
     lengths: Array,
     integrals: tuple[Callable[[Array], Array], ...],
+    own: slice,
 ) -> tuple[Array, ...]:
     """Return covariances of a stationary process over windows that may overlap.
 
@@ -239,20 +280,22 @@ def stationary(
         [s].
     integrals : tuple of functions
         G, H and R, or as many of them as are asked for.
+    own : slice
+        The m windows whose rows are asked for.
 
     Returns
     -------
-    tuple of ndarray, shape (n, n)
+    tuple of ndarray, shape (m, n)
         One for each function.
     """
     ends = starts + lengths
 
     def difference(F: Callable[[Array], Array]) -> Array:
         parts = (
-            F(b[None] - a[:, None]) for a in (ends, starts) for b in (ends, starts)
+            F(b[None] - a[own, None]) for a in (ends, starts) for b in (ends, starts)
         )
         ee, es, se, ss = parts  # the edge of a, then that of b
-        return (ee - es - se + ss) / np.outer(lengths, lengths)
+        return (ee - es - se + ss) / np.outer(lengths[own], lengths)
 
     signs = (-1.0, 1.0, 1.0)
     return tuple(

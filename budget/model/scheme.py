@@ -447,8 +447,9 @@ def not_told_apart(A: Array, names: Sequence[str]) -> str:
 
     Any set of them spans the same: each is freed of a parameter that no other has then.
     """
-    _, singular, vectors = np.linalg.svd(A, full_matrices=True)
-    singular = np.concatenate([singular, np.zeros(len(vectors) - singular.size)])
+    few = max(0, A.shape[1] - len(A))  # rows of 0 that show what so few leave open
+    padded = np.pad(A, ((0, few), (0, 0)))
+    _, singular, vectors = np.linalg.svd(padded, full_matrices=False)
     rows = vectors[singular <= RANK * singular.max()]
     for k in range(len(rows)):
         free = np.abs(rows[k:]).argmax()

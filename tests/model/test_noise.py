@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import mpmath
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import dblquad
 
-from budget.model.noise import GaussMarkov, RandomWalk, White
+from budget.model.noise import (
+    ROWS,
+    Flicker,
+    GaussMarkov,
+    Quantized,
+    RandomWalk,
+    White,
+)
 from budget.model.windows import Schedule, Window
 
 
@@ -109,3 +118,47 @@ def test_gauss_markov_differences_keep_their_digits(tau):
     # Elements far below the geometric mean of their diagonal carry its rounding.
     scale = np.sqrt(np.outer(np.diag(exact), np.diag(exact)))
     assert_allclose(actual / scale, exact / scale, rtol=0, atol=1e-9)
+
+
+PROCESSES = (
+    White(0.2),
+    RandomWalk(0.3),
+    GaussMarkov(1.3, 300.0),
+    GaussMarkov(1.3, 1e6),
+    Quantized(2.0),
+    Flicker(1.5, 1e-5),
+)
+
+
+@pytest.mark.parametrize("process", PROCESSES, ids=repr)
+def test_a_covariance_that_is_made_in_parts_is_that_of_the_whole(process):
+    """Rows of ROWS windows and some more make what all of them at once make."""
+    rng = np.random.default_rng(5)
+    n = 2 * ROWS + 7
+    windows = schedule(*((10.0 * k + 2.0 * (k % 2), 8.0) for k in range(n)))
+    weights = rng.normal(size=(4, n))
+
+    C = process.reduce(windows, weights)
+
+    whole = weights @ process.covariance(windows) @ weights.T
+    assert_allclose(C, whole, rtol=1e-12, atol=1e-12 * np.abs(whole).max())
+
+
+@pytest.mark.parametrize("process", PROCESSES, ids=repr)
+def test_memory_grows_with_the_windows_and_not_with_their_square(process):
+    """No array of all windows by all windows is made; the covariance itself is one."""
+    n = 3000
+    windows = schedule(*((10.0 * k, 10.0) for k in range(n)))
+    windows.starts, windows.lengths  # kept by the schedule  # noqa: B018
+
+    def peak(work):
+        tracemalloc.start()
+        try:
+            work()
+            return tracemalloc.get_traced_memory()[1]
+        finally:
+            tracemalloc.stop()
+
+    square = 8 * n * n
+    assert peak(lambda: process.reduce(windows, np.ones((4, n)))) < square
+    assert peak(lambda: process.covariance(windows)) >= square

@@ -56,7 +56,7 @@ def covariances_of(
         if isinstance(effect, Noise):
             for axis in range(3):
                 process = effect.process(line, axis, procedure.sample_rate)
-                found[axis] += process.reduce(schedule, np.eye(n))
+                found[axis] += process.covariance(schedule)
     every = np.tile(np.eye(n), (3, 1, 1))
     scheme = _Windows(
         owner=sensor.kind,

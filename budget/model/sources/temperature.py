@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.language import note
-from budget.model.noise import stationary
+from budget.model.noise import stationary, weighed
 from budget.model.response import BIAS
 from budget.model.source import Change, Coefficient, Disturbance, Given, Moment, Triad
 from budget.model.waves import Waves
@@ -202,18 +202,20 @@ class RandomTemperature(History):
             weights[row : row + len(rows), :, place : place + count] = rows
             row, place = row + len(rows), place + count
         sigma, tau = float(given.u[0]), _time(given)
-        C = stationary(
-            starts,
-            lengths,
-            (
-                lambda t: tau**2 * (np.abs(t) / tau + np.expm1(-np.abs(t) / tau)),
-                lambda t: -tau * np.sign(t) * np.expm1(-np.abs(t) / tau),
-                lambda t: np.exp(-np.abs(t) / tau),
-            ),
+        integrals = (
+            lambda t: tau**2 * (np.abs(t) / tau + np.expm1(-np.abs(t) / tau)),
+            lambda t: -tau * np.sign(t) * np.expm1(-np.abs(t) / tau),
+            lambda t: np.exp(-np.abs(t) / tau),
         )
         mean, change = weights[:, 0], weights[:, 1]
-        mixed = change @ C[1] @ mean.T
-        whole = mean @ C[0] @ mean.T + mixed + mixed.T + change @ C[2] @ change.T
+        both = np.concatenate([mean, change])
+
+        def blocks(own: slice) -> Array:
+            return np.hstack(stationary(starts, lengths, integrals, own))
+
+        C = weighed(both, blocks).reshape(2, len(mean), 3, -1)
+        mixed = C[1, :, 1] @ mean.T
+        whole = C[0, :, 0] @ mean.T + mixed + mixed.T + C[1, :, 2] @ change.T
         return np.asarray(sigma**2 * 0.5 * (whole + whole.T))
 
     def part(self, triads: Sequence[Triad], place: int) -> slice:

@@ -354,8 +354,8 @@ DWELLS_OF = term("{windows} dwells of {lengths}")
 
 def made_of(track: Track) -> str:
     """Say what a test consists of: '6 turns of 18 s and 4 dwells of 5 min'."""
-    turns = [track.windows[k] for k in track.turns]
-    dwells = [w for k, w in enumerate(track.windows) if k not in set(track.turns)]
+    turns = [window for window in track.windows if window.sense]
+    dwells = [window for window in track.windows if not window.sense]
     parts = [
         counted(
             len(windows), one, many, windows=len(windows), lengths=_lengths(windows)

@@ -283,6 +283,7 @@ def test_window_means_of_a_stationary_process_are_those_of_the_closed_form():
         schedule.starts,
         schedule.lengths,
         (lambda t: tau**2 * (np.abs(t) / tau + np.expm1(-np.abs(t) / tau)),),
+        slice(0, len(schedule.windows)),
     )
     assert_allclose(C, GaussMarkov(1.0, tau).covariance(schedule), rtol=1e-10)
 
