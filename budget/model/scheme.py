@@ -46,6 +46,7 @@ if TYPE_CHECKING:
 
 UNBIASED = 1e-9  # what W A may miss I by [1]
 ROUNDING = 1e-14  # a weight below this part of the largest in its row is rounding [1]
+ROWS = 16  # of weights that are applied at a time, at the least
 RANK = 1e-9  # a singular value below this part of the largest is none [1]
 
 
@@ -194,7 +195,10 @@ class Scheme:
             In place of the scheme's own.
         """
         W = self.weights if weights is None else weights
-        return np.asarray((W[..., None] * values).sum(axis=2))
+        parts = np.array_split(W, max(1, W.shape[1] // ROWS), axis=1)
+        return np.concatenate(
+            [(part[..., None] * values).sum(axis=2) for part in parts], axis=1
+        )
 
     def read_errors(self, truth: Truth, epsilon: Array) -> Errors:
         """Read scale factors, angles and biases off statistics (M, b) + epsilon.

@@ -73,6 +73,8 @@ NO_PAPER = (
     "moves",
 )  # keys it has none of
 HEIGHT_0 = note("height: not given, 0 m assumed")  # where gravity is the normal one
+# Of one triad beside `weighted`, whose work grows with their cube: 1,000 take 5 s.
+MOST_WEIGHED = 1000
 MOST_AZIMUTHS = 360  # one for every degree; all windows are correlated with all
 MOST_HEIGHT = 100_000.0  # of a laboratory; the series of normal gravity ends there [m]
 _ROUNDING = 1e-12  # relative; a latitude of 90 deg is no more than that in radians
@@ -339,7 +341,18 @@ class ProcedureFile(Strict):
                 )
         if messages:
             raise faults(messages)
-        self.laid_out  # noqa: B018 - refuses windows that overlap
+        laid_out = self.laid_out  # refuses windows that overlap
+        most = max(
+            sum(one.use in {owner, "both"} for one in laid_out)
+            for owner in ("gyro", "accelerometer")
+        )
+        if self.estimator == "weighted" and most > MOST_WEIGHED:
+            message = (
+                f"are {most} of one triad, expected {MOST_WEIGHED} at the most beside "
+                "estimator: weighted, which weighs each against every other; take "
+                "least_squares, or fewer and longer windows"
+            )
+            raise faults({("windows",): message})
         return self
 
     def _scheme_faults(self) -> dict[tuple[Any, ...], str]:

@@ -186,6 +186,11 @@ def test_what_makes_no_window_is_refused(procedure, window, words):
             "",
             ("599880006", "10000"),
         ),
+        (
+            ("face: all, dwell: 60 s, repeat: 167",),
+            "estimator: weighted\n",
+            ("windows", "1002", "1000", "least_squares"),
+        ),
         (("face: z up, dwell: 60 s",), "gyro: {dwell: 9 s}\n", ("gyro", "windows")),
         (
             ("face: z up, dwell: 60 s",),
