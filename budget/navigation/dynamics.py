@@ -11,7 +11,7 @@ _by_place: it turns the position by v tan(L)/R t, 14 % in an hour at 250 m/s and
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from math import cos, sin, tan
 from typing import TYPE_CHECKING
@@ -64,6 +64,12 @@ class Moment:
     acceleration: Array
     body: Array
     turning: Array
+
+    def some(self, rows: slice) -> Moment:
+        """Return some of many moments, by their first index."""
+        return Moment(
+            **{one.name: getattr(self, one.name)[rows] for one in fields(self)}
+        )
 
     @property
     def at_rest(self) -> Moment:

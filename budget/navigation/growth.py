@@ -24,12 +24,13 @@ from budget.navigation.dynamics import INPUTS
 from budget.navigation.route import NODES, WEIGHTS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from budget.arrays import Array
     from budget.navigation.dynamics import Moment
     from budget.navigation.route import Steps
 
+AT_A_TIME = 256  # steps, for which arrays are made [1]
 KEPT = 16  # noises of journeys that are remembered
 STEEP = 20.0  # h/tau from which on moments come by recursion [1]
 GAUSS_POINTS = 24  # of the rule below
@@ -251,16 +252,17 @@ class Growth:
         columns : callable, Moment -> (..., 6, m)
             Errors of gyros and accelerometers that each constant is at these moments.
         """
-        h = self.steps.durations[:, None, None, None]
-        weights = h * np.array(WEIGHTS)[:, None, None]
-        D = columns(self.steps.nodes)
-        gains = (weights * self._responses @ D).sum(axis=1)
         S = self._aligned @ columns(self.first.at_rest)
         found = []
-        for place, (move, gain) in enumerate(zip(self._moves, gains, strict=True)):
-            S = move @ S + gain
-            if place in self.steps.asked:
-                found.append(S)
+        for own in self.parts:
+            h = self.steps.durations[own, None, None, None]
+            weights = h * np.array(WEIGHTS)[:, None, None]
+            D = columns(self.steps.nodes.some(own))
+            gains = (weights * self._responses[own] @ D).sum(axis=1)
+            for place, gain in enumerate(gains, start=own.start):
+                S = self._moves[place] @ S + gain
+                if place in self.steps.asked:
+                    found.append(S)
         return np.asarray(self._seen @ np.array(found))
 
     def of_noise(self, parts: Sequence[AxisNoise]) -> Array:
@@ -297,6 +299,12 @@ class Growth:
             C[e, :, e + 1 :] = np.moveaxis(C[e + 1 :, :, e], 2, 0)
         return C
 
+    @property
+    def parts(self) -> Iterator[slice]:
+        """The steps, AT_A_TIME of them each."""
+        n = len(self.steps.durations)
+        return (slice(k, min(k + AT_A_TIME, n)) for k in range(0, n, AT_A_TIME))
+
     @cached_property
     def _flows(self) -> tuple[Array, Array]:
         """Transitions of the steps, (steps, n, n), and K at the nodes.
@@ -304,11 +312,16 @@ class Growth:
         K has the shape (steps, 4, n, 6). Magnus, order 4: Phi(h, t) is the exponential
         of the integral of F from t on and the commutator of its two first moments.
         """
+        moves, responses = zip(*map(self._flows_of, self.parts), strict=True)
+        return np.concatenate(moves), np.concatenate(responses)
+
+    def _flows_of(self, own: slice) -> tuple[Array, Array]:
+        """Return the same of some steps."""
         from scipy.linalg import expm
 
-        nodes = self.steps.nodes
+        nodes = self.steps.nodes.some(own)
         F, G = nodes.dynamics(aided=self.aided), nodes.entry(aided=self.aided)
-        h = self.steps.durations[:, None, None]
+        h = self.steps.durations[own, None, None]
         flows = []
         for begin in (0.0, *NODES):
             middle = Polynomial([-0.5 * (1.0 + begin), 1.0])
@@ -383,22 +396,18 @@ class _Spread:
 def _spread(growth: Growth, noise: Noise) -> _Spread:
     """Return what a noise does, once for all devices that have it."""
     over = noise.over(growth.steps.durations)
-    K = np.einsum("kj,sjni->sikn", AT_NODES, growth._responses)  # noqa: SLF001
-    gains = np.einsum("sqp,sipn->siqn", over.first, K)
-    joint = np.einsum("sqp,sipn->siqn", over.joint, K)
-    added = K.swapaxes(2, 3) @ over.own[:, None] @ K
     P, R, p = _begun(growth, noise)
     number, seen = 0, growth._seen  # noqa: SLF001
     since = np.empty((0, *R.shape))
     left = np.empty((0, len(p)))
     states, with_noise = [], []
     later: list[list[Array]] = []
-    for place, move in enumerate(growth._moves):  # noqa: SLF001
-        gain, fade = gains[place], over.fade[place]
+    for place, (move, gain, joint, added) in enumerate(_gains(growth, over)):
+        fade = over.fade[place]
         crossed = move @ R.swapaxes(1, 2) @ gain
-        P = move @ P @ move.T + crossed + crossed.swapaxes(1, 2) + added[place]
+        P = move @ P @ move.T + crossed + crossed.swapaxes(1, 2) + added
         P += gain.swapaxes(1, 2) @ (p[:, None] * gain)
-        R = fade[:, None] * (R @ move.T + p[:, None] * gain) + joint[place]
+        R = fade[:, None] * (R @ move.T + p[:, None] * gain) + joint
         p = fade**2 * p + over.end[place]
         since = since @ move.T + left[:, None, :, None] * gain
         left = left * fade
@@ -417,6 +426,25 @@ def _spread(growth: Growth, noise: Noise) -> _Spread:
         with_noise=np.array(with_noise),
         later=[np.array(rows) for rows in later],
     )
+
+
+def _gains(
+    growth: Growth, over: Moments
+) -> Iterator[tuple[Array, Array, Array, Array]]:
+    """Yield the transition of each step, and what its noise does for each input.
+
+    Gains of its states, (6, k, n), their covariance with the states, alike, and what
+    the step adds, (6, n, n).
+    """
+    for own in growth.parts:
+        K = np.einsum("kj,sjni->sikn", AT_NODES, growth._responses[own])  # noqa: SLF001
+        yield from zip(
+            growth._moves[own],  # noqa: SLF001
+            np.einsum("sqp,sipn->siqn", over.first[own], K),
+            np.einsum("sqp,sipn->siqn", over.joint[own], K),
+            K.swapaxes(2, 3) @ over.own[own, None] @ K,
+            strict=True,
+        )
 
 
 def _begun(growth: Growth, noise: Noise) -> tuple[Array, Array, Array]:

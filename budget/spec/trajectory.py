@@ -39,7 +39,7 @@ COLUMNS = {
 NEEDED = ("time", "latitude", "longitude", "height")
 EXAMPLE = ",".join(f"{name} [{unit}]" for name, unit in COLUMNS.items())
 MOST_BYTES = 32 * 1024 * 1024
-# Noise in a record makes each row a step of the growth: 50,000 take 90 s and 0.7 GB.
+# Noise in a record makes each row a step of the growth: 50,000 take 20 s and 0.4 GB.
 LEAST_ROWS, MOST_ROWS = 4, 50_000
 MOST_RUNS = 5  # of rows, that one message names
 LONGEST = DAY  # from the first row to the last [s]

@@ -42,6 +42,11 @@ class Channel:
         """It always does."""
         return self
 
+    def some(self, rows):
+        """Return fewer moments."""
+        number = len(range(self.shape[0])[rows])
+        return Channel((number, *self.shape[1:]), self.sign)
+
     def all(self, one):
         """Return one matrix for every moment."""
         return np.broadcast_to(one, (*self.shape, *np.shape(one)))

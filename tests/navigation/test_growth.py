@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from budget.earth import ROTATION_RATE, gravity_by_height
+from budget.navigation import growth as module
 from budget.navigation.growth import (
     AxisNoise,
     Growth,
@@ -186,3 +188,43 @@ def test_many_times_agree_with_few(noise):
     assert_allclose(
         many[places][:, :, places], few, rtol=0, atol=1e-8 * np.abs(few).max()
     )
+
+
+NOISES = (White(), Rounding(0.01), Walk(), Markov((300.0, 20.0)))
+
+
+def grown(monkeypatch, at_a_time):
+    """Return what constants and noise do on a route, so many steps at a time."""
+    monkeypatch.setattr(module, "AT_A_TIME", at_a_time)
+    turns = Leg(duration=60.0, turn_rate=np.pi / 60.0)
+    own = growth([turns, Leg(duration=40.0), turns], (50.0, 150.0), alignment=60.0)
+    parts = [part for noise in NOISES for part in triad(3, noise)]
+    return own.of_constants(six), own.of_noise(parts)
+
+
+@pytest.mark.parametrize("at_a_time", [1, 3, 7])
+def test_how_many_steps_are_taken_at_a_time_changes_no_number(monkeypatch, at_a_time):
+    """Arrays are made of some steps after the others, and are those of all."""
+    whole = grown(monkeypatch, 10**6)
+    parts = grown(monkeypatch, at_a_time)
+
+    for one, other in zip(parts, whole, strict=True):
+        assert_allclose(one, other, rtol=1e-14, atol=1e-14 * np.abs(other).max())
+
+
+def test_memory_of_a_long_route_is_a_part_of_that_of_all_steps_at_once(monkeypatch):
+    """Of what a step takes only transitions and responses are kept for all steps."""
+
+    def peak(at_a_time):
+        monkeypatch.setattr(module, "AT_A_TIME", at_a_time)
+        turns = Leg(duration=20_000.0, turn_rate=np.pi / 60.0)
+        own = growth([turns], (20_000.0,))
+        tracemalloc.start()
+        try:
+            own.of_constants(six)
+            own.of_noise(triad(0, Markov((300.0, 20.0))))
+            return tracemalloc.get_traced_memory()[1]
+        finally:
+            tracemalloc.stop()
+
+    assert peak(256) < 0.5 * peak(10**6)
