@@ -206,11 +206,12 @@ def drawn_times(duration: float, asked: Sequence[float]) -> tuple[float, ...]:
     return tuple(sorted({*even, *own, duration}))
 
 
-def bought(analysis: Analysis, budget: Budget) -> tuple[Calibrated, ...]:
+def bought(analysis: Analysis, budget: Budget | None = None) -> tuple[Calibrated, ...]:
     """Return how far off a unit is after no calibration, its maker's, and this one.
 
     CEP at the times that the mission is looked at; each by the law. Of a test that
     leaves more at the end than the maker's calibration: which line adds most to it.
+    `budget`, where there is one, says what of this one is a lower bound.
     """
     times = analysis.carried_to or ()
     if not times:
@@ -234,7 +235,9 @@ def bought(analysis: Analysis, budget: Budget) -> tuple[Calibrated, ...]:
                 name=procedure.name,
                 cep=tuple(grown.radius(CEP).tolist()),
                 lower_bound=any(
-                    budget.output(name).lacks if procedure is own else one.lacks[name]
+                    budget.output(name).lacks
+                    if budget is not None and procedure is own
+                    else one.lacks[name]
                     for name in names
                 ),
             )

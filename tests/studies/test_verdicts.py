@@ -837,7 +837,10 @@ class TestHidden:
         line = "gyro.bias_temperature_coefficient"
         assert asked.line == line
         size = asked.below * 3600.0 * 180.0 / pi
-        known = {"gyro.scale_factor_temperature_coefficient": "0.001 ppm/degC"}
+        known = {
+            "gyro.scale_factor_temperature_coefficient": "0.001 ppm/degC",
+            "gyro.g_sensitivity": "0.001 deg/h/g",
+        }
         for part, verdict in ((0.999, "meets"), (1.001, "fails")):
             told = sheet_with({**known, line: f"{part * size!r} deg/h/degC"})
             assert judged(told | {"range": {"gyro": "90 deg/s"}}).verdict == verdict
@@ -879,7 +882,8 @@ class TestHidden:
             "limits": {"gyro": {"bias": {"x": "5 deg/h"}}},
         }
         for given, verdict in ((axes, False), (exact, True)):
-            sheet = sheet_with({"gyro.bias_repeatability": {"axes": given}})
+            lines = {"gyro.bias_repeatability": {"axes": given}}
+            sheet = sheet_with(lines | {"gyro.g_sensitivity": "0.001 deg/h/g"})
             found = budget.analyze(sheet, requirement=need, validate=False)
             assert (found.assessment.sensors[0].verdict == "meets") is verdict
 

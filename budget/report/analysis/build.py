@@ -135,7 +135,7 @@ def report_document(
     rows = one_at_a_time(evidence.what_if)
     latitude = print_degrees(procedure.latitude)
     judged = judged_by(budget, carried)
-    own = analysis_of(judged).procedure
+    own = procedure if judged is budget else analysis_of(judged).procedure
     is_beside = own.formulas in UNCALIBRATED
     found: list[Section | None] = [
         _overview(groups, assessment),
