@@ -18,7 +18,7 @@ from budget.spec.records import UNCALIBRATED
 from budget.ties import settle
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Sequence
 
     from budget.report.blocks import Words
     from budget.report.formulas import Math
@@ -124,8 +124,8 @@ def condition_texts(standing: Standing) -> list[str]:
                 len(silent),
                 "its sheet does not say what {use} does: {lines} not given",
                 "its sheet does not say what {use} do: {lines} not given",
-                use=say(", ").join(say(one.kind) for one in silent),
-                lines=say(", ").join(lines),
+                use=listed([say(one.kind) for one in silent]),
+                lines=listed(list(lines)),
             )
         )
     return texts
@@ -284,6 +284,14 @@ PLURALS = {
 NOTHING = term("changes nothing under this error reference")
 
 
+def listed(texts: Sequence[str]) -> str:
+    """Write words as a sentence lists them: 'a, b and c'."""
+    *most, last = texts
+    if not most:
+        return last
+    return say("{most} and {last}", most=say(", ").join(most), last=last)
+
+
 def not_given_lines(reach: Mapping[Name, tuple[Name, ...]]) -> tuple[str, ...]:
     """Say which lines are absent and what they could change, by sensor and effect.
 
@@ -293,14 +301,8 @@ def not_given_lines(reach: Mapping[Name, tuple[Name, ...]]) -> tuple[str, ...]:
     absent: dict[tuple[str, str], list[str]] = {}
     for name, outputs in reach.items():
         reached = {output.quantity for output in outputs}
-        *most, last = [say(PLURALS[key]) for key in PLURALS if key in reached] or [
-            say(NOTHING)
-        ]
-        effect = (
-            say("{most} and {last}", most=say(", ").join(most), last=last)
-            if most
-            else last
-        )
+        plurals = [say(PLURALS[key]) for key in PLURALS if key in reached]
+        effect = listed(plurals or [say(NOTHING)])
         said = effect if not reached else say("could widen {effect}", effect=effect)
         absent.setdefault((name.owner, said), []).append(words(name.quantity))
     return tuple(
