@@ -167,6 +167,26 @@ class Moment:
         C[..., ATTITUDE, ATTITUDE] = -angles
         return np.asarray(C @ self._whole(aided=aided))
 
+    def measured(self, *, aided: bool) -> Array:
+        """Return what aids measure of the states, shape (..., 10, n).
+
+        What is seen, and last the error of the forward speed as wheels have it, in body
+        axes: f . (dv - v x phi), f the forward axis.
+        """
+        whole = self._whole(aided=aided)
+        ahead = self.body[..., None, :, 1] @ whole[..., VELOCITY, :]
+        return np.concatenate([self.seen(aided=aided), ahead], axis=-2)
+
+    def given(self, *, aided: bool) -> Array:
+        """Return the states of errors that are given, shape (..., n, 9).
+
+        Of position, velocity, and attitude about north, east, down.
+        """
+        T = np.zeros((*self.latitude.shape, STATES, STATES))
+        T[...] = np.eye(STATES)
+        T[..., VELOCITY, ATTITUDE] = -cross_matrix(self.velocity)
+        return np.asarray(FREE[aided] @ T)
+
     def aligned(self, *, aided: bool) -> Array:
         """Return the states that self-alignment finds, of mean errors, (..., n, 6).
 

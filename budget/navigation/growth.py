@@ -225,6 +225,27 @@ class AxisNoise:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Driven:
+    """What a noise of unit size does in steps, for each input by itself.
+
+    Attributes
+    ----------
+    over : Moments
+    gains : ndarray, shape (s, 6, k, n)
+        What the navigator's states gain of each state of the noise.
+    joint : ndarray, shape (s, 6, k, n)
+        Covariance of what both gain.
+    added : ndarray, shape (s, 6, n, n)
+        That of what the navigator's states gain, without the noise's state.
+    """
+
+    over: Moments
+    gains: Array
+    joint: Array
+    added: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Growth:
     """A route in steps, how it begins, and when something is asked for.
 
@@ -252,7 +273,7 @@ class Growth:
         columns : callable, Moment -> (..., 6, m)
             Errors of gyros and accelerometers that each constant is at these moments.
         """
-        S = self._aligned @ columns(self.first.at_rest)
+        S = self.found(columns)
         found = []
         for own in self.parts:
             h = self.steps.durations[own, None, None, None]
@@ -260,10 +281,32 @@ class Growth:
             D = columns(self.steps.nodes.some(own))
             gains = (weights * self._responses[own] @ D).sum(axis=1)
             for place, gain in enumerate(gains, start=own.start):
-                S = self._moves[place] @ S + gain
+                S = self.moves[place] @ S + gain
                 if place in self.steps.asked:
                     found.append(S)
         return np.asarray(self._seen @ np.array(found))
+
+    def gained(self, columns: Callable[[Moment], Array]) -> Array:
+        """Return what constants add to the states in each step, (steps, n, m) [SI]."""
+        h = self.steps.durations[:, None, None, None]
+        weights = h * np.array(WEIGHTS)[:, None, None]
+        D = columns(self.steps.nodes)
+        return np.asarray((weights * self._responses @ D).sum(axis=1))
+
+    def found(self, columns: Callable[[Moment], Array]) -> Array:
+        """Return what constants make of the states at the begin, (n, m) [SI]."""
+        return np.asarray(self._aligned @ columns(self.first.at_rest))
+
+    def driven(self, noise: Noise) -> Driven:
+        """Return what a noise of unit size does in each step."""
+        over = noise.over(self.steps.durations)
+        K = np.einsum("kj,sjni->sikn", AT_NODES, self._responses)
+        return Driven(
+            over=over,
+            gains=np.einsum("sqp,sipn->siqn", over.first, K),
+            joint=np.einsum("sqp,sipn->siqn", over.joint, K),
+            added=K.swapaxes(2, 3) @ over.own[:, None] @ K,
+        )
 
     def of_noise(self, parts: Sequence[AxisNoise]) -> Array:
         """Return the covariance of what is asked for, (times, 9, times, 9) [SI^2].
@@ -335,7 +378,7 @@ class Growth:
         return flows[0], np.stack(flows[1:], axis=1) @ G
 
     @property
-    def _moves(self) -> Array:
+    def moves(self) -> Array:
         """Transitions of the steps, shape (steps, n, n)."""
         return self._flows[0]
 
@@ -353,9 +396,9 @@ class Growth:
     def _passed(self) -> list[Array]:
         """Of each asked time's states, what is seen then and later, (later, 9, n)."""
         found: list[list[Array]] = []
-        n = self._moves.shape[1]
+        n = self.moves.shape[1]
         since = np.empty((0, n, n))
-        for place, move in enumerate(self._moves):
+        for place, move in enumerate(self.moves):
             since = move @ since
             if place in self.steps.asked:
                 since = np.concatenate([since, np.eye(n)[None]])
@@ -369,7 +412,7 @@ class Growth:
     def _aligned(self) -> Array:
         """States that self-alignment finds, of mean errors, shape (n, 6)."""
         if not self.alignment:
-            return np.zeros((self._moves.shape[1], INPUTS))
+            return np.zeros((self.moves.shape[1], INPUTS))
         return self.first.at_rest.aligned(aided=self.aided)
 
 
@@ -396,7 +439,7 @@ class _Spread:
 def _spread(growth: Growth, noise: Noise) -> _Spread:
     """Return what a noise does, once for all devices that have it."""
     over = noise.over(growth.steps.durations)
-    P, R, p = _begun(growth, noise)
+    P, R, p = begun(growth, noise)
     number, seen = 0, growth._seen  # noqa: SLF001
     since = np.empty((0, *R.shape))
     left = np.empty((0, len(p)))
@@ -439,7 +482,7 @@ def _gains(
     for own in growth.parts:
         K = np.einsum("kj,sjni->sikn", AT_NODES, growth._responses[own])  # noqa: SLF001
         yield from zip(
-            growth._moves[own],  # noqa: SLF001
+            growth.moves[own],  # noqa: SLF001
             np.einsum("sqp,sipn->siqn", over.first[own], K),
             np.einsum("sqp,sipn->siqn", over.joint[own], K),
             K.swapaxes(2, 3) @ over.own[own, None] @ K,
@@ -447,7 +490,7 @@ def _gains(
         )
 
 
-def _begun(growth: Growth, noise: Noise) -> tuple[Array, Array, Array]:
+def begun(growth: Growth, noise: Noise) -> tuple[Array, Array, Array]:
     """Return covariances of the states, with the noise and of it, at the begin.
 
     Self-alignment takes the mean of the noise, which goes on from there.
