@@ -24,6 +24,7 @@ IMU = "imu"  # owner of what belongs to both triads together
 # What both make of a mission: errors of navigation at a time, of which the horizontal
 # ones are lengths of vectors.
 MISSION = "mission"
+AIDING, ALIGNMENT = "aiding", "alignment"  # owners of what a mission adds to sources
 HORIZONTAL = ("north", "east")
 PLACES = {
     "position": (*HORIZONTAL, "down"),

@@ -35,6 +35,8 @@ from budget.model.sources.temperature import (
     TemperatureCoefficient,
 )
 from budget.names import (
+    AIDING,
+    ALIGNMENT,
     ANGLES,
     AXES,
     LENGTHS,
@@ -50,11 +52,12 @@ from budget.problem import Group, Output, Problem, arguments
 from budget.units import ARCSEC
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from numpy.typing import NDArray
 
     from budget.arrays import Array
+    from budget.navigation.aided import Aided
     from budget.navigation.dynamics import Moment
     from budget.spec.records import ErrorLine, Mission, Procedure, Sensor
 
@@ -111,6 +114,7 @@ def mission_problem(
     outputs: Sequence[Name],
     *,
     only: frozenset[str] | None = None,
+    journey: Growth | Aided | None = None,
 ) -> Problem:
     """Set up a mission after a calibration.
 
@@ -125,16 +129,18 @@ def mission_problem(
         What is asked for, of mission_outputs; components of what is a length are added.
     only : frozenset of str, optional
         Full names of the sources that count; all others are set to 0.
+    journey : Growth or Aided, optional
+        How errors grow to the times of the outputs; by themselves without it.
 
     Returns
     -------
     Problem
         The sources of the calibration as groups, those of noise with what it does in
-        run; errors at each time as outputs [m, m/s, rad].
+        run, and those of the aids; errors at each time as outputs [m, m/s, rad].
     """
     calibration = constants_problem(sensors, procedure, only=only)
     places = Places.of(outputs)
-    journey = growth_of(mission, places.times)
+    journey = journey or growth_of(mission, places.times)
     S = map_of(journey, calibration, sensors)
     noise = dict(
         noise_in_run(sensors, journey, sample_rate=procedure.sample_rate, only=only)
@@ -148,13 +154,23 @@ def mission_problem(
         for one in calibration.groups
     )
     own, added = _rows(calibration.groups, groups, pools)
+    aids = tuple(
+        Group(
+            name=name,
+            mean=np.zeros(m),
+            covariance=places.pick(C),
+            distributions=(NORMAL,) * m,
+        )
+        for name, C in of_aiding(journey, only=only)
+    )
+    of_aids = arguments((*groups, *aids))[len(groups) :]
     return Problem(
-        groups=groups,
+        groups=(*groups, *aids),
         outputs=tuple(_output(name) for name in places.every),
         function=Carried(
             calibration=calibration,
             own=own,
-            noise=added,
+            noise=(*added, *of_aids),
             map=S[places.time, places.row],
         ),
     )
@@ -377,10 +393,33 @@ def _output(name: Name) -> Output:
     )
 
 
-def map_of(journey: Growth, constants: Problem, sensors: Sequence[Sensor]) -> Array:
+def of_aiding(
+    journey: Growth | Aided, *, only: frozenset[str] | None = None
+) -> Iterator[tuple[Name, Array]]:
+    """Yield what aids and alignment leave, as noise_in_run; 0 of what does not count.
+
+    Nothing of a unit that navigates by itself.
+    """
+    if isinstance(journey, Growth):
+        return
+    for owner, parts in (
+        (AIDING, journey.of_aids()),
+        (ALIGNMENT, journey.of_start()),
+    ):
+        for key, C in parts:
+            name = Name(key, owner=owner)
+            yield name, C if only is None or name in only else np.zeros_like(C)
+
+
+def map_of(
+    journey: Growth | Aided, constants: Problem, sensors: Sequence[Sensor]
+) -> Array:
     """Return what constants become on the way, shape (times, 9, n_constants) [SI]."""
     names = tuple(output.name for output in constants.outputs)
-    return _of_constants(journey, names, tuple(map(Sensing.of, sensors)))
+    triads = tuple(map(Sensing.of, sensors))
+    if isinstance(journey, Growth):
+        return _of_constants(journey, names, triads)
+    return journey.of_constants(columns_of(names, triads))
 
 
 @lru_cache(maxsize=64)
@@ -388,6 +427,13 @@ def _of_constants(
     journey: Growth, names: tuple[Name, ...], triads: tuple[Sensing, ...]
 ) -> Array:
     """Return what constants of triads make, shape (times, 9, n) [SI]."""
+    return journey.of_constants(columns_of(names, triads))
+
+
+def columns_of(
+    names: Sequence[Name], triads: Sequence[Sensing]
+) -> Callable[[Moment], Array]:
+    """Return what says of moments which inputs constants of 1 are, (..., 6, n)."""
     places = [
         [place for place, name in enumerate(names) if name.owner == triad.kind]
         for triad in triads
@@ -402,7 +448,7 @@ def _of_constants(
             )
         return found
 
-    return journey.of_constants(columns)
+    return columns
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -471,7 +517,7 @@ class Sensing:
 
 def noise_in_run(
     sensors: Sequence[Sensor],
-    journey: Growth,
+    journey: Growth | Aided,
     *,
     sample_rate: float,
     only: frozenset[str] | None = None,
@@ -480,11 +526,19 @@ def noise_in_run(
 
     Shape (times, 9, times, 9), in the order of Moment.seen [SI squared].
     """
+    for name, parts in noises_of(sensors, sample_rate=sample_rate):
+        if only is None or name in only:
+            yield name, journey.of_noise(parts)
+
+
+def noises_of(
+    sensors: Sequence[Sensor], *, sample_rate: float
+) -> Iterator[tuple[Name, tuple[AxisNoise, ...]]]:
+    """Yield each line that is noise in run, with what it is of each axis."""
     for sensor in sensors:
         for line in sensor.lines:
-            name = Name(line.name, owner=sensor.kind)
             effect = source_of(sensor.kind, line.name).meant(line).effect
-            if not isinstance(effect, Noise) or not (only is None or name in only):
+            if not isinstance(effect, Noise):
                 continue
             parts = []
             for axis in range(len(AXES)):
@@ -492,7 +546,7 @@ def noise_in_run(
                 noise, u = in_run(process, sample_rate)
                 row = FIRST[sensor.kind] + axis
                 parts.append(AxisNoise(row=row, noise=noise, u=u))
-            yield name, journey.of_noise(parts)
+            yield Name(line.name, owner=sensor.kind), tuple(parts)
 
 
 def not_carried(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[Name, ...]:

@@ -200,7 +200,7 @@ class Filter:
             if step not in ended:
                 continue
             _, H, variances = ended[step]
-            K = np.empty((self.size, 0))
+            K: Array = np.empty((self.size, 0))
             if len(H):
                 HP = H @ P
                 S = HP @ H.T

@@ -482,7 +482,7 @@ def _gains(
     for own in growth.parts:
         K = np.einsum("kj,sjni->sikn", AT_NODES, growth._responses[own])  # noqa: SLF001
         yield from zip(
-            growth.moves[own],  # noqa: SLF001
+            growth.moves[own],
             np.einsum("sqp,sipn->siqn", over.first[own], K),
             np.einsum("sqp,sipn->siqn", over.joint[own], K),
             K.swapaxes(2, 3) @ over.own[own, None] @ K,

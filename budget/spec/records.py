@@ -324,6 +324,37 @@ class Procedure:
         )
 
 
+@dataclass(frozen=True, kw_only=True)
+class Aiding:
+    """What is measured of a vehicle besides, and when."""
+
+    name: str  # 'gnss_position', 'gnss_velocity', 'heading', ...
+    u: tuple[float, ...]  # white by epoch: north, east and down, or one [SI]
+    rate: float  # [Hz]
+    spans: tuple[tuple[float, float], ...]  # begins and ends of when it is there [s]
+    drift: tuple[float, ...] = ()  # sizes of an error that fades; () without [SI]
+    correlation_time: float = 0.0  # of that [s]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Believed:
+    """A line that a filter believes otherwise."""
+
+    line: Name  # of a triad, or of the aids
+    value: float  # 1 sigma [SI]
+    printed: str
+    axis: str = ""  # '' of all
+    is_time: bool = False  # whether it is the correlation time of the line
+
+
+@dataclass(frozen=True, kw_only=True)
+class OwnFilter:
+    """A filter that has not all states, or does not believe what is true."""
+
+    estimates: tuple[Name, ...] | None  # 'gyro.bias', ...; None: all
+    believes: tuple[Believed, ...] = ()
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Mission:
     """Where a calibrated unit goes by itself, and what it knows when it begins."""
@@ -337,6 +368,16 @@ class Mission:
     origin: Origin
     trajectory: Origin | None = None  # where the route was recorded
     use: tuple[ErrorLine, ...] = ()  # environment and age that it states
+    # Errors of position, velocity and attitude when it begins, north, east, down, that
+    # are known to this only [SI]; those of the route's first moment.
+    start: tuple[float, ...] = (0.0,) * 9
+    aiding: tuple[Aiding, ...] = ()
+    filter: OwnFilter | None = None  # None: the one that believes what is true
+
+    @property
+    def is_filtered(self) -> bool:
+        """Whether more is in it than a unit that navigates by itself."""
+        return bool(self.aiding) or any(self.start)
 
 
 EACH, JOINT = "each", "joint"

@@ -24,7 +24,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.calibration.derived import outputs_for
-from budget.calibration.mission import mission_problem
 from budget.calibration.problem import calibration_problem
 from budget.distributions import normal_coverage_factor
 from budget.methods.intervals import interval_of_values
@@ -46,6 +45,7 @@ from budget.results import (
     Probability,
 )
 from budget.spec.records import JOINT
+from budget.studies.aiding import problem_of_mission
 from budget.studies.jointly import components_of, ends_together, largest_of_normals
 from budget.studies.request import on_mission
 from budget.ties import ALIKE, equal_to, first_largest, settle
@@ -115,7 +115,7 @@ def required_problem(
     limited = requirement.outputs
     if mission is not None:
         wanted = on_mission(limited, mission)
-        return mission_problem(sensors, procedure, mission, wanted)
+        return problem_of_mission(sensors, procedure, mission, wanted)
     return calibration_problem(
         sensors,
         procedure,

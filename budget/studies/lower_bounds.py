@@ -247,7 +247,10 @@ def _reach(
     ]
     bare[0] = replace(bare[0], beside=bare[-1])
     if on is not None:
-        problem = mission_problem(tuple(bare), procedure, *on)
+        mission, outputs = on
+        # With a filter a line reaches what it reaches without.
+        alone = replace(mission, aiding=(), start=(0.0,) * len(mission.start))
+        problem = mission_problem(tuple(bare), procedure, alone, outputs)
     else:
         problem = calibration_problem(
             tuple(bare),

@@ -10,9 +10,9 @@ import numpy as np
 from budget.calibration.mission import (
     SEEN,
     constants_problem,
-    growth_of,
     map_of,
     noise_in_run,
+    of_aiding,
 )
 from budget.errors import CallError
 from budget.methods.gum import covariance_by_source, derivatives
@@ -21,6 +21,7 @@ from budget.names import HORIZONTAL, LENGTHS, MISSION, Name
 from budget.results import CEP, INTERACTION, R95, Calibrated
 from budget.spec import without_test
 from budget.spec.records import FACTORY, UNCALIBRATED
+from budget.studies.aiding import journey_of
 from budget.studies.mixture import ONE_SIGMA, Mixture
 from budget.studies.request import analysis_of, seconds
 from budget.ties import first_largest
@@ -172,20 +173,24 @@ def curve(analysis: Analysis, times: Sequence[float] | None = None) -> Curve:
         raise CallError("this is of a calibration alone; give a mission")
     if times is None:
         times = np.linspace(0.0, mission.route.duration, POINTS + 1)[1:].tolist()
-    journey = growth_of(mission, tuple(times))
+    journey = journey_of(mission, tuple(times), analysis.sensors, analysis.procedure)
     constants = constants_problem(
         analysis.sensors, analysis.procedure, only=analysis.only
     )
     S = map_of(journey, constants, analysis.sensors)
     each = covariance_by_source(constants, derivatives(constants))
     C = S @ each[:, None] @ S.swapaxes(1, 2)
-    sources = (*(group.name for group in constants.groups), INTERACTION)
+    parts = dict(of_aiding(journey, only=analysis.only))
+    sources = (*(group.name for group in constants.groups), *parts, INTERACTION)
+    lines = len(constants.groups)
+    C = np.insert(C, [lines] * len(parts), 0.0, axis=0)
     here = np.arange(len(times))
     rate = analysis.procedure.sample_rate
-    for name, noise in noise_in_run(
+    parts |= noise_in_run(
         analysis.sensors, journey, sample_rate=rate, only=analysis.only
-    ):
-        C[sources.index(name)] += noise[here, :, here]
+    )
+    for name, one in parts.items():
+        C[sources.index(name)] += one[here, :, here]
     return Curve(
         times=tuple(times),
         sources=sources,

@@ -18,7 +18,6 @@ from budget.calibration.mission import (
     DOWN,
     Places,
     mission_outputs,
-    mission_problem,
 )
 from budget.calibration.mission import REFERENCE as ON_MISSION
 from budget.calibration.problem import REFERENCES, calibration_problem
@@ -49,6 +48,7 @@ from budget.names import (
 from budget.spec import load_procedure
 from budget.spec.mission import MOST_TIMES
 from budget.spec.records import UNCALIBRATED, Device
+from budget.studies.aiding import problem_of_mission
 from budget.studies.lower_bounds import expecting, lacking, lacking_of_mission
 from budget.studies.missing import Filling
 from budget.units import parse_quantity
@@ -225,7 +225,7 @@ class Analysis:
     def problem(self) -> Problem:
         """Inputs, measurement function and outputs of calibration or mission."""
         if self.journey is not None:
-            return mission_problem(
+            return problem_of_mission(
                 self.sensors,
                 self.procedure,
                 self.journey,

@@ -1,0 +1,168 @@
+"""The filter of a mission: when what is measured, and what it believes of a unit.
+
+What an aid measures is white by epoch; epochs are at multiples of a period from the
+mission's start, after the begin of a stretch that is aided to its end. All that is
+measured at one time is taken at once, and what is asked for then is after it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import floor
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.errors import CallError
+from budget.model.source import SENSORS
+from budget.model.sources import source_of
+from budget.names import AIDING, ALIGNMENT, Name
+from budget.navigation.aided import KNOWN, Aid, Drift
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from budget.arrays import Array
+    from budget.spec.records import Aiding, Believed, Mission, Sensor
+
+# Rows of Moment.measured: north, east and down, or one.
+ROWS = {
+    "gnss_position": (0, 1, 2),
+    "gnss_velocity": (3, 4, 5),
+    "heading": (8,),
+    "zero_velocity": (3, 4, 5),
+    "odometer": (9,),
+}
+DOWN = (2, 5)  # rows of the vertical channel
+SAME = 1e-9  # of two times that are one, of the mission's length [1]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cuts:
+    """Times that the steps of a mission end at.
+
+    Attributes
+    ----------
+    times : tuple of float
+        Rising [s].
+    asked : tuple of int
+        Which of them are asked for.
+    ends : tuple of tuple of int
+        Which are epochs of each aid.
+    """
+
+    times: tuple[float, ...]
+    asked: tuple[int, ...]
+    ends: tuple[tuple[int, ...], ...]
+
+    @classmethod
+    def of(cls, mission: Mission, times: Sequence[float]) -> Cuts:
+        """Put epochs and times that are asked for in a row, to the last of these."""
+        slack = SAME * mission.route.duration
+        groups = [np.array(times)]
+        groups += (epochs(aid, times[-1] + slack) for aid in mission.aiding)
+        every = np.sort(np.concatenate(groups))
+        cuts = every[np.diff(every, prepend=-1.0) > slack]
+        asked, *ends = (
+            tuple(np.searchsorted(cuts, group - slack).tolist()) for group in groups
+        )
+        cuts[list(asked)] = times
+        return cls(times=tuple(cuts.tolist()), asked=asked, ends=tuple(ends))
+
+
+def epochs(aid: Aiding, last: float) -> Array:
+    """Return the times at which it measures, to a last one, shape (k,) [s]."""
+    found = [
+        np.arange(floor(begin * aid.rate + SAME) + 1, floor(end * aid.rate + SAME) + 1)
+        for begin, end in aid.spans
+    ]
+    t = np.concatenate([np.empty(0), *found]) / aid.rate
+    return np.asarray(t[t <= last])
+
+
+def sources_of(mission: Mission) -> tuple[Name, ...]:
+    """Return what an aided mission adds to the sources of a unit."""
+    found = []
+    for aid in mission.aiding:
+        found.append(Name(aid.name, owner=AIDING))
+        if aid.drift:
+            found.append(Name(f"{aid.name}_drift", owner=AIDING))
+    start = np.array(mission.start)
+    known = (name for name, rows in KNOWN.items() if start[rows].any())
+    return (*found, *(Name(name, owner=ALIGNMENT) for name in known))
+
+
+def aids_of(
+    mission: Mission, cuts: Cuts, believes: Sequence[Believed] = ()
+) -> tuple[Aid, ...]:
+    """Return the aids of a mission as they are, or as a filter believes them."""
+    found = []
+    for aid, ends in zip(mission.aiding, cuts.ends, strict=True):
+        kept = [
+            place
+            for place, row in enumerate(ROWS[aid.name])
+            if not (mission.aided and row in DOWN)
+        ]
+        u, drift = (
+            _believed(name, given, believes)
+            for name, given in ((aid.name, aid.u), (f"{aid.name}_drift", aid.drift))
+        )
+        found.append(
+            Aid(
+                name=aid.name,
+                rows=tuple(ROWS[aid.name][place] for place in kept),
+                u=tuple(u[place] for place in kept),
+                ends=ends,
+                drift=Drift(
+                    u=tuple(drift[place] for place in kept),
+                    correlation_time=aid.correlation_time,
+                )
+                if drift
+                else None,
+            )
+        )
+    return tuple(found)
+
+
+def _believed(
+    name: str, given: tuple[float, ...], believes: Sequence[Believed]
+) -> tuple[float, ...]:
+    """Return the sizes of an aid as a filter believes them."""
+    for one in believes:
+        if one.line == Name(name, owner=AIDING):
+            return (one.value,) * len(given)
+    return given
+
+
+def believing(
+    sensors: Sequence[Sensor], believes: Sequence[Believed]
+) -> tuple[Sensor, ...]:
+    """Return triads as a filter believes them.
+
+    Raises
+    ------
+    CallError
+        It believes something of a line that they do not have.
+    """
+    own = {sensor.kind: sensor for sensor in sensors}
+    for one in believes:
+        kind = one.line.owner
+        if kind not in SENSORS:
+            continue
+        line = own[kind].line(one.line.quantity) if kind in own else None
+        if line is None or (one.is_time and line.correlation_time is None):
+            raise CallError(
+                f"mission.filter.believes.{one.line}: {own[kind].device} has no such "
+                "line; expected one that its file gives: remove it, or give the line"
+            )
+        axes = source_of(kind, line.name).axes
+        values = np.array(line.correlation_time if one.is_time else line.u)
+        values[[one.axis in {"", axis} for axis in axes]] = one.value
+        line = (
+            replace(line, correlation_time=values)
+            if one.is_time
+            else replace(line, u=values)
+        )
+        new = tuple(line if old.name == line.name else old for old in own[kind].lines)
+        own[kind] = replace(own[kind], lines=new)
+    return tuple(own.values())

@@ -1,0 +1,103 @@
+"""Missions with aids: the filter of a unit, and how its errors grow with that."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.calibration.aiding import Cuts, aids_of, believing
+from budget.calibration.mission import (
+    Places,
+    Sensing,
+    columns_of,
+    constants_problem,
+    growth_of,
+    mission_problem,
+    noises_of,
+)
+from budget.methods.gum import covariance_by_source, derivatives
+from budget.navigation.aided import Aided, Belief, Filter
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from budget.names import Name
+    from budget.navigation.growth import Growth
+    from budget.problem import Problem
+    from budget.spec.records import Mission, Procedure, Sensor
+
+KEPT = 4  # journeys that are remembered: each has arrays for all its steps
+
+
+@lru_cache(maxsize=KEPT)
+def journey_of(
+    mission: Mission,
+    times: tuple[float, ...],
+    sensors: tuple[Sensor, ...],
+    procedure: Procedure,
+) -> Growth | Aided:
+    """Return how errors grow on a mission, at these times, with its filter if any.
+
+    The filter is that of the whole unit, whichever of its sources are looked at.
+
+    Raises
+    ------
+    CallError
+        It believes something of a line that the unit does not have.
+    """
+    if not mission.is_filtered:
+        return growth_of(mission, times)
+    cuts = Cuts.of(mission, times)
+    own = mission.filter
+    believes = () if own is None else own.believes
+    believed = believing(sensors, believes)
+    constants = constants_problem(believed, procedure)
+    U = covariance_by_source(constants, derivatives(constants)).sum(axis=0)
+    names = [output.name for output in constants.outputs]
+    kept = [
+        place
+        for place, name in enumerate(names)
+        if own is None or own.estimates is None or name.group in own.estimates
+    ]
+    noises = noises_of(believed, sample_rate=procedure.sample_rate)
+    start = np.array(mission.start)
+    belief = Belief(
+        covariance=U[np.ix_(kept, kept)],
+        columns=columns_of(
+            [names[place] for place in kept], tuple(map(Sensing.of, believed))
+        ),
+        noises=tuple(part for _, parts in noises for part in parts if part.u),
+        aids=aids_of(mission, cuts, believes),
+        start=start,
+    )
+    return Aided(
+        filter=Filter(
+            growth=growth_of(mission, cuts.times),
+            belief=belief,
+            kept=frozenset(cuts.asked),
+        ),
+        asked=cuts.asked,
+        aids=aids_of(mission, cuts),
+        start=start,
+    )
+
+
+def problem_of_mission(
+    sensors: tuple[Sensor, ...],
+    procedure: Procedure,
+    mission: Mission,
+    outputs: Sequence[Name],
+    *,
+    only: frozenset[str] | None = None,
+) -> Problem:
+    """Set up a mission after a calibration, with its filter; see mission_problem."""
+    return mission_problem(
+        sensors,
+        procedure,
+        mission,
+        outputs,
+        only=only,
+        journey=journey_of(mission, Places.of(outputs).times, sensors, procedure),
+    )
