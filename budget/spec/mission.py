@@ -7,14 +7,24 @@ from functools import cached_property
 from itertools import pairwise
 from math import ceil, degrees, pi, remainder
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import Field, model_validator
 
 from budget.language import note
 from budget.navigation.route import STEP, TURN_STEP, Leg, Legs, Start, Track, moved
+from budget.spec.aiding import (
+    MOST_EPOCHS,
+    OPTIMAL,
+    ZERO_VELOCITY,
+    AidingPart,
+    Aids,
+    AlignmentPart,
+    FilterPart,
+    OrWord,
+)
 from budget.spec.checking import check
-from budget.spec.fields import Measured, ShortText, Sign, Strict, fault, faults
+from budget.spec.fields import Measured, ShortText, Sign, Strict, faults
 from budget.spec.files import exists, unshown
 from budget.spec.procedure import MOST_HEIGHT
 from budget.spec.records import Mission, Origin
@@ -124,6 +134,9 @@ class SegmentLine(Strict):
         default=None, description="beside accelerate: the speed at its end"
     )
     repeat: Count = Field(default=1, description="times one after the other")
+    aiding: Aids | None = Field(
+        default=None, description="what is measured meanwhile, of mission.aiding"
+    )
 
     @model_validator(mode="after")
     def _check_parts(self) -> Self:
@@ -227,8 +240,15 @@ class SegmentItem(SegmentLine):
             return super()._faults()
         found: Faults = {
             (key,): "stands beside a group of segments; say it in its lines"
-            for key in sorted(self.model_fields_set - {"segments", "repeat"})
+            for key in sorted(self.model_fields_set - {"segments", "repeat", "aiding"})
         }
+        if self.aiding is not None:
+            found |= {
+                ("segments", place, "aiding"): "stands in a group that says it; remove "
+                "one of them"
+                for place, line in enumerate(self.segments)
+                if line.aiding is not None
+            }
         if not self.segments:
             found["segments",] = "names no segment, expected one at least"
         return found
@@ -245,20 +265,23 @@ class SegmentItem(SegmentLine):
         if self.segments is None:
             yield from super().each()
             return
+        lines = self.segments
+        if self.aiding is not None:
+            new = {"aiding": self.aiding}
+            lines = tuple(line.model_copy(update=new) for line in lines)
         for _ in range(self.repeat):
-            for place, line in enumerate(self.segments):
+            for place, line in enumerate(lines):
                 for _, one in line.each():
                     yield ("segments", place), one
 
 
-def _no_mapping(value: object) -> object:
-    """Refuse a mapping in the place of the word that says how it was aligned."""
-    if isinstance(value, dict):
-        raise fault(
-            f"found {describe(value)}, expected perfect or self, which has its "
-            "duration beside it, as 'alignment_time: 300 s'"
-        )
-    return value
+ALIGNMENT: Any = Annotated[
+    AlignmentPart,
+    OrWord(words=(PERFECT, SELF), example="{position: 10 m, heading: 5 deg}"),
+]
+FILTER: Any = Annotated[
+    FilterPart, OrWord(words=(OPTIMAL,), example="{estimates: [gyro.bias]}")
+]
 
 
 class MissionPart(Strict):
@@ -281,12 +304,10 @@ class MissionPart(Strict):
         description="of the start, from north to east; unset: that of a first segment "
         "straight, else 0 deg",
     )
-    alignment: (
-        Annotated[Literal["perfect", "self"], BeforeValidator(_no_mapping)] | None
-    ) = Field(
+    alignment: ALIGNMENT | None = Field(
         default=None,
         description="what is known when it begins: perfect (unset), all; self: what "
-        "the unit finds of level and north, standing",
+        "the unit finds of level and north, standing; or how well, 1 sigma",
     )
     alignment_time: Span | None = Field(
         default=None, description="beside alignment self: how long it stands before"
@@ -295,6 +316,14 @@ class MissionPart(Strict):
         default=None,
         description="aided (unset): height and vertical velocity are known all the "
         "time; free: by the accelerometers alone",
+    )
+    aiding: AidingPart | None = Field(
+        default=None, description="what is measured besides, of segments that name it"
+    )
+    filter: FILTER | None = Field(
+        default=None,
+        description="beside aiding: optimal (unset), which believes what is true; or "
+        "what it estimates and believes",
     )
     segments: tuple[SegmentItem, ...] | None = Field(
         default=None, description="what the vehicle does, one after the other"
@@ -317,8 +346,14 @@ class MissionPart(Strict):
             **self._alignment_faults(),
             **self._time_faults(),
         }
+        if self.filter is not None and self.aiding is None:
+            messages["filter",] = (
+                "is of a mission with aiding, which is not there; add it, or remove "
+                "this"
+            )
         if not messages and self.trajectory is None:
-            messages = self.late(self.laid_out.duration)
+            end = self.laid_out.duration
+            messages = {**self.late(end), **self.aiding_faults(end)}
         if messages:
             raise faults(messages)
         return self
@@ -392,6 +427,84 @@ class MissionPart(Strict):
             for place, (one, after) in enumerate(pairwise(self.at or ()), start=1)
             if after.value <= one.value * (1.0 + _ROUNDING)
         }
+
+    def aiding_faults(self, end: float) -> Faults:
+        """Return what is wrong with what is measured, and when, to the end [s]."""
+        given = {} if self.aiding is None else self.aiding.given
+        found = self._misnamed(tuple(given))
+        for key, part in given.items():
+            for place, (_, last) in enumerate(part.during or ()):
+                if last.value > end * (1.0 + _ROUNDING):
+                    found["aiding", key, "during", place] = (
+                        f"ends at {last.printed}, and the mission ends at {end:.6g} s; "
+                        "expected spans within it"
+                    )
+        number = sum(
+            part.rate.value * (b - a)
+            for key, part in given.items()
+            for a, b in self.spans[key]
+        )
+        if not found and number > MOST_EPOCHS:
+            found["aiding",] = (
+                f"has {number:.6g} epochs, expected {MOST_EPOCHS} at the most; lower "
+                "a rate"
+            )
+        return found
+
+    def _misnamed(self, given: tuple[str, ...]) -> Faults:
+        """Return what is wrong with where these aids are named."""
+        found: Faults = {}
+        named: set[str] = set()
+        for place, item in enumerate(self.segments or ()):
+            for inside, line in item.each():
+                way = inside if item.aiding is None else ()
+                own = ("segments", place, *way, "aiding")
+                for key in line.aiding or ():
+                    named.add(key)
+                    if key not in given:
+                        found[own] = (
+                            f"names {key}, which mission.aiding does not have; add it "
+                            "there, or remove this"
+                        )
+                    elif key == ZERO_VELOCITY and line.stand is None:
+                        found[own] = (
+                            "names zero_velocity, and the vehicle moves; that is of a "
+                            "stand alone"
+                        )
+        for one in given:
+            has_times = getattr(self.aiding, one).during is not None
+            if self.trajectory is None and has_times:
+                found["aiding", one, "during"] = (
+                    "is of a trajectory; here segments say 'aiding: [...]': remove it"
+                )
+            elif self.trajectory is None and one not in named:
+                found["aiding", one] = (
+                    f"is used nowhere; name it in segments, as 'aiding: [{one}]', or "
+                    "remove it"
+                )
+            elif self.trajectory is not None and not has_times:
+                found["aiding", one] = (
+                    "says not when it is there, expected such as 'during: [[0 s, 600 "
+                    "s]]' beside a trajectory"
+                )
+        return found
+
+    @cached_property
+    def spans(self) -> dict[str, list[tuple[float, float]]]:
+        """When each aid is there [s]."""
+        given = {} if self.aiding is None else self.aiding.given
+        found: dict[str, list[tuple[float, float]]] = {
+            key: [(a.value, b.value) for a, b in part.during or ()]
+            for key, part in given.items()
+        }
+        begin = 0.0
+        for item in self.segments or ():
+            for _, line in item.each():
+                for key in line.aiding or ():
+                    if key in found:
+                        found[key].append((begin, begin + line.length))
+                begin += line.length
+        return found
 
     def late(self, end: float) -> Faults:
         """Return what is asked for when the mission is over, at that time [s]."""
@@ -500,6 +613,11 @@ def read_mission(document: Document) -> Mission:
         origin=Origin(file=document.base_name, sha256=document.sha256),
         trajectory=recorded.origin if recorded else None,
         use=stated_lines(model.environment, model.age),
+        start=part.alignment.start
+        if isinstance(part.alignment, AlignmentPart)
+        else (0.0,) * 9,
+        aiding=() if part.aiding is None else part.aiding.lines(part.spans),
+        filter=part.filter.own if isinstance(part.filter, FilterPart) else None,
     )
 
 
@@ -523,7 +641,7 @@ def _recorded(document: Document, part: MissionPart) -> Recorded:
     with unshown(path, "a CSV file of a trajectory", document, node):
         recorded = read_trajectory(path, str(path))
     end = float(recorded.time[-1])
-    messages: Faults = part.late(end)
+    messages: Faults = {**part.late(end), **part.aiding_faults(end)}
     if part.alignment == SELF and recorded.first_speed > LEAST_SPEED:
         messages["alignment",] = _moving(recorded.first_speed)
     if messages:
