@@ -13,11 +13,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.distributions import NORMAL
 from budget.errors import CallError
 from budget.model.source import SENSORS
 from budget.model.sources import source_of
-from budget.names import AIDING, ALIGNMENT, Name
+from budget.names import AIDING, ALIGNMENT, PLACES, Name
 from budget.navigation.aided import KNOWN, Aid, Drift
+from budget.spec.records import ErrorLine
+from budget.units import DEGREE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -32,6 +35,13 @@ ROWS = {
     "heading": (8,),
     "zero_velocity": (3, 4, 5),
     "odometer": (9,),
+}
+UNITS = {
+    **dict.fromkeys(("gnss_position", "gnss_position_drift", "position"), ("m", 1.0)),
+    **dict.fromkeys(
+        ("gnss_velocity", "zero_velocity", "odometer", "velocity"), ("m/s", 1.0)
+    ),
+    **dict.fromkeys(("heading", "level"), ("deg", DEGREE)),
 }
 DOWN = (2, 5)  # rows of the vertical channel
 SAME = 1e-9  # of two times that are one, of the mission's length [1]
@@ -80,16 +90,35 @@ def epochs(aid: Aiding, last: float) -> Array:
     return np.asarray(t[t <= last])
 
 
-def sources_of(mission: Mission) -> tuple[Name, ...]:
-    """Return what an aided mission adds to the sources of a unit."""
-    found = []
+def lines_of_mission(mission: Mission | None) -> dict[Name, ErrorLine]:
+    """Return what a mission adds to the sources of a unit: its aids, its alignment."""
+    if mission is None:
+        return {}
+    sizes: dict[Name, Array] = {}
     for aid in mission.aiding:
-        found.append(Name(aid.name, owner=AIDING))
+        sizes[Name(aid.name, owner=AIDING)] = np.array(aid.u)
         if aid.drift:
-            found.append(Name(f"{aid.name}_drift", owner=AIDING))
+            sizes[Name(f"{aid.name}_drift", owner=AIDING)] = np.array(aid.drift)
     start = np.array(mission.start)
-    known = (name for name, rows in KNOWN.items() if start[rows].any())
-    return (*found, *(Name(name, owner=ALIGNMENT) for name in known))
+    sizes |= {Name(key, owner=ALIGNMENT): start[rows] for key, rows in KNOWN.items()}
+    return {name: _line(name, u) for name, u in sizes.items() if u.any()}
+
+
+def _line(name: Name, u: Array) -> ErrorLine:
+    """Return the line of an aid or of an alignment."""
+    unit, size = UNITS[name.quantity]
+    each = [f"{one / size:.10g} {unit}" for one in u.tolist()]
+    differ = len(set(each)) > 1
+    return ErrorLine(
+        name=name.quantity,
+        u=u,
+        distributions=(NORMAL,) * len(u),
+        printed=", ".join(map(" ".join, zip(PLACES["position"], each, strict=True)))
+        if differ
+        else each[0],
+        unit=unit,
+        si_per_unit=size,
+    )
 
 
 def aids_of(

@@ -205,7 +205,7 @@ class Filter:
                 HP = H @ P
                 S = HP @ H.T
                 np.einsum("ii->i", S)[:] += variances
-                K = np.linalg.solve(S, HP).T
+                K = np.linalg.solve(S, HP).T.astype(float)
                 P -= K @ HP
                 P -= (P @ H.T - K * variances) @ K.T
                 P[:] = 0.5 * (P + P.T)

@@ -324,7 +324,8 @@ def analyze_as(
         devices, filling = fill_all(there, settings.missing, catalogue)
     sensors = find(devices)
     check_settings(settings, workers=engine.workers)
-    chosen, warnings = choose_sources(sensors, procedure, settings.only)
+    carried = None if of_test else mission
+    chosen, warnings = choose_sources(sensors, procedure, settings.only, carried)
     if of_test:
         limited = requirement is not None and MISSION in requirement.kinds
         warnings = (

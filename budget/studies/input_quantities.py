@@ -85,7 +85,9 @@ def _lines(analysis: Analysis) -> dict[Name, ErrorLine]:
     """Return every line that is given, of all triads that are looked at."""
     there = with_accelerometers(analysis.sensors, analysis.procedure)
     is_mission = analysis.journey is not None
-    return given_lines(there, analysis.procedure, every=is_mission)
+    return given_lines(
+        there, analysis.procedure, every=is_mission, mission=analysis.journey
+    )
 
 
 def _quantity(name: Name, line: ErrorLine, origin: str) -> InputQuantity:

@@ -8,6 +8,7 @@ from functools import cached_property
 from numbers import Integral, Real
 from typing import TYPE_CHECKING, Self, TypeGuard
 
+from budget.calibration.aiding import lines_of_mission
 from budget.calibration.derived import (
     combination,
     known_outputs,
@@ -707,9 +708,13 @@ def source_names(
 
 
 def given_lines(
-    sensors: Sequence[Sensor], procedure: Procedure, *, every: bool = False
+    sensors: Sequence[Sensor],
+    procedure: Procedure,
+    *,
+    every: bool = False,
+    mission: Mission | None = None,
 ) -> dict[Name, ErrorLine]:
-    """Return every line that counts: those of the sensors, then the shared ones.
+    """Return every line that counts: of the sensors, the shared ones, of a mission.
 
     Where `every` parameter counts, those of what is held from its making, too.
     """
@@ -720,7 +725,7 @@ def given_lines(
     owned += [(STATION, procedure.station), (ENVIRONMENT, procedure.environment)]
     return {
         Name(line.name, owner=owner): line for owner, lines in owned for line in lines
-    }
+    } | lines_of_mission(mission)
 
 
 def find_sources(
@@ -762,7 +767,10 @@ def read_name(text: str) -> Name:
 
 
 def choose_sources(
-    sensors: Sequence[Sensor], procedure: Procedure, only: Sequence[str]
+    sensors: Sequence[Sensor],
+    procedure: Procedure,
+    only: Sequence[str],
+    mission: Mission | None = None,
 ) -> tuple[frozenset[Name] | None, tuple[str, ...]]:
     """Resolve the names after `--only`.
 
@@ -782,9 +790,10 @@ def choose_sources(
         return None, ()
     if isinstance(only, str):  # one name, not a sequence of letters
         only = (only,)
-    known = source_names(sensors, procedure)
+    known = (*source_names(sensors, procedure), *lines_of_mission(mission))
     chosen = frozenset(find_sources(only, known, option="--only"))
-    absent = sorted(chosen - given_lines(sensors, procedure).keys())
+    given = given_lines(sensors, procedure, mission=mission)
+    absent = sorted(chosen - given.keys())
     return chosen, tuple(
         note(
             "{name} was asked for alone, but the device does not give it: taken as 0",

@@ -462,7 +462,10 @@ def _what_if(analysis: Analysis, budget: Budget | None) -> WhatIf:
     }
     varying = [group.name for group in problem.groups if not group.is_constant]
     given = given_lines(
-        analysis.sensors, analysis.procedure, every=analysis.journey is not None
+        analysis.sensors,
+        analysis.procedure,
+        every=analysis.journey is not None,
+        mission=analysis.journey,
     )
     limits = {} if required is None else {r.output: r.limit for r in required.limits}
     own = (

@@ -183,6 +183,7 @@ class Dense:
     """All states of the channel, and nothing of the package: Phi and Q by Van Loan."""
 
     unit: str
+    tau: float = TAU
 
     @property
     def equations(self):
@@ -190,14 +191,14 @@ class Dense:
         A, W = np.zeros((7, 7)), np.zeros((7, 7))
         A[:3, :3] = F
         A[2, [3, 5]] = A[1, [4, 6]] = 1.0
-        A[5, 5] = A[6, 6] = -1.0 / TAU
+        A[5, 5] = A[6, 6] = -1.0 / self.tau
         sigma = SIGMA[self.unit]
         W[2, 2], W[1, 1] = (
             sigma["gyro.walk"] ** 2,
             sigma["accelerometer.walk"] ** 2,
         )
-        W[5, 5] = 2.0 / TAU * sigma["gyro.stability"] ** 2
-        W[6, 6] = 2.0 / TAU * sigma["accelerometer.stability"] ** 2
+        W[5, 5] = 2.0 / self.tau * sigma["gyro.stability"] ** 2
+        W[6, 6] = 2.0 / self.tau * sigma["accelerometer.stability"] ** 2
         return A, W
 
     def step(self, h):
@@ -333,3 +334,53 @@ def test_the_parts_add_up_to_the_covariance_of_the_filter():
     for t, believed in enumerate(journey.believed):
         total = sum(C[t, rows, t, rows] for C in found.values())
         assert_allclose(total, believed[rows, rows], rtol=1e-9)
+
+
+def believing(other, duration):
+    """Return the variances of p, v, phi of the tac unit by a filter of another one.
+
+    As the covariance of truth and estimate together: Phi and Q of both, and the gains
+    of what the filter believes.
+    """
+    true = Dense("tac")
+    (move, noise), (last, more) = true.step(1.0), true.step(float(LATER[-1]))
+    (as_moved, as_noise), (as_last, _) = other.step(1.0), other.step(float(LATER[-1]))
+    H, R = np.eye(7)[:2], np.diag([2.5**2, 0.05**2])
+    P, one = other.begin, np.eye(7)
+    J = np.zeros((14, 14))
+    J[:7, :7] = true.begin
+    for _ in range(duration):
+        P = as_moved @ P @ as_moved.T + as_noise
+        K = P @ H.T @ np.linalg.inv(H @ P @ H.T + R)
+        P = (one - K @ H) @ P @ (one - K @ H).T + K @ R @ K.T
+        step = np.block([[move, 0.0 * one], [0.0 * one, as_moved]])
+        J = step @ J @ step.T
+        J[:7, :7] += noise
+        update = np.block([[one, 0.0 * one], [K @ H, one - K @ H]])
+        J = update @ J @ update.T
+        J[7:, 7:] += K @ R @ K.T
+    step = np.concatenate([last, -as_last], axis=1)
+    return np.diag(step @ J @ step.T + more)[:3]
+
+
+def test_a_filter_that_believes_another_correlation_time():
+    """Its errors are those of truth and estimate together, carried forward."""
+    other = Dense("tac", tau=20.0)
+    noises = {
+        f"{owner}.stability": (
+            AxisNoise(
+                row=row,
+                noise=Markov(times=(20.0,)),
+                u=SIGMA["tac"][f"{owner}.stability"],
+            ),
+        )
+        for owner, row in INPUT.items()
+    }
+    journey = aided("tac", 60, noises=noises)
+
+    total = sum(by_source(journey, "tac").values())
+
+    rows = [POSITION, VELOCITY, LEVEL]
+    # Digits cancel in the covariance of both.
+    assert_allclose(total[-1, rows, -1, rows], believing(other, 60), rtol=1e-6)
+    assert total[-1, POSITION, -1, POSITION] > Dense("tac").conditioned(60)[0, 0]

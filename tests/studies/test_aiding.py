@@ -1,0 +1,243 @@
+"""Missions with aids against an independent program: physical error coordinates,
+derivatives by complex step, a Joseph filter and its adjoint.
+"""  # noqa: D205
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+import yaml
+from numpy.testing import assert_allclose
+from places import TESTS
+
+from budget.errors import CallError
+from budget.names import Name
+from budget.navigation.aided import Aided
+from budget.results import INTERACTION
+from budget.spec import load_device, load_mission, uncalibrated
+from budget.spec.records import Believed, OwnFilter
+from budget.studies.aiding import journey_of
+from budget.studies.mission import SEEN, curve
+from budget.studies.request import Analysis
+from budget.units import ARCSEC
+
+DATA = TESTS / "data" / "aided"
+VALUES = yaml.safe_load((DATA / "values.yaml").read_text(encoding="utf-8"))
+HORIZONTAL = ("position.north", "position.east")
+
+
+def analysis(unit, mission, **more):
+    """Return a unit on a mission as its maker calibrated it."""
+    found = load_mission(mission if isinstance(mission, dict) else DATA / mission)
+    return Analysis(
+        devices=(load_device(DATA / f"{unit}.yaml", more.pop("changes", ())),),
+        procedure=more.pop("procedure", uncalibrated("factory")),
+        reference="next_turn_on",
+        mission=found,
+        carried_to=found.at,
+        **more,
+    )
+
+
+@cache
+def case(name):
+    """Return one of the missions with its unit."""
+    return analysis(VALUES[name]["unit"], f"{name}.yaml")
+
+
+@cache
+def grown(name):
+    """Return its errors at its times."""
+    return curve(case(name), case(name).carried_to)
+
+
+def journey(one):
+    """Return how its errors grow."""
+    return journey_of(one.mission, one.carried_to, one.sensors, one.procedure)
+
+
+def uncertainty(found, key, place):
+    """Return a standard uncertainty at a time, as the table has it."""
+    quantity, axis = key.split(".")
+    if axis == "horizontal":
+        return found.drms()[place]
+    size = ARCSEC if quantity == "attitude" else 1.0
+    return found.standard_uncertainty(quantity, axis)[place] / size
+
+
+@pytest.mark.parametrize("name", VALUES)
+def test_errors_at_every_time(name):
+    """Position, velocity and attitude are those of the other program."""
+    found, times = grown(name), case(name).carried_to
+    for time, row in VALUES[name]["at"].items():
+        for key, u in row.items():
+            if not key.startswith("believed"):
+                own = uncertainty(found, key, times.index(time))
+                assert_allclose(own, u, rtol=1e-4, err_msg=f"{key} at {time} s")
+
+
+@pytest.mark.parametrize("name", VALUES)
+def test_what_each_source_leaves(name):
+    """At the end of each mission the sources leave what they do there."""
+    found = grown(name)
+    parts = np.sqrt(np.maximum(found.horizontal_variance()[:, -1], 0.0))
+    own = dict(zip(found.sources, parts.tolist(), strict=True))
+
+    for source, u in VALUES[name]["by_source"].items():
+        assert_allclose(own[source], u, rtol=2e-4, err_msg=source)
+    a, b = (SEEN.index(("position", axis)) for axis in ("north", "east"))
+    both = found.covariance[:, -1, a, b].sum()
+    assert_allclose(both, VALUES[name]["covariance"], rtol=1e-4)
+
+
+@pytest.mark.parametrize("name", ["g4", "g5"])
+def test_what_a_filter_of_its_own_believes(name):
+    """Beside what is true, which is more."""
+    believed, times = journey(case(name)).believed, case(name).carried_to
+    for time, row in VALUES[name]["at"].items():
+        C = believed[times.index(time)]
+        u = np.sqrt(C[0, 0] + C[1, 1])
+        assert_allclose(u, row["believed.horizontal"], rtol=1e-4)
+        heading = np.sqrt(C[8, 8]) / ARCSEC
+        assert_allclose(heading, row["believed.heading"], rtol=1e-4)
+        assert u < row["position.horizontal"]
+
+
+@pytest.mark.parametrize("name", ["g1", "g2", "g9"])
+def test_the_optimal_filter_believes_what_is_true(name):
+    """The sources add up to the covariance that the filter has."""
+    found, believed = grown(name), journey(case(name)).believed
+    total = found.covariance.sum(axis=0)
+    free = np.diag(believed[0]) > 0.0
+    for place in range(len(believed)):
+        u = np.sqrt(np.diag(believed[place]))[free]
+        off = (total[place] - believed[place])[np.ix_(free, free)]
+        assert np.abs(off / np.outer(u, u)).max() < 1e-9
+
+
+def test_the_problem_is_the_curve():
+    """What methods solve has the same errors, sources and covariances between times."""
+    one, found = case("g1"), grown("g1")
+    law = one.law
+    outputs = [output.name for output in one.problem.outputs]
+    row = outputs.index(
+        Name("position", owner="mission", axis="horizontal", time=660.0)
+    )
+
+    assert (*law.sources, INTERACTION) == found.sources
+    assert_allclose(law.standard_uncertainty[row], found.drms()[-1], rtol=1e-9)
+    parts = found.horizontal_variance()[:-1, -1]
+    assert_allclose(law.source_variance[:, row], parts, rtol=1e-9)
+
+
+def test_only_keeps_the_gains():
+    """One line alone leaves what it leaves of the whole unit: 4.33230 m."""
+    only = frozenset({Name("angle_random_walk", owner="gyro")})
+    one = replace(case("g1"), only=only)
+
+    found = curve(one, one.carried_to)
+
+    assert_allclose(found.drms()[-1], 4.33230, rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("factor", "retuned"),
+    [(0.9, 5.31311), (1.1, 5.97795), (2.0, 8.85397), (5.0, 17.7969)],
+)
+def test_another_value_retunes_the_filter(factor, retuned):
+    """Angle random walk times a factor: the filter of that unit, not of the old one."""
+    changes = (f"gyro.angle_random_walk={0.1 * factor} deg/sqrt(h)",)
+    one = analysis("tac", "g1.yaml", changes=changes)
+
+    assert_allclose(curve(one, one.carried_to).drms()[-1], retuned, rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("factor", "fixed"),
+    [(0.9, 5.32200), (1.1, 5.98592), (2.0, 9.39129), (5.0, 21.9623)],
+)
+def test_with_fixed_gains_the_variance_is_linear_in_that_of_a_line(factor, fixed):
+    """A slider moves what a line leaves, and keeps the gains."""
+    found = grown("g1")
+    parts = found.horizontal_variance()[:, -1].copy()
+    parts[found.sources.index("gyro.angle_random_walk")] *= factor**2
+
+    assert_allclose(np.sqrt(parts.sum()), fixed, rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("unit", "rounds", "u"),
+    [
+        ("tac", 1, 6.20335),
+        ("tac", 2, 5.81458),
+        ("mems", 1, 27.5436),
+        ("mems", 2, 23.8815),
+    ],
+)
+def test_a_shorter_time_with_aids(unit, rounds, u):
+    """Aided for 150 or 300 s in place of 600: an outage of a minute."""
+    text = (DATA / "g1.yaml").read_text(encoding="utf-8")
+    mission = yaml.safe_load(text)
+    mission["mission"]["segments"][0]["repeat"] = rounds
+    mission["mission"]["at"] = [f"{150 * rounds + 60} s"]
+    one = analysis(unit, mission)
+
+    assert_allclose(curve(one, one.carried_to).drms()[-1], u, rtol=1e-4)
+
+
+def test_a_belief_in_the_truth_changes_nothing():
+    """A filter that believes what is so, in other words, is the optimal one."""
+    one = case("g1")
+    own = OwnFilter(
+        estimates=None,
+        believes=(
+            Believed(
+                line=Name("bias_stability", owner="gyro"),
+                value=300.0,
+                printed="300 s",
+                is_time=True,
+            ),
+        ),
+    )
+    other = replace(one, mission=replace(one.mission, filter=own))
+
+    assert_allclose(curve(other, one.carried_to).drms(), grown("g1").drms(), rtol=1e-12)
+
+
+def test_a_filter_that_believes_another_correlation_time_leaves_more():
+    """Truth and estimate run apart then; what is true is above what is best."""
+    one = case("g2")
+    own = OwnFilter(
+        estimates=None,
+        believes=(
+            Believed(
+                line=Name("bias_stability", owner="gyro"),
+                value=20.0,
+                printed="20 s",
+                is_time=True,
+            ),
+        ),
+    )
+    other = replace(one, mission=replace(one.mission, filter=own))
+
+    found = curve(other, one.carried_to)
+
+    assert isinstance(journey(other), Aided)
+    assert (found.drms() >= grown("g2").drms()).all()
+    assert found.drms()[-1] > 1.05 * grown("g2").drms()[-1]
+
+
+def test_a_belief_of_a_line_that_is_not_there_is_refused():
+    """With its place in the file, and the device."""
+    one = case("g1")
+    line = Name("rate_random_walk", owner="gyro")
+    own = OwnFilter(
+        estimates=None, believes=(Believed(line=line, value=1.0, printed="1"),)
+    )
+    other = replace(one, mission=replace(one.mission, filter=own))
+
+    with pytest.raises(CallError, match=r"believes\.gyro\.rate_random_walk.*tac"):
+        journey(other)
