@@ -21,14 +21,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.navigation.dynamics import ATTITUDE, INPUTS, POSITION, VELOCITY
-from budget.navigation.growth import begun
+from budget.navigation.growth import begun, driven
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from budget.arrays import Array
     from budget.navigation.dynamics import Moment
-    from budget.navigation.growth import AxisNoise, Growth
+    from budget.navigation.growth import AxisNoise, Driven, Growth
 
 SEEN = 9  # rows of Moment.seen
 # What an alignment knows, by the rows of Moment.given.
@@ -228,8 +228,12 @@ class Filter:
         rounded: list[tuple[int, int]] = []
         drifts: dict[str, int] = {}
         number = self.n + len(U)
+        drives = {
+            noise: driven(growth, noise)
+            for noise in dict.fromkeys(part.noise for part in belief.noises)
+        }
         for part in belief.noises:
-            block, of_begin, gained = _of_noise(growth, part)
+            block, of_begin, gained = _of_noise(growth, part, drives[part.noise])
             P, added = P + of_begin, added + gained
             if part.noise.edge:
                 rounded.append((number, part.row))
@@ -353,25 +357,25 @@ class Aided:
             for part in parts:
                 if part.noise == noise:
                     variances[part.row] += part.u**2
-            drive = growth.driven(noise)
+            drive = driven(growth, noise)
             P, R, p = begun(growth, noise)
             added = np.einsum("i,sinm->snm", variances, drive.added[:s])
-            found += _sandwich(C, added)
+            found += _summed(C @ added, C)
             found += first @ np.einsum("i,inm->nm", variances, P) @ first.T
             if noise.edge:
                 G = sweep.at_ends @ growth.steps.ends.entry(aided=growth.aided)
                 G = G * np.sqrt(noise.edge * variances)
-                found += np.tensordot(G, G, axes=((0, 2), (0, 2)))
+                found += _summed(G, G)
             for row in np.flatnonzero(variances) if len(p) else ():
                 own = _behind(C @ drive.gains[:s, row].swapaxes(1, 2), drive.over.fade)
                 ends, begin = own[1:], own[0]
-                crossed = np.tensordot(
-                    C @ drive.joint[:s, row].swapaxes(1, 2), ends, axes=((0, 2), (0, 2))
+                # Half of what is symmetric, with what is not: both come back below.
+                half = C @ drive.joint[:s, row].swapaxes(1, 2)
+                half += ends * (0.5 * drive.over.end[:s, None])
+                one = (
+                    _summed(half, ends) + (first @ R[row].T + 0.5 * begin * p) @ begin.T
                 )
-                crossed += first @ R[row].T @ begin.T
-                over = ends * drive.over.end[:s, None]
-                one = np.tensordot(over, ends, axes=((0, 2), (0, 2)))
-                one += crossed + crossed.T + (begin * p) @ begin.T
+                one = one + one.T
                 found += variances[row] * one
         return self._by_time(found)
 
@@ -386,7 +390,7 @@ class Aided:
             white = L * np.array(aid.u)
             yield (
                 aid.name,
-                self._by_time(np.tensordot(white, white, axes=((0, 2), (0, 2)))),
+                self._by_time(_summed(white, white)),
             )
             if aid.drift is not None:
                 at = t[np.array(self.filter.growth.steps.asked)[ends]]
@@ -396,7 +400,7 @@ class Aided:
                 gained = C * np.sqrt(1.0 - fade**2)[:, None, None]
                 yield (
                     f"{aid.name}_drift",
-                    self._by_time(np.tensordot(gained, gained, axes=((0, 2), (0, 2)))),
+                    self._by_time(_summed(gained, gained)),
                 )
 
     def of_start(self) -> Iterator[tuple[str, Array]]:
@@ -563,12 +567,14 @@ def _of_constants(gains: Array, found: Array, covariance: Array) -> _Block:
     )
 
 
-def _of_noise(growth: Growth, part: AxisNoise) -> tuple[_Block, Array, Array]:
+def _of_noise(
+    growth: Growth, part: AxisNoise, drive: Driven
+) -> tuple[_Block, Array, Array]:
     """Return states of a noise; what it adds to the navigator's, at first, in steps.
 
     An error of rounding is a state that each step draws anew.
     """
-    drive, row = growth.driven(part.noise), part.row
+    row = part.row
     P, R, p = (part.u**2 * one for one in begun(growth, part.noise))
     own = part.u**2 * drive.over.end
     fades, gains, joint = drive.over.fade, drive.gains[:, row], drive.joint[:, row]
@@ -605,9 +611,9 @@ def _of_drift(growth: Growth, drift: Drift) -> _Block:
     )
 
 
-def _sandwich(C: Array, Q: Array) -> Array:
-    """Return the sum over steps of C Q C', shapes (s, r, n) and (s, n, n)."""
-    return np.tensordot(C @ Q, C, axes=((0, 2), (0, 2)))
+def _summed(A: Array, B: Array) -> Array:
+    """Return the sum over steps of A B', shapes (s, r, k)."""
+    return np.tensordot(A, B, axes=((0, 2), (0, 2)))
 
 
 def _behind(taken: Array, fade: Array) -> Array:

@@ -14,7 +14,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import comb
+from math import ceil, comb, log2
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -32,7 +32,10 @@ if TYPE_CHECKING:
 
 AT_A_TIME = 256  # steps, for which arrays are made [1]
 KEPT = 16  # noises of journeys that are remembered
+DRIVEN = 8  # of what noises do in the steps of a route
 STEEP = 20.0  # h/tau from which on moments come by recursion [1]
+# Of an exponential: Taylor's terms, and the norm to which the last is below 1e-19.
+TERMS, HALVED = 14, 0.25
 GAUSS_POINTS = 24  # of the rule below
 
 # Legendre's polynomials on [0, 1], of mean square 1.
@@ -297,17 +300,6 @@ class Growth:
         """Return what constants make of the states at the begin, (n, m) [SI]."""
         return np.asarray(self._aligned @ columns(self.first.at_rest))
 
-    def driven(self, noise: Noise) -> Driven:
-        """Return what a noise of unit size does in each step."""
-        over = noise.over(self.steps.durations)
-        K = np.einsum("kj,sjni->sikn", AT_NODES, self._responses)
-        return Driven(
-            over=over,
-            gains=np.einsum("sqp,sipn->siqn", over.first, K),
-            joint=np.einsum("sqp,sipn->siqn", over.joint, K),
-            added=K.swapaxes(2, 3) @ over.own[:, None] @ K,
-        )
-
     def of_noise(self, parts: Sequence[AxisNoise]) -> Array:
         """Return the covariance of what is asked for, (times, 9, times, 9) [SI^2].
 
@@ -360,8 +352,6 @@ class Growth:
 
     def _flows_of(self, own: slice) -> tuple[Array, Array]:
         """Return the same of some steps."""
-        from scipy.linalg import expm
-
         nodes = self.steps.nodes.some(own)
         F, G = nodes.dynamics(aided=self.aided), nodes.entry(aided=self.aided)
         h = self.steps.durations[own, None, None]
@@ -374,7 +364,7 @@ class Growth:
             )
             A, B = (np.einsum("j,sjnm->snm", w, F) for w in (mean, lever))
             bent = h**2 / (1.0 - begin) * (B @ A - A @ B)
-            flows.append(expm(h * A + bent))
+            flows.append(_exponentials(h * A + bent))
         return flows[0], np.stack(flows[1:], axis=1) @ G
 
     @property
@@ -483,11 +473,24 @@ def _gains(
         K = np.einsum("kj,sjni->sikn", AT_NODES, growth._responses[own])  # noqa: SLF001
         yield from zip(
             growth.moves[own],
-            np.einsum("sqp,sipn->siqn", over.first[own], K),
-            np.einsum("sqp,sipn->siqn", over.joint[own], K),
+            over.first[own, None] @ K,
+            over.joint[own, None] @ K,
             K.swapaxes(2, 3) @ over.own[own, None] @ K,
             strict=True,
         )
+
+
+@lru_cache(maxsize=DRIVEN)
+def driven(growth: Growth, noise: Noise) -> Driven:
+    """Return what a noise of unit size does in each step of a route."""
+    over = noise.over(growth.steps.durations)
+    K = np.einsum("kj,sjni->sikn", AT_NODES, growth._responses)  # noqa: SLF001
+    return Driven(
+        over=over,
+        gains=over.first[:, None] @ K,
+        joint=over.joint[:, None] @ K,
+        added=K.swapaxes(2, 3) @ over.own[:, None] @ K,
+    )
 
 
 def begun(growth: Growth, noise: Noise) -> tuple[Array, Array, Array]:
@@ -513,6 +516,28 @@ def begun(growth: Growth, noise: Noise) -> tuple[Array, Array, Array]:
         both = wrong[:, :, None] * G[:, None, :]
         P += noise.edge * (G[:, :, None] * G[:, None, :] - both - both.swapaxes(1, 2))
     return P, R, p
+
+
+def _exponentials(M: Array) -> Array:
+    """Return the exponentials of matrices, shape (s, n, n), all at once.
+
+    In units of the states in which no element is large (balancing), by Taylor's series
+    of what is halved until it is small, then squared as often.
+    """
+    from scipy.linalg import matrix_balance
+
+    _, (scale, _) = matrix_balance(np.abs(M).max(axis=0), permute=False, separate=True)
+    B = M / scale[:, None] * scale
+    norm = np.abs(B).sum(axis=-1).max(initial=0.0)
+    halved = max(ceil(log2(norm / HALVED)), 0) if norm else 0
+    B = B / 2.0**halved
+    one = np.eye(M.shape[-1])
+    E = one + B / TERMS
+    for k in range(TERMS - 1, 0, -1):
+        E = one + B @ E / k
+    for _ in range(halved):
+        E = E @ E
+    return np.asarray(E * scale[:, None] / scale)
 
 
 def _stateless(own: Array) -> Moments:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -19,15 +20,16 @@ from budget.calibration.mission import (
 )
 from budget.methods.gum import covariance_by_source, derivatives
 from budget.navigation.aided import Aided, Belief, Filter
+from budget.navigation.growth import Growth
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from budget.names import Name
-    from budget.navigation.growth import Growth
     from budget.problem import Problem
     from budget.spec.records import Mission, Procedure, Sensor
 
+AT_ONCE = 8  # times that are traced back together
 KEPT = 4  # journeys that are remembered: each has arrays for all its steps
 
 
@@ -82,6 +84,18 @@ def journey_of(
         aids=aids_of(mission, cuts),
         start=start,
     )
+
+
+def few_times(journey: Growth | Aided) -> Iterator[Growth | Aided]:
+    """Yield journeys that ask for some of the times each, one after the other.
+
+    Each traces its times back by itself, so that little is kept at once.
+    """
+    if isinstance(journey, Growth):
+        yield journey
+        return
+    for first in range(0, len(journey.asked), AT_ONCE):
+        yield replace(journey, asked=journey.asked[first : first + AT_ONCE])
 
 
 def problem_of_mission(

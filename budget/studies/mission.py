@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.calibration.aiding import lines_of_mission
 from budget.calibration.mission import (
     SEEN,
     constants_problem,
@@ -21,7 +22,7 @@ from budget.names import HORIZONTAL, LENGTHS, MISSION, Name
 from budget.results import CEP, INTERACTION, R95, Calibrated
 from budget.spec import without_test
 from budget.spec.records import FACTORY, UNCALIBRATED
-from budget.studies.aiding import journey_of
+from budget.studies.aiding import few_times, journey_of
 from budget.studies.mixture import ONE_SIGMA, Mixture
 from budget.studies.request import analysis_of, seconds
 from budget.ties import first_largest
@@ -173,28 +174,37 @@ def curve(analysis: Analysis, times: Sequence[float] | None = None) -> Curve:
         raise CallError("this is of a calibration alone; give a mission")
     if times is None:
         times = np.linspace(0.0, mission.route.duration, POINTS + 1)[1:].tolist()
-    journey = journey_of(mission, tuple(times), analysis.sensors, analysis.procedure)
+    whole = journey_of(mission, tuple(times), analysis.sensors, analysis.procedure)
     constants = constants_problem(
         analysis.sensors, analysis.procedure, only=analysis.only
     )
-    S = map_of(journey, constants, analysis.sensors)
     each = covariance_by_source(constants, derivatives(constants))
-    C = S @ each[:, None] @ S.swapaxes(1, 2)
-    parts = dict(of_aiding(journey, only=analysis.only))
-    sources = (*(group.name for group in constants.groups), *parts, INTERACTION)
-    lines = len(constants.groups)
-    C = np.insert(C, [lines] * len(parts), 0.0, axis=0)
-    here = np.arange(len(times))
-    rate = analysis.procedure.sample_rate
-    parts |= noise_in_run(
-        analysis.sensors, journey, sample_rate=rate, only=analysis.only
+    lines = (
+        *(group.name for group in constants.groups),
+        *lines_of_mission(mission),
+        INTERACTION,
     )
-    for name, one in parts.items():
-        C[sources.index(name)] += one[here, :, here]
+    found = []
+    for journey in few_times(whole):
+        S = map_of(journey, constants, analysis.sensors)
+        made = S @ each[:, None] @ S.swapaxes(1, 2)
+        more = len(lines) - len(each)
+        C = np.insert(made, [len(each) - 1] * more, 0.0, axis=0)
+        here = np.arange(len(S))
+        parts = dict(of_aiding(journey, only=analysis.only))
+        parts |= noise_in_run(
+            analysis.sensors,
+            journey,
+            sample_rate=analysis.procedure.sample_rate,
+            only=analysis.only,
+        )
+        for name, one in parts.items():
+            C[lines.index(name)] += one[here, :, here]
+        found.append(C)
     return Curve(
         times=tuple(times),
-        sources=sources,
-        covariance=C,
+        sources=lines,
+        covariance=np.concatenate(found, axis=1),
         mixture=Mixture.of(analysis),
     )
 

@@ -384,3 +384,18 @@ def test_a_filter_that_believes_another_correlation_time():
     # Digits cancel in the covariance of both.
     assert_allclose(total[-1, rows, -1, rows], believing(other, 60), rtol=1e-6)
     assert total[-1, POSITION, -1, POSITION] > Dense("tac").conditioned(60)[0, 0]
+
+
+@pytest.mark.parametrize("time", [0.01, 1.0, 30.0, 3e4])
+def test_transitions_are_exponentials(time):
+    """In short steps and in long ones: Schuler's oscillation in closed form."""
+    (found,) = channel([time]).moves
+
+    w = (G / R) ** 0.5
+    c, s = np.cos(w * time), np.sin(w * time)
+    expected = [
+        [1.0, s / w, -2.0 * R * np.sin(0.5 * w * time) ** 2],
+        [0.0, c, -G * s / w],
+        [0.0, s / (w * R), c],
+    ]
+    assert_allclose(found, expected, rtol=1e-12)
