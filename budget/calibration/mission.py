@@ -441,7 +441,8 @@ def columns_of(
 
     def columns(moment: Moment) -> Array:
         found = np.zeros((*moment.latitude.shape, 2 * len(AXES), len(names)))
-        for triad, own in zip(triads, places, strict=True):
+        there = ((triad, own) for triad, own in zip(triads, places, strict=True) if own)
+        for triad, own in there:
             first = FIRST[triad.kind]
             found[..., first : first + len(AXES), own] = triad.columns(
                 [names[place] for place in own], moment.rate, moment.force

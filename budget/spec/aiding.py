@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from pydantic_core import CoreSchema
 
 GNSS, ZERO_VELOCITY = "gnss", "zero_velocity"
-OPTIMAL = "optimal"
+OPTIMAL, SELF = "optimal", "self"
 AXES = PLACES["position"]
 MOST_EPOCHS = 100_000  # of all aids
 CEP_OF_SIGMA = sqrt(2.0 * log(2.0))  # radius of half of a circular normal law [1]
@@ -128,6 +128,16 @@ class AlignmentPart(Strict):
     heading: Annotated[Quantity, Measured("deg")] | None = Field(
         default=None, description="unset: known exactly"
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _check_word(cls, value: object) -> object:
+        if isinstance(value, dict) and SELF in value:
+            raise fault(
+                f"found {describe(value)}, expected self, which has its duration "
+                "beside it, as 'alignment_time: 300 s'"
+            )
+        return value
 
     @property
     def start(self) -> tuple[float, ...]:

@@ -9,6 +9,7 @@ from math import ceil, degrees, pi, remainder
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from budget.language import note
@@ -16,6 +17,7 @@ from budget.navigation.route import STEP, TURN_STEP, Leg, Legs, Start, Track, mo
 from budget.spec.aiding import (
     MOST_EPOCHS,
     OPTIMAL,
+    SELF,
     ZERO_VELOCITY,
     AidingPart,
     Aids,
@@ -49,7 +51,7 @@ if TYPE_CHECKING:
     from budget.spec.trajectory import Recorded
     from budget.spec.tree import Document
 
-PERFECT, SELF = "perfect", "self"
+PERFECT = "perfect"
 AIDED, FREE = "aided", "free"
 LEVEL = note(
     "mission.segments: the vehicle stays level, without bank in turns or pitch in "
@@ -596,13 +598,7 @@ def read_mission(document: Document) -> Mission:
     else:
         recorded = _recorded(document, part)
         said = recorded.assumptions
-        route = Track(
-            time=recorded.time,
-            latitude=recorded.latitude,
-            longitude=recorded.longitude,
-            height=recorded.height,
-            attitude=recorded.attitude,
-        )
+        route = _track_of(recorded)
     return Mission(
         name=model.name or document.base_name.partition(".")[0],
         route=route,
@@ -619,6 +615,25 @@ def read_mission(document: Document) -> Mission:
         aiding=() if part.aiding is None else part.aiding.lines(part.spans),
         filter=part.filter.own if isinstance(part.filter, FilterPart) else None,
     )
+
+
+def _track_of(recorded: Recorded) -> Track:
+    """Return a recording as a route."""
+    return Track(
+        time=recorded.time,
+        latitude=recorded.latitude,
+        longitude=recorded.longitude,
+        height=recorded.height,
+        attitude=recorded.attitude,
+    )
+
+
+def _largest_speed(track: Track, begin: float, end: float) -> float:
+    """Return the largest speed of a route between two times [m/s]."""
+    course = track.course
+    there = (course.time > begin) & (course.time < end)
+    speeds = np.linalg.norm(course.moment.velocity[there], axis=-1)
+    return float(speeds.max(initial=0.0))
 
 
 def _recorded(document: Document, part: MissionPart) -> Recorded:
@@ -644,6 +659,13 @@ def _recorded(document: Document, part: MissionPart) -> Recorded:
     messages: Faults = {**part.late(end), **part.aiding_faults(end)}
     if part.alignment == SELF and recorded.first_speed > LEAST_SPEED:
         messages["alignment",] = _moving(recorded.first_speed)
+    for begin, stop in part.spans.get(ZERO_VELOCITY, ()) if not messages else ():
+        speed = _largest_speed(_track_of(recorded), begin, stop)
+        if speed > LEAST_SPEED:
+            messages["aiding", ZERO_VELOCITY, "during"] = (
+                f"has the vehicle at {speed:.6g} m/s between {begin:g} s and {stop:g} "
+                "s; expected times at which it stands"
+            )
     if messages:
         places = ((("mission", *steps), text) for steps, text in messages.items())
         root = document.root

@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
-from builders import line
+from builders import line, paper_accelerometer, paper_gyro
 from command_line import call
 from fuzz.grammar import replaced
 from fuzz.keys import KEYS, TABLE, Key, is_of_use, silent
@@ -20,6 +20,7 @@ from jsonschema import Draft202012Validator
 from places import ROOT
 
 import budget
+from budget.calibration.mission import of_aiding
 from budget.calibration.problem import calibration_problem
 from budget.calibration.saturation import Peak, beyond
 from budget.errors import SpecError
@@ -27,12 +28,13 @@ from budget.methods.gum import propagate
 from budget.model.sources import SENSORS, lines_of, walk_of
 from budget.model.sources.later import AGEING
 from budget.names import ORDERS
-from budget.navigation.growth import AxisNoise, Growth, Markov
+from budget.navigation.growth import AxisNoise, Markov
 from budget.spec import load_costs, load_device, uncalibrated, validate
 from budget.spec.device import read_device
 from budget.spec.files import find, open_file
 from budget.spec.records import ANGLES, AXES
 from budget.spec.use import in_use
+from budget.studies.aiding import journey_of
 from budget.studies.allocation.allocate import allocate
 from budget.studies.verdicts import VERDICTS
 
@@ -827,6 +829,8 @@ OF_SEGMENTS = {
 
 def going(key):
     """Return a mission without a key, and with it."""
+    if is_of_aids(key):
+        return with_aids(key)
     part = {"latitude": "45 deg", "segments": [SEGMENTS["turn"]]}
     if key.path[1:2] == ("segments",):
         own = SEGMENTS[OF_SEGMENTS.get(key.path[-1], key.path[-1])]
@@ -842,16 +846,80 @@ def going(key):
     return tree, after
 
 
+# A mission that says all of its aids once; the vehicle stands, then moves.
+AIDS = {
+    "gnss": {
+        "position": {"value": "2.5 m"},
+        "velocity": {"value": "0.05 m/s"},
+        "position_drift": {"value": "3 m", "correlation_time": "60 s"},
+        "rate": "0.5 Hz",
+    },
+    "heading": {"value": "0.5 deg", "rate": "0.5 Hz"},
+    "zero_velocity": {"value": "0.01 m/s", "rate": "0.5 Hz"},
+    "odometer": {"value": "0.1 m/s", "rate": "0.5 Hz"},
+}
+OWN = {"estimates": ["gyro.bias"], "believes": {"gyro.bias_repeatability": "1 deg/s"}}
+
+
+def is_of_aids(key):
+    """Say whether a key is of aids, of a filter, or of how it is aligned."""
+    of_alignment = key.path[1:2] == ("alignment",) and len(key.path) > 2
+    return of_alignment or bool({"aiding", "filter"} & {*key.path})
+
+
+def with_aids(key):
+    """Return a mission with aids without a key, or with another value, and with it."""
+    part = {
+        "latitude": "45 deg",
+        "altitude": "free",
+        "alignment": {"position": "30 m", "level": "0.5 deg"},
+        "aiding": AIDS,
+        "segments": [
+            {"segments": [{"stand": "20 s"}], "aiding": [*AIDS]},
+            {"accelerate": "10 s", "to": "20 m/s"},
+        ],
+    }
+    value = example(key)
+    match key.path[1:]:
+        case ("filter", *_):
+            names = key.path[2:3] or ("estimates",)
+            after = {**part, "filter": {name: OWN[name] for name in names}}
+        case ("segments", *rest):
+            one = {"stand": "20 s"}
+            said = {**one, "aiding": ["gnss"]}
+            named = {"straight": "10 s", "aiding": ["gnss", "heading", "odometer"]}
+            zero = {"stand": "1 s", "aiding": "zero_velocity"}
+            more = [{"accelerate": "10 s", "to": "20 m/s"}, named]
+            is_inside = len(rest) > 2
+            first, then = (
+                {"segments": [line]} if is_inside else line for line in (one, said)
+            )
+            part["segments"] = [zero, first, *more]
+            after = {**part, "segments": [zero, then, *more]}
+        case (*_, "during"):
+            track = str(ROOT / "tests" / "data" / "flight.csv")
+            own = AIDS[key.path[2]]
+            part = {"trajectory": track, "at": ["60 s"]}
+            part["aiding"] = {
+                key.path[2]: {**own, "during": [["0 s", "9 s"], ["20 s", "30 s"]]}
+            }
+            after = replaced({"mission": part}, key.path[:4], [["0 s", "9 s"]])
+            return {"mission": part}, after
+        case _:
+            if "meaning" in key.path:
+                value = "CEP"
+            tree = {"mission": part}
+            return tree, replaced(tree, steps_of(key), value)
+    return {"mission": part}, {"mission": after}
+
+
 def carried(one):
     """Return what constants and noise of the gyros and accelerometers become."""
-    journey = Growth(
-        first=one.route.first,
-        alignment=one.alignment,
-        steps=one.route.steps(one.at),
-        aided=one.aided,
-    )
+    sensors = (paper_gyro(), paper_accelerometer())
+    journey = journey_of(one, one.at, sensors, uncalibrated("factory"))
     noise = AxisNoise(row=0, noise=Markov(times=(300.0,)), u=1.0)
-    found = journey.of_constants(lambda _: np.eye(6)), journey.of_noise([noise])
+    found = [journey.of_constants(lambda _: np.eye(6)), journey.of_noise([noise])]
+    found += [C for _, C in of_aiding(journey)]
     return [number for part in found for number in part.ravel().tolist()]
 
 

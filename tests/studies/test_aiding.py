@@ -17,7 +17,7 @@ from budget.errors import CallError
 from budget.names import Name
 from budget.navigation.aided import Aided
 from budget.results import INTERACTION
-from budget.spec import load_device, load_mission, uncalibrated
+from budget.spec import load_device, load_mission, load_procedure, uncalibrated
 from budget.spec.records import Believed, OwnFilter
 from budget.studies.aiding import journey_of
 from budget.studies.mission import SEEN, curve
@@ -186,6 +186,29 @@ def test_a_shorter_time_with_aids(unit, rounds, u):
     one = analysis(unit, mission)
 
     assert_allclose(curve(one, one.carried_to).drms()[-1], u, rtol=1e-4)
+
+
+def test_the_papers_procedure_leaves_residuals_that_go_together():
+    """After it the residuals are correlated: the filter begins with all of that."""
+    one = analysis("tac", "g1.yaml", procedure=load_procedure(None))
+
+    found = curve(one, one.carried_to)
+
+    for axis, u in (("north", 4.03427), ("east", 4.02452)):
+        assert_allclose(found.standard_uncertainty("position", axis)[-1], u, rtol=2e-4)
+    assert_allclose(found.drms()[-1], 5.69842, rtol=2e-4)
+    heading = found.standard_uncertainty("attitude", "heading") / ARCSEC
+    assert_allclose(heading[[0, -1]], [183.887, 204.101], rtol=2e-4)
+
+
+def test_a_filter_may_estimate_one_parameter_of_one_triad():
+    """Its other states are those of noise."""
+    own = OwnFilter(estimates=(Name("bias", owner="gyro"),))
+    other = replace(case("g1"), mission=replace(case("g1").mission, filter=own))
+
+    found = curve(other, other.carried_to)
+
+    assert found.drms()[-1] > grown("g1").drms()[-1]
 
 
 def test_a_belief_in_the_truth_changes_nothing():
