@@ -227,7 +227,7 @@ class GnssPart(AidPart):
         found = super()._faults()
         if self.position is None and self.velocity is None:
             found["position",] = (
-                "is not there, nor is velocity; expected one at least, such as "
+                "has neither position nor velocity; expected one at least, such as "
                 "'position: 2.5 m'"
             )
         elif self.position is None and self.position_drift is not None:

@@ -897,7 +897,7 @@ def with_aids(key):
             part["segments"] = [zero, first, *more]
             after = {**part, "segments": [zero, then, *more]}
         case (*_, "during"):
-            track = str(ROOT / "tests" / "data" / "flight.csv")
+            track = str(ROOT / "tests" / "data" / "standing.csv")
             own = AIDS[key.path[2]]
             part = {"trajectory": track, "at": ["60 s"]}
             part["aiding"] = {

@@ -360,6 +360,146 @@ def test_what_does_not_fit_a_trajectory_is_refused(flown, keys, where, what):
     assert_refused(found, (where, what))
 
 
+GNSS = {"position": "2.5 m", "rate": "1 Hz"}
+SEEN = {**STAND, "aiding": "gnss"}
+
+
+@pytest.mark.parametrize(
+    ("keys", "where", "what"),
+    [
+        ({"segments": [SEEN]}, "segments[0].aiding", "mission.aiding does not have"),
+        ({"aiding": {"gnss": GNSS}}, "aiding.gnss", "used nowhere"),
+        (
+            {"segments": [{"segments": [SEEN], "aiding": ["gnss"]}]},
+            "segments[0].segments[0].aiding",
+            "in a group that says it",
+        ),
+        (
+            {"aiding": {"gnss": {"rate": "1 Hz"}}, "segments": [SEEN]},
+            "aiding.gnss",
+            "neither position nor velocity",
+        ),
+        (
+            {"aiding": {"gnss": {**GNSS, "rate": "0 Hz"}}, "segments": [SEEN]},
+            "aiding.gnss.rate",
+            "positive",
+        ),
+        (
+            {"aiding": {"gnss": {**GNSS, "position": "-1 m"}}, "segments": [SEEN]},
+            "aiding.gnss.position",
+            "positive",
+        ),
+        (
+            {"aiding": {"gnss": {**GNSS, "position": "1 deg"}}, "segments": [SEEN]},
+            "aiding.gnss.position",
+            "length",
+        ),
+        (
+            {"aiding": {"gnss": {**GNSS, "rate": "1e4 Hz"}}, "segments": [SEEN]},
+            "aiding",
+            "600000 epochs, expected 100000",
+        ),
+        (
+            {
+                "aiding": {"gnss": {**GNSS, "during": [["0 s", "9 s"]]}},
+                "segments": [SEEN],
+            },
+            "aiding.gnss.during",
+            "of a trajectory",
+        ),
+        (
+            {
+                "aiding": {"zero_velocity": {"value": "1 cm/s", "rate": "1 Hz"}},
+                "segments": [{**FAST, "aiding": "zero_velocity"}],
+            },
+            "segments[0].aiding",
+            "the vehicle moves",
+        ),
+        ({"filter": "optimal"}, "filter", "with aiding, which is not there"),
+        (
+            {
+                "filter": {"estimates": ["gyro.biases"]},
+                "aiding": {"gnss": GNSS},
+                "segments": [SEEN],
+            },
+            "filter.estimates[0]",
+            "gyro.bias",
+        ),
+        (
+            {
+                "filter": {"believes": {"gyro.angle_walk": "1 deg/h"}},
+                "aiding": {"gnss": GNSS},
+                "segments": [SEEN],
+            },
+            "filter.believes.gyro.angle_walk",
+            "no line",
+        ),
+        (
+            {
+                "filter": {"believes": {"gyro.angle_random_walk": "1 m"}},
+                "aiding": {"gnss": GNSS},
+                "segments": [SEEN],
+            },
+            "filter.believes.gyro.angle_random_walk",
+            "angle random walk",
+        ),
+        (
+            {"alignment": {"level": "1 deg"}, "alignment_time": "300 s"},
+            "alignment_time",
+            "'alignment: self'",
+        ),
+    ],
+)
+def test_what_is_wrong_with_aids_is_said_at_its_key(keys, where, what):
+    """Aids, their sizes and times, the filter, the alignment: with place and remedy."""
+    found = issues(**keys)
+    assert_refused(found, (where, what))
+
+
+def test_what_a_mission_says_of_its_aids():
+    """Sizes in SI, of axes that differ, of a CEP; epochs of a group of segments."""
+    position = {"value": "2.5 m", "axes": {"down": "5 m"}, "meaning": "CEP"}
+    one = mission(
+        [{"segments": [STAND, STAND], "repeat": 2, "aiding": "gnss"}, STAND],
+        aiding={"gnss": {"position": position, "rate": "1 Hz"}},
+        alignment={"position": "10 m", "heading": "5 deg"},
+    )
+    (aid,) = one.aiding
+    # Half of all errors of a circular normal law are within 1.17741 sigma.
+    assert_allclose(aid.u, [2.5 / 1.17741, 2.5 / 1.17741, 5.0], rtol=1e-6)
+    assert (aid.name, aid.rate, aid.spans) == ("gnss_position", 1.0, ((0.0, 240.0),))
+    expected = [10.0] * 3 + [0.0] * 5 + [radians(5.0)]
+    assert_allclose(one.start, expected, rtol=1e-12)
+
+
+def test_zero_velocity_where_a_trajectory_moves_is_refused(flown):
+    """With the speed that it has then."""
+    aid = {"value": "1 cm/s", "rate": "1 Hz", "during": [["1 s", "9 s"]]}
+    with pytest.raises(SpecError) as caught:
+        flown(aiding={"zero_velocity": aid})
+    found = [(issue.field, issue.message) for issue in caught.value.issues]
+    assert_refused(found, ("aiding.zero_velocity.during", "stands"))
+
+
+@pytest.mark.parametrize(
+    ("during", "place", "what"),
+    [
+        ([["9 s", "1 s"]], "[0]", "after its begin"),
+        ([["1 s", "9 s"], ["5 s", "20 s"]], "[1]", "one after the other"),
+        ([["1 s", "9 h"]], "[0]", "the mission ends at"),
+        (None, "", "says not when"),
+    ],
+)
+def test_times_of_an_aid_beside_a_trajectory(flown, during, place, what):
+    """They rise, do not overlap, and lie within it."""
+    aid = {**GNSS, **({"during": during} if during else {})}
+    with pytest.raises(SpecError) as caught:
+        flown(aiding={"gnss": aid})
+    found = [(issue.field, issue.message) for issue in caught.value.issues]
+    where = f"aiding.gnss.during{place}" if during else "aiding.gnss"
+    assert_refused(found, (where, what))
+
+
 def test_a_trajectory_that_is_not_there_is_said_with_its_place(flown, tmp_path):
     """Where it was looked for: beside the mission, not in the folder of the call."""
     with pytest.raises(SpecError) as caught:
