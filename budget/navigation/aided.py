@@ -13,7 +13,7 @@ believes what is true: there D = -C, and the parts add up to its own covariance.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -24,7 +24,7 @@ from budget.navigation.dynamics import ATTITUDE, INPUTS, POSITION, VELOCITY
 from budget.navigation.growth import begun, driven
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from budget.arrays import Array
     from budget.navigation.dynamics import Moment
@@ -86,6 +86,8 @@ class Belief:
         Of constants that it estimates, as they begin [SI squared].
     columns : callable, Moment -> (..., 6, m)
         Errors of gyros and accelerometers that each constant is.
+    biases : ndarray, shape (6, m)
+        Those that are the same at all times; 0 of other constants.
     noises : tuple of AxisNoise
     aids : tuple of Aid
     start : ndarray, shape (9,)
@@ -94,6 +96,7 @@ class Belief:
 
     covariance: Array
     columns: Callable[[Moment], Array]
+    biases: Array
     noises: tuple[AxisNoise, ...]
     aids: tuple[Aid, ...]
     start: Array
@@ -226,6 +229,7 @@ class Filter:
         P = start @ start.T + found @ U @ found.T
         added = np.zeros((len(growth.moves), self.n, self.n))
         rounded: list[tuple[int, int]] = []
+        noises: list[tuple[int, int, int]] = []
         drifts: dict[str, int] = {}
         number = self.n + len(U)
         drives = {
@@ -237,6 +241,8 @@ class Filter:
             P, added = P + of_begin, added + gained
             if part.noise.edge:
                 rounded.append((number, part.row))
+            else:
+                noises.append((number, number + len(block.begin), part.row))
             blocks.append(block)
             number += len(block.begin)
         for aid in belief.aids:
@@ -256,6 +262,7 @@ class Filter:
             own=np.concatenate([block.own for block in blocks], axis=1),
             begin=begin,
             rounded=tuple(rounded),
+            noises=tuple(noises),
             drifts=drifts,
         )
 
@@ -296,6 +303,8 @@ class Steps:
         Covariance of all when it begins.
     rounded : tuple of (int, int)
         Errors of rounding: which state, of which input.
+    noises : tuple of (int, int, int)
+        Noises with a memory: the first state, the one after the last, of which input.
     drifts : dict
         The first state of the drift of each aid that has one.
     """
@@ -307,6 +316,7 @@ class Steps:
     own: Array
     begin: Array
     rounded: tuple[tuple[int, int], ...]
+    noises: tuple[tuple[int, int, int], ...]
     drifts: dict[str, int]
 
 
@@ -334,83 +344,44 @@ class Aided:
 
     def of_constants(self, columns: Callable[[Moment], Array]) -> Array:
         """Return what is asked for, of constants, shape (times, 9, m); see Growth."""
-        growth, sweep = self.filter.growth, self._sweep
-        gains = growth.gained(columns)[: len(sweep.rows)]
-        found = np.tensordot(sweep.rows, gains, axes=((0, 2), (0, 1)))
-        found += sweep.first @ growth.found(columns)
-        return found.reshape(len(self.asked), SEEN, -1)
+        return self._sweep.of_constants(columns).reshape(len(self.asked), SEEN, -1)
 
     def of_noise(self, parts: Sequence[AxisNoise]) -> Array:
-        """Return the covariance of what is asked for, (times, 9, times, 9).
+        """Return the covariance of what is asked for, (times, 9, times, 9); see Growth.
 
         Parameters
         ----------
         parts : sequence of AxisNoise
             Independent of each other.
         """
-        growth, sweep = self.filter.growth, self._sweep
-        C, first = sweep.rows, sweep.first
-        s, r, _ = C.shape
-        found = np.zeros((r, r))
-        for noise in dict.fromkeys(part.noise for part in parts):
-            variances = np.zeros(INPUTS)
-            for part in parts:
-                if part.noise == noise:
-                    variances[part.row] += part.u**2
-            drive = driven(growth, noise)
-            P, R, p = begun(growth, noise)
-            added = np.einsum("i,sinm->snm", variances, drive.added[:s])
-            found += _summed(C @ added, C)
-            found += first @ np.einsum("i,inm->nm", variances, P) @ first.T
-            if noise.edge:
-                G = sweep.at_ends @ growth.steps.ends.entry(aided=growth.aided)
-                G = G * np.sqrt(noise.edge * variances)
-                found += _summed(G, G)
-            for row in np.flatnonzero(variances) if len(p) else ():
-                own = _behind(C @ drive.gains[:s, row].swapaxes(1, 2), drive.over.fade)
-                ends, begin = own[1:], own[0]
-                # Half of what is symmetric, with what is not: both come back below.
-                half = C @ drive.joint[:s, row].swapaxes(1, 2)
-                half += ends * (0.5 * drive.over.end[:s, None])
-                one = (
-                    _summed(half, ends) + (first @ R[row].T + 0.5 * begin * p) @ begin.T
-                )
-                one = one + one.T
-                found += variances[row] * one
-        return self._by_time(found)
+        return self._by_time(self._sweep.of_noise(parts))
 
     def of_aids(self) -> Iterator[tuple[str, Array]]:
         """Yield each source of the aids, with the covariance that it leaves.
 
         Shape (times, 9, times, 9), as of_noise.
         """
-        t = np.cumsum(self.filter.growth.steps.durations)
-        for aid in self.aids:
-            L, ends = self._sweep.of_aid(aid)
-            white = L * np.array(aid.u)
-            yield (
-                aid.name,
-                self._by_time(_summed(white, white)),
-            )
-            if aid.drift is not None:
-                at = t[np.array(self.filter.growth.steps.asked)[ends]]
-                fade = aid.drift.fade(np.diff(at, prepend=-np.inf))
-                later = np.append(fade[1:], 0.0)[:, None] * np.ones(L.shape[2])
-                C = _behind(L, later)[:-1] * np.array(aid.drift.u)
-                gained = C * np.sqrt(1.0 - fade**2)[:, None, None]
-                yield (
-                    f"{aid.name}_drift",
-                    self._by_time(_summed(gained, gained)),
-                )
+        for name, C in self._sweep.of_aids(self.aids):
+            yield name, self._by_time(C)
 
     def of_start(self) -> Iterator[tuple[str, Array]]:
         """Yield what an alignment knows, with the covariance that it leaves."""
-        growth = self.filter.growth
-        given = self._sweep.first @ growth.first.given(aided=growth.aided)
-        for name, rows in KNOWN.items():
-            C = given[:, rows] * self.start[rows]
-            if C.any():
-                yield name, self._by_time(C @ C.T)
+        for name, C in self._sweep.of_start(self.start):
+            yield name, self._by_time(C)
+
+    def of_inputs(self, end: int) -> Sweep:
+        """Return what a filter has wrong of slow errors of the inputs at an end.
+
+        Six rows: the biases of gyros and accelerometers with the states of their noise.
+        """
+        kalman = self.filter
+        estimated = np.zeros((INPUTS, kalman.size))
+        m = len(kalman.belief.covariance)
+        estimated[:, kalman.n : kalman.n + m] = -kalman.belief.biases
+        for first, last, row in kalman.steps.noises:
+            estimated[row, first:last] = -1.0
+        rows = (end, np.zeros((INPUTS, kalman.n)), estimated)
+        return replace(Sweep.of(kalman, [rows]), direct=np.eye(INPUTS))
 
     @cached_property
     def believed(self) -> Array:
@@ -457,13 +428,18 @@ class Sweep:
         Of the noise of what is measured at each end.
     places : tuple of dict
         Columns of each aid in that, by its name.
+    direct : ndarray, shape (r, 6)
+        Of the states of noise of each input, at the end of the last step.
+    growth : Growth
     """
 
+    growth: Growth
     rows: Array
     first: Array
     at_ends: Array
     noise: tuple[Array, ...]
     places: tuple[dict[str, slice], ...]
+    direct: Array
 
     @classmethod
     def of(cls, kalman: Filter, asked: Sequence[tuple[int, Array, Array]]) -> Sweep:
@@ -509,6 +485,8 @@ class Sweep:
             found = zip(aids, pairwise(ends), strict=True)
             places.append({aid.name: slice(*both) for aid, both in found})
         return cls(
+            growth=growth,
+            direct=np.zeros((r, INPUTS)),
             rows=rows,
             first=C,
             at_ends=at_ends,
@@ -516,12 +494,66 @@ class Sweep:
             places=tuple(places),
         )
 
-    def of_aid(self, aid: Aid) -> tuple[Array, list[int]]:
-        """Return the rows of the noise of an aid, (k, r, m), and at which ends."""
-        ends = [end for end in aid.ends if self.noise[end].shape[1]]
-        found = [self.noise[end][:, self.places[end][aid.name]] for end in ends]
-        shape = (0, self.first.shape[0], len(aid.rows))
-        return np.array(found).reshape(-1, *shape[1:]), ends
+    def of_constants(self, columns: Callable[[Moment], Array]) -> Array:
+        """Return what the rows are of constants, by navigation, shape (r, m)."""
+        gains = self.growth.gained(columns)[: len(self.rows)]
+        found = np.tensordot(self.rows, gains, axes=((0, 2), (0, 1)))
+        return np.asarray(found + self.first @ self.growth.found(columns))
+
+    def of_noise(self, parts: Sequence[AxisNoise]) -> Array:
+        """Return the covariance of the rows by independent noises, shape (r, r)."""
+        growth, C, first = self.growth, self.rows, self.first
+        s, r, _ = C.shape
+        found = np.zeros((r, r))
+        for noise in dict.fromkeys(part.noise for part in parts):
+            variances = np.zeros(INPUTS)
+            for part in parts:
+                if part.noise == noise:
+                    variances[part.row] += part.u**2
+            drive = driven(growth, noise)
+            P, R, p = begun(growth, noise)
+            added = np.einsum("i,sinm->snm", variances, drive.added[:s])
+            found += _summed(C @ added, C)
+            found += first @ np.einsum("i,inm->nm", variances, P) @ first.T
+            if noise.edge:
+                G = self.at_ends @ growth.steps.ends.entry(aided=growth.aided)
+                G = G * np.sqrt(noise.edge * variances)
+                found += _summed(G, G)
+            for row in np.flatnonzero(variances) if len(p) else ():
+                taken = C @ drive.gains[:s, row].swapaxes(1, 2)
+                own = _behind(taken, drive.over.fade, self.direct[:, row, None])
+                ends, begin = own[1:], own[0]
+                # Half of what is symmetric, with what is not: both come back below.
+                half = C @ drive.joint[:s, row].swapaxes(1, 2)
+                half += ends * (0.5 * drive.over.end[:s, None])
+                one = _summed(half, ends)
+                one += (first @ R[row].T + 0.5 * begin * p) @ begin.T
+                found += variances[row] * (one + one.T)
+        return found
+
+    def of_aids(self, aids: Iterable[Aid]) -> Iterator[tuple[str, Array]]:
+        """Yield each source of aids with the covariance of the rows, shape (r, r)."""
+        t = np.cumsum(self.growth.steps.durations)[list(self.growth.steps.asked)]
+        for aid in aids:
+            ends = [end for end in aid.ends if self.noise[end].shape[1]]
+            taken = [self.noise[end][:, self.places[end][aid.name]] for end in ends]
+            L = np.array(taken).reshape(-1, len(self.first), len(aid.rows))
+            white = L * np.array(aid.u)
+            yield aid.name, _summed(white, white)
+            if aid.drift is not None:
+                fade = aid.drift.fade(np.diff(t[ends], prepend=-np.inf))
+                later = np.append(fade[1:], 0.0)[:, None] * np.ones(L.shape[2])
+                gained = _behind(L, later)[:-1] * np.array(aid.drift.u)
+                gained *= np.sqrt(1.0 - fade**2)[:, None, None]
+                yield f"{aid.name}_drift", _summed(gained, gained)
+
+    def of_start(self, start: Array) -> Iterator[tuple[str, Array]]:
+        """Yield what an alignment knows, with the covariance of the rows, (r, r)."""
+        given = self.first @ self.growth.first.given(aided=self.growth.aided)
+        for name, rows in KNOWN.items():
+            C = given[:, rows] * start[rows]
+            if start[rows].any():
+                yield name, C @ C.T
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -616,7 +648,7 @@ def _summed(A: Array, B: Array) -> Array:
     return np.tensordot(A, B, axes=((0, 2), (0, 2)))
 
 
-def _behind(taken: Array, fade: Array) -> Array:
+def _behind(taken: Array, fade: Array, last: Array | float = 0.0) -> Array:
     """Return rows of states that fade, traced back, from what is taken of them.
 
     Parameters
@@ -625,6 +657,8 @@ def _behind(taken: Array, fade: Array) -> Array:
         In each step, of what they are at its begin.
     fade : ndarray, shape (s or more, k)
         What is left of them at its end.
+    last : ndarray, shape (r, k), or 0
+        What is taken of them when all is over.
 
     Returns
     -------
@@ -632,6 +666,7 @@ def _behind(taken: Array, fade: Array) -> Array:
         At the begin of each step, and at the end of the last.
     """
     found = np.zeros((len(taken) + 1, *taken.shape[1:]))
+    found[-1] = last
     for step in range(len(taken) - 1, -1, -1):
         found[step] = found[step + 1] * fade[step] + taken[step]
     return found

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from budget.spec.records import Mission, Procedure, Sensor
 
 AT_ONCE = 8  # times that are traced back together
+BIAS = "bias"
 KEPT = 4  # journeys that are remembered: each has arrays for all its steps
 
 
@@ -65,11 +66,14 @@ def journey_of(
     ]
     noises = noises_of(believed, sample_rate=procedure.sample_rate)
     start = np.array(mission.start)
+    columns = columns_of(
+        [names[place] for place in kept], tuple(map(Sensing.of, believed))
+    )
+    is_bias = [names[place].quantity == BIAS for place in kept]
     belief = Belief(
         covariance=U[np.ix_(kept, kept)],
-        columns=columns_of(
-            [names[place] for place in kept], tuple(map(Sensing.of, believed))
-        ),
+        columns=columns,
+        biases=columns(mission.route.first) * is_bias,
         noises=tuple(part for _, parts in noises for part in parts if part.u),
         aids=aids_of(mission, cuts, believes),
         start=start,

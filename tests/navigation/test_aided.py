@@ -145,6 +145,7 @@ def aided(unit, duration, *, noises=None, drift=None, believed=None, ends=None):
     belief = Belief(
         covariance=np.diag([SIGMA[own][f"{owner}.bias"] ** 2 for owner in INPUT]),
         columns=columns,
+        biases=columns(Channel(())),
         noises=sum(({**noises_of(own), **(noises or {})}).values(), ()),
         aids=aids,
         start=start,
