@@ -552,6 +552,41 @@ class Calibrated:
     because: Name | None = None
 
 
+@dataclass(frozen=True, kw_only=True)
+class Learnt:
+    """What a filter has found out of the bias of one axis, its slow noise with it."""
+
+    sensor: str
+    axis: str
+    time: float  # at which an aid ends [s]
+    before: float  # standard uncertainty without the filter [unit]
+    after: float  # and with it [unit]
+    unit: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class BelievedError:
+    """An error of navigation as the filter believes it."""
+
+    parameter: str  # 'position', 'velocity', 'attitude'
+    axis: str
+    time: float  # [s]
+    standard_uncertainty: float  # [unit]
+    true: float  # what it is [unit]
+    unit: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Filtered:
+    """The filter of a mission with aids."""
+
+    kind: str  # 'optimal' or 'own'
+    states: int
+    updates: int
+    learnt: tuple[Learnt, ...]
+    believed: tuple[BelievedError, ...]
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Budget:
     """The error budget of a calibration: every output, and how they go together.
@@ -592,6 +627,7 @@ class Budget:
     mission: Mission | None = None  # that it is of; None: of a calibration
     # The same mission after no calibration, the maker's, and the one it is of.
     bought: tuple[Calibrated, ...] = ()
+    filter: Filtered | None = None  # of that mission, where it has one
     # What it is of (budget.studies.request.Analysis): results know nothing of files.
     analysis: object = field(default=None, repr=False)
 
@@ -700,6 +736,7 @@ class Budget:
                 "alignment": self.mission.alignment,
                 "aided": self.mission.aided,
                 "calibrations": [asdict(one) for one in self.bought],
+                **({} if self.filter is None else {"filter": asdict(self.filter)}),
             }
         }
 

@@ -25,6 +25,7 @@ from budget.results import (
     VERDICTS,
     Ask,
     Assessment,
+    BelievedError,
     Budget,
     Calibrated,
     CapAssessment,
@@ -34,8 +35,10 @@ from budget.results import (
     Contribution,
     Doubt,
     FilledLine,
+    Filtered,
     InputFile,
     InputQuantity,
+    Learnt,
     OutputAssessment,
     OutputBudget,
     Reading,
@@ -401,6 +404,23 @@ def _budget(schema: _Schema) -> Node:
                 "calibrated", Calibrated, "name cep lower_bound worse_than because"
             )
         ),
+        maybe={
+            "filter": schema.entry(
+                "filter",
+                Filtered,
+                "kind states updates",
+                learnt=_many(
+                    schema.entry("learnt", Learnt, "sensor axis time before after unit")
+                ),
+                believed=_many(
+                    schema.entry(
+                        "believed",
+                        BelievedError,
+                        "parameter axis time standard_uncertainty true unit",
+                    )
+                ),
+            )
+        },
     )
     step = schema.entry(
         "step", Step, "factor expanded_uncertainty=expanded utilisation verdict"

@@ -52,6 +52,7 @@ from budget.spec import (
 from budget.spec.records import UNCALIBRATED
 from budget.spec.use import in_use
 from budget.studies import blunders, cautions
+from budget.studies.aiding import filtered
 from budget.studies.compensation import compensations
 from budget.studies.conformity import assess, open_to
 from budget.studies.input_quantities import input_quantities, sensitivities
@@ -429,6 +430,7 @@ def analyze_as(
         if chosen is None and of_test
         else (),
         mission=analysis.journey,
+        filter=filtered(analysis),
         analysis=analysis,
     )
     budget = budget if requirement is None else _judge(budget, requirement)

@@ -18,7 +18,7 @@ from budget.calibration.mission import (
 from budget.errors import CallError
 from budget.methods.gum import covariance_by_source, derivatives
 from budget.methods.radius import principal_variances, radius_of
-from budget.names import HORIZONTAL, LENGTHS, MISSION, Name
+from budget.names import AIDING, ALIGNMENT, HORIZONTAL, LENGTHS, MISSION, Name
 from budget.results import CEP, INTERACTION, R95, Calibrated
 from budget.spec import without_test
 from budget.spec.records import FACTORY, UNCALIBRATED
@@ -264,7 +264,7 @@ def bought(analysis: Analysis, budget: Budget | None = None) -> tuple[Calibrated
     more = {
         name: variance - parts[place].get(name, 0.0)
         for name, variance in parts[-1].items()
-        if name != INTERACTION
+        if name != INTERACTION and name.owner not in {AIDING, ALIGNMENT}
     }
     because = [*more][first_largest([*more.values()])]
     worse = replace(last_one, worse_than=maker.name, because=because)

@@ -19,7 +19,7 @@ from budget.navigation.aided import Aided
 from budget.results import INTERACTION
 from budget.spec import load_device, load_mission, load_procedure, uncalibrated
 from budget.spec.records import Believed, OwnFilter
-from budget.studies.aiding import journey_of
+from budget.studies.aiding import filtered, journey_of
 from budget.studies.mission import SEEN, curve
 from budget.studies.request import Analysis
 from budget.units import ARCSEC
@@ -116,6 +116,30 @@ def test_the_optimal_filter_believes_what_is_true(name):
         u = np.sqrt(np.diag(believed[place]))[free]
         off = (total[place] - believed[place])[np.ix_(free, free)]
         assert np.abs(off / np.outer(u, u)).max() < 1e-9
+
+
+@pytest.mark.parametrize("name", [name for name in VALUES if "learnt" in VALUES[name]])
+def test_what_a_filter_learns_of_the_biases(name):
+    """What is left of each bias with its stability after ten minutes."""
+    found = filtered(case(name))
+
+    last = [one for one in found.learnt if one.time == 600.0]
+    assert_allclose([one.after for one in last], VALUES[name]["learnt"], rtol=1e-4)
+    sigma = {"tac": (1.1180, 1001.25), "mems": (200.25, 5001.0)}
+    if (unit := VALUES[name]["unit"]) in sigma:
+        before = np.repeat(sigma[unit], 3)
+        assert_allclose([one.before for one in last], before, rtol=1e-4)
+
+
+def test_a_filter_of_its_own_learns_less_than_it_could():
+    """What it has wrong of a bias is more than the optimal filter has."""
+    other = replace(case("g1"), mission=case("g4").mission)
+    best, own = (
+        [one.after for one in filtered(one).learnt] for one in (case("g1"), other)
+    )
+
+    assert (np.array(own) >= np.array(best)).all()
+    assert filtered(other).kind == "own"
 
 
 def test_the_problem_is_the_curve():
