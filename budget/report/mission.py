@@ -35,6 +35,7 @@ if TYPE_CHECKING:
         Assessment,
         Budget,
         Calibrated,
+        Learnt,
         OutputAssessment,
         OutputBudget,
     )
@@ -285,6 +286,96 @@ def bought_table(budget: Budget, moments: Sequence[AtTime]) -> Table | None:
         ),
         name="mission-calibrations",
         caption=say("CEP after each calibration"),
+    )
+
+
+SHOWN = 3  # spans of an aid
+NOT_LEARNT = 0.9  # of what was there before, from which on it is not learnt [1]
+
+
+def learnt_table(budget: Budget) -> Table | None:
+    """Return what the filter has found out of the biases; None without one."""
+    found = () if budget.filter is None else budget.filter.learnt
+    if not found:
+        return None
+    last = max(one.time for one in found)
+
+    def before(one: Learnt) -> str:
+        """Return what was there without aids."""
+        return _digits(one.before)
+
+    def left(one: Learnt) -> str:
+        """Return what is left of a bias, or that nothing is learnt of it."""
+        if one.after > NOT_LEARNT * one.before:
+            return say("not learnt")
+        return _digits(one.after)
+
+    return table_of(
+        [one for one in found if one.time == last],
+        (
+            Field(head=say("bias"), cell=lambda one: full_title(_bias_of(one))),
+            Field(
+                head=say("before"), kind="number", cell=lambda one: f"{one.before:.2g}"
+            ),
+            Field(head=say("after"), kind="number", cell=left),
+            Field(head="", kind="unit", cell=lambda one: one.unit),
+        ),
+        name="filter-learnt",
+        caption=say("What the filter has learnt after {time}", time=time_text(last)),
+    )
+
+
+def _digits(x: float) -> str:
+    """Write a number to three digits, without an exponent."""
+    return f"{float(f'{x:.3g}'):.10g}"
+
+
+def _bias_of(one: Learnt) -> Name:
+    """Return the bias that something is learnt of."""
+    return Name("bias", owner=one.sensor, axis=one.axis)
+
+
+def aids_words(budget: Budget) -> str:
+    """Say what is measured on a mission, and when; '' without aids."""
+    if budget.filter is None or budget.mission is None:
+        return ""
+    aids = [
+        say(
+            "{aid} {spans}",
+            aid=key_title(one.name),
+            spans=", ".join(
+                f"{time_text(begin)} - {time_text(end)}"
+                for begin, end in one.spans[:SHOWN]
+            )
+            + ", ..." * (len(one.spans) > SHOWN),
+        )
+        for one in budget.mission.aiding
+    ]
+    return say(
+        "Measured besides: {aids}. The filter has {states} states and {updates} "
+        "updates; lever arms, delays and tight coupling are left out.",
+        aids="; ".join(aids),
+        states=str(budget.filter.states),
+        updates=str(budget.filter.updates),
+    )
+
+
+def believed_words(budget: Budget) -> str:
+    """Say what a filter of its own believes at the end, beside what is true."""
+    found = () if budget.filter is None else budget.filter.believed
+    own = [
+        one for one in found if (one.parameter, one.axis) == ("position", "horizontal")
+    ]
+    if not own or budget.filter is None or budget.filter.kind == "optimal":
+        return ""
+    last = max(own, key=lambda one: one.time)
+    return say(
+        "After {time} the filter believes {believed} {unit} DRMS, and {true} {unit} is "
+        "true.",
+        time=time_text(last.time),
+        believed=_digits(last.standard_uncertainty),
+        true=_digits(last.true),
+        unit=last.unit,
     )
 
 

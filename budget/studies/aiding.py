@@ -8,10 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.calibration.aiding import SAME, Cuts, aids_of, believing
+from budget.calibration.aiding import Cuts, aids_of, believing
 from budget.calibration.mission import (
-    FIRST,
-    SEEN,
     Places,
     Sensing,
     columns_of,
@@ -20,21 +18,16 @@ from budget.calibration.mission import (
     mission_problem,
     noises_of,
 )
-from budget.calibration.problem import BIAS_UNITS
 from budget.methods.gum import covariance_by_source, derivatives
-from budget.names import AXES, components_of
 from budget.navigation.aided import Aided, Belief, Filter
 from budget.navigation.growth import Growth
-from budget.results import BelievedError, Filtered, Learnt
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from budget.arrays import Array
     from budget.names import Name
     from budget.problem import Problem
     from budget.spec.records import Mission, Procedure, Sensor
-    from budget.studies.request import Analysis
 
 AT_ONCE = 8  # times that are traced back together
 BIAS = "bias"
@@ -126,93 +119,3 @@ def problem_of_mission(
         only=only,
         journey=journey_of(mission, Places.of(outputs).times, sensors, procedure),
     )
-
-
-def filtered(analysis: Analysis) -> Filtered | None:
-    """Return what the filter of a mission has found out, and what it believes.
-
-    None of a calibration, and of a unit that navigates by itself.
-    """
-    mission = analysis.journey
-    if mission is None or not mission.aiding or analysis.outputs is None:
-        return None
-    times = Places.of(analysis.outputs).times
-    journey = journey_of(mission, times, analysis.sensors, analysis.procedure)
-    if isinstance(journey, Growth):
-        return None
-    return Filtered(
-        kind="optimal" if mission.filter is None else "own",
-        states=journey.filter.size,
-        updates=journey.filter.updates,
-        learnt=tuple(_learnt(analysis, journey, mission)),
-        believed=tuple(_believed(analysis, journey)),
-    )
-
-
-def _learnt(analysis: Analysis, journey: Aided, mission: Mission) -> Iterator[Learnt]:
-    """Yield what is left of the biases where aids end, and what was there before."""
-    constants = constants_problem(analysis.sensors, analysis.procedure)
-    U = covariance_by_source(constants, derivatives(constants)).sum(axis=0)
-    names = [output.name for output in constants.outputs]
-    columns = columns_of(names, tuple(map(Sensing.of, analysis.sensors)))
-    growth = journey.filter.growth
-    biases = columns(growth.first) * [name.quantity == BIAS for name in names]
-    rate = analysis.procedure.sample_rate
-    lines = noises_of(analysis.sensors, sample_rate=rate)
-    noises = [part for _, parts in lines for part in parts if part.u]
-    t = np.cumsum(growth.steps.durations)[list(growth.steps.asked)]
-    for end in _ends(mission, t):
-        sweep = journey.of_inputs(end)
-        S = sweep.of_constants(columns) + biases
-        C = S @ U @ S.T + sweep.of_noise(noises)
-        parts = (*sweep.of_aids(journey.aids), *sweep.of_start(journey.start))
-        C = C + sum(one for _, one in parts)
-        before = np.diag(biases @ U @ biases.T).copy()
-        for part in noises:
-            over = part.noise.over(t[end : end + 1])
-            states = over.fade[0] ** 2 * part.noise.begins + over.end[0]
-            before[part.row] += part.u**2 * states.sum()
-        u = np.sqrt([before, np.diag(C)])
-        for kind, first in FIRST.items():
-            unit, size = BIAS_UNITS[kind]
-            for place, axis in enumerate(AXES):
-                both = (u[:, first + place] / size).tolist()
-                yield Learnt(
-                    sensor=kind,
-                    axis=axis,
-                    time=float(t[end]),
-                    before=both[0],
-                    after=both[1],
-                    unit=unit,
-                )
-
-
-def _ends(mission: Mission, t: Array) -> tuple[int, ...]:
-    """Return the ends of the steps, at these times, at which each aid ends."""
-    stops = {max(end for _, end in aid.spans) for aid in mission.aiding}
-    found = np.searchsorted(t, np.array(sorted(stops)) * (1.0 + SAME), side="right") - 1
-    return tuple(dict.fromkeys(found[found >= 0].tolist()))
-
-
-def _believed(analysis: Analysis, journey: Aided) -> Iterator[BelievedError]:
-    """Yield what the filter believes of what is asked for, beside what is true."""
-    law = analysis.law
-    times = Places.of(analysis.outputs or ()).times
-    for output, true in zip(
-        analysis.problem.outputs, law.standard_uncertainty.tolist(), strict=True
-    ):
-        name = output.name
-        rows = [
-            SEEN.index((one.quantity, one.axis))
-            for one in (components_of(name) or (name,))
-        ]
-        C = journey.believed[times.index(name.time or 0.0)]
-        yield BelievedError(
-            parameter=name.quantity,
-            axis=name.axis,
-            time=name.time or 0.0,
-            standard_uncertainty=float(np.sqrt(C[rows, rows].sum()))
-            / output.si_per_unit,
-            true=true / output.si_per_unit,
-            unit=output.unit,
-        )

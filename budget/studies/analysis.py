@@ -52,11 +52,11 @@ from budget.spec import (
 from budget.spec.records import UNCALIBRATED
 from budget.spec.use import in_use
 from budget.studies import blunders, cautions
-from budget.studies.aiding import filtered
 from budget.studies.compensation import compensations
 from budget.studies.conformity import assess, open_to
 from budget.studies.input_quantities import input_quantities, sensitivities
 from budget.studies.judgement import intervals_of
+from budget.studies.learnt import filtered, overconfident
 from budget.studies.lower_bounds import could_widen, expecting_device
 from budget.studies.missing import REFUSE, Filling, fill_all
 from budget.studies.mission import bought
@@ -360,6 +360,8 @@ def analyze_as(
     if chosen is None:
         warnings += cautions.unknown_zeros(problem, law)
     warnings += cautions.beyond_first_order(problem, law)
+    found_out = filtered(analysis)
+    warnings += overconfident(found_out)
     warnings += cautions.saturated(analysis)
     if chosen is None and of_test:
         warnings += cautions.say_unfelt(cautions.unfelt(analysis))
@@ -430,7 +432,7 @@ def analyze_as(
         if chosen is None and of_test
         else (),
         mission=analysis.journey,
-        filter=filtered(analysis),
+        filter=found_out,
         analysis=analysis,
     )
     budget = budget if requirement is None else _judge(budget, requirement)

@@ -19,7 +19,8 @@ from budget.navigation.aided import Aided
 from budget.results import INTERACTION
 from budget.spec import load_device, load_mission, load_procedure, uncalibrated
 from budget.spec.records import Believed, OwnFilter
-from budget.studies.aiding import filtered, journey_of
+from budget.studies.aiding import journey_of
+from budget.studies.learnt import filtered
 from budget.studies.mission import SEEN, curve
 from budget.studies.request import Analysis
 from budget.units import ARCSEC

@@ -11,12 +11,15 @@ from budget.report.analysis.groups import rest_sections, verdict_sections
 from budget.report.blocks import Abreast, Card, ForPages, Paragraph, Section
 from budget.report.figures.growth import growth_pictures
 from budget.report.mission import (
+    aids_words,
+    believed_words,
     blamed,
     bought_table,
     by_time,
     contributions_table,
     full_title,
     leading,
+    learnt_table,
     limits_table,
     motion_table,
     position_table,
@@ -63,6 +66,10 @@ TWICE = term(
 NOISY = term("the test has it too, and a longer one averages more of it out")
 OF_THE_PLACE = term("it is of the place of the test")
 HELD = term("the test does not estimate what it is of, and the maker has")
+LEARNT = term(
+    "What the filter has learnt of each bias, slow noise with it: its standard "
+    "uncertainty without aids and with them, when the last of them ends."
+)
 METHOD = term(
     "Errors of position, velocity and attitude follow x' = F x + G e along the "
     "nominal route: the modified phi-angle equations (Scherzinger and Reid 1994) with"
@@ -146,6 +153,12 @@ def mission_blocks(budget: Budget, moments: Sequence[AtTime]) -> Iterator[Block]
         yield Paragraph(words=(said,))
     if any(any(one.shares) for one in blamed(moments)):
         yield contributions_table(moments)
+    for text in (aids_words(budget), believed_words(budget)):
+        if text:
+            yield Paragraph(words=(text,))
+    if (learnt := learnt_table(budget)) is not None:
+        yield Paragraph(words=(say(LEARNT),))
+        yield learnt
     table = bought_table(budget, moments)
     if table is not None:
         is_tested = len(budget.bought) > len(UNCALIBRATED)

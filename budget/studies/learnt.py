@@ -1,0 +1,147 @@
+"""What the filter of an aided mission has learnt, and what it believes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.calibration.aiding import SAME
+from budget.calibration.mission import (
+    FIRST,
+    SEEN,
+    Places,
+    Sensing,
+    columns_of,
+    constants_problem,
+    noises_of,
+)
+from budget.calibration.problem import BIAS_UNITS
+from budget.language import note
+from budget.methods.gum import covariance_by_source, derivatives
+from budget.names import AXES, Name, components_of, key_title, time_text
+from budget.navigation.aided import Aided
+from budget.results import BelievedError, Filtered, Learnt
+from budget.studies.aiding import BIAS, journey_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from budget.arrays import Array
+    from budget.spec.records import Mission
+    from budget.studies.request import Analysis
+
+CONFIDENT = 0.8  # of what is true, below which a filter believes too little [1]
+
+
+def filtered(analysis: Analysis) -> Filtered | None:
+    """Return what the filter of a mission has found out, and what it believes.
+
+    None of a calibration, and of a unit that navigates by itself.
+    """
+    mission = analysis.journey
+    if mission is None or not mission.aiding or analysis.outputs is None:
+        return None
+    times = Places.of(analysis.outputs).times
+    journey = journey_of(mission, times, analysis.sensors, analysis.procedure)
+    if not isinstance(journey, Aided):
+        return None
+    return Filtered(
+        kind="optimal" if mission.filter is None else "own",
+        states=journey.filter.size,
+        updates=journey.filter.updates,
+        learnt=tuple(_learnt(analysis, journey, mission)),
+        believed=tuple(_believed(analysis, journey)),
+    )
+
+
+def overconfident(found: Filtered | None) -> tuple[str, ...]:
+    """Warn of a filter that believes in errors far smaller than they are."""
+    off = [
+        one
+        for one in (() if found is None else found.believed)
+        if one.standard_uncertainty < CONFIDENT * one.true
+    ]
+    if not off:
+        return ()
+    worst = min(off, key=lambda one: one.standard_uncertainty / one.true)
+    return (
+        note(
+            "mission.filter: it believes {believed} {unit} of {what} after {time}, and "
+            "{true} {unit} is true; where it says how good it is, it says too much",
+            believed=f"{worst.standard_uncertainty:.3g}",
+            true=f"{worst.true:.3g}",
+            unit=worst.unit,
+            what=key_title(Name(worst.parameter, axis=worst.axis)),
+            time=time_text(worst.time),
+        ),
+    )
+
+
+def _learnt(analysis: Analysis, journey: Aided, mission: Mission) -> Iterator[Learnt]:
+    """Yield what is left of the biases where aids end, and what was there before."""
+    constants = constants_problem(analysis.sensors, analysis.procedure)
+    U = covariance_by_source(constants, derivatives(constants)).sum(axis=0)
+    names = [output.name for output in constants.outputs]
+    columns = columns_of(names, tuple(map(Sensing.of, analysis.sensors)))
+    growth = journey.filter.growth
+    biases = columns(growth.first) * [name.quantity == BIAS for name in names]
+    rate = analysis.procedure.sample_rate
+    lines = noises_of(analysis.sensors, sample_rate=rate)
+    noises = [part for _, parts in lines for part in parts if part.u]
+    t = np.cumsum(growth.steps.durations)[list(growth.steps.asked)]
+    for end in _ends(mission, t):
+        sweep = journey.of_inputs(end)
+        S = sweep.of_constants(columns) + biases
+        C = S @ U @ S.T + sweep.of_noise(noises)
+        parts = (*sweep.of_aids(journey.aids), *sweep.of_start(journey.start))
+        C = C + sum(one for _, one in parts)
+        before = np.diag(biases @ U @ biases.T).copy()
+        for part in noises:
+            over = part.noise.over(t[end : end + 1])
+            states = over.fade[0] ** 2 * part.noise.begins + over.end[0]
+            before[part.row] += part.u**2 * states.sum()
+        u = np.sqrt([before, np.diag(C)])
+        for kind, first in FIRST.items():
+            unit, size = BIAS_UNITS[kind]
+            for place, axis in enumerate(AXES):
+                both = (u[:, first + place] / size).tolist()
+                yield Learnt(
+                    sensor=kind,
+                    axis=axis,
+                    time=float(t[end]),
+                    before=both[0],
+                    after=both[1],
+                    unit=unit,
+                )
+
+
+def _ends(mission: Mission, t: Array) -> tuple[int, ...]:
+    """Return the ends of the steps, at these times, at which each aid ends."""
+    stops = {max(end for _, end in aid.spans) for aid in mission.aiding}
+    found = np.searchsorted(t, np.array(sorted(stops)) * (1.0 + SAME), side="right") - 1
+    return tuple(dict.fromkeys(found[found >= 0].tolist()))
+
+
+def _believed(analysis: Analysis, journey: Aided) -> Iterator[BelievedError]:
+    """Yield what the filter believes of what is asked for, beside what is true."""
+    law = analysis.law
+    times = Places.of(analysis.outputs or ()).times
+    for output, true in zip(
+        analysis.problem.outputs, law.standard_uncertainty.tolist(), strict=True
+    ):
+        name = output.name
+        rows = [
+            SEEN.index((one.quantity, one.axis))
+            for one in (components_of(name) or (name,))
+        ]
+        C = journey.believed[times.index(name.time or 0.0)]
+        yield BelievedError(
+            parameter=name.quantity,
+            axis=name.axis,
+            time=name.time or 0.0,
+            standard_uncertainty=float(np.sqrt(C[rows, rows].sum()))
+            / output.si_per_unit,
+            true=true / output.si_per_unit,
+            unit=output.unit,
+        )
