@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 from functools import cache
 
 import pytest
 from command_line import call
 from keeping import once
 from numpy.testing import assert_allclose
+from places import TESTS
 from saying import assert_says
 
 from budget.studies import analysis
@@ -356,3 +358,42 @@ def test_a_lost_unit_has_no_rate(name):
     is_lost = name == "mpu-6050"
     assert ("the unit is lost" in finding) == is_lost
     assert ("nmi/h" in finding) != is_lost
+
+
+AIDED = TESTS / "data" / "aided"
+
+
+def test_a_mission_with_aids_says_what_its_filter_has_learnt(tmp_path):
+    """Aids with their times, and each bias: what was there, and what is left."""
+    path = tmp_path / "g3.json"
+    files = (str(AIDED / "mems.yaml"), "--mission", str(AIDED / "g3.yaml"))
+    said = answer("mission", *files, "--no-validate", "--json", str(path)).out
+
+    assert_says(said, "gnss position 0 s - 10 min")
+    assert_says(said, "37 states and 600 updates")
+    assert_says(said, "gyro bias x 200 6.71 deg/h")
+    assert_says(said, "accelerometer bias x 5000 not learnt ug")
+    found = json.loads(path.read_text(encoding="utf-8"))["mission"]["filter"]
+    assert (found["kind"], found["states"], found["updates"]) == ("optimal", 37, 600)
+    assert {one["axis"] for one in found["learnt"]} == {"x", "y", "z"}
+    last = found["believed"][-1]
+    assert_allclose(last["standard_uncertainty"], last["true"], rtol=1e-9)
+
+
+def test_a_filter_that_believes_too_much_is_warned_of():
+    """Where what it believes is below 0.8 of what is true."""
+    files = (str(AIDED / "mems.yaml"), "--mission", str(AIDED / "g4.yaml"))
+    said = answer("mission", *files, "--no-validate").out
+
+    assert_says(said, "it says too much")
+    assert_says(said, "the filter believes 22.9 m DRMS, and 31 m is true")
+
+
+def test_a_source_of_the_aids_is_asked_for_alone():
+    """As a line of the device is."""
+    files = (str(AIDED / "tac.yaml"), "--mission", str(AIDED / "g1.yaml"))
+    said = answer(
+        "mission", *files, "--no-validate", "--only", "aiding.gnss_velocity"
+    ).out
+
+    assert_says(said, "100 % of the variance is aiding gnss velocity")

@@ -172,7 +172,8 @@ def set_up(
     if not limits:
         return None
     problem = required_problem(sensors, procedure, requirement, mission)
-    given = given_lines(with_accelerometers(sensors, procedure), procedure)
+    there = with_accelerometers(sensors, procedure)
+    given = given_lines(there, procedure, mission=mission)
     law = scaled_law(problem)
     statuses, low, high = [], [], []
     for name in law.sources:
