@@ -314,9 +314,7 @@ def learnt_table(budget: Budget) -> Table | None:
         [one for one in found if one.time == last],
         (
             Field(head=say("bias"), cell=lambda one: full_title(_bias_of(one))),
-            Field(
-                head=say("before"), kind="number", cell=lambda one: f"{one.before:.2g}"
-            ),
+            Field(head=say("before"), kind="number", cell=before),
             Field(head=say("after"), kind="number", cell=left),
             Field(head="", kind="unit", cell=lambda one: one.unit),
         ),
