@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from pydantic.json_schema import JsonSchemaValue
     from pydantic_core import CoreSchema
 
-GNSS, ZERO_VELOCITY = "gnss", "zero_velocity"
+ZERO_VELOCITY = "zero_velocity"
 OPTIMAL, SELF = "optimal", "self"
 AXES = PLACES["position"]
 MOST_EPOCHS = 100_000  # of all aids
@@ -326,7 +326,6 @@ class AidingPart(Strict):
         )
 
 
-AIDS = tuple(AidingPart.model_fields)
 Aids = Annotated[
     tuple[Literal["gnss", "heading", "zero_velocity", "odometer"], ...], OrOne()
 ]
