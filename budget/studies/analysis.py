@@ -360,7 +360,8 @@ def analyze_as(
     if chosen is None:
         warnings += cautions.unknown_zeros(problem, law)
     warnings += cautions.beyond_first_order(problem, law)
-    found_out = filtered(analysis)
+    # Of some sources alone what is true is no measure of what the filter believes.
+    found_out = filtered(analysis) if chosen is None else None
     warnings += overconfident(found_out)
     warnings += cautions.saturated(analysis)
     if chosen is None and of_test:
