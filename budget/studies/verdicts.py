@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.calibration.mission import mission_outputs, mission_problem
+from budget.calibration.mission import mission_outputs
 from budget.calibration.saturation import (
     UNITS as SHOWN,
 )
@@ -61,6 +61,7 @@ from budget.spec.records import FACTORY, JOINT, NONE
 from budget.spec.specification import read_value, time_of
 from budget.spec.station import IDEAL
 from budget.spec.use import LINES, STATED, stated_of
+from budget.studies.aiding import problem_of_mission
 from budget.studies.cautions import beyond_first_order
 from budget.studies.ceilings import (
     BY_NATURE,
@@ -231,7 +232,7 @@ def _lost(case: Case, held: Limited) -> tuple[Condition, ...]:
         for name in mission_outputs(case.mission, times)
         if name.quantity == "attitude"
     ]
-    problem = mission_problem(case.sensors, case.procedure, case.mission, attitudes)
+    problem = problem_of_mission(case.sensors, case.procedure, case.mission, attitudes)
     return tuple(
         Condition(
             kind="first_order",

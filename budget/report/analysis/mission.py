@@ -153,12 +153,7 @@ def mission_blocks(budget: Budget, moments: Sequence[AtTime]) -> Iterator[Block]
         yield Paragraph(words=(said,))
     if any(any(one.shares) for one in blamed(moments)):
         yield contributions_table(moments)
-    for text in (aids_words(budget), believed_words(budget)):
-        if text:
-            yield Paragraph(words=(text,))
-    if (learnt := learnt_table(budget)) is not None:
-        yield Paragraph(words=(say(LEARNT),))
-        yield learnt
+    yield from _filter_blocks(budget)
     table = bought_table(budget, moments)
     if table is not None:
         is_tested = len(budget.bought) > len(UNCALIBRATED)
@@ -166,6 +161,16 @@ def mission_blocks(budget: Budget, moments: Sequence[AtTime]) -> Iterator[Block]
         yield table
         if said := why_worse(budget.bought[-1]):
             yield Paragraph(words=(said,))
+
+
+def _filter_blocks(budget: Budget) -> Iterator[Block]:
+    """Yield which aids there are, and what the filter has learnt of them."""
+    for text in (aids_words(budget), believed_words(budget)):
+        if text:
+            yield Paragraph(words=(text,))
+    if (learnt := learnt_table(budget)) is not None:
+        yield Paragraph(words=(say(LEARNT),))
+        yield learnt
 
 
 def why_worse(test: Calibrated) -> str:
