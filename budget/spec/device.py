@@ -20,6 +20,7 @@ from budget.model.sources import (
     lines_of,
 )
 from budget.model.sources.later import AGEING
+from budget.model.sources.temperature import COEFFICIENTS
 from budget.names import Name
 from budget.spec.changes import apply, tell_changes
 from budget.spec.checking import check, nearest
@@ -66,6 +67,10 @@ if TYPE_CHECKING:
     from budget.spec.tree import Document, Node
 
 PLAUSIBLE_GRAVITY = (9.5, 10.5)  # what a maker may mean by g [m/s^2]
+# Lines that are asked for of every axis where a test or a use exercises them.
+ASKED = frozenset(
+    ("g_sensitivity", "vibration_rectification", *COEFFICIENTS, *AGEING.values())
+)
 MOST_VARIANTS = 50  # each is checked as a device of its own
 _BASE_ONLY = ("format", "abstract", "variants")
 
@@ -460,8 +465,8 @@ def _read_sensor(
         (
             read_value(line, kind, value, known=density),
             getattr(value, "is_exact", False),
-            # What is expected of every axis is given where no axis has a 0.
-            bool(line.expected),
+            # What a verdict asks for of every axis is given where no axis has a 0.
+            bool(line.expected) or line.name in ASKED,
         )
         for line, value in values.items()
         if value

@@ -109,13 +109,19 @@ def problem_of_mission(
     outputs: Sequence[Name],
     *,
     only: frozenset[str] | None = None,
+    designed: tuple[tuple[Sensor, ...], Procedure] | None = None,
 ) -> Problem:
-    """Set up a mission after a calibration, with its filter; see mission_problem."""
+    """Set up a mission after a calibration, with its filter; see mission_problem.
+
+    `designed` has the triads and the procedure that the filter knows, where these are
+    others: what they do not have it takes for 0.
+    """
+    known = designed or (sensors, procedure)
     return mission_problem(
         sensors,
         procedure,
         mission,
         outputs,
         only=only,
-        journey=journey_of(mission, Places.of(outputs).times, sensors, procedure),
+        journey=journey_of(mission, Places.of(outputs).times, *known),
     )

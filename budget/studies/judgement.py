@@ -106,16 +106,20 @@ def required_problem(
     procedure: Procedure,
     requirement: Requirement,
     mission: Mission | None = None,
+    *,
+    designed: tuple[tuple[Sensor, ...], Procedure] | None = None,
 ) -> Problem:
     """Return the calibration of a sensor, with all that is limited of it.
 
     Or the mission of a gyro and an accelerometer after it, with what is limited of
-    that.
+    that; its filter is `designed` for other ones.
     """
     limited = requirement.outputs
     if mission is not None:
         wanted = on_mission(limited, mission)
-        return problem_of_mission(sensors, procedure, mission, wanted)
+        return problem_of_mission(
+            sensors, procedure, mission, wanted, designed=designed
+        )
     return calibration_problem(
         sensors,
         procedure,

@@ -53,6 +53,7 @@ from budget.model.sources.later import (
 from budget.model.sources.temperature import (
     BIAS_COEFFICIENT,
     COEFFICIENTS,
+    RATE_COEFFICIENT,
     SCALE_COEFFICIENT,
 )
 from budget.names import Name, time_text
@@ -114,7 +115,7 @@ NONLINEARITY, SAMPLE_NOISE = "scale_factor_nonlinearity", "sample_noise"
 STABILITY, ALLAN_FLOOR = "bias_stability", "allan_minimum"
 RECTIFICATION, G_SENSITIVITY = "vibration_rectification", "g_sensitivity"
 MEMS = "mems"
-SATURATES = "saturates"
+SATURATES, NO_TIME = "saturates", "no_correlation_time"
 # What a use that nobody has stated is tried at.
 PROBE = {
     key: read_value(source_of(ENVIRONMENT, STATED[key][0]), ENVIRONMENT, quantity).line
@@ -130,7 +131,7 @@ SAME = 1e-9  # relative, of a bound [1]
 NEGLIGIBLE, FAR_ABOVE = 0.005, 10.0
 # Lines through which the environment of a test acts.
 IN_TEST = {
-    "temperature": (BIAS_COEFFICIENT, SCALE_COEFFICIENT),
+    "temperature": COEFFICIENTS,
     "vibration": (RECTIFICATION,),
 }
 SHORT = 1.0  # correlation time of a bias stability that is none [s]
@@ -177,11 +178,20 @@ class Case:
     def like(
         self, held: Limited, sensors: tuple[Sensor, ...], procedure: Procedure
     ) -> Limited:
-        """Return what is held against its limits, of other triads or in another use."""
+        """Return what is held against its limits, of other triads or in another use.
+
+        A filter keeps the gains that it has by what is given: nobody told it more.
+        """
         names = {output.name for output in held.outputs}
         limits = tuple(one for one in self.requirement.limits if one.output in names)
         own = replace(self.requirement, limits=limits)
-        problem = required_problem(sensors, procedure, own, self.mission)
+        problem = required_problem(
+            sensors,
+            procedure,
+            own,
+            self.mission,
+            designed=(self.sensors, self.procedure),
+        )
         return limit_problem(problem, own) or held
 
 
@@ -211,7 +221,9 @@ def decide(
         Verdicts under other readings of lines whose meaning is open.
     """
     found = _decided(case, held, law, judged, seed=seed, doubt=doubt, readings=readings)
-    lost = () if found.verdict in {UNDECIDABLE, FAILS} else _lost(case, held)
+    if found.verdict in {UNDECIDABLE, FAILS}:
+        return found
+    lost = (*_without_time(found.cautions), *_lost(case, held))
     if not lost:
         return found
     return replace(
@@ -220,6 +232,20 @@ def decide(
         conditions=lost,
         cautions=(*_as_cautions(lost), *found.cautions),
     )
+
+
+def _without_time(cautions: Iterable[Caution]) -> Iterator[Condition]:
+    """Yield what leaves a verdict open where a bias stability is none."""
+    for one in cautions:
+        if one.kind == NO_TIME:
+            yield Condition(
+                kind=NO_TIME,
+                line=one.line,
+                below=None,
+                unit="",
+                si_per_unit=1.0,
+                text=one.text,
+            )
 
 
 def _lost(case: Case, held: Limited) -> tuple[Condition, ...]:
@@ -591,6 +617,7 @@ class Margin:
             margin = replace(
                 margin, jointly=_jointly(margin, whole, found, law, judged)
             )
+        margin = margin.less([x for x in margin.missing if _is_suspected(case, x)])
         if margin.without_ceiling or not (lines and judged.by_trials.any()):
             return margin
         top = case.like(held, completed(case.sensors, lines), case.procedure)
@@ -611,6 +638,16 @@ class Margin:
             found[list(self.groups[name])] = name in self.tops or name in self.filled
         return found
 
+    def less(self, suspected: Sequence[Name]) -> Margin:
+        """Return it without lines that overturn nothing, or of which nobody knows."""
+        least = replace(
+            self, missing=tuple(x for x in self.missing if x not in suspected)
+        )
+        known = (x for x in suspected if x in self.tops)
+        most = replace(self, missing=(*least.missing, *known))
+        used, at_first = (settle(one.used(one.weights)) for one in (most, least))
+        return most if used > 1.0 >= at_first else least
+
     @property
     def added(self) -> Array:
         """Covariance that missing lines add at their ceilings, as one of `parts`."""
@@ -622,7 +659,12 @@ class Margin:
     @property
     def without_ceiling(self) -> tuple[Name, ...]:
         """Missing lines that nothing bounds."""
-        return tuple(x for x in self.missing if x not in {*self.tops, *self.filled})
+        return tuple(
+            name
+            for name in self.missing
+            if name not in {*self.tops, *self.filled}
+            if name.quantity != RATE_COEFFICIENT
+        )
 
     @cached_property
     def at_ceilings(self) -> float | None:
@@ -887,8 +929,7 @@ def expected_of(case: Case) -> tuple[Name, ...]:
     """Return the lines that are not given and that the question exercises.
 
     The expected ones; what temperature and vibration do where these are stated or the
-    test has its own; the g-sensitivity of a MEMS gyro that is turned in gravity by a
-    test, or goes a route that turns or climbs.
+    test has its own; the g-sensitivity of a gyro that is MEMS, or may be.
     """
     if case.only is not None:
         return ()
@@ -904,17 +945,25 @@ def expected_of(case: Case) -> tuple[Name, ...]:
     if (
         gyros
         and gyros[0].line(G_SENSITIVITY) is None
-        and (
-            # A test turns them in gravity.
-            MEMS in families and calibrates(GYRO, case.procedure)
-            if case.mission is None
-            # A technology that nobody has told, or that nobody knows, may be one.
-            else not families & ({*FAMILIES} - {MEMS}) and manoeuvres(case.mission)
-        )
+        # A technology that nobody has told, or that nobody knows, may be MEMS.
+        and not families & ({*FAMILIES} - {MEMS})
+        and (case.mission is not None or calibrates(GYRO, case.procedure))
     ):
         names.append(Name(G_SENSITIVITY, owner=GYRO))
     filled = {one.expected for one in case.filling.lines}
     return tuple(dict.fromkeys(name for name in names if name not in filled))
+
+
+def _is_suspected(case: Case, name: Name) -> bool:
+    """Say whether a line counts only where at its ceiling it overturns a verdict.
+
+    The g-sensitivity of a gyro that does not turn in gravity, or that may be no MEMS.
+    """
+    if name.quantity != G_SENSITIVITY:
+        return False
+    if case.mission is not None:
+        return not manoeuvres(case.mission)
+    return all(family(device.technology) != MEMS for device in case.devices)
 
 
 def _lacking_stated(case: Case) -> tuple[Name, ...]:
@@ -1255,7 +1304,7 @@ def _unusual(
             time = line.correlation_time
             if line.name == STABILITY and time is not None and time.min() < SHORT:
                 yield Caution(
-                    kind="correlation_time",
+                    kind=NO_TIME,
                     line=name,
                     text=note(
                         "{line} has a correlation time of {time}, so that it acts as "
