@@ -929,7 +929,8 @@ def expected_of(case: Case) -> tuple[Name, ...]:
     """Return the lines that are not given and that the question exercises.
 
     The expected ones; what temperature and vibration do where these are stated or the
-    test has its own; the g-sensitivity of a gyro that is MEMS, or may be.
+    test has its own; the g-sensitivity of a MEMS gyro, and on a route that turns or
+    climbs of one that may be.
     """
     if case.only is not None:
         return ()
@@ -945,8 +946,12 @@ def expected_of(case: Case) -> tuple[Name, ...]:
     if (
         gyros
         and gyros[0].line(G_SENSITIVITY) is None
-        # A technology that nobody has told, or that nobody knows, may be MEMS.
-        and not families & ({*FAMILIES} - {MEMS})
+        and (
+            MEMS in families
+            if case.mission is None or not manoeuvres(case.mission)
+            # A technology that nobody has told, or that nobody knows, may be one.
+            else not families & ({*FAMILIES} - {MEMS})
+        )
         and (case.mission is not None or calibrates(GYRO, case.procedure))
     ):
         names.append(Name(G_SENSITIVITY, owner=GYRO))
@@ -957,13 +962,11 @@ def expected_of(case: Case) -> tuple[Name, ...]:
 def _is_suspected(case: Case, name: Name) -> bool:
     """Say whether a line counts only where at its ceiling it overturns a verdict.
 
-    The g-sensitivity of a gyro that does not turn in gravity, or that may be no MEMS.
+    The g-sensitivity of a gyro that does not turn in gravity.
     """
-    if name.quantity != G_SENSITIVITY:
-        return False
-    if case.mission is not None:
-        return not manoeuvres(case.mission)
-    return all(family(device.technology) != MEMS for device in case.devices)
+    is_level = case.mission is not None and not manoeuvres(case.mission)
+    # Beside a use that nobody has stated it is one condition more.
+    return is_level and name.quantity == G_SENSITIVITY and not unstated(case)
 
 
 def _lacking_stated(case: Case) -> tuple[Name, ...]:

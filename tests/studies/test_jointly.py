@@ -133,6 +133,7 @@ SHEET: dict[str, Any] = {
             "scale_factor_repeatability": "100 ppm",
             "mounting_repeatability": "10 arcsec",
             "bias_temperature_coefficient": "0.3 deg/h/degC",
+            "g_sensitivity": "1e-6 deg/h/g",
             "scale_factor_temperature_coefficient": "1e-6 ppm/degC",
         }
     },

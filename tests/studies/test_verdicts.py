@@ -96,7 +96,9 @@ class TestEnvironment:
 
     def test_temperature_that_nobody_states_bounds_the_verdict(self):
         """At the bound in degC that is named the limit is used up, ceilings counted."""
-        sensor, _ = standing_of(HOT)
+        hot = deepcopy(HOT)
+        hot["gyro"]["errors"]["g_sensitivity"] = "1e-6 deg/h/g"
+        sensor, _ = standing_of(hot)
         assert sensor.verdict == "meets_if"
         (bound,) = [
             one.below
@@ -104,7 +106,7 @@ class TestEnvironment:
             if one.kind == "temperature" and one.below is not None
         ]
         assert f"{floor(10.0 * bound) / 10.0:g} degC" in texts_of(sensor.standing)
-        at_bound, _ = standing_of(HOT, f"temperature {bound!r} degC, vibration 0 g")
+        at_bound, _ = standing_of(hot, f"temperature {bound!r} degC, vibration 0 g")
         # What the sheet does not say of temperature is at its ceilings in both.
         assert_allclose(at_bound.standing.at_ceilings, 1.0, rtol=1e-6)
 
@@ -127,7 +129,9 @@ class TestEnvironment:
 
     def test_vibration_that_nobody_states_bounds_the_verdict(self):
         """At the bound in g that is named the limit is used up."""
-        sensor, _ = standing_of(SHAKEN)
+        shaken = deepcopy(SHAKEN)
+        shaken["gyro"]["errors"]["g_sensitivity"] = "1e-6 deg/h/g"
+        sensor, _ = standing_of(shaken)
         assert sensor.verdict == "meets_if"
         (bound,) = [
             one.below
@@ -135,7 +139,7 @@ class TestEnvironment:
             if one.kind == "vibration" and one.below is not None
         ]
         needed = f"temperature 0 degC, vibration {bound / G!r} g"
-        at_bound, _ = standing_of(SHAKEN, needed)
+        at_bound, _ = standing_of(shaken, needed)
         assert_allclose(at_bound.utilisation, 1.0, rtol=1e-6)
 
     @pytest.mark.parametrize("sheet", [HOT, SHAKEN], ids=["hot", "shaken"])
@@ -840,10 +844,55 @@ class TestHidden:
         known = {
             "gyro.scale_factor_temperature_coefficient": "0.001 ppm/degC",
             "gyro.g_sensitivity": "0.001 deg/h/g",
+            "gyro.bias_temperature_rate_coefficient": "0.001 deg/h/(degC/min)",
         }
         for part, verdict in ((0.999, "meets"), (1.001, "fails")):
             told = sheet_with({**known, line: f"{part * size!r} deg/h/degC"})
             assert judged(told | {"range": {"gyro": "90 deg/s"}}).verdict == verdict
+
+    def test_a_level_hour_exercises_the_g_sensitivity(self):
+        """1 g acts all the time: a line that overturns a verdict is asked for."""
+        hour = {
+            "name": "an hour",
+            "mission": {"latitude": "45 deg", "segments": [{"stand": "1 h"}]},
+        }
+        need = {
+            "name": "10 min",
+            "environment": "none",
+            "limits": {
+                "mission": {
+                    "position": {"horizontal": "15 km", "at": "10 min"},
+                }
+            },
+        }
+
+        def judged(sheet):
+            found = budget.analyze(
+                sheet, mission=hour, requirement=need, validate=False
+            )
+            return found.assessment.sensors[0]
+
+        hidden = judged(SHEET)
+        assert hidden.verdict == "undecidable"
+        (asked,) = hidden.standing.asks
+        assert asked.line == "gyro.g_sensitivity"
+        size = asked.below / asked.si_per_unit
+        for part, verdict in ((0.999, "meets"), (1.001, "fails")):
+            told = sheet_with({"gyro.g_sensitivity": f"{part * size!r} deg/h/g"})
+            assert judged(told).verdict == verdict
+
+    @pytest.mark.parametrize(
+        "line",
+        ["gyro.bias_temperature_coefficient", "gyro.vibration_rectification"],
+    )
+    def test_a_zero_on_one_axis_of_a_coefficient_is_not_given(self, line):
+        """What a use exercises is asked for of every axis."""
+        unit = "deg/h/degC" if "temperature" in line else "deg/h/g^2"
+        axes = {"x": f"0.001 {unit}", "y": f"0 {unit}", "z": f"0.001 {unit}"}
+        sensor, _ = standing_of(
+            sheet_with({line: {"axes": axes}}), "temperature 20 degC, vibration 3 g"
+        )
+        assert line in {one.line for one in sensor.standing.asks}
 
     def test_a_hidden_technology_is_no_better(self):
         """A gyro of no technology may be MEMS, whose g-sensitivity is expected."""
