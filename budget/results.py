@@ -733,6 +733,7 @@ class Budget:
             "mission": {
                 "name": self.mission.name,
                 "duration": route.duration,
+                "route": asdict(route.outline),
                 "alignment": self.mission.alignment,
                 "aided": self.mission.aided,
                 "calibrations": [asdict(one) for one in self.bought],

@@ -403,12 +403,16 @@ def _show_procedure(name: str) -> None:
 
 
 def _show_mission(name: str) -> None:
-    """Say where it leads."""
+    """Warn of what is of no vehicle, and say where it leads."""
     from budget.cli.output import print_page
     from budget.report.route import route_section
     from budget.spec import load_mission
+    from budget.studies.cautions import of_no_vehicle
 
-    print_page([route_section(load_mission(name))])
+    mission = load_mission(name)
+    for text in of_no_vehicle(mission):
+        tell(f"  warning: {text}\n")
+    print_page([route_section(mission)])
 
 
 def schema(

@@ -52,6 +52,7 @@ class Start:
     height: float = 0.0  # above the ellipsoid [m]
     speed: float = 0.0  # forward [m/s]
     heading: float = 0.0  # from north to east [rad]
+    longitude: float | None = None  # which nothing depends on [rad]
 
 
 # Gauss' four points in [0, 1], and their weights.
@@ -99,8 +100,30 @@ class Moments:
         )
 
 
+@dataclass(frozen=True, kw_only=True)
+class Outline:
+    """A route in a few numbers, by which its user knows it, or a wrong unit in it.
+
+    The largest are at the points of Gauss of its steps, and of the motion against the
+    ground: at rest all are 0.
+    """
+
+    latitude: tuple[float, float]  # where it begins and ends [rad]
+    longitude: tuple[float, float] | None  # likewise; None: not given
+    length: float  # of the way [m]
+    duration: float  # [s]
+    speed: float  # largest [m/s]
+    acceleration: float  # largest, dv/dt north, east, down [m/s^2]
+    turn_rate: float  # largest, against north, east, down [rad/s]
+    hardest: float  # when the acceleration is largest [s]
+
+
 class Route(Protocol):
     """Where a vehicle goes, and how it moves there."""
+
+    @property
+    def outline(self) -> Outline:
+        """It in a few numbers, found once."""
 
     @property
     def duration(self) -> float:
@@ -140,6 +163,20 @@ class Legs:
         """All of it, at the points of Gauss of its steps."""
         steps = self.steps((self.duration,))
         return Moments.of(steps.durations, steps.nodes)
+
+    @cached_property
+    def outline(self) -> Outline:
+        """It in a few numbers; the longitude is the sum of the way east."""
+        steps = self.steps((self.duration,))
+        here = self.start.longitude
+        east = steps.nodes.velocity[..., 1] / steps.nodes.radii[1]
+        moved = east / each(cos, steps.nodes.latitude) @ WEIGHTS @ steps.durations
+        return _outline(
+            steps.durations,
+            steps.nodes,
+            latitude=(self.start.latitude, float(steps.ends.latitude[-1])),
+            longitude=None if here is None else (here, here + float(moved)),
+        )
 
     def leg_at(self, time: float) -> int:
         """Return the place of the leg that a time after the start is in."""
@@ -256,6 +293,17 @@ class Track:
         """All of it, at the points of Gauss of its steps."""
         edges, _ = self._edges((self.duration,))
         return Moments.of(np.diff(edges), self._nodes(edges))
+
+    @cached_property
+    def outline(self) -> Outline:
+        """It in a few numbers."""
+        edges, _ = self._edges((self.duration,))
+        return _outline(
+            np.diff(edges),
+            self._nodes(edges),
+            latitude=(float(self.latitude[0]), float(self.latitude[-1])),
+            longitude=(float(self.longitude[0]), float(self.longitude[-1])),
+        )
 
     def steps(self, times: Sequence[float]) -> Steps:
         """Return the route to the last asked time; see Route.
@@ -381,6 +429,31 @@ class Track:
             body=front @ FRONT_OF_BODY,
             turning=(front @ rates)[..., 0],
         )
+
+
+def _outline(
+    durations: Array,
+    nodes: Moment,
+    *,
+    latitude: tuple[float, float],
+    longitude: tuple[float, float] | None,
+) -> Outline:
+    """Return the outline of a route from steps of it and where it begins and ends."""
+    speed, acceleration, turn_rate = (
+        np.linalg.norm(one, axis=-1)
+        for one in (nodes.velocity, nodes.acceleration, nodes.turning)
+    )
+    times = Moments.of(durations, nodes).time
+    return Outline(
+        latitude=latitude,
+        longitude=longitude,
+        length=float(speed @ WEIGHTS @ durations),
+        duration=float(durations.sum()),
+        speed=float(speed.max()),
+        acceleration=float(acceleration.max()),
+        turn_rate=float(turn_rate.max()),
+        hardest=float(times.ravel()[acceleration.argmax()]),
+    )
 
 
 def _linear(begin: Array, middle: Array, end: Array, h: Array) -> Array:

@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import atan2, degrees, hypot
+from math import atan2, degrees, hypot, remainder
 from typing import TYPE_CHECKING
 
 from budget.language import say
-from budget.report.blocks import Field, Section, table_of
+from budget.names import time_text
+from budget.report.blocks import Field, Paragraph, Section, table_of
 from budget.report.figures.timeline import print_time
+from budget.report.mission import unit_for
 from budget.report.tables import print_given
+from budget.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from budget.navigation.dynamics import Moment
+    from budget.navigation.route import Route
     from budget.spec.records import Mission
 
+STILL = 0.5  # below which a way is none [m]
 DIGITS = 7  # of a number that is rounded to decimals already
 
 
@@ -49,6 +54,45 @@ class _Place:
         return _to(round(degrees(atan2(east, north)), 2) % 360.0, 2)
 
 
+def route_words(route: Route) -> str:
+    """Say in one line where a route leads and how hard, so that a slip is seen."""
+    way = route.outline
+    begin, end = (
+        _place(way.latitude[k], None if way.longitude is None else way.longitude[k])
+        for k in (0, 1)
+    )
+    rate = print_given(degrees(way.turn_rate), digits=2)
+    time = time_text(float(f"{way.duration:.4g}"))
+    if way.length < STILL:
+        return say(
+            "Route: stands at {place} for {time}, turns at most {rate} deg/s.",
+            place=begin,
+            time=time,
+            rate=rate,
+        )
+    unit, si_per_unit = unit_for("position", way.length)
+    return say(
+        "Route: {begin} to {end}, {length} in {time}, at most {speed} m/s, "
+        "{acceleration} g, {rate} deg/s.",
+        begin=begin,
+        end=end,
+        length=f"{print_given(way.length / si_per_unit, digits=3)} {unit}",
+        time=time,
+        speed=print_given(way.speed, digits=3),
+        acceleration=print_given(way.acceleration / STANDARD_GRAVITY, digits=2),
+        rate=rate,
+    )
+
+
+def _place(latitude: float, longitude: float | None) -> str:
+    """Write a place as charts do, to 11 m: '45.0000 N 10.0000 E'."""
+    text = f"{abs(degrees(latitude)):.4f} {'S' if latitude < 0.0 else 'N'}"
+    if longitude is None:
+        return text
+    east = remainder(degrees(longitude), 360.0)
+    return f"{text} {abs(east):.4f} {'W' if east < 0.0 else 'E'}"
+
+
 def route_section(mission: Mission) -> Section:
     """Tell the way in a table: a row for the start and for each asked time."""
     ends = mission.route.steps(mission.at).ends
@@ -81,7 +125,11 @@ def route_section(mission: Mission) -> Section:
         name="route",
         caption=title,
     )
-    return Section(name="route", title=title, blocks=(table,))
+    return Section(
+        name="route",
+        title=title,
+        blocks=(Paragraph(words=(route_words(mission.route),)), table),
+    )
 
 
 def _to(value: float, decimals: int) -> str:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, Union, get_args, get_origin
 from typing import get_type_hints as hints_of
 
 from budget.names import Name
+from budget.navigation.route import Outline
 from budget.references.difference import Change, Difference, Move
 from budget.references.records import Item
 from budget.report.catalogue import REMARKS
@@ -399,6 +400,7 @@ def _budget(schema: _Schema) -> Node:
         Mission,
         "name alignment aided",
         duration=float,
+        route=schema.whole("route", Outline),
         calibrations=_many(
             schema.entry(
                 "calibrated", Calibrated, "name cep lower_bound worse_than because"

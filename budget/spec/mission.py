@@ -533,6 +533,7 @@ class MissionPart(Strict):
             height=self.height.value if self.height else 0.0,
             speed=speed.value if speed else 0.0,
             heading=heading.value if heading else 0.0,
+            longitude=self.longitude.value if self.longitude else None,
         )
 
     @cached_property
@@ -608,6 +609,7 @@ def read_mission(document: Document) -> Mission:
         assumptions=(*part.assumptions(route.duration), *said),
         origin=Origin(file=document.base_name, sha256=document.sha256),
         trajectory=recorded.origin if recorded else None,
+        doubts=recorded.doubts if recorded else (),
         use=stated_lines(model.environment, model.age),
         start=part.alignment.start
         if isinstance(part.alignment, AlignmentPart)

@@ -368,6 +368,7 @@ class Mission:
     origin: Origin
     trajectory: Origin | None = None  # where the route was recorded
     use: tuple[ErrorLine, ...] = ()  # environment and age that it states
+    doubts: tuple[str, ...] = ()  # what in its recording looks like a slip
     # Errors of position, velocity and attitude when it begins, north, east, down, that
     # are known to this only [SI]; those of the route's first moment.
     start: tuple[float, ...] = (0.0,) * 9

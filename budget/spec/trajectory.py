@@ -18,7 +18,7 @@ from budget.spec.procedure import MOST_HEIGHT
 from budget.spec.reader import read_bytes, refuse
 from budget.spec.records import Origin
 from budget.spec.tree import MOST_ISSUES, all_of, describe
-from budget.units import DAY, parse_quantity
+from budget.units import DAY, STANDARD_GRAVITY, parse_quantity
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -36,7 +36,8 @@ COLUMNS = {
     "pitch": "deg",
     "heading": "deg",
 }
-NEEDED = ("time", "latitude", "longitude", "height")
+PLACE = ("latitude", "longitude", "height")
+NEEDED = ("time", *PLACE)
 EXAMPLE = ",".join(f"{name} [{unit}]" for name, unit in COLUMNS.items())
 MOST_BYTES = 32 * 1024 * 1024
 # Noise in a record makes each row a step of the growth: 50,000 take 20 s and 0.4 GB.
@@ -50,6 +51,9 @@ LEAST_SPEED = 0.1  # below which a track has no direction [m/s]
 # of positions turns a slow track, and a helicopter or a boat heads a little aside.
 TRACK_SPEED = 1.0  # [m/s]
 MOST_ASIDE = radians(45.0)  # [rad]
+# Of steps between rows in which a rounded position goes, and of what rounding asks for.
+MOST_GRAINS, MOST_ROUNDING = 20, STANDARD_GRAVITY  # [1], [m/s^2]
+LEAST_GRAIN = 1e-6  # below which it is the rounding of radians [m]
 MOST_GAP = 10.0  # from row to row, of the median: above it something is left out [1]
 # What is within bounds of each column [SI], and the bounds in words.
 BOUNDS = {
@@ -78,7 +82,8 @@ class Recorded:
         Roll, pitch and heading, which does not jump [rad].
     first_speed : float
         Mean speed from the first row to the second [m/s].
-    assumptions : tuple of str
+    assumptions, doubts : tuple of str
+        What is taken where nothing is said, and what looks like a slip.
     origin : Origin
     """
 
@@ -89,6 +94,7 @@ class Recorded:
     attitude: Array
     first_speed: float
     assumptions: tuple[str, ...]
+    doubts: tuple[str, ...]
     origin: Origin
 
 
@@ -155,6 +161,7 @@ def read_trajectory(path: Path, shown: str) -> Recorded:
             *_gaps(values["time"], first),
             *_aside(heading, north, east),
         ),
+        doubts=_coarse(values["time"], dict(zip(PLACE, track, strict=True))),
         origin=Origin(file=path.name, sha256=sha256(data).hexdigest()),
     )
 
@@ -188,6 +195,42 @@ def _gaps(time: Array, first: float) -> tuple[str, ...]:
             **parts,
         ),
     )
+
+
+def _coarse(time: Array, track: dict[str, Array]) -> tuple[str, ...]:
+    """Say where positions have too few decimals for how often they come.
+
+    All steps are then small whole numbers of the least one, the grain, and change by it
+    from row to row: an acceleration of grain / dt^2 of the rounding alone.
+    """
+    dt = float(np.median(np.diff(time)))
+    found = []
+    for name, place in track.items():
+        steps = np.abs(np.diff(place))
+        moved = steps[steps > LEAST_GRAIN]
+        if not moved.size:
+            continue
+        grain = float(moved.min())
+        grains = np.rint(steps / grain)
+        is_rounded = (
+            grains.max() <= MOST_GRAINS
+            and np.ptp(grains) > 0
+            # Radii and the cosine of the latitude change a little on the way.
+            and np.abs(steps / grain - grains).max() < 0.01 * max(1.0, grains.max())
+        )
+        if is_rounded and grain / dt**2 > MOST_ROUNDING:
+            found.append(
+                note(
+                    "trajectory.{name}: goes in steps of {grain:.3g} m, rows come "
+                    "every {dt:.3g} s: rounding alone asks for {size:.2g} g; write "
+                    "more decimals or smooth it",
+                    name=name,
+                    grain=grain,
+                    dt=dt,
+                    size=grain / dt**2 / STANDARD_GRAVITY,
+                )
+            )
+    return tuple(found)
 
 
 def _in_words(rows: Sequence[int]) -> str:

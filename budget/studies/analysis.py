@@ -364,6 +364,7 @@ def analyze_as(
     found_out = filtered(analysis) if chosen is None else None
     warnings += overconfident(found_out)
     warnings += cautions.saturated(analysis)
+    warnings += cautions.of_no_vehicle(analysis.journey)
     if chosen is None and of_test:
         warnings += cautions.say_unfelt(cautions.unfelt(analysis))
         warnings += blunders.worth_saying(procedure, sensors, law, problem, requirement)

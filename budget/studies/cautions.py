@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import degrees
+from math import degrees, pi, radians
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +18,7 @@ from budget.model.sources.later import AGE, AGEING
 from budget.model.sources.processes import Quantization, SampleNoise
 from budget.names import Name, key_title, time_text
 from budget.spec.specification import time_of
+from budget.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from budget.methods.monte_carlo import Sample
     from budget.problem import Problem
     from budget.results import Budget, OutputBudget
-    from budget.spec.records import Procedure, Sensor
+    from budget.spec.records import Mission, Procedure, Sensor
     from budget.studies.request import Analysis
 
 # Trials that a tail of the interval should hold at the least: JCGM 101:2008, 7.2.2 asks
@@ -344,6 +345,79 @@ def saturated(analysis: Analysis) -> tuple[str, ...]:
     if mission is None or analysis.requirement is not None:
         return ()
     return tuple(one.said for one in saturations(analysis.sensors, mission))
+
+
+# What no usual vehicle does, so that a wrong unit is likelier: aircraft stay below
+# 1000 m/s (SR-71, 980 m/s) and 20 g (fighters 9 g, aerobatics 12 g), drones turn by up
+# to 1000 deg/s, and what moves at all goes faster than an underwater glider.
+MOST_SPEED = 1000.0  # [m/s]
+MOST_ACCELERATION = 20.0 * STANDARD_GRAVITY  # [m/s^2]
+MOST_TURN_RATE = radians(1000.0)  # [rad/s]
+LEAST_SPEED, LEAST_LENGTH = 0.25, 10.0  # [m/s], [m]
+
+
+def of_no_vehicle(mission: Mission | None) -> tuple[str, ...]:
+    """Say where a route is none of a vehicle, and what in its recording is a slip.
+
+    A hint changes no quantity: rockets and shells go faster. () without a mission.
+    """
+    if mission is None:
+        return ()
+    way = mission.route.outline
+    found = list(mission.doubts)
+    if way.speed > MOST_SPEED:
+        found.append(
+            note(
+                "the mission goes at up to {speed:.4g} m/s, aircraft stay below "
+                "{most:g} m/s: see to its units of time and place",
+                speed=way.speed,
+                most=MOST_SPEED,
+            )
+        )
+    if way.acceleration > MOST_ACCELERATION:
+        found.append(
+            note(
+                "the mission asks for {size:.3g} g after {time}, aircraft stay below "
+                "{most:g} g: see to its units, and in a recording to jumps and to the "
+                "decimals of its positions",
+                size=way.acceleration / STANDARD_GRAVITY,
+                time=time_text(float(f"{way.hardest:.3g}")),
+                most=MOST_ACCELERATION / STANDARD_GRAVITY,
+            )
+        )
+    if way.turn_rate > MOST_TURN_RATE:
+        found.append(
+            note(
+                "the mission turns by up to {rate:.4g} deg/s, drones stay below "
+                "{most:g} deg/s: see to the units of its angles and of time",
+                rate=degrees(way.turn_rate),
+                most=degrees(MOST_TURN_RATE),
+            )
+        )
+    if way.length > LEAST_LENGTH and way.speed < LEAST_SPEED:
+        found.append(
+            note(
+                "the mission goes {length:.3g} m and never faster than {speed:.2g} "
+                "m/s, slower than vehicles: are times in ms, or angles in rad?",
+                length=way.length,
+                speed=way.speed,
+            )
+        )
+    if way.longitude is not None and _in_radians((*way.latitude, *way.longitude)):
+        found.append(
+            note(
+                "the mission is within {most:.4f} deg of latitude 0 and longitude 0, "
+                "in the Gulf of Guinea: are its angles in rad?",
+                most=pi / 2.0,
+            )
+        )
+    return tuple(found)
+
+
+def _in_radians(angles: Sequence[float]) -> bool:
+    """Say whether angles of a place [rad] are so small that degrees may be radians."""
+    # 0 is said of a place that does not matter; 1.5 deg of it is sea all around.
+    return all(angles) and all(abs(degrees(one)) <= pi / 2.0 for one in angles)
 
 
 # Standard uncertainty of an attitude up to which first order holds, 5.7 deg [rad].

@@ -27,6 +27,7 @@ from budget.report.mission import (
     size,
     what_sizes_are,
 )
+from budget.report.route import route_words
 from budget.report.tables import (
     AT_LEAST,
     Number,
@@ -143,6 +144,8 @@ def mission_blocks(budget: Budget, moments: Sequence[AtTime]) -> Iterator[Block]
     """Yield the finding and the tables of a mission."""
     for text in finding(moments):
         yield Paragraph(words=(text,))
+    if budget.mission is not None:
+        yield Paragraph(words=(route_words(budget.mission.route),))
     yield position_table(moments)
     for text in what_sizes_are(moments):
         yield Paragraph(words=(text,), small=True)

@@ -49,7 +49,7 @@ from budget.studies.allocation.rows import (
     source_allotments,
 )
 from budget.studies.blunders import against_limits
-from budget.studies.cautions import age_that_counts_not
+from budget.studies.cautions import age_that_counts_not, of_no_vehicle
 from budget.studies.judgement import judge, limit_problem
 from budget.studies.lower_bounds import expecting
 from budget.studies.request import (
@@ -277,6 +277,7 @@ def allocate(
         warnings=(
             *warnings,
             *age_that_counts_not(how, wanted.reference),
+            *of_no_vehicle(journey),
             *against_limits(how, wanted),
             *not_estimated(imus, how, wanted),
             *not_of_one_sensor(wanted),

@@ -18,7 +18,7 @@ from budget.spec import load_calibration, load_devices, load_mission, load_requi
 from budget.spec.load import several
 from budget.spec.use import in_use
 from budget.studies.blunders import against_limits
-from budget.studies.cautions import age_that_counts_not
+from budget.studies.cautions import age_that_counts_not, of_no_vehicle
 from budget.studies.comparison.candidates import Candidate, missing_lines
 from budget.studies.comparison.judging import JudgedCandidate, Judging, judge_all
 from budget.studies.comparison.ranking import pair_up, rank, rank_imus
@@ -309,6 +309,7 @@ def compare(
                     *not_estimated(imus, procedure, wanted),
                 )
             ),
+            *of_no_vehicle(journey),
             *_not_of_both(imus, shared, pairs=pairs),
             *reasons,
             *_warnings(imus, wanted, judged, findings, not_compared),
