@@ -291,13 +291,13 @@ class Track:
     @property
     def course(self) -> Moments:
         """All of it, at the points of Gauss of its steps."""
-        edges, _ = self._edges((self.duration,))
+        edges, _ = self._whole
         return Moments.of(np.diff(edges), self._nodes(edges))
 
     @cached_property
     def outline(self) -> Outline:
         """It in a few numbers."""
-        edges, _ = self._edges((self.duration,))
+        edges, _ = self._whole
         return _outline(
             np.diff(edges),
             self._nodes(edges),
@@ -343,6 +343,11 @@ class Track:
         )
         turning = _linear(-first, 0.0 * first, second, h)
         return self._moments(at, acceleration=acceleration, turning=turning)
+
+    @cached_property
+    def _whole(self) -> tuple[Array, tuple[int, ...]]:
+        """Ends of the steps of all of it; most of the time to find them is here."""
+        return self._edges((self.duration,))
 
     def _edges(self, times: Sequence[float]) -> tuple[Array, tuple[int, ...]]:
         """Return the ends of steps, and which steps end at the asked times.

@@ -136,6 +136,7 @@ def test_the_document_names_mission_and_file():
     assert found["command"] == "mission"
     assert found["inputs"]["mission"]["name"] == "bench.yaml"
     said = dict(found["mission"])
+    assert said.pop("route")["speed"] == 0.0  # rest of it: tests/report/test_route.py
     tests = [one["name"] for one in said.pop("calibrations")]
     assert tests[:2] == ["no calibration", "calibration by the maker"]
     assert len(tests) == 3
