@@ -126,6 +126,8 @@ def open_file(file: NamedFile, kind: str | None = None) -> Document:
         raise all_of(document.issues)
     if not isinstance(root.value, dict):
         message = f"found {describe(root.value)}, expected a mapping of keys"
+        if file.path.suffix.lower() == ".csv":
+            message += "; a mission file names a recording, as 'trajectory: FILE.csv'"
         raise all_of([*document.issues, document.issue(root, message)])
     _check_format(document)
     sign = next(_signs(root), None)

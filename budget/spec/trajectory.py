@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from codecs import BOM_UTF8
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from math import degrees, pi, radians
 from typing import TYPE_CHECKING
@@ -11,13 +12,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.earth import meridian_radius, normal_radius
-from budget.errors import Issue, UnitError
-from budget.language import note
+from budget.errors import BudgetError, Issue, UnitError
+from budget.language import note, term
 from budget.spec.checking import nearest
+from budget.spec.files import find, open_file
 from budget.spec.procedure import MOST_HEIGHT
 from budget.spec.reader import read_bytes, refuse
 from budget.spec.records import Origin
-from budget.spec.tree import MOST_ISSUES, all_of, describe
+from budget.spec.tree import all_of, describe
 from budget.units import DAY, STANDARD_GRAVITY, parse_quantity
 
 if TYPE_CHECKING:
@@ -38,10 +40,33 @@ COLUMNS = {
 }
 PLACE = ("latitude", "longitude", "height")
 NEEDED = ("time", *PLACE)
+# What others call a column, and what is of none: positions say it.
+ALSO = {
+    "time": ("t", "timestamp", "gps time", "seconds", "time of week", "tow"),
+    "latitude": ("lat",),
+    "longitude": ("lon", "long", "lng"),
+    "height": ("alt", "altitude", "h", "elevation", "ellipsoidal height"),
+    "roll": ("bank", "roll angle"),
+    "pitch": ("pitch angle",),
+    "heading": ("yaw", "hdg", "azimuth", "psi", "yaw angle", "true heading"),
+}
+USUAL = {other: name for name, own in ALSO.items() for other in (name, *own)}
+VELOCITIES = {"vn", "ve", "vd", "vu", "vx", "vy", "vz", "v", "velocity", "speed"}
+# Files of another kind, by how they begin.
+KINDS = {
+    b"PK\x03\x04": "an archive or a workbook",
+    b"\x93NUMPY": "an array of NumPy",
+    b"%PDF": "a PDF",
+    b"$": "a file of NMEA sentences",
+    b"<": "an XML file, as GPX and KML are",
+    b"{": "a JSON file",
+    b"[": "a JSON file",
+}
 EXAMPLE = ",".join(f"{name} [{unit}]" for name, unit in COLUMNS.items())
 MOST_BYTES = 32 * 1024 * 1024
 # Noise in a record makes each row a step of the growth: 50,000 take 20 s and 0.4 GB.
 LEAST_ROWS, MOST_ROWS = 4, 50_000
+MOST_ALIKE = 3  # rows that one thing is said of, before it is said once
 MOST_RUNS = 5  # of rows, that one message names
 LONGEST = DAY  # from the first row to the last [s]
 MOST_LATITUDE = radians(89.9)  # north is no direction at a pole [rad]
@@ -51,6 +76,7 @@ LEAST_SPEED = 0.1  # below which a track has no direction [m/s]
 # of positions turns a slow track, and a helicopter or a boat heads a little aside.
 TRACK_SPEED = 1.0  # [m/s]
 MOST_ASIDE = radians(45.0)  # [rad]
+WELL_ALONG = radians(20.0)  # where another reading of a heading fits [rad]
 # Of steps between rows in which a rounded position goes, and of what rounding asks for.
 MOST_GRAINS, MOST_ROUNDING = 20, STANDARD_GRAVITY  # [1], [m/s^2]
 LEAST_GRAIN = 1e-6  # below which it is the rounding of radians [m]
@@ -65,6 +91,9 @@ BOUNDS = {
     "heading": (200.0 * pi * (1.0 + 1e-9), "-36000 deg to 36000 deg"),
 }
 _HEAD = re.compile(r"([^\[\]]*?)\s*\[([^\[\]]*)\]")
+_LOOSE = re.compile(
+    r"(.*?)(?:[ _]*[(\[{].*|[ _]+(?:rad|degs?|degrees|m|ms|s|sec|ft|km))?"
+)
 _ODD = re.compile("[^0-9eE.+ \t,\r-]")  # what a row of numbers has not
 
 
@@ -124,6 +153,9 @@ def read_trajectory(path: Path, shown: str) -> Recorded:
     data = read_bytes(path, shown, most=MOST_BYTES, what="a CSV file")
     if len(data) > MOST_BYTES:
         raise refuse(shown, f"is larger than {MOST_BYTES} bytes, the most allowed")
+    if kind := _other_kind(path, data):
+        message = f"is {kind}, expected a CSV file with a header, as {EXAMPLE}"
+        raise refuse(shown, message)
     table = _Table(shown, _lines(data, shown))
     values = table.numbers()
     first = float(values["time"][0])
@@ -248,6 +280,30 @@ def _in_words(rows: Sequence[int]) -> str:
     )
 
 
+def _other_kind(path: Path, data: bytes) -> str:
+    """Say what a file is that is no CSV file: 'a station file'; '' of others."""
+    if path.suffix.lower() in {".yaml", ".yml"}:
+        try:
+            return f"a {open_file(find(path)).kind} file"
+        except BudgetError:
+            return "a YAML file"
+    start = data.removeprefix(BOM_UTF8).lstrip()
+    return next((kind for mark, kind in KINDS.items() if start.startswith(mark)), "")
+
+
+def _hint(head: str, name: str) -> str:
+    """Return what to write in the place of a head that is none, or ''."""
+    match = _LOOSE.fullmatch(name.lower().replace("_", " "))
+    word = match[1].strip() if match else name
+    if word in VELOCITIES:
+        return "; velocities follow from the positions: leave it out"
+    if meant := USUAL.get(word, "").strip():
+        given = _HEAD.fullmatch(head)
+        unit = given[2] if given and given[2] else COLUMNS[meant]
+        return f"; write {f'{meant} [{unit}]'!r}"
+    return nearest(name, tuple(COLUMNS))
+
+
 def _aside(heading: Array, v_north: Array, v_east: Array) -> tuple[str, ...]:
     """Say where a heading has little to do with the track: columns may be swapped.
 
@@ -256,15 +312,29 @@ def _aside(heading: Array, v_north: Array, v_east: Array) -> tuple[str, ...]:
     moves = np.hypot(v_north, v_east) > TRACK_SPEED
     if not moves.any():
         return ()
-    off = heading - np.arctan2(v_east, v_north)
-    median = float(np.median(np.abs(np.remainder(off + pi, 2.0 * pi) - pi)[moves]))
-    if median <= MOST_ASIDE:
+    track = np.arctan2(v_east, v_north)
+
+    def median(other: Array) -> float:
+        off = np.remainder(other - track + pi, 2.0 * pi) - pi
+        return float(np.median(np.abs(off)[moves]))
+
+    if (angle := median(heading)) <= MOST_ASIDE:
         return ()
+    readings = {
+        term("; read as radians it would fit"): degrees(1.0) * heading,
+        term("; it would fit if it were counted to the left"): -heading,
+        term(
+            "; it would fit if it were counted from east, or if latitude and longitude "
+            "are swapped"
+        ): pi / 2.0 - heading,
+    }
+    fits = (words for words, one in readings.items() if median(one) < WELL_ALONG)
     return (
         note(
             "trajectory.heading: differs from the track by {angle} deg in the median; "
-            "see to the order and units of the columns",
-            angle=f"{degrees(median):.0f}",
+            "see to the order and units of the columns{hint}",
+            angle=f"{degrees(angle):.0f}",
+            hint=note(next(fits, "")),
         ),
     )
 
@@ -303,13 +373,19 @@ class _Table:
         """
         self.shown = shown
         self.lines = lines
-        self.issues: list[Issue] = []
+        self.issues: dict[tuple[str, str], list[Issue]] = {}
         self.names: list[str] = []
         self.factors: list[float] = []
-        if "," not in lines[0] and (other := next(filter(lines[0].count, ";\t|"), "")):
+        other = next(filter(lines[0].count, ";\t|"), "")
+        if "," not in lines[0] and other:
             message = f"parts its columns by {other!r}, expected commas, as {EXAMPLE}"
+            if "," in lines[1]:
+                message += "; write points in the numbers then, not commas"
             self._add(0, 0, "", message)
-            self._raise()
+        elif not _ODD.search(lines[0]):
+            message = f"is of numbers, expected a header above them, as {EXAMPLE}"
+            self._add(0, 0, "", message)
+        self._raise()
         for place, head in enumerate(lines[0].split(",", len(COLUMNS))):
             self._read_head(place, head)
         if missing := [name for name in NEEDED if name not in self.names]:
@@ -327,7 +403,7 @@ class _Table:
         if not known:
             why = "stands twice" if name in COLUMNS else "is no column of a trajectory"
             message = f"{describe(name)} {why}, expected {', '.join(COLUMNS)}"
-            self._add(0, place, "", f"{message}{nearest(name, tuple(COLUMNS))}")
+            self._add(0, place, "", f"{message}{_hint(head.strip(), name)}")
         elif not match:
             message = f"has no unit, expected '{name} [{COLUMNS[name]}]'"
             self._add(0, place, name, message)
@@ -348,8 +424,6 @@ class _Table:
         rows: list[list[float]] = []
         for number, line in enumerate(self.lines[1:], start=1):
             row = self._read_row(number, line)
-            if len(self.issues) > MOST_ISSUES:
-                break
             rows.append(row)
         self._raise()
         with np.errstate(over="ignore"):
@@ -358,17 +432,30 @@ class _Table:
         for place, name in enumerate(self.names):
             if name in BOUNDS:
                 most, words = BOUNDS[name]
+                words += self._slip(place, values, most)
                 for after in np.flatnonzero(~(np.abs(values[name]) <= most)):
                     self._refuse(int(after) + 1, place, f"expected {words}")
         self._check_time(values["time"])
         self._raise()
         return values
 
+    def _slip(self, place: int, values: dict[str, Array], most: float) -> str:
+        """Return a hint at what is likelier than values out of their bounds, or ''."""
+        name = self.names[place]
+        if COLUMNS[name] == "deg" and self.factors[place] == 1.0:
+            is_fitting = np.abs(np.radians(values[name])).max() <= most
+            return f"; the head says rad: is it '{name} [deg]'?" if is_fitting else ""
+        if name == "latitude" and np.abs(values["longitude"]).max() <= most:
+            return "; are latitude and longitude swapped?"
+        return ""
+
     def _read_row(self, number: int, line: str) -> list[float]:
         """Return the numbers of a row."""
         count = line.count(",") + 1
         if count != len(self.names):
             message = f"has {count} values, expected {len(self.names)} as the header"
+            if count > len(self.names):
+                message += "; where commas are decimal ones write points"
             self._add(number, 0, "", message)
             return []
         cells = line.split(",")
@@ -432,20 +519,27 @@ class _Table:
                 f"is {speed[row] / 1e3:.6g} km/s from the row before, expected "
                 f"{MOST_SPEED / 1e3:g} km/s at the most; see to the units of the header"
             )
-            self._add(int(row) + 2, 0, "", message)
+            self._add(int(row) + 2, 0, "", message, alike="speed")
         self._raise()
 
     def _refuse(self, number: int, place: int, expected: str) -> None:
         """Add an issue of one value."""
         found = self.lines[number].split(",")[place].strip()
         name = self.names[place]
-        self._add(number, place, name, f"found {describe(found)}, {expected}")
+        self._add(
+            number, place, name, f"found {describe(found)}, {expected}", alike=expected
+        )
 
-    def _add(self, number: int, place: int, name: str, message: str) -> None:
-        """Add an issue at a value of a row; row 0 is the header."""
+    def _add(
+        self, number: int, place: int, name: str, message: str, *, alike: str = ""
+    ) -> None:
+        """Add an issue at a value of a row; row 0 is the header.
+
+        Of many rows with one name and what is alike the first alone is said.
+        """
         before = self.lines[number].split(",", place)[:place]
         column = 1 + sum(len(cell) + 1 for cell in before)
-        self.issues.append(
+        self.issues.setdefault((name, alike or message), []).append(
             Issue(
                 file=self.shown,
                 line=number + 1,
@@ -458,4 +552,15 @@ class _Table:
     def _raise(self) -> None:
         """Raise the issues, if there are any."""
         if self.issues:
-            raise all_of(self.issues)
+            raise all_of(
+                one for alike in self.issues.values() for one in _at_most(alike)
+            )
+
+
+def _at_most(alike: list[Issue]) -> list[Issue]:
+    """Return issues that are alike, many of them as one."""
+    if len(alike) <= MOST_ALIKE:
+        return alike
+    first, *others = alike
+    more = f"; {len(others)} more rows are alike"
+    return [replace(first, message=f"{first.message}{more}")]

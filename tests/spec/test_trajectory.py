@@ -138,7 +138,7 @@ def test_columns_stand_in_any_order_and_unit(read):
     [
         ("time [s],latitude [deg],height [m]", "1:1: the header has no longitude"),
         (HEADER + ",speed [m/s]", "1:52: 'speed' is no column"),
-        (HEADER.replace("lat", "Lat"), "1:10: 'Latitude' is no column.*'latitude'"),
+        (HEADER.replace("lat", "Lat"), "1:10: 'Latitude' .*'latitude \\[deg\\]'"),
         (HEADER.replace(" [s]", ""), r"1:1: time: has no unit, expected 'time \[s\]'"),
         (HEADER.replace("[s]", "[m]"), "1:1: time: .*a length, expected a time"),
         (HEADER.replace("[s]", "[]"), "1:1: time: "),
@@ -188,9 +188,96 @@ def test_a_row_that_is_wrong_is_refused(refused, row, what):
 
 
 def test_all_rows_that_are_wrong_are_said_at_once(refused):
-    """Up to a hundred of them."""
+    """What is alike in many of them once, at the first."""
     assert len(refused([*ROWS, "5,x,y,z", "6,1"])) == 4
-    assert len(refused([f"{n},x,0,0" for n in range(500)])) == 101
+    assert len(refused([*ROWS, *(f"{n},x,0,0" for n in (5, 6, 7))])) == 3
+    (found,) = refused([f"{n},x,0,0" for n in range(500)])
+    assert found.startswith("2:3: latitude: found 'x', expected a number; 499 more")
+
+
+@pytest.mark.parametrize(
+    ("rows", "header", "said"),
+    [
+        ([f"{n},5,45,{n},9,{n},100,0" for n in range(60)], HEADER, "write points"),
+        ([f"{n};45,{n};9,{n};100" for n in range(60)], HEADER.replace(",", ";"), "not"),
+        ([f"{n},103.{n},1.3,0" for n in range(60)], HEADER, "longitude swapped?"),
+        ([f"45.{n},{n},9,0" for n in range(60)][::-1], HEADER, "a time after that"),
+        (ROWS[1:], ROWS[0], "1:1: is of numbers, expected a header"),
+        (
+            [f"{n},45.{n},0.1,0" for n in range(60)],
+            HEADER.replace("latitude [deg]", "latitude [rad]"),
+            "is it 'latitude [deg]'?",
+        ),
+    ],
+)
+def test_a_mistake_in_every_row_is_said_once(refused, rows, header, said):
+    """With what to do, at the first place; not sixty times."""
+    (found,) = refused(rows, header)
+    assert said in found
+
+
+@pytest.mark.parametrize(
+    ("head", "hint"),
+    [
+        ("lat", "write 'latitude [deg]'"),
+        ("Lat [rad]", "write 'latitude [rad]'"),
+        ("lat_deg", "write 'latitude [deg]'"),
+        ("latitude (deg)", "write 'latitude [deg]'"),
+        ("LONGITUDE", "write 'longitude [deg]'"),
+        ("lng", "write 'longitude [deg]'"),
+        ("alt_m", "write 'height [m]'"),
+        ("Altitude", "write 'height [m]'"),
+        ("yaw", "write 'heading [deg]'"),
+        ("t", "write 'time [s]'"),
+        ("Roll", "write 'roll [deg]'"),
+        ("vn [m/s]", "leave it out"),
+        ("ve", "leave it out"),
+        ("vd_m", "leave it out"),
+    ],
+)
+def test_usual_heads_get_a_hint(refused, head, hint):
+    """What others call a column, in any capitals, with a unit in another place."""
+    found = [text for text in refused(ROWS, f"{HEADER},{head}") if "no column" in text]
+    assert len(found) == 1
+    assert hint in found[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "kind"),
+    [
+        ("s.yaml", b"station: {}\n", "a station file"),
+        ("s.yml", b"- [\n", "a YAML file"),
+        ("t.csv", b"PK\x03\x04\xff", "an archive or a workbook"),
+        ("t.csv", b"\x93NUMPY\x01", "an array of NumPy"),
+        ("t.csv", b"$GPGGA,1,2\n", "NMEA"),
+        ("t.csv", b"\xef\xbb\xbf<?xml?>", "XML"),
+        ("t.csv", b'{"a": 1}', "JSON"),
+    ],
+)
+def test_a_file_of_another_kind_is_named(tmp_path, name, data, kind):
+    """For what it is, in one sentence."""
+    path = tmp_path / name
+    path.write_bytes(data)
+    with pytest.raises(SpecError, match=kind) as caught:
+        read_trajectory(path, name)
+    assert len(caught.value.issues) == 1
+
+
+@pytest.mark.parametrize(
+    ("north", "east", "heading", "hint"),
+    [
+        (-20.0, 0.0, 3.1416, "read as radians it would fit"),
+        (1.0, 20.0, -87.0, "counted to the left"),
+        (20.0, 0.1, 90.0, "latitude and longitude are swapped"),
+        (20.0, 0.0, 130.0, ""),
+    ],
+)
+def test_a_heading_aside_has_a_hint(read, north, east, heading, hint):
+    """Where another reading of it lies along the track; it changes nothing."""
+    found = read(_headed(north, east, heading), HEADER + ",heading [deg]")
+    (said,) = (text for text in found.assumptions if "differs from" in text)
+    assert said.endswith(hint or "units of the columns")
+    assert_allclose(found.attitude[:, 2], radians(heading), rtol=1e-12)
 
 
 def test_a_track_that_stands_has_no_heading(read, refused):
