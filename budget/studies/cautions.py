@@ -403,21 +403,22 @@ def of_no_vehicle(mission: Mission | None) -> tuple[str, ...]:
                 speed=way.speed,
             )
         )
-    if way.longitude is not None and _in_radians((*way.latitude, *way.longitude)):
+    if way.longitude is not None and _in_radians(way.latitude, way.longitude):
         found.append(
             note(
-                "the mission is within {most:.4f} deg of latitude 0 and longitude 0, "
-                "in the Gulf of Guinea: are its angles in rad?",
-                most=pi / 2.0,
+                "the mission is within pi/2 deg of latitude 0 and pi deg of longitude "
+                "0, in the Gulf of Guinea: are its angles in rad?"
             )
         )
     return tuple(found)
 
 
-def _in_radians(angles: Sequence[float]) -> bool:
-    """Say whether angles of a place [rad] are so small that degrees may be radians."""
-    # 0 is said of a place that does not matter; 1.5 deg of it is sea all around.
-    return all(angles) and all(abs(degrees(one)) <= pi / 2.0 for one in angles)
+def _in_radians(latitude: Sequence[float], longitude: Sequence[float]) -> bool:
+    """Say whether a place [rad] is so near 0 that its degrees may be radians."""
+    # 0 itself is said where the place does not matter; all around it is sea.
+    near = max(map(abs, latitude)) <= radians(pi / 2.0)
+    near &= max(map(abs, longitude)) <= radians(pi)
+    return near and all((*latitude, *longitude))
 
 
 # Standard uncertainty of an attitude up to which first order holds, 5.7 deg [rad].

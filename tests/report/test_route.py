@@ -125,6 +125,7 @@ def test_the_line_is_shown_everywhere(tmp_path):
         ([(t, round(a, 4), *b) for t, a, *b in straight(99, dt=0.1)], ["11.1 m", "g"]),
         ([*straight(30), *straight(60, longitude=10.01)[30:]], ["aircraft stay below"]),
         (straight(latitude=0.5, longitude=-1.0), ["Gulf of Guinea"]),
+        (straight(latitude=-1.5, longitude=3.1), ["Gulf of Guinea"]),
         (straight(latitude=0.0, longitude=0.0), []),
         (straight(latitude=1.35, longitude=103.8), []),
     ],
