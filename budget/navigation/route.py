@@ -102,7 +102,7 @@ class Moments:
 
 @dataclass(frozen=True, kw_only=True)
 class Outline:
-    """A route in a few numbers, by which its user knows it, or a wrong unit in it.
+    """A route in a few numbers, in SI, by which its user sees a wrong unit.
 
     The largest are at the points of Gauss of its steps, and of the motion against the
     ground: at rest all are 0.

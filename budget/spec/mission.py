@@ -291,7 +291,9 @@ class MissionPart(Strict):
 
     latitude: Angle | None = Field(default=None, description="geodetic, of the start")
     longitude: Angle | None = Field(
-        default=None, description="of the start; nothing depends on it"
+        default=None,
+        description="of the start; no error depends on it, the line of the route "
+        "shows it",
     )
     height: Height | None = Field(
         default=None, description="of the start, above the ellipsoid; unset: 0 m"
