@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from budget.spec.records import Mission
     from budget.studies.request import Analysis
 
+DECIMALS = 9  # of a time in s, which is the sum of steps
 CONFIDENT = 0.8  # of what is true, below which a filter believes too little [1]
 
 
@@ -109,7 +110,7 @@ def _learnt(analysis: Analysis, journey: Aided, mission: Mission) -> Iterator[Le
                 yield Learnt(
                     sensor=kind,
                     axis=axis,
-                    time=float(t[end]),
+                    time=round(float(t[end]), DECIMALS),
                     before=both[0],
                     after=both[1],
                     unit=unit,
