@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from math import ceil, cos
+from math import ceil, cos, hypot, sin
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -36,12 +36,44 @@ FRONT_OF_BODY = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
 
 @dataclass(frozen=True, kw_only=True)
 class Leg:
-    """A stretch of a route: while it lasts three rates are constant."""
+    """A stretch of a route: while it lasts three rates are constant.
+
+    A leg with a bank is entered level, rolls to its bank, and is level again at its
+    end; without one it rolls as long as it lasts.
+    """
 
     duration: float  # [s]
     turn_rate: float = 0.0  # of the heading [rad/s]
     acceleration: float = 0.0  # forward [m/s^2]
     climb_rate: float = 0.0  # [m/s]
+    bank: float = 0.0  # right side down [rad]
+    roll_rate: float = 0.0  # of that sign [rad/s]
+
+    @property
+    def rolling(self) -> float:
+        """How long it rolls to its bank, and as long back [s]."""
+        return self.bank / self.roll_rate if self.bank else 0.0
+
+    @property
+    def pieces(self) -> tuple[Leg, ...]:
+        """The leg in parts that each roll at a constant rate."""
+        if not self.bank:
+            return (self,)
+        spans = (
+            (self.rolling, self.roll_rate),
+            (self.duration - 2.0 * self.rolling, 0.0),
+            (self.rolling, -self.roll_rate),
+        )
+        return tuple(
+            replace(self, duration=span, bank=0.0, roll_rate=rate)
+            for span, rate in spans
+            if span > 0.0
+        )
+
+    def steps(self, time: float) -> int:
+        """Return in how many steps errors are carried along so much of it."""
+        turned = hypot(self.turn_rate, self.roll_rate) * time
+        return ceil(max(time / STEP, turned / TURN_STEP, 1.0) - ROUNDING)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,6 +85,7 @@ class Start:
     speed: float = 0.0  # forward [m/s]
     heading: float = 0.0  # from north to east [rad]
     longitude: float | None = None  # which nothing depends on [rad]
+    roll: float = 0.0  # right side down [rad]
 
 
 # Gauss' four points in [0, 1], and their weights.
@@ -143,7 +176,7 @@ class Route(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class Legs:
-    """A route of legs, one after another, of a vehicle that stays level."""
+    """A route of legs, one after another, of a vehicle that leans in banks alone."""
 
     start: Start
     legs: tuple[Leg, ...]
@@ -201,17 +234,15 @@ class Legs:
         nodes, ends = _Points(), _Points()
         asked: list[int] = []
         here, begun, left = self.start, 0.0, list(times)
-        for leg in self.legs:
+        for leg in (piece for whole in self.legs for piece in whole.pieces):
             done = 0.0
             while done < leg.duration:
                 until = leg.duration
                 is_asked = bool(left) and left[0] <= (begun + until) * (1.0 + ROUNDING)
                 if is_asked:
-                    until = min(left.pop(0) - begun, until)
-                turned = abs(leg.turn_rate) * (until - done)
-                number = ceil(
-                    max((until - done) / STEP, turned / TURN_STEP, 1.0) - ROUNDING
-                )
+                    asks = left.pop(0) - begun
+                    until = asks if asks < until * (1.0 - ROUNDING) else until
+                number = leg.steps(until - done)
                 length = (until - done) / number
                 for _ in range(number):
                     nodes.add(leg, *(moved(here, leg, n * length) for n in NODES))
@@ -533,6 +564,7 @@ def moved(start: Start, leg: Leg, time: float) -> Start:
         height=start.height + leg.climb_rate * time,
         speed=start.speed + leg.acceleration * time,
         heading=start.heading + leg.turn_rate * time,
+        roll=start.roll + leg.roll_rate * time,
     )
 
 
@@ -545,10 +577,13 @@ def moments(
         return np.array(list(values), dtype=float).reshape(shape)
 
     speed = column(point.speed for point in points)[..., None]
-    body = level_body(column(point.heading for point in points))
-    aside, ahead = body[..., 0], body[..., 1]
+    level = level_body(column(point.heading for point in points))
+    aside, ahead = level[..., 0], level[..., 1]
     down = np.array([0.0, 0.0, 1.0])
+    roll = column(point.roll for point in points)[..., None]
+    s, c = each(sin, roll), each(cos, roll)
     turn_rate = column(leg.turn_rate for leg in legs)[..., None]
+    roll_rate = column(leg.roll_rate for leg in legs)[..., None]
     climb_rate = column(leg.climb_rate for leg in legs)[..., None]
     gains = column(leg.acceleration for leg in legs)[..., None]
     return Moment(
@@ -556,6 +591,6 @@ def moments(
         height=column(point.height for point in points),
         velocity=speed * ahead - climb_rate * down,
         acceleration=gains * ahead + speed * turn_rate * aside,
-        body=body,
-        turning=turn_rate * down,
+        body=np.stack([c * aside + s * down, ahead, s * aside - c * down], axis=-1),
+        turning=turn_rate * down + roll_rate * ahead,
     )

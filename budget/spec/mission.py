@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from math import ceil, degrees, pi, remainder
+from math import atan, ceil, degrees, pi, remainder
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
+from budget.earth import normal_gravity
 from budget.language import note
 from budget.navigation.route import STEP, TURN_STEP, Leg, Legs, Start, Track, moved
 from budget.spec.aiding import (
@@ -52,10 +53,15 @@ if TYPE_CHECKING:
     from budget.spec.tree import Document
 
 PERFECT = "perfect"
+COORDINATED = "coordinated"
 AIDED, FREE = "aided", "free"
 LEVEL = note(
     "mission.segments: the vehicle stays level, without bank in turns or pitch in "
     "climbs"
+)
+BANKED = note(
+    "mission.segments: the vehicle stays level, but in turns that say bank: without "
+    "bank in others or pitch in climbs"
 )
 SHORTEST = 1e-3  # of a segment [s]
 MOST_SEGMENTS = 10_000
@@ -72,7 +78,7 @@ Faults = dict[tuple[str | int, ...], str]  # what is wrong, by the way to it
 MOVES = {
     "stand": (),
     "straight": ("speed", "heading"),
-    "turn": ("rate",),
+    "turn": ("rate", "bank", "roll_rate"),
     "climb": ("rate",),
     "accelerate": ("to",),
 }
@@ -132,6 +138,14 @@ class SegmentLine(Strict):
     rate: Annotated[Quantity, RateOf("deg/s")] | None = Field(
         default=None, description="beside turn: deg/s; beside climb: m/s, upwards"
     )
+    bank: Literal["level", "coordinated"] | None = Field(
+        default=None,
+        description="beside turn: level (unset), or coordinated, which leans so far "
+        "that nothing pulls aside",
+    )
+    roll_rate: Annotated[Quantity, TURN_RATE] | None = Field(
+        default=None, description="beside bank: at which it is entered and left"
+    )
     to: Speed | None = Field(
         default=None, description="beside accelerate: the speed at its end"
     )
@@ -161,7 +175,7 @@ class SegmentLine(Strict):
             "segment of its own"
             for key in others
         }
-        for key in ("speed", "heading", "rate", "to"):
+        for key in ("speed", "heading", "rate", "bank", "roll_rate", "to"):
             if getattr(self, key) is not None and key not in MOVES[own]:
                 owners = " or ".join(
                     move for move, keys in MOVES.items() if key in keys
@@ -178,9 +192,22 @@ class SegmentLine(Strict):
         if own in NEEDED and getattr(self, MOVES[own][0]) is None:
             key = MOVES[own][0]
             found[own,] = f"stands without {key}, expected '{key}: {NEEDED[own]}' there"
+        found = {**self._bank_faults(), **found}
         if not found and not SHORTEST <= self.length <= LONGEST * (1.0 + _ROUNDING):
             found[own,] = f"takes {self.length:.6g} s, expected {SHORTEST:g} s to 24 h"
         return found
+
+    def _bank_faults(self) -> Faults:
+        """Return what is wrong with its bank and its rolls."""
+        if self.bank == COORDINATED and self.roll_rate is None:
+            text = "stands without roll_rate, expected 'roll_rate: 20 deg/s' there"
+            return {("bank",): text}
+        if self.bank != COORDINATED and self.roll_rate is not None:
+            text = (
+                "is of 'bank: coordinated', which is not there; add it, or remove this"
+            )
+            return {("roll_rate",): text}
+        return {}
 
     @property
     def move(self) -> str:
@@ -199,23 +226,34 @@ class SegmentLine(Strict):
     def steps(self) -> int:
         """In how many steps errors are carried along it once, at the least."""
         turned = abs(self.turn.value) if self.turn is not None else 0.0
+        if self.roll_rate is not None:  # to 90 deg and back, if there is time
+            turned += min(pi, self.roll_rate.value * self.length) + 2.0 * TURN_STEP
         return ceil(max(self.length / STEP, turned / TURN_STEP, 1.0) - _ROUNDING)
 
-    def leg(self, speed: float) -> Leg:
-        """Return it, begun at a forward speed [m/s]."""
-        climb_rate = turn_rate = acceleration = 0.0
+    def leg(self, here: Start) -> Leg:
+        """Return it, begun there.
+
+        The bank of a coordinated turn is atan(v w/g): nothing is sensed to the side.
+        """
+        climb_rate = turn_rate = acceleration = bank = roll_rate = 0.0
         if self.turn is not None and self.rate is not None:
             sense = 1.0 if self.turn.value > 0.0 else -1.0
             turn_rate = sense * self.rate.value
+            if self.roll_rate is not None:
+                gravity = normal_gravity(here.latitude, here.height)
+                bank = atan(here.speed * turn_rate / gravity)
+                roll_rate = sense * self.roll_rate.value if bank else 0.0
         elif self.climb is not None and self.rate is not None:
             climb_rate = self.rate.value
         elif self.accelerate is not None and self.to is not None:
-            acceleration = (self.to.value - speed) / self.length
+            acceleration = (self.to.value - here.speed) / self.length
         return Leg(
             duration=self.length,
             turn_rate=turn_rate,
             acceleration=acceleration,
             climb_rate=climb_rate,
+            bank=bank,
+            roll_rate=roll_rate,
         )
 
     @property
@@ -597,7 +635,8 @@ def read_mission(document: Document) -> Mission:
     said: tuple[str, ...]
     if part.trajectory is None:
         route = part.laid_out
-        said = (LEVEL,) if leans(route) else ()
+        banks = any(leg.bank for leg in route.legs)
+        said = (BANKED if banks else LEVEL,) if leans(route) else ()
     else:
         recorded = _recorded(document, part)
         said = recorded.assumptions
@@ -680,7 +719,9 @@ def _recorded(document: Document, part: MissionPart) -> Recorded:
 def leans(route: Legs) -> bool:
     """Say whether a vehicle would bank or pitch there that is taken as level."""
     moves = route.start.speed > 0.0 or any(leg.acceleration for leg in route.legs)
-    return moves and any(leg.turn_rate or leg.climb_rate for leg in route.legs)
+    return moves and any(
+        leg.climb_rate or (leg.turn_rate and not leg.bank) for leg in route.legs
+    )
 
 
 def lay_out(start: Start, items: Sequence[SegmentItem]) -> Legs:
@@ -714,8 +755,12 @@ def lay_out(start: Start, items: Sequence[SegmentItem]) -> Legs:
             speed=line.speed.value if line.speed else speed,
             heading=line.heading.value if line.heading else here.heading,
         )
-        legs.append(line.leg(here.speed))
-        here, message = _led(here, legs[-1], line.steps)
+        leg = line.leg(here)
+        if 2.0 * leg.rolling > leg.duration * (1.0 + _ROUNDING):
+            messages.setdefault((*path, "roll_rate"), _too_slow(leg))
+            leg = replace(leg, bank=0.0, roll_rate=0.0)
+        legs.append(leg)
+        here, message = _led(here, leg)
         if line.to is not None:
             here = replace(here, speed=line.to.value)  # to the last bit
         if message:
@@ -741,15 +786,17 @@ def _check_size(lines: Sequence[SegmentLine]) -> None:
         raise faults({("segments",): message})
 
 
-def _led(here: Start, leg: Leg, steps: int) -> tuple[Start, str]:
+def _led(here: Start, leg: Leg) -> tuple[Start, str]:
     """Return where a leg leads, and what is wrong with that."""
-    for _ in range(steps):
-        here = moved(here, leg, leg.duration / steps)
-        if abs(here.latitude) >= MOST_LATITUDE:
-            return here, (
-                "leads to a pole, where north is no direction; expected latitudes "
-                "between -89.9 deg and 89.9 deg"
-            )
+    for piece in leg.pieces:
+        steps = piece.steps(piece.duration)
+        for _ in range(steps):
+            here = moved(here, piece, piece.duration / steps)
+            if abs(here.latitude) >= MOST_LATITUDE:
+                return here, (
+                    "leads to a pole, where north is no direction; expected latitudes "
+                    "between -89.9 deg and 89.9 deg"
+                )
     if abs(here.height) > MOST_HEIGHT:
         return here, (
             f"leads to a height of {here.height / 1e3:.6g} km, expected "
@@ -793,6 +840,15 @@ def _moving(speed: float) -> str:
     return (
         f"is by the unit itself, and the mission begins at {speed:.6g} m/s; level and "
         "north are found standing: begin with a stand, or align it perfectly"
+    )
+
+
+def _too_slow(leg: Leg) -> str:
+    """Say that a turn ends before its bank is left."""
+    return (
+        f"takes {leg.rolling:.6g} s to a bank of {degrees(abs(leg.bank)):.6g} deg and "
+        f"as long back, and the turn takes {leg.duration:.6g} s; roll quicker, or turn "
+        "slower"
     )
 
 

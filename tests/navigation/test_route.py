@@ -202,3 +202,52 @@ def test_times_at_the_ends_of_legs():
     assert len(steps.asked) == len(times)
     ends = np.cumsum(steps.durations)[list(steps.asked)]
     assert_allclose(ends, times, rtol=1e-9)
+
+
+BANK = Leg(duration=60.0, turn_rate=-0.1, bank=-0.3, roll_rate=-0.15)
+
+
+def test_what_is_sensed_in_a_bank_is_that_of_its_attitude_and_motion():
+    """Rates of attitudes and forces of velocities a moment apart, by differences."""
+    route = Legs(start=replace(START, speed=29.4), legs=(BANK,))
+    h = 1e-3
+    for time in (1.0, 30.0, 59.0):  # it rolls, it leans, it rolls back
+        before, there, after = (
+            route.steps((at,)).ends for at in (time - h, time, time + h)
+        )
+        first, last = (Rotation.from_matrix(one.body[0]) for one in (before, after))
+        turned = (first.inv() * last).as_rotvec() / (2.0 * h)
+        v = (after.velocity - before.velocity) / (2.0 * h)
+        of_frame = there.earth_rate + there.transport
+        coriolis = np.cross(of_frame + there.earth_rate, there.velocity)
+        felt = (v + coriolis - there.gravity)[0] @ there.body[0]
+        still = of_frame[0] @ there.body[0]
+        assert_allclose(there.rate[0], turned + still, rtol=0, atol=1e-8)
+        assert_allclose(there.force[0], felt, rtol=0, atol=1e-6)
+
+
+def test_a_bank_turns_about_two_axes_and_is_left_level():
+    """Of rate w: w cos phi about z, abs(w) sin abs(phi) about x, in either sense."""
+    for sense in (1.0, -1.0):
+        leg = replace(
+            BANK, turn_rate=0.1 * sense, bank=0.3 * sense, roll_rate=0.15 * sense
+        )
+        route = Legs(start=replace(START, speed=29.4), legs=(leg, Leg(duration=9.0)))
+        steps = route.steps((1.0, 30.0, 60.0, 69.0))
+        turning = (steps.ends.turning[:, None] @ steps.ends.body)[:, 0]
+        roll = np.arctan2(steps.ends.body[:, 2, 0], -steps.ends.body[:, 2, 2])
+        assert_allclose(roll, sense * np.array([0.15, 0.3, 0, 0]), rtol=0, atol=1e-12)
+        expected = [0.1 * np.sin(0.3), 0.0, -sense * 0.1 * np.cos(0.3)]
+        assert_allclose(turning[1], expected, rtol=0, atol=1e-12)
+        assert_allclose(steps.durations.sum(), 69.0, rtol=1e-12)
+    assert [piece.duration for piece in leg.pieces] == [2.0, 56.0, 2.0]
+
+
+def test_a_time_at_the_end_of_a_bank_needs_no_step_of_its_own():
+    """Its rolls do not add up to the last bit; no step is a rounding of that."""
+    leg = replace(BANK, bank=-0.3 / 3.0)
+    assert sum(piece.duration for piece in leg.pieces) != leg.duration
+    route = Legs(start=replace(START, speed=29.4), legs=(leg,) * 30)
+    steps = route.steps(60.0 * np.arange(1.0, 31.0))
+    assert steps.durations.min() > 0.1
+    assert len(steps.asked) == 30

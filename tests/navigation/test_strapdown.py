@@ -26,16 +26,31 @@ FLIGHT = Legs(
         Leg(duration=340.0),
     ),
 )
+BANKED = Legs(
+    start=FLIGHT.start,
+    legs=(
+        Leg(duration=20.0),
+        Leg(duration=40.0, acceleration=2.0),
+        *(
+            Leg(
+                duration=60.0,
+                turn_rate=np.radians(3.0 * sense),
+                bank=np.radians(44.0 * sense),
+                roll_rate=np.radians(4.0 * sense),
+            )
+            for sense in (1.0, -1.0, 1.0)
+        ),
+    ),
+)
 SIZES = np.array([1e-3 * DEG_PER_HOUR] * 3 + [5 * MICRO_G] * 3 + [1e-6] * 6)
 
 
 def motion_of(route, *, step=4.0, turn=np.pi / 180.0):
     """Return what an ideal unit senses on a route of legs."""
     here, durations, stages, legs = route.start, [], [], []
-    for leg in route.legs:
-        number = round(
-            max(leg.duration / step, abs(leg.turn_rate) * leg.duration / turn)
-        )
+    for leg in (piece for whole in route.legs for piece in whole.pieces):
+        turned = np.hypot(leg.turn_rate, leg.roll_rate) * leg.duration
+        number = round(max(leg.duration / step, turned / turn))
         h = leg.duration / number
         for _ in range(number):
             stages += [here, moved(here, leg, h / 2), moved(here, leg, h)]
@@ -117,12 +132,15 @@ def gap(S, own):
 
 
 BENCHED, FLOWN = (60.0, 600.0, 1800.0), (180.0, 520.0, 900.0)
+LEANT = (62.0, 150.0, 240.0)  # the first while it rolls
 
 
 @pytest.mark.parametrize("is_aligned", [False, True])
 @pytest.mark.parametrize("aided", [False, True])
 @pytest.mark.parametrize(
-    ("route", "times"), [(BENCH, BENCHED), (FLIGHT, FLOWN)], ids=["bench", "flight"]
+    ("route", "times"),
+    [(BENCH, BENCHED), (FLIGHT, FLOWN), (BANKED, LEANT)],
+    ids=["bench", "flight", "banked"],
 )
 def test_constants_are_those_of_navigators(route, times, aided, is_aligned):
     """Biases and scale factors, each by itself: to 1e-6 of the largest."""
@@ -132,14 +150,15 @@ def test_constants_are_those_of_navigators(route, times, aided, is_aligned):
     assert gap(S, own) < 1e-6
 
 
-def test_a_unit_without_errors_stays_on_its_route():
+@pytest.mark.parametrize(("route", "times"), [(FLIGHT, FLOWN), (BANKED, LEANT)])
+def test_a_unit_without_errors_stays_on_its_route(route, times):
     """What an ideal unit senses leads where the route does, to a millimetre."""
-    motion, times = motion_of(FLIGHT), FLOWN
+    motion = motion_of(route)
     ends = np.cumsum(motion.durations)
     stops = {int(np.argmin(np.abs(ends - time))) for time in times}
     none = np.zeros((1, 6))
     states = navigate(motion, lambda *_: none, motion.body[None], stops, aided=False)
-    true = FLIGHT.steps(times).ends
+    true = route.steps(times).ends
     for place, state in enumerate(states):
         off = (state.place[0, 0] - true.latitude[place]) * 6.4e6
         assert abs(off) < 1e-3

@@ -812,18 +812,22 @@ def test_keys_of_a_procedure_in_the_table_are_printed(keys):
 
 
 # The segment that a key of a mission is tried in, where it needs others beside it.
+BANK = {"bank": "coordinated", "roll_rate": "3 deg/s"}
 SEGMENTS = {
     "stand": {"stand": "60 s"},
     "straight": {"straight": "60 s", "speed": "20 m/s", "heading": "0 deg"},
     "turn": {"turn": "90 deg", "rate": "3 deg/s"},
     "climb": {"climb": "60 s", "rate": "5 m/s"},
     "accelerate": {"accelerate": "60 s", "to": "20 m/s"},
+    "bank": {"turn": "90 deg", "rate": "3 deg/s", **BANK},
 }
 OF_SEGMENTS = {
     **dict.fromkeys(("speed", "heading"), "straight"),
     "rate": "climb",
     "to": "accelerate",
     "repeat": "stand",
+    "bank": "turn",
+    "roll_rate": "bank",
 }
 
 
@@ -832,6 +836,8 @@ def going(key):
     if is_of_aids(key):
         return with_aids(key)
     part = {"latitude": "45 deg", "segments": [SEGMENTS["turn"]]}
+    if key.path[-1] in BANK:
+        part["speed"] = "20 m/s"
     if key.path[1:2] == ("segments",):
         own = SEGMENTS[OF_SEGMENTS.get(key.path[-1], key.path[-1])]
         part["segments"] = [{"segments": [own]} if len(key.path) > 4 else own]
@@ -843,6 +849,9 @@ def going(key):
         after = {"mission": {"trajectory": str(ROOT / "tests" / "data" / "flight.csv")}}
     if key.path[-1] == "alignment":
         after["mission"]["alignment_time"] = "300 s"
+    if key.path[-1] == "bank":
+        after = replaced(tree, steps_of(key), "coordinated")
+        after = replaced(after, (*steps_of(key)[:-1], "roll_rate"), "3 deg/s")
     return tree, after
 
 

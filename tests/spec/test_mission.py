@@ -575,3 +575,79 @@ def test_a_procedure_with_a_key_of_missions_is_one():
     """What is of procedures alone decides."""
     with pytest.raises(SpecError, match="procedure file, expected a mission"):
         load_mission({"altitude": "100 m", "gyro": {"rate": "10 deg/s"}})
+
+
+CURVE = {"turn": "90 deg", "rate": "3 deg/s"}
+LEANING = {**CURVE, "bank": "coordinated", "roll_rate": "20 deg/s"}
+
+
+@pytest.mark.parametrize(
+    ("speed", "rate", "bank"),
+    [(15.0, 5.0, 7.60293), (20.0, 9.0, 17.7630), (250.0, 3.0, 53.1604)],
+)
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_a_coordinated_bank_pulls_nothing_aside(speed, rate, bank, sense, monkeypatch):
+    """By tan phi = v w/g, right side down in a right turn."""
+    monkeypatch.setattr("budget.spec.mission.normal_gravity", lambda *_: 9.80665)
+    turn = {**LEANING, "turn": f"{360.0 * sense} deg", "rate": f"{rate} deg/s"}
+    (leg,) = mission([turn], speed=f"{speed} m/s").route.legs
+    assert_allclose(leg.bank, sense * radians(bank), rtol=4e-6)
+    assert_allclose(leg.roll_rate, sense * radians(20.0), rtol=1e-12)
+    assert_allclose(leg.rolling, bank / 20.0, rtol=4e-6)
+
+
+@pytest.mark.parametrize(
+    ("segment", "where", "what"),
+    [
+        ({**CURVE, "bank": "coordinated"}, "bank", "'roll_rate: 20 deg/s' there"),
+        (
+            {**CURVE, "roll_rate": "9 deg/s"},
+            "roll_rate",
+            "'bank: coordinated', which is not",
+        ),
+        ({**LEANING, "bank": "level"}, "roll_rate", "remove this"),
+        ({**LEANING, "bank": "20 deg"}, "bank", "'coordinated'"),
+        ({**LEANING, "roll_rate": "0 deg/s"}, "roll_rate", "positive"),
+        ({**LEANING, "roll_rate": "9 m/s"}, "roll_rate", "angular rate"),
+        ({**LEANING, "roll_rate": "1e-9 deg/s"}, "roll_rate", "roll quicker"),
+        (
+            {**LEANING, "roll_rate": "3 deg/s"},
+            "roll_rate",
+            "takes 17.7.* s to a bank of 53.1.* deg and as long back.* takes 30 s",
+        ),
+        ({**STAND, "bank": "coordinated"}, "bank", "is of turn, and this is stand"),
+    ],
+)
+def test_a_bank_that_cannot_be_is_refused(segment, where, what):
+    """At its key, and what follows is read on."""
+    found = issues([segment], speed=None if "stand" in segment else "250 m/s")
+    assert_refused(found, (f"segments[0].{where}", what))
+
+
+def test_a_bank_of_what_turns_on_the_spot_is_level():
+    """Without speed nothing pulls aside; it does not roll."""
+    (leg,) = mission([LEANING]).route.legs
+    assert (leg.bank, leg.roll_rate, leg.pieces) == (0.0, 0.0, (leg,))
+
+
+def test_many_short_banked_turns_are_counted():
+    """Rolls are steps, too."""
+    turn = {**LEANING, "turn": "3 deg", "roll_rate": "300 deg/s"}
+    found = issues([{**turn, "repeat": MOST_SEGMENTS}], speed="20 m/s")
+    assert_refused(found, ("segments", f"expected {MOST_STEPS}; turn less"))
+
+
+def test_what_stays_level_is_said_of_what_does_not_bank():
+    """Of all, of the other turns and climbs, or of nothing."""
+
+    def said(*segments):
+        given = mission(segments, speed="50 m/s").assumptions
+        return [text for text in given if "stays level" in text]
+
+    assert not said(LEANING)
+    (both,) = said(LEANING, CURVE)
+    assert "but in turns that say bank" in both
+    (climbs,) = said(LEANING, {"climb": "9 s", "rate": "1 m/s"})
+    assert climbs == both
+    (level,) = said(CURVE)
+    assert "without bank in turns" in level

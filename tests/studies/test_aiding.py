@@ -13,6 +13,7 @@ import yaml
 from numpy.testing import assert_allclose
 from places import TESTS
 
+from budget.earth import normal_gravity
 from budget.errors import CallError
 from budget.names import Name
 from budget.navigation.aided import Aided
@@ -289,3 +290,52 @@ def test_a_belief_of_a_line_that_is_not_there_is_refused():
 
     with pytest.raises(CallError, match=r"believes\.gyro\.rate_random_walk.*tac"):
         journey(other)
+
+
+def alone(name, *segments):
+    """Return what a tactical unit does on a mission without aids, told its attitude."""
+    part = yaml.safe_load((DATA / f"{name}.yaml").read_text(encoding="utf-8"))
+    part["name"] = "alone"
+    for key in ("aiding", "filter", "alignment"):
+        del part["mission"][key]
+    for item in part["mission"]["segments"]:
+        item.pop("aiding", None)
+    if segments:
+        part["mission"] |= {"segments": list(segments), "at": ["72 s"]}
+    one = analysis("tac", part)
+    return curve(one, one.carried_to)
+
+
+def of_mounting(found):
+    """Return the heading that mounting angles of gyros leave at the end [arcsec]."""
+    place = found.sources.index("gyro.mounting_repeatability")
+    heading = SEEN.index(("attitude", "heading"))
+    return np.sqrt(found.covariance[place, -1, heading, heading]) / ARCSEC
+
+
+def test_mounting_angles_do_not_cancel_in_banked_turns():
+    """Right and left cancel level; banked both turn the unit about its x alike."""
+    level, banked = (alone(name) for name in ("g1", "g10"))
+    for found, north, east, heading, own in (
+        (level, 898.711, 898.526, 720.6, 19.62),
+        (banked, 895.932, 891.685, 898.5, 543.3),
+    ):
+        u = [
+            uncertainty(found, key, -1)
+            for key in ("position.north", "position.east", "attitude.heading")
+        ]
+        assert_allclose(u, [north, east, heading], rtol=1e-4)
+        assert_allclose(of_mounting(found), own, rtol=1e-3)
+
+
+@pytest.mark.parametrize("sense", ["", "-"])
+def test_a_full_banked_turn_in_closed_form(sense):
+    """Mounting angles d of 60 arcsec: sqrt(2) d 2 pi sin phi cos phi of heading."""
+    turn = {"turn": f"{sense}360 deg", "rate": "5 deg/s"}
+    phi = np.arctan(15.0 * np.radians(5.0) / normal_gravity(np.radians(47.0), 620.0))
+    expected = 60.0 * 2.0**1.5 * np.pi * np.sin(phi) * np.cos(phi)
+    banked = {**turn, "bank": "coordinated", "roll_rate": "2000 deg/s"}
+
+    # Its rolls take 1e-4 of the turn; the earth turns by 5e-3 rad meanwhile.
+    assert_allclose(of_mounting(alone("g1", banked)), expected, rtol=5e-3)
+    assert of_mounting(alone("g1", turn)) < 0.1 * expected
