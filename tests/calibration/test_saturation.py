@@ -162,6 +162,26 @@ def test_speeding_up_is_its_acceleration_forward():
     assert forward.where == "segment 2 (accelerate 10 s)"
 
 
+def test_a_coordinated_bank_pulls_up_and_not_aside():
+    """At 100 m/s and 6 deg/s g/cos(phi) along z, next to nothing along x."""
+    turn = {"turn": "-180 deg", "rate": "6 deg/s"}
+    banked = {**turn, "bank": "coordinated", "roll_rate": "20 deg/s"}
+    start = {"straight": "9 s", "speed": "100 m/s", "heading": "0 deg"}
+    level, leans = (
+        {(one.sensor, one.axis): one for one in peaks_of_mission(mission(start, own))}
+        for own in (turn, banked)
+    )
+    side = 100.0 * np.radians(6.0)
+
+    assert_allclose(level["accelerometer", "x"].size, side, rtol=5e-3)
+    up = leans["accelerometer", "z"]
+    assert_allclose(up.size, np.hypot(side, 9.8), rtol=5e-3)
+    assert up.where == "segment 2 (turn -180 deg)"
+    roll = leans["gyro", "y"]
+    assert_allclose(roll.size, np.radians(20.0), rtol=5e-3)
+    assert roll.where == "segment 2 (turn -180 deg)"
+
+
 TURNS = mission(
     {"straight": "10 s", "speed": "50 m/s", "heading": "0 deg"},
     {"turn": "90 deg", "rate": "30 deg/s"},
