@@ -214,6 +214,29 @@ def test_a_shorter_time_with_aids(unit, rounds, u):
     assert_allclose(curve(one, one.carried_to).drms()[-1], u, rtol=1e-4)
 
 
+@pytest.mark.parametrize(
+    ("mission", "unit", "printed"),
+    [
+        ("outage-60-s-after-gnss", "tac", "5.64711"),
+        ("outage-60-s-after-gnss", "mems", "23.21"),
+        ("outage-60-s-after-straight-gnss", "tac", "5.511"),
+        ("outage-60-s-after-straight-gnss", "mems", "20.3571"),
+        ("outage-60-s-turning-after-straight-gnss", "tac", "93.6"),
+        ("outage-60-s-turning-after-straight-gnss", "mems", "747"),
+    ],
+)
+def test_missions_that_ship(mission, unit, printed):
+    """An outage after ten minutes of GNSS is what the other program says it is."""
+    found = load_mission(mission)
+    one = replace(case("g1"), devices=(load_device(DATA / f"{unit}.yaml"),))
+    one = replace(one, mission=found, carried_to=found.at[-1:])
+    last_digit = 10.0 ** -len(printed.partition(".")[2])
+
+    u = curve(one, one.carried_to).drms()[-1]
+
+    assert_allclose(u, float(printed), rtol=0, atol=last_digit)
+
+
 def test_the_papers_procedure_leaves_residuals_that_go_together():
     """After it the residuals are correlated: the filter begins with all of that."""
     one = analysis("tac", "g1.yaml", procedure=load_procedure(None))

@@ -261,7 +261,9 @@ def test_page_one_is_of_the_mission_that_is_limited(verdict):
     assert all("horizontal position after 1 min" in one for one in others)
     (blamed,) = re.findall(r"Mission: [A-Z]+ .*?Because: (.*?) \d+ %", text)
     assert blamed.lower() in listed.split(" contributes ")[0].lower()
-    assert_says(text, "mission outage of 60 s, from latitude 45 deg")
+    assert_says(
+        text, "mission outage of 60 s, raw turn-on biases, from latitude 45 deg"
+    )
 
 
 @pytest.mark.parametrize("verdict", ["meets", "fails"])
