@@ -577,6 +577,15 @@ class BelievedError:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Turned:
+    """How far off a mission ends, and one that turns where its aids end [m]."""
+
+    time: float  # of both ends [s]
+    straight: float  # root of the summed variances north and east [m]
+    turned: float  # the same, turned by 180 deg in the first half of the way on [m]
+
+
+@dataclass(frozen=True, kw_only=True)
 class Filtered:
     """The filter of a mission with aids."""
 
@@ -585,6 +594,7 @@ class Filtered:
     updates: int
     learnt: tuple[Learnt, ...]
     believed: tuple[BelievedError, ...]
+    turned: Turned | None = None  # of a mission that goes straight on without aids
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

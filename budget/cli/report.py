@@ -264,9 +264,9 @@ def _mission_extra(carried: Budget) -> Extra:
     from budget.studies.request import analysis_of
 
     analysis = analysis_of(carried)
-    asked = {row.output.name.time or 0.0 for row in carried.outputs}
-    duration = analysis.mission.route.duration if analysis.mission else max(asked)
-    found = curve(analysis, drawn_times(duration, sorted(asked)))
+    asked = sorted({row.output.name.time or 0.0 for row in carried.outputs})
+    times = () if analysis.mission is None else drawn_times(analysis.mission, asked)
+    found = curve(analysis, times)
     return Extra(
         key="mission",
         content=carried.to_dict(),

@@ -17,6 +17,7 @@ from budget.report.tables import (
     print_coverage,
     print_share,
     round_u,
+    round_uncertainty,
     source_title,
     used_part,
 )
@@ -358,6 +359,30 @@ def aids_words(budget: Budget) -> str:
     )
 
 
+WORSE = 2.0  # than straight on, from which on a turn is worth a sentence [1]
+
+
+def turned_words(budget: Budget) -> str:
+    """Say what cancels until the unit turns; '' where a turn shows little of it."""
+    found = None if budget.filter is None else budget.filter.turned
+    if found is None or found.turned < WORSE * found.straight:
+        return ""
+    return say(
+        "What the filter has not learnt does not show, or cancels, until the unit "
+        "turns: had it turned by 180 deg in the first half of the time after the aids, "
+        "it would be off by {turned} DRMS after {time}, in place of {straight}.",
+        turned=length(found.turned),
+        straight=length(found.straight),
+        time=time_text(found.time),
+    )
+
+
+def length(size: float) -> str:
+    """Print a length in the unit that it is read in."""
+    unit, scale = unit_for("position", size)
+    return f"{round_uncertainty(size / scale)} {unit}"
+
+
 def believed_words(budget: Budget) -> str:
     """Say what a filter of its own believes at the end, beside what is true."""
     found = () if budget.filter is None else budget.filter.believed
@@ -374,6 +399,34 @@ def believed_words(budget: Budget) -> str:
         believed=_digits(last.standard_uncertainty),
         true=_digits(last.true),
         unit=last.unit,
+    )
+
+
+def believed_table(budget: Budget) -> Table | None:
+    """Return what a filter of its own believes beside what is true, time by time."""
+    found = () if budget.filter is None else budget.filter.believed
+    wanted = (("position", LENGTHS["position"]), ("attitude", HEADING))
+    rows = [one for one in found if (one.parameter, one.axis) in wanted]
+    if not rows or budget.filter is None or budget.filter.kind == "optimal":
+        return None
+    return table_of(
+        rows,
+        (
+            Field(head=say("after"), cell=lambda one: time_text(one.time)),
+            Field(
+                head=say("error"),
+                cell=lambda one: key_title(Name(one.parameter, axis=one.axis)),
+            ),
+            Field(
+                head=say("believed"),
+                kind="number",
+                cell=lambda one: _digits(one.standard_uncertainty),
+            ),
+            Field(head=say("true"), kind="number", cell=lambda one: _digits(one.true)),
+            Field(head="", kind="unit", cell=lambda one: one.unit),
+        ),
+        name="filter-believed",
+        caption=say("What the filter believes, and what is true"),
     )
 
 

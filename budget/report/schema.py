@@ -49,6 +49,7 @@ from budget.results import (
     Settings,
     SobolIndex,
     Standing,
+    Turned,
     Validation,
 )
 from budget.spec.changes import Changed
@@ -421,6 +422,7 @@ def _budget(schema: _Schema) -> Node:
                         "parameter axis time standard_uncertainty true unit",
                     )
                 ),
+                turned=_or_none(schema.entry("turned", Turned, "time straight turned")),
             )
         },
     )

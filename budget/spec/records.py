@@ -380,6 +380,17 @@ class Mission:
         """Whether more is in it than a unit that navigates by itself."""
         return bool(self.aiding) or any(self.start)
 
+    @property
+    def measured(self) -> tuple[tuple[float, float], ...]:
+        """Begins and ends of when any aid is there, rising and apart [s]."""
+        found: list[tuple[float, float]] = []
+        for begin, end in sorted(span for aid in self.aiding for span in aid.spans):
+            if found and begin <= found[-1][1]:
+                found[-1] = (found[-1][0], max(end, found[-1][1]))
+            else:
+                found.append((begin, end))
+        return tuple(found)
+
 
 EACH, JOINT = "each", "joint"
 

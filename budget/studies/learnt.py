@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,8 +22,10 @@ from budget.language import note
 from budget.methods.gum import covariance_by_source, derivatives
 from budget.names import AXES, Name, components_of, key_title, time_text
 from budget.navigation.aided import Aided
-from budget.results import BelievedError, Filtered, Learnt
+from budget.navigation.route import Leg, Legs
+from budget.results import BelievedError, Filtered, Learnt, Turned
 from budget.studies.aiding import BIAS, journey_of
+from budget.studies.mission import curve
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -53,6 +56,7 @@ def filtered(analysis: Analysis) -> Filtered | None:
         updates=journey.filter.updates,
         learnt=tuple(_learnt(analysis, journey, mission)),
         believed=tuple(_believed(analysis, journey)),
+        turned=_turned(analysis, mission),
     )
 
 
@@ -122,6 +126,35 @@ def _ends(mission: Mission, t: Array) -> tuple[int, ...]:
     stops = {max(end for _, end in aid.spans) for aid in mission.aiding}
     found = np.searchsorted(t, np.array(sorted(stops)) * (1.0 + SAME), side="right") - 1
     return tuple(dict.fromkeys(found[found >= 0].tolist()))
+
+
+def _turned(analysis: Analysis, mission: Mission) -> Turned | None:
+    """Return how far off it ends, and had it turned by 180 deg where the aids end.
+
+    None of one that does not go straight on from there. What a filter cannot tell apart
+    straight on cancels until the unit turns: a level bias, and the tilt with it.
+    """
+    route, begin = mission.route, mission.measured[-1][1]
+    if not isinstance(route, Legs) or begin * (1.0 + SAME) >= route.duration:
+        return None
+    ends = np.cumsum([leg.duration for leg in route.legs])
+    first = int(np.searchsorted(ends, begin * (1.0 + SAME), side="right"))
+    half = (route.duration - begin) / 2.0
+    if {replace(leg, duration=half) for leg in route.legs[first:]} != {
+        Leg(duration=half)
+    }:
+        return None
+    back = (
+        *route.legs[:first],
+        Leg(duration=half, turn_rate=np.pi / half),
+        Leg(duration=half),
+    )
+    times = (route.duration,)
+    straight, turned = (
+        float(curve(replace(analysis, mission=one, carried_to=times), times).drms()[-1])
+        for one in (mission, replace(mission, route=replace(route, legs=back)))
+    )
+    return Turned(time=route.duration, straight=straight, turned=turned)
 
 
 def _believed(analysis: Analysis, journey: Aided) -> Iterator[BelievedError]:

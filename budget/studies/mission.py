@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.results import Budget
+    from budget.spec.records import Mission
     from budget.studies.request import Analysis
 
 POINTS = 100  # of a curve, where nobody asks for more
@@ -58,12 +59,15 @@ class Curve:
         of lines that are predicted at their medians.
     mixture : Mixture or None
         What those may be: radii and standard uncertainties are over that.
+    measured : tuple of (float, float)
+        Begins and ends of when any aid is there [s].
     """
 
     times: tuple[float, ...]
     sources: tuple[Name, ...]
     covariance: Array
     mixture: Mixture | None = None
+    measured: tuple[tuple[float, float], ...] = ()
 
     def standard_uncertainty(self, quantity: str, axis: str) -> Array:
         """Return that of one error at all times, shape (n_times,) [SI]."""
@@ -206,15 +210,25 @@ def curve(analysis: Analysis, times: Sequence[float] | None = None) -> Curve:
         sources=lines,
         covariance=np.concatenate(found, axis=1),
         mixture=Mixture.of(analysis),
+        measured=mission.measured,
     )
 
 
-def drawn_times(duration: float, asked: Sequence[float]) -> tuple[float, ...]:
-    """Return times that show the growth of errors on a logarithmic axis [s].
+def drawn_times(mission: Mission, asked: Sequence[float]) -> tuple[float, ...]:
+    """Return times that show the growth of errors [s].
 
-    From the first that is asked for to the end of the mission, over two decades at the
-    least and three at the most; those that are asked for and lie there among them.
+    On a logarithmic axis, from the first that is asked for to the end of the mission,
+    over two decades at the least and three at the most. On an even one with aids: from
+    as long before they first end as the mission goes on after that. Those that are
+    asked for and lie there among them.
     """
+    duration = mission.route.duration
+    if mission.measured:
+        first = max(2.0 * mission.measured[0][1] - duration, 0.0)
+        even = np.linspace(first, duration, DRAWN + 1)[1:-1].tolist()
+        edges = (time for span in mission.measured for time in span)
+        own = (time for time in (*asked, *edges) if first < time < duration)
+        return tuple(sorted({*even, *own, duration}))
     first = max(min(*asked, duration / LEAST_SPAN), duration / MOST_SPAN)
     even = np.geomspace(first, duration, DRAWN)[:-1].tolist()
     own = (time for time in asked if first <= time < duration)

@@ -362,3 +362,41 @@ def test_a_full_banked_turn_in_closed_form(sense):
     # Its rolls take 1e-4 of the turn; the earth turns by 5e-3 rad meanwhile.
     assert_allclose(of_mounting(alone("g1", banked)), expected, rtol=5e-3)
     assert of_mounting(alone("g1", turn)) < 0.1 * expected
+
+
+def test_what_a_turn_shows_is_that_of_a_mission_that_turns():
+    """After a straight run 18 times as much; after figures of 8 it shows nothing."""
+    straight, eight = (
+        filtered(replace(one, mission=found, carried_to=found.at)).turned
+        for one in [case("g1")]
+        for found in map(
+            load_mission,
+            [
+                "outage-60-s-after-straight-gnss",
+                "outage-60-s-after-gnss",
+            ],
+        )
+    )
+    text = (DATA / "g1.yaml").read_text(encoding="utf-8")
+    mission = yaml.safe_load(text)
+    mission["mission"]["segments"] = [
+        {"straight": "600 s", "aiding": ["gnss"]},
+        {"turn": "180 deg", "rate": "6 deg/s"},
+        {"straight": "30 s"},
+    ]
+    back = analysis("tac", mission)
+
+    assert_allclose(straight.straight, 5.511, rtol=1e-4)
+    assert_allclose(straight.turned, curve(back, back.carried_to).drms()[-1], rtol=1e-9)
+    assert straight.turned > 15.0 * straight.straight
+    assert eight.turned < 1.2 * eight.straight
+
+
+def test_a_turn_is_asked_of_what_goes_straight_on():
+    """Not of a mission that brakes after its aids, nor of one that keeps them."""
+    assert filtered(case("g6")).turned is None
+    text = (DATA / "g1.yaml").read_text(encoding="utf-8")
+    mission = yaml.safe_load(text)
+    mission["mission"]["segments"].pop()
+    mission["mission"]["at"] = ["600 s"]
+    assert filtered(analysis("tac", mission)).turned is None

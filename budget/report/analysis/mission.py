@@ -12,6 +12,7 @@ from budget.report.blocks import Abreast, Card, ForPages, Paragraph, Section
 from budget.report.figures.growth import growth_pictures
 from budget.report.mission import (
     aids_words,
+    believed_table,
     believed_words,
     blamed,
     bought_table,
@@ -25,6 +26,7 @@ from budget.report.mission import (
     position_table,
     rate_per_hour,
     size,
+    turned_words,
     what_sizes_are,
 )
 from budget.report.route import route_words
@@ -82,6 +84,19 @@ METHOD = term(
 )
 
 
+FILTERED = term(
+    "With aids the unit has a Kalman filter: between epochs its covariance goes on as"
+    " P <- F P F' + Q, at each one the gain is K = P H' (H P H' + R)^-1 and P <- (I -"
+    " K H) P (I - K H)' + K R K', of Joseph's form (Brown and Hwang, Introduction to "
+    "Random Signals and Applied Kalman Filtering; Grewal and Andrews, Kalman "
+    "Filtering; Farrell, Aided Navigation). P, Q and R are what the filter believes. "
+    "What is true is linear in every source once the gains are known: rows that are "
+    "asked for are traced back through all updates, C <- C (I - K H), and take at "
+    "each what the measurement adds, so that the contributions of all lines, aids and"
+    " the start add up to the whole."
+)
+
+
 def mission_answer(budget: Budget) -> tuple[Section, ...]:
     """Return what stands on a terminal: finding, tables, what they rest on."""
     moments = by_time(budget)
@@ -127,13 +142,19 @@ def mission_section(budget: Budget, found: Curve | None = None) -> Section:
             *mission_blocks(budget, moments),
             Abreast(blocks=(drawn,)),
             Paragraph(words=(say(METHOD),), small=True),
+            *((Paragraph(words=(say(FILTERED),), small=True),) * bool(budget.filter)),
         ),
     )
 
 
 def mission_card(budget: Budget) -> Card:
     """Return the finding on page one, where no limit is on the mission."""
-    lines = (*finding(by_time(budget)), lower_bounds(budget))
+    lines = (
+        *finding(by_time(budget)),
+        believed_words(budget),
+        turned_words(budget),
+        lower_bounds(budget),
+    )
     return Card(
         title=mission_title(budget),
         lines=tuple((line,) for line in lines if line),
@@ -168,9 +189,11 @@ def mission_blocks(budget: Budget, moments: Sequence[AtTime]) -> Iterator[Block]
 
 def _filter_blocks(budget: Budget) -> Iterator[Block]:
     """Yield which aids there are, and what the filter has learnt of them."""
-    for text in (aids_words(budget), believed_words(budget)):
+    for text in (aids_words(budget), turned_words(budget), believed_words(budget)):
         if text:
             yield Paragraph(words=(text,))
+    if (believed := believed_table(budget)) is not None:
+        yield believed
     if (learnt := learnt_table(budget)) is not None:
         yield Paragraph(words=(say(LEARNT),))
         yield learnt

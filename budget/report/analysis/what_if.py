@@ -8,7 +8,7 @@ from math import floor, inf, log10
 from typing import TYPE_CHECKING
 
 from budget.language import key_title, say, term
-from budget.names import MISSION
+from budget.names import AIDING, MISSION
 from budget.report.blocks import (
     Cell,
     Field,
@@ -91,6 +91,12 @@ def what_if_section(
         )
     elif required:
         text += say(" The part of the limit is the largest of the sensor's outputs.")
+    if any(one.name.owner == AIDING for one in model.sources):
+        text += say(
+            " The filter is not retuned: its gains stay those of the lines as they "
+            "are. What a change does is exact for that filter, and one that knew of "
+            "the change would be off by no more; `--set` retunes it."
+        )
     if required:
         text += say(
             " Meets up to: on what is given, that many times the present size of the "

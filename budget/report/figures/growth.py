@@ -22,7 +22,7 @@ from budget.report.figures.style import (
     plane,
     write,
 )
-from budget.report.mission import full_title, unit_for
+from budget.report.mission import full_title, length
 from budget.report.tables import print_share, round_uncertainty
 from budget.results import CEP, R95
 from budget.ties import from_largest
@@ -51,6 +51,8 @@ TICKS = (  # [s]
     *(HOUR * n for n in (1.0, 2.0, 5.0, 10.0, 24.0)),
 )
 TICK_ROOM = 0.18  # of the axis of times, for one of them [1]
+MOST_TICKS = 6  # of an even axis of times
+AIDED = "#e4e8ed"  # of the times with aids
 APART = 0.11  # of the axis, between two names beside it [1]
 
 
@@ -108,7 +110,7 @@ def growth_picture(growth: Growth, limits: Sequence[OutputAssessment] = ()) -> P
     end = growth.curve.times[-1]
     title = say(
         "Off by {cep} CEP after {time}",
-        cep=_length(float(growth.cep[-1])),
+        cep=length(float(growth.cep[-1])),
         time=time_text(end),
     )
     lines = _lines(growth)
@@ -131,7 +133,8 @@ def growth_picture(growth: Growth, limits: Sequence[OutputAssessment] = ()) -> P
             if _horizontal(limits)
             else "Lines of sources: CEP times the root of their share of the variance, "
             "so that their squares add up to that of CEP."
-        ),
+        )
+        + (say(" Shaded: with aids.") if growth.curve.measured else ""),
         data=_data(growth),
         data_on_paper=False,
     )
@@ -190,17 +193,11 @@ def _lines(growth: Growth) -> dict[str, str]:
         key: say(
             "{name}: {low} to {high}",
             name=name,
-            low=_length(float(values[0])),
-            high=_length(float(values[-1])),
+            low=length(float(values[0])),
+            high=length(float(values[-1])),
         )
         for key, (name, values) in named.items()
     }
-
-
-def _length(size: float) -> str:
-    """Print a length in the unit that it is read in."""
-    unit, scale = unit_for("position", size)
-    return f"{round_uncertainty(size / scale)} {unit}"
 
 
 def _around(time: float) -> str:
@@ -233,10 +230,12 @@ def _draw_growth(
     )
     figure.axes[0].set_position((0.16, 0.15, 0.52, 0.79))
     x = np.array(growth.curve.times)
-    axes.set_xscale("log")
+    _across(axes, growth.curve)
+    for begin, end in growth.curve.measured:
+        if end > x[0]:
+            axes.axvspan(max(begin, x[0]), end, color=AIDED, linewidth=0.0, zorder=0.0)
     axes.set_yscale("log")
     low = max(float(growth.cep.min()) / 3.0, largest / REACH)
-    axes.set_xlim(x[0], x[-1])
     axes.set_ylim(low, 2.0 * largest)
     names: list[tuple[float, str, str]] = []
     for key, values, width, text in (
@@ -278,8 +277,10 @@ def _draw_shares(growth: Growth, title: str) -> Figure:
     )
     figure.axes[0].set_position((0.16, 0.15, 0.52, 0.79))
     x = np.array(growth.curve.times)
-    axes.set_xscale("log")
-    axes.set_xlim(x[0], x[-1])
+    _across(axes, growth.curve)
+    for time in {time for span in growth.curve.measured for time in span}:
+        if x[0] < time < x[-1]:
+            axes.axvline(time, color=INK, linewidth=0.8, linestyle=":")
     axes.set_ylim(0.0, 100.0)
     below = np.zeros(x.size)
     names: list[tuple[float, str, str]] = []
@@ -359,9 +360,20 @@ def _rows_of(text: str) -> float:
     return 1.0 if "\n" in _folded(text) else 0.6
 
 
+def _across(axes: Axes, curve: Curve) -> None:
+    """Set up the axis of times: logarithmic, and even where aids end on the way."""
+    axes.set_xscale("linear" if curve.measured else "log")
+    axes.set_xlim(curve.times[0], curve.times[-1])
+
+
 def _time_ticks(axes: Axes) -> None:
-    """Tick a logarithmic axis of times at round ones."""
+    """Tick an axis of times at round ones."""
     low, high = axes.get_xlim()
+    if axes.get_xscale() == "linear":
+        step = next((t for t in TICKS if MOST_TICKS * t >= high - low), TICKS[-1])
+        times = step * np.arange(ceil(low / step), floor(high / step) + 1.0)
+        axes.set_xticks(times, list(map(time_text, times.tolist())))
+        return
     ticks: list[float] = []
     for time in reversed([t for t in TICKS if low <= t <= high]):
         if not ticks or log(ticks[-1] / time) >= TICK_ROOM * log(high / low):

@@ -10,12 +10,14 @@ from functools import cache
 from html import unescape
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from command_line import call, checked
 from document_text import find
 from numpy.testing import assert_allclose
+from places import TESTS
 from saying import assert_says
 
 from budget.language import speaking
@@ -32,7 +34,13 @@ from budget.report.mission import (
     unit_for,
 )
 from budget.results import Settings
-from budget.spec import load_device, load_mission, load_procedure, load_requirement
+from budget.spec import (
+    load_device,
+    load_mission,
+    load_procedure,
+    load_requirement,
+    uncalibrated,
+)
 from budget.spec.use import in_use
 from budget.studies.analysis import analyze_as
 from budget.studies.mission import curve, drawn_times
@@ -70,7 +78,8 @@ def carried(*, limited=False):
 @cache
 def grown():
     """Return how its error grows."""
-    return curve(carried().analysis, drawn_times(60.0, (10.0, 60.0)))
+    times = drawn_times(load_mission("outage-60-s"), (10.0, 60.0))
+    return curve(carried().analysis, times)
 
 
 def test_the_figure_ends_where_the_table_does():
@@ -148,7 +157,8 @@ def test_units_are_those_that_one_reads(quantity, size, unit):
 )
 def test_the_axis_has_two_decades_or_three(duration, asked, first):
     """It begins with what is asked for; it ends with the mission."""
-    times = drawn_times(duration, asked)
+    lasting = SimpleNamespace(duration=duration)
+    times = drawn_times(replace(load_mission("bench"), route=lasting), asked)
     assert times[0] == first
     assert times[-1] == duration
     assert list(times) == sorted(set(times))
@@ -325,3 +335,58 @@ def test_a_time_takes_few_digits(time, told):
     """In the unit that a file would give it in, and it is that time."""
     assert time_text(time) == told
     assert parse_quantity(told, "s").value == time
+
+
+AIDED = TESTS / "data" / "aided"
+
+
+@cache
+def aided(unit, name):
+    """Return the budget of one of the missions with aids, and how its errors grow."""
+    mission = load_mission(AIDED / f"{name}.yaml")
+    found = analyze_as(
+        Settings(reference="next_turn_on", validate=False),
+        load_device(AIDED / f"{unit}.yaml"),
+        procedure=uncalibrated("factory"),
+        mission=mission,
+        carried_to=mission.at,
+        command="mission",
+    )
+    return found, curve(found.analysis, drawn_times(mission, mission.at))
+
+
+def test_a_mission_with_aids_is_drawn_to_where_they_end():
+    """From as long before as the mission goes on after it, on an even axis."""
+    _, drawn = aided("mems", "g4")
+    growth = Growth.of(drawn)
+    assert 540.0 < drawn.times[0] < 545.0
+    assert {600.0, 610.0, 630.0, 660.0} <= set(drawn.times)
+    assert_allclose(growth.curve.drms()[-1], 30.9758, rtol=1e-4)
+    assert "Shaded: with aids." in growth_pictures(drawn)[0].caption
+    assert "Shaded" not in growth_pictures(grown())[0].caption
+
+
+def test_what_an_own_filter_believes_stands_beside_what_is_true():
+    """At every time, of position and heading; the optimal one has no such table."""
+    own, optimal = (
+        {one.name: one for one in find(mission_section(*aided("mems", name)), Table)}
+        for name in ("g4", "g3")
+    )
+    rows = [
+        [str(one.text) for one in row] for row in own["filter-believed"].groups[0].rows
+    ]
+    assert rows[3] == ["11 min", "attitude heading", "981", "1980", "arcsec"]
+    assert rows[7] == ["11 min", "position horizontal", "22.9", "31", "m"]
+    assert "filter-learnt" in optimal
+    assert "filter-believed" not in optimal
+
+
+def test_the_method_says_the_filter_where_there_is_one():
+    """Its equations, and whose they are."""
+    said = [
+        " ".join(map(str, block.words))
+        for one in (aided("mems", "g4"), (carried(), grown()))
+        for block in mission_section(*one).blocks[-1:]
+    ]
+    assert_says(said[0], "K = P H' (H P H' + R)^-1", "Brown and Hwang")
+    assert "Brown" not in said[1]
