@@ -293,6 +293,15 @@ def allocate(
                 for kind in missing
                 if kind not in {IMU, MISSION}
             ),
+            *(
+                note(
+                    "the filter of the mission is not retuned while lines are shared "
+                    "out: its gains stay those of the lines as they are, and a filter "
+                    "that knows the allotted lines is off by no more"
+                )
+                for _ in [journey]
+                if journey is not None and journey.aiding
+            ),
             *_warnings(sensors, cases, bounds, prices),
         ),
     )

@@ -1,0 +1,183 @@
+"""Missions with aids in every study: each has the filter that it says it has."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from command_line import call
+from numpy.testing import assert_allclose
+from places import TESTS
+from saying import assert_says
+
+from budget.names import MISSION
+from budget.results import Settings
+from budget.spec import load_device, load_mission, load_requirement, uncalibrated
+from budget.studies.allocation.allocate import allocate
+from budget.studies.analysis import analyze_as
+from budget.studies.comparison.compare import compare
+from budget.studies.mission import curve
+from budget.studies.what_if import what_if
+
+DATA = TESTS / "data" / "aided"
+G1 = DATA / "g1.yaml"
+FACTORY = uncalibrated("factory")
+WALK = "gyro.angle_random_walk"
+# Of tac on g1 at 660 s, by the other program: gains kept, and retuned [m].
+FACTORS = (0.9, 1.1, 2.0, 5.0)
+KEPT = (5.32200, 5.98592, 9.39129, 21.9623)
+RETUNED = (5.31311, 5.97795, 8.85397, 17.7969)
+TRIALS = 4000
+
+
+def limited(horizontal="10 m"):
+    """Return a limit at the end of an outage."""
+    at = {"horizontal": horizontal, "at": "660 s", "probability": "50 %"}
+    return load_requirement({"name": "way", "limits": {"mission": {"position": [at]}}})
+
+
+def on_mission(unit="tac", factor=1.0, **more):
+    """Return the budget of a unit on the mission, as its maker calibrated it."""
+    changes = [f"{WALK}={0.1 * factor!r} deg/sqrt(h)"] * (factor != 1.0)
+    settings = more.pop("settings", Settings(validate=False))
+    return analyze_as(
+        replace(settings, reference="next_turn_on"),
+        load_device(DATA / f"{unit}.yaml", changes),
+        procedure=FACTORY,
+        mission=load_mission(more.pop("mission", G1)),
+        carried_to=more.pop("carried_to", (660.0,)),
+        command="mission",
+        **more,
+    )
+
+
+@cache
+def model():
+    """Return the model of sliders of the mission."""
+    budget = on_mission(requirement=limited())
+    return what_if(budget.analysis, budget=budget)
+
+
+def horizontal(outlook):
+    """Return the root of the summed variances north and east of an outlook [m]."""
+    axes = [
+        (one.name.owner, one.name.quantity, one.name.axis) for one in model().outputs
+    ]
+    return outlook.u[axes.index((MISSION, "position", "horizontal"))]
+
+
+@pytest.mark.parametrize(("factor", "u"), [*zip(FACTORS, KEPT, strict=True)])
+def test_sliders_keep_the_gains(factor, u):
+    """What a change does to the filter that there is, is exact."""
+    assert_allclose(horizontal(model().evaluate({WALK: factor})), u, rtol=1e-4)
+
+
+@pytest.mark.parametrize(("factor", "u"), [*zip(FACTORS, RETUNED, strict=True)])
+def test_a_changed_line_retunes(factor, u):
+    """`--set` changes the truth and what the filter believes; never for the worse."""
+    row = on_mission(factor=factor).output("mission.position.horizontal.660")
+    assert_allclose(row.standard_uncertainty, u, rtol=1e-4)
+    assert row.standard_uncertainty < horizontal(model().evaluate({WALK: factor}))
+
+
+def test_each_unit_of_a_comparison_has_its_own_filter():
+    """The largest error of each is what it has alone; the better one is first."""
+    found = compare(
+        [DATA / "mems.yaml", DATA / "tac.yaml"],
+        limited(),
+        mission=G1,
+        calibration="factory",
+        method="gum",
+    )
+    rows = {one.name: one for one in found.devices if one.sensor == MISSION}
+    assert [*rows] == ["tac", "mems"]
+    for unit, row in rows.items():
+        alone = on_mission(unit, requirement=limited()).assessment
+        (own,) = (one for one in alone.sensors if one.sensor == MISSION)
+        assert row.verdict == own.verdict
+        assert_allclose(row.utilisation, own.utilisation, rtol=1e-9)
+    assert rows["tac"].verdict == "meets_if"  # lines are not given
+    assert rows["mems"].verdict == "fails"
+
+
+@pytest.mark.parametrize("mission", ["g1", "g5"])
+def test_trials_agree_with_the_law(mission):
+    """Of the optimal filter and of one of its own, within 4 standard errors.
+
+    Control: not with the law of 1.2 times the walk.
+    """
+    unit = {"g1": "tac", "g5": "mems"}[mission]
+    mission = DATA / f"{mission}.yaml"
+    trials = on_mission(
+        unit,
+        mission=mission,
+        settings=Settings(method="monte-carlo", trials=TRIALS, seed=6, validate=False),
+    )
+    law = on_mission(unit, mission=mission)
+    ratios = np.array(
+        [
+            one.standard_uncertainty / other.standard_uncertainty
+            for one, other in zip(trials.outputs, law.outputs, strict=True)
+        ]
+    )
+    # A sigma of n normal trials has the standard error 1/sqrt(2 (n - 1)); of a
+    # horizontal error, whose two parts are at most one and the same, no more.
+    bound = 4.0 / np.sqrt(2.0 * (TRIALS - 1))
+    assert np.abs(ratios - 1.0).max() < bound
+    if unit == "tac":
+        other = on_mission(factor=1.3)
+        far = [
+            one.standard_uncertainty / row.standard_uncertainty
+            for one, row in zip(trials.outputs, other.outputs, strict=True)
+            if (row.parameter, row.axis) == ("position", "north")
+        ]
+        assert abs(far[0] - 1.0) > bound
+
+
+def test_forms_of_a_result_have_the_same_numbers(tmp_path):
+    """JSON and CSV; and what is computed again is the same."""
+    words = ("mission", str(DATA / "mems.yaml"), "--mission", str(DATA / "g4.yaml"))
+    files = [tmp_path / f"{k}.json" for k in (0, 1)]
+    runs = [call(*words, "--no-validate", "--json", str(file)) for file in files]
+    table = call(*words, "--no-validate", "--csv", "-")
+    assert [run.code for run in (*runs, table)] == [0, 0, 0]
+    one, other = (json.loads(file.read_text(encoding="utf-8")) for file in files)
+    assert one["outputs"] == other["outputs"]
+    assert one["mission"]["filter"]["turned"]["turned"] > 0.0
+    rows = list(csv.DictReader(io.StringIO(table.out)))
+    totals = {
+        (row["parameter"], row["axis"], float(row["time"])): float(
+            row["standard_uncertainty"]
+        )
+        for row in rows
+    }
+    for out in one["outputs"]:
+        key = (out["parameter"], out["axis"], out["time"])
+        assert_allclose(totals[key], out["standard_uncertainty"], rtol=1e-9)
+
+
+def test_an_allocation_keeps_the_gains_and_says_so():
+    """Allotted lines meet the limit, with more to spare if the filter knows them."""
+    found = allocate(
+        DATA / "tac.yaml",
+        requirement=limited("7 m"),
+        mission=G1,
+        calibration="factory",
+        validate=False,
+    )
+    assert found.feasible
+    assert_says(" ".join(map(str, found.warnings)), "not retuned")
+    (row,) = found.outputs
+    assert_allclose(row.allowed, 1.0, rtol=1e-6)
+    both = {one.kind: one for one in found.sensors}
+    budget = on_mission(requirement=limited("7 m"))
+    unit = replace(
+        budget.analysis, devices=(replace(budget.analysis.devices[0], **both),)
+    )
+    (cep,) = curve(unit, (660.0,)).radius(0.5)
+    assert 0.9 * 7.0 < cep < 7.0
