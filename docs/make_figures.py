@@ -1,4 +1,4 @@
-"""Draw the README's figure and write the page of test schemes: [FOLDER]."""  # noqa: INP001 - a script, no package
+"""Draw figures of README and aided.md, write the page of test schemes: [FOLDER]."""  # noqa: INP001 - a script, no package
 
 from __future__ import annotations
 
@@ -7,14 +7,19 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import yaml
+
 import budget
 from budget.calibration.schemes import calibrates, schedule_of
+from budget.report.figures.growth import growth_pictures
 from budget.report.figures.rows import draw as draw_rows
 from budget.report.figures.sources import share_chart
 from budget.report.figures.style import PAPER, to_svg
 from budget.report.figures.timeline import schedule_chart
 from budget.report.tables import group_tables
 from budget.resources import shipped
+from budget.studies.mission import curve, drawn_times
+from budget.studies.request import analysis_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -47,6 +52,10 @@ HEADS = (
 FOOT = """
 Written by `docs/make_figures.py`.
 """
+OUTAGES = {
+    "straight": "outage-60-s-after-straight-gnss",
+    "turning": "outage-60-s-turning-after-straight-gnss",
+}
 GROUPS = tuple(
     f"{sensor} {quantity}"
     for sensor in ("gyro", "accelerometer")
@@ -58,21 +67,42 @@ def draw(folder: Path) -> None:
     """Draw all figures, and write the page of schemes."""
     result = budget.analyze(budget.load_device("zhao-2019"), validate=False)
     (group,) = (g for g in group_tables(result) if g.title == "gyro bias")
-    write(draw_rows(share_chart(group)), folder / "share-gyro-bias.svg")
+    share = to_svg(draw_rows(share_chart(group)), name="share-gyro-bias")
+    write(share, folder / "share-gyro-bias.svg")
     (folder / "schemes").mkdir(exist_ok=True)
     rows, sections = [line(HEADS), line(["---"] * len(HEADS))], []
     for name in SCHEMES:
         plan = budget.load_procedure(name)
         there = [kind for kind in ("gyro", "accelerometer") if calibrates(kind, plan)]
         chart = schedule_chart(plan, there)
-        write(draw_rows(chart), folder / "schemes" / f"{name}.svg")
+        svg = to_svg(draw_rows(chart), name=name)
+        write(svg, folder / "schemes" / f"{name}.svg")
         rows.append(row(name, plan))
         sections.append(
             f"## {plan.name}\n\n`{name}`: {source_of(name)}\n\n"
             f"![Windows of {plan.name} in time](schemes/{name}.svg)\n"
         )
+    draw_outages(folder / "aided")
     page = HEAD + "\n".join(rows) + "\n\n" + "\n".join(sections) + FOOT
     (folder / "schemes.md").write_text(page, encoding="utf-8")
+
+
+def draw_outages(folder: Path) -> None:
+    """Draw how errors grow in an outage straight on, and in one that turns."""
+    folder.mkdir(exist_ok=True)
+    (sheet,) = re.findall(
+        r"(?ms)^# imu.yaml\n(.*?)^```$", (HERE / "aided.md").read_text("utf-8")
+    )
+    for name, mission in OUTAGES.items():
+        found = budget.analyze(
+            yaml.safe_load(sheet),
+            mission=mission,
+            calibration="factory",
+            validate=False,
+        )
+        taken = budget.load_mission(mission)
+        grown = curve(analysis_of(found), drawn_times(taken, taken.at))
+        write(growth_pictures(grown)[0].svg, folder / f"{name}.svg")
 
 
 def row(name: str, plan: budget.Procedure) -> str:
@@ -114,9 +144,8 @@ def source_of(name: str) -> str:
     return " ".join(lines)
 
 
-def write(drawing: object, path: Path) -> None:
+def write(svg: str, path: Path) -> None:
     """Write a picture on its own paper: a page may be dark, the labels are too."""
-    svg = to_svg(drawing, name=path.stem)
     paper = f'<rect width="100%" height="100%" fill="{PAPER}"/>'
     path.write_text(re.sub(r"(<svg\b[^>]*>)", rf"\1{paper}", svg), encoding="utf-8")
 

@@ -252,12 +252,13 @@ def test_the_tutorial_runs_to_the_letter(tmp_path, monkeypatch):
     assert runs_to_the_letter(TUTORIAL) >= 6
 
 
-def test_the_worked_sheets_of_verdicts_run_to_the_letter(tmp_path, monkeypatch):
+@pytest.mark.parametrize("name", ["verdicts.md", "aided.md"])
+def test_worked_sheets_run_to_the_letter(name, tmp_path, monkeypatch):
     """Each file under its name, each command with what is shown of it."""
     monkeypatch.chdir(tmp_path)
-    page = (DOCS / "verdicts.md").read_text("utf-8")
-    for name, text in re.findall(r"(?ms)^```yaml\n# (\S+)\n(.*?)^```$", page):
-        Path(name).write_text(text, encoding="utf-8")
+    page = (DOCS / name).read_text("utf-8")
+    for file, text in re.findall(r"(?ms)^```yaml\n# (\S+)\n(.*?)^```$", page):
+        Path(file).write_text(text, encoding="utf-8")
     assert runs_to_the_letter(page) >= 5
 
 
