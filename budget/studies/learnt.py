@@ -106,7 +106,7 @@ def _learnt(analysis: Analysis, journey: Aided, mission: Mission) -> Iterator[Le
             over = part.noise.over(t[end : end + 1])
             states = over.fade[0] ** 2 * part.noise.begins + over.end[0]
             before[part.row] += part.u**2 * states.sum()
-        u = np.sqrt([before, np.diag(C)])
+        u = np.sqrt(np.maximum([before, np.diag(C)], 0.0))
         for kind, first in FIRST.items():
             unit, size = BIAS_UNITS[kind]
             for place, axis in enumerate(AXES):
@@ -174,7 +174,8 @@ def _believed(analysis: Analysis, journey: Aided) -> Iterator[BelievedError]:
             parameter=name.quantity,
             axis=name.axis,
             time=name.time or 0.0,
-            standard_uncertainty=float(np.sqrt(C[rows, rows].sum()))
+            # Below the rounding of what went in a variance may come out negative.
+            standard_uncertainty=float(np.sqrt(max(C[rows, rows].sum(), 0.0)))
             / output.si_per_unit,
             true=true / output.si_per_unit,
             unit=output.unit,

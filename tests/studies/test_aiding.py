@@ -400,3 +400,17 @@ def test_a_turn_is_asked_of_what_goes_straight_on():
     mission["mission"]["segments"].pop()
     mission["mission"]["at"] = ["600 s"]
     assert filtered(analysis("tac", mission)).turned is None
+
+
+def test_a_measurement_below_rounding_is_believed_to_be_exact():
+    """A GNSS of 3e-11 m/s: what is believed of it is a number, without a warning."""
+    text = (DATA / "g6.yaml").read_text(encoding="utf-8")
+    mission = yaml.safe_load(text)
+    mission["mission"]["aiding"]["gnss"]["velocity"] = "2.93065e-11 m/s"
+
+    found = filtered(analysis("mems", mission))
+
+    for one in found.believed:
+        assert 0.0 <= one.standard_uncertainty < np.inf
+    for one in found.learnt:
+        assert 0.0 <= one.after <= 1.001 * one.before
