@@ -56,7 +56,7 @@ def device(name, *, gyro=None, accelerometer=None, missing=(), **texts):
         assumptions=(),
         origin=Origin(file=f"{name}.yaml", sha256="0" * 64),
         **built,
-        **texts,
+        **{"technology": "optical", **texts},
     )
 
 

@@ -50,7 +50,7 @@ import numpy as np
 from budget.methods.execution import small_blocks
 from budget.model.sources import SENSORS, lines_of, source_of
 from budget.names import Name
-from budget.studies.grades import family
+from budget.studies.grades import FAMILIES, family
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -437,9 +437,11 @@ def _figure(device: Device, kind: str, source: Source, log_u: float) -> Figure:
     design = device.origin.sha256 or device.name
     quantity = source.expected or source.name
     own = f"{design}, {device.name}"
+    known = family(device.technology)
+    known = known if known in FAMILIES else ""
     return Figure(
         # Of a technology that is not told nobody knows what is like it.
-        groups=(family(device.technology) or design, design, own, f"{own}, {kind}"),
+        groups=(known or design, design, own, f"{own}, {kind}"),
         line=quantity if len(units) == 1 else f"{quantity} of the {kind}",
         device=device.name,
         log_u=log_u,

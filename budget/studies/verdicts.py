@@ -115,6 +115,7 @@ NONLINEARITY, SAMPLE_NOISE = "scale_factor_nonlinearity", "sample_noise"
 STABILITY, ALLAN_FLOOR = "bias_stability", "allan_minimum"
 RECTIFICATION, G_SENSITIVITY = "vibration_rectification", "g_sensitivity"
 MEMS = "mems"
+NOT_MEMS = {*FAMILIES, "optical"} - {MEMS}
 SATURATES, NO_TIME = "saturates", "no_correlation_time"
 # What a use that nobody has stated is tried at.
 PROBE = {
@@ -617,6 +618,11 @@ class Margin:
             margin = replace(
                 margin, jointly=_jointly(margin, whole, found, law, judged)
             )
+        if any(family(one.technology) != MEMS for one in case.devices):
+            untold = {Name(G_SENSITIVITY, owner=GYRO)} - tops.keys()
+            margin = replace(
+                margin, missing=tuple(x for x in margin.missing if x not in untold)
+            )
         margin = margin.less([x for x in margin.missing if _is_suspected(case, x)])
         if margin.without_ceiling or not (lines and judged.by_trials.any()):
             return margin
@@ -946,12 +952,8 @@ def expected_of(case: Case) -> tuple[Name, ...]:
     if (
         gyros
         and gyros[0].line(G_SENSITIVITY) is None
-        and (
-            MEMS in families
-            if case.mission is None or not manoeuvres(case.mission)
-            # A technology that nobody has told, or that nobody knows, may be one.
-            else not families & ({*FAMILIES} - {MEMS})
-        )
+        # A technology that nobody has told, or that nobody knows, may be MEMS.
+        and not families & NOT_MEMS
         and (case.mission is not None or calibrates(GYRO, case.procedure))
     ):
         names.append(Name(G_SENSITIVITY, owner=GYRO))

@@ -22,6 +22,7 @@ FAST = ("--requirement", "navigation-grade", "--no-validate")
 # Axes, shapes, another g, a variant, several correlation times, a zero and remarks.
 ODD = """
 name: "Odd: device, no 1"
+technology: optical
 gravity_unit: 9.80708 m/s^2
 gyro:
   nominal: {bias: {x: 1 deg/h, z: -3 deg/h}, mounting_angle: 30 arcsec}
@@ -198,7 +199,7 @@ def test_two_files_make_one_device(odd, tmp_path):
     gyro, accelerometer = tmp_path / "g.yaml", tmp_path / "a.yaml"
     head, mark, tail = ODD.partition("accelerometer:\n")
     gyro.write_text(head, encoding="utf-8")
-    start = "name: Other\ngravity_unit: 9.80708 m/s^2\n"
+    start = "name: Other\ntechnology: optical\ngravity_unit: 9.80708 m/s^2\n"
     accelerometer.write_text(start + mark + tail, encoding="utf-8")
     path = tmp_path / "both.yaml"
 

@@ -30,7 +30,8 @@ FEW = ("--trials", "20000", "--max-trials", "20000")
 
 def device(name, bias, *, more=""):
     """Return the text of a device file with one gyro."""
-    return f"name: {name}\n{more}gyro:\n" + SENSOR.format(bias=bias)
+    head = f"name: {name}\ntechnology: optical\n{more}gyro:\n"
+    return head + SENSOR.format(bias=bias)
 
 
 @pytest.fixture
@@ -81,7 +82,7 @@ class TestExitCodes:
         run = compare("good.yaml", "broken.yaml", "bad.yaml", *LAW, "--json", "-")
 
         assert run.code == 2
-        assert "broken.yaml:7:33: " in run.err
+        assert "broken.yaml:8:33: " in run.err
         assert "50 mV" in run.err
         assert names(run) == ["Good", "Bad"]
 
@@ -95,7 +96,7 @@ class TestExitCodes:
 
         assert run.code == 2
         assert run.out == ""
-        assert "broken.yaml:7:33: " in run.err
+        assert "broken.yaml:8:33: " in run.err
         assert not (folder / "x.json").exists()
 
     def test_all_broken_is_2(self):

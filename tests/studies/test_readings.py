@@ -47,7 +47,8 @@ def gyro(tmp_path):
     def read(**lines):
         path = tmp_path / "device.yaml"
         errors = "".join(f"    {name}: {text}\n" for name, text in lines.items())
-        path.write_text(f"name: open\ngyro:\n  errors:\n{errors}", encoding="utf-8")
+        head = "name: open\ntechnology: optical\n"
+        path.write_text(f"{head}gyro:\n  errors:\n{errors}", encoding="utf-8")
         return load_device(path).gyro
 
     return read

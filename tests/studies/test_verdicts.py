@@ -233,7 +233,10 @@ class TestAge:
     """An age that nobody states is a condition, too."""
 
     AGED = sheet_with(
-        {"gyro.ageing": {"value": "100 deg/h", "horizon": "1 year", "law": "drift"}}
+        {
+            "gyro.ageing": {"value": "100 deg/h", "horizon": "1 year", "law": "drift"},
+            "gyro.g_sensitivity": "1e-6 deg/h/g",
+        }
     )
 
     def test_ageing_bounds_the_age(self):
@@ -893,6 +896,23 @@ class TestHidden:
             sheet_with({line: {"axes": axes}}), "temperature 20 degC, vibration 3 g"
         )
         assert line in {one.line for one in sensor.standing.asks}
+
+    def test_a_hidden_technology_is_no_better_by_a_test(self):
+        """A gyro that may be MEMS is asked for it by a calibration, too."""
+        need = {
+            "name": "bias",
+            "environment": "none",
+            "limits": {"gyro": {"bias": "30 deg/h"}},
+        }
+        for word, verdict in (
+            ("MEMS", "meets_if"),
+            (None, "meets_if"),
+            ("FOG", "meets"),
+        ):
+            sheet = {key: value for key, value in SHEET.items() if key != "technology"}
+            sheet |= {"technology": word} if word else {}
+            found = budget.analyze(sheet, requirement=need, validate=False)
+            assert found.assessment.sensors[0].verdict == verdict
 
     def test_a_hidden_technology_is_no_better(self):
         """A gyro of no technology may be MEMS, whose g-sensitivity is expected."""

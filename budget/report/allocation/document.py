@@ -57,11 +57,13 @@ def allocated_device(allocation: Allocation) -> str:
         sensor.with_lines(replace(line, readings=()) for line in sensor.lines)
         for sensor in allocation.sensors
     ]
+    technologies = {one.technology for one in allocation.devices}
     return device_yaml(
         closed,
         name=f"{allocation.title[:150]}, allocated for {allocation.requirement[:30]}",
         source="budget allocate",
         notes=notes,
+        technology=technologies.pop() if len(technologies) == 1 else "",
     )
 
 
