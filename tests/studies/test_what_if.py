@@ -197,7 +197,11 @@ def test_verdicts_are_those_of_the_assessment(factor, missing):
     """Utilisation, worst output and verdict agree with assess, meeting or not."""
     wanted = requirement(gyro__bias__x=1.0 * DEG_PER_HOUR, gyro__bias__y=1e-6)
     device = hard_device()
-    device = replace(device, gyro=replace(device.gyro, expected_missing=missing))
+    device = replace(
+        device,
+        gyro=replace(device.gyro, expected_missing=missing),
+        technology="optical",
+    )
     changes = {"gyro.bias_stability": factor}
     outlook = what_if(Analysis.of(device, requirement=wanted)).evaluate(changes)
     changed = scaled(device, changes)
