@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import re
+import signal
 import sys
 from collections import defaultdict
 from importlib import import_module
@@ -22,6 +23,10 @@ from budget.methods import execution
 from budget.studies import analysis, request
 from budget.studies.allocation import allocate
 from budget.studies.allocation.longer_tests import find_longer_tests
+
+# Tests are interrupted also where whoever runs them is not, as in the background.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # A worker more than processors: while one waits for a process, another goes on.
 MORE_WORKERS = 1
