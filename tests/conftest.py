@@ -27,6 +27,8 @@ from budget.studies.allocation.longer_tests import find_longer_tests
 # Tests are interrupted also where whoever runs them is not, as in the background.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 # A worker more than processors: while one waits for a process, another goes on.
 MORE_WORKERS = 1

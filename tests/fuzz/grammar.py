@@ -100,7 +100,7 @@ def _value(schema, root, random, key, share):
     if schema.get("type") == "object":
         return _mapping(schema, root, random, share)
     if schema.get("type") == "array":
-        items = [schema["items"]] * random.randint(1, 3)
+        items = schema.get("prefixItems") or [schema["items"]] * random.randint(1, 3)
         return [_value(item, root, random, key, share) for item in items]
     return _leaf(schema, random, key)
 
@@ -291,6 +291,9 @@ def _keep_mission(tree):
     part.pop("trajectory", None)
     part |= {"latitude": "-12.5 deg"}
     part["segments"] = [_segment(one) for one in part.get("segments", [{}])]
+    # Aids go with segments that name them, and a filter with aids.
+    for key in ("aiding", "filter"):
+        part.pop(key, None)
     if part.get("alignment") == "self":
         part["alignment_time"] = "5 min"
     else:
