@@ -1164,10 +1164,11 @@ class Condition:
 
     kind: str  # 'missing', 'temperature', 'vibration', 'age'
     line: Name
-    below: float | None  # the bound [SI]; None: none is needed, or none is known
-    unit: str
-    si_per_unit: float
     text: str
+    # The bound [SI]; None: none is needed, or none is known.
+    below: float | None = None
+    unit: str = ""
+    si_per_unit: float = 1.0
     # The largest that a comparable device prints, as a standard uncertainty [SI].
     largest_comparable: float | None = None
     ceiling: float | None = None  # [SI]

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from budget.studies.request import Analysis
 
 DECIMALS = 9  # of a time in s, which is the sum of steps
-CONFIDENT = 0.8  # of what is true, below which a filter believes too little [1]
+CONFIDENT = 0.8  # of what is true, below which a filter believes too much of itself
 
 
 def filtered(analysis: Analysis) -> Filtered | None:

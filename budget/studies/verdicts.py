@@ -231,7 +231,7 @@ def decide(
         found,
         verdict=UNDECIDED,
         conditions=lost,
-        cautions=(*_as_cautions(lost), *found.cautions),
+        cautions=tuple(dict.fromkeys((*_as_cautions(lost), *found.cautions))),
     )
 
 
@@ -239,14 +239,7 @@ def _without_time(cautions: Iterable[Caution]) -> Iterator[Condition]:
     """Yield what leaves a verdict open where a bias stability is none."""
     for one in cautions:
         if one.kind == NO_TIME:
-            yield Condition(
-                kind=NO_TIME,
-                line=one.line,
-                below=None,
-                unit="",
-                si_per_unit=1.0,
-                text=one.text,
-            )
+            yield Condition(kind=NO_TIME, line=one.line, text=one.text)
 
 
 def _lost(case: Case, held: Limited) -> tuple[Condition, ...]:
@@ -264,9 +257,6 @@ def _lost(case: Case, held: Limited) -> tuple[Condition, ...]:
         Condition(
             kind="first_order",
             line=attitudes[-1].group,
-            below=None,
-            unit="",
-            si_per_unit=1.0,
             text=text,
         )
         for text in beyond_first_order(problem, propagate(problem))
@@ -305,8 +295,8 @@ def _decided(
         for name in (decisive or margin.missing)
         if doubt is None or decisive
     )
-    # What no sensor reaches is no condition.
-    conditions = tuple(one for one in conditions if one.below is not None)
+    if not decisive:  # whatever a line is, it is no condition
+        conditions = tuple(one for one in conditions if one.below is not None)
     uses = uses_of(case, margin)
     verdict = given
     if decisive and given in {MEETS, UNDECIDED, PREDICTED}:
@@ -400,9 +390,6 @@ def _in_its_test() -> Condition:
     return Condition(
         kind="environment",
         line=Name(ENVIRONMENT),
-        below=None,
-        unit="",
-        si_per_unit=1.0,
         text=note("in an environment as that of its test"),
     )
 
@@ -425,9 +412,6 @@ def _only(sources: frozenset[Name]) -> Condition:
     return Condition(
         kind="only",
         line=min(sources),
-        below=None,
-        unit="",
-        si_per_unit=1.0,
         text=note(CHOSEN),
     )
 
@@ -761,7 +745,8 @@ class Margin:
             weights[places] = times**2
 
         below = self.bound(change, alone=alone) * self.sizes[name]
-        below = inf if below >= at_most(name) else below
+        if not alone and below >= at_most(name):  # what no sensor reaches
+            below = inf
         top = self.tops.get(name)
         largest = None if top is None else top.largest_comparable
         source = stand_in(name)
@@ -1115,18 +1100,34 @@ def _bounded(key: str, below: float, tops: Sequence[Ceiling]) -> Condition:
     bound = "" if is_open else f"{rounded_down(below / size, 2):g} {unit}"
     if key == "age" and not is_open:
         bound = _long_time(below)
-    return Condition(
-        kind=key,
-        line=Name(STATED[key][0], owner=ENVIRONMENT),
-        below=None if is_open else below,
-        unit=unit,
-        si_per_unit=size,
-        text=_with_ceilings(
+    return _on_use(
+        key,
+        _with_ceilings(
             note("whatever the {key} at use is", key=note(key))
             if is_open
             else note(texts[key], bound=bound),
             tops,
         ),
+        below=None if is_open else below,
+    )
+
+
+def _on_use(
+    key: str,
+    text: str,
+    *,
+    below: float | None = None,
+    silent: tuple[Name, ...] = (),
+) -> Condition:
+    """Return a condition on a use that nobody has stated."""
+    return Condition(
+        kind=key,
+        line=Name(STATED[key][0], owner=ENVIRONMENT),
+        text=text,
+        below=below,
+        unit=PROBE[key].unit,
+        si_per_unit=PROBE[key].si_per_unit,
+        silent=silent,
     )
 
 
@@ -1163,19 +1164,12 @@ def _long_time(seconds: float) -> str:
 
 def _silent(key: str, lines: tuple[Name, ...]) -> Condition:
     """Return the condition on a use that a sheet does not say enough of."""
-    return Condition(
-        kind=key,
-        line=Name(STATED[key][0], owner=ENVIRONMENT),
-        below=None,
-        unit=PROBE[key].unit,
-        si_per_unit=PROBE[key].si_per_unit,
-        silent=lines,
-        text=note(
-            "its sheet does not say what {use} does: {lines} not given",
-            use=note(key),
-            lines=in_a_row([line_note(name) for name in lines]),
-        ),
+    text = note(
+        "its sheet does not say what {use} does: {lines} not given",
+        use=note(key),
+        lines=in_a_row([line_note(name) for name in lines]),
     )
+    return _on_use(key, text, silent=lines)
 
 
 def _horizon(case: Case) -> Condition | None:
@@ -1212,13 +1206,8 @@ def _is_felt(case: Case, key: str) -> bool:
 
 def _over_its_range(key: str) -> Condition:
     """Return the condition of a figure that holds over temperature."""
-    return Condition(
-        kind=key,
-        line=Name(STATED[key][0], owner=ENVIRONMENT),
-        below=None,
-        unit=PROBE[key].unit,
-        si_per_unit=PROBE[key].si_per_unit,
-        text=note("while the temperature at use is one that its figures are for"),
+    return _on_use(
+        key, note("while the temperature at use is one that its figures are for")
     )
 
 

@@ -267,6 +267,17 @@ def test_a_signal_to_the_main_process(number, code, word, start, tmp_path):
     assert contents(tmp_path) == {}
 
 
+def ends_by_ctrl_c(process, folder):
+    """Interrupt all processes at once: 130 in words, and nothing is left."""
+    os.killpg(process.pid, signal.SIGINT)
+    _, talk = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 130
+    assert "interrupted" in talk.decode()
+    assert "Traceback" not in talk.decode()
+    assert is_gone(process.pid)
+    assert contents(folder) == {}
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("workers", ["1", "2"])
 def test_ctrl_c_leaves_no_process_and_no_file(workers, start, tmp_path, at_work):
@@ -277,13 +288,7 @@ def test_ctrl_c_leaves_no_process_and_no_file(workers, start, tmp_path, at_work)
         workers_of(process)
     else:
         wait_for_block(process, at_work, 1)
-    os.killpg(process.pid, signal.SIGINT)
-    _, talk = process.communicate(timeout=PATIENCE)
-    assert process.returncode == 130
-    assert "interrupted" in talk.decode()
-    assert "Traceback" not in talk.decode()
-    assert is_gone(process.pid)
-    assert contents(tmp_path) == {}
+    ends_by_ctrl_c(process, tmp_path)
 
 
 # Raises a signal while a module is loaded: the rest of the start-up is still to come.
@@ -335,13 +340,7 @@ def test_ctrl_c_while_workers_are_loaded(seed, start, tmp_path):
     while len(children(process)) < 2:
         sleep(0.001)
     sleep(np.random.default_rng(seed).uniform(0.0, 0.3))
-    os.killpg(process.pid, signal.SIGINT)
-    _, talk = process.communicate(timeout=PATIENCE)
-    assert process.returncode == 130
-    assert "interrupted" in talk.decode()
-    assert "Traceback" not in talk.decode()
-    assert is_gone(process.pid)
-    assert contents(tmp_path) == {}
+    ends_by_ctrl_c(process, tmp_path)
 
 
 @pytest.mark.slow

@@ -80,6 +80,20 @@ def standing_of(device: dict[str, Any], environment: str | None = None, **need: 
     return sensor, found
 
 
+def judged_of(sheet: dict[str, Any], **how: Any):
+    """Return the verdict on the first triad of a device."""
+    return budget.analyze(sheet, validate=False, **how).assessment.sensors[0]
+
+
+def asked_size(line: str, **how: Any) -> float:
+    """Return from which size on a line fails that is asked for, and nothing else."""
+    hidden = judged_of(SHEET, **how)
+    assert hidden.verdict == "undecidable"
+    (asked,) = hidden.standing.asks
+    assert asked.line == line
+    return asked.below / asked.si_per_unit
+
+
 def texts_of(standing) -> str:
     """Return all that stands beside a verdict."""
     return "; ".join(
@@ -215,6 +229,10 @@ class TestWhatNoSensorIs:
         sheet = sheet_with({"gyro.bias_stability": value})
         sensor, _ = standing_of(sheet, "none")
         assert said in texts_of(sensor.standing)
+        is_noise = said == "acts as noise"
+        assert sensor.verdict == ("undecided" if is_noise else "meets")
+        cautions = sensor.standing.cautions
+        assert len(cautions) == len(set(cautions))
         sensor, _ = standing_of(SHEET, "none")
         assert said not in texts_of(sensor.standing)
 
@@ -832,18 +850,9 @@ class TestHidden:
             "limits": {"gyro": {"bias": "30 deg/h"}},
         }
 
-        def judged(sheet):
-            found = budget.analyze(
-                sheet, procedure=test, requirement=need, validate=False
-            )
-            return found.assessment.sensors[0]
-
-        hidden = judged(SHEET)
-        assert hidden.verdict == "undecidable"
-        (asked,) = hidden.standing.asks
         line = "gyro.bias_temperature_coefficient"
-        assert asked.line == line
-        size = asked.below * 3600.0 * 180.0 / pi
+        how = {"procedure": test, "requirement": need}
+        size = asked_size(line, **how)
         known = {
             "gyro.scale_factor_temperature_coefficient": "0.001 ppm/degC",
             "gyro.g_sensitivity": "0.001 deg/h/g",
@@ -851,7 +860,8 @@ class TestHidden:
         }
         for part, verdict in ((0.999, "meets"), (1.001, "fails")):
             told = sheet_with({**known, line: f"{part * size!r} deg/h/degC"})
-            assert judged(told | {"range": {"gyro": "90 deg/s"}}).verdict == verdict
+            told |= {"range": {"gyro": "90 deg/s"}}
+            assert judged_of(told, **how).verdict == verdict
 
     def test_a_level_hour_exercises_the_g_sensitivity(self):
         """1 g acts all the time: a line that overturns a verdict is asked for."""
@@ -869,20 +879,12 @@ class TestHidden:
             },
         }
 
-        def judged(sheet):
-            found = budget.analyze(
-                sheet, mission=hour, requirement=need, validate=False
-            )
-            return found.assessment.sensors[0]
-
-        hidden = judged(SHEET)
-        assert hidden.verdict == "undecidable"
-        (asked,) = hidden.standing.asks
-        assert asked.line == "gyro.g_sensitivity"
-        size = asked.below / asked.si_per_unit
+        line = "gyro.g_sensitivity"
+        how = {"mission": hour, "requirement": need}
+        size = asked_size(line, **how)
         for part, verdict in ((0.999, "meets"), (1.001, "fails")):
-            told = sheet_with({"gyro.g_sensitivity": f"{part * size!r} deg/h/g"})
-            assert judged(told).verdict == verdict
+            told = sheet_with({line: f"{part * size!r} deg/h/g"})
+            assert judged_of(told, **how).verdict == verdict
 
     @pytest.mark.parametrize(
         "line",
@@ -911,8 +913,7 @@ class TestHidden:
         ):
             sheet = {key: value for key, value in SHEET.items() if key != "technology"}
             sheet |= {"technology": word} if word else {}
-            found = budget.analyze(sheet, requirement=need, validate=False)
-            assert found.assessment.sensors[0].verdict == verdict
+            assert judged_of(sheet, requirement=need).verdict == verdict
 
     def test_a_hidden_technology_is_no_better(self):
         """A gyro of no technology may be MEMS, whose g-sensitivity is expected."""
