@@ -198,3 +198,22 @@ def test_a_hidden_technology_lowers_no_ceiling(name):
     assert told
     for line, one in told.items():
         assert hidden[line].u >= 0.98 * one.u  # fitted from the weights of the former
+
+
+@pytest.mark.parametrize(
+    ("device", "printed", "owner", "ceiling"),
+    [
+        # 0.006 x 9.80665 x 3600/sqrt(3) deg/h/g, of a tactical gyro.
+        ("hg4930#C", "0.006 (°/s)/(m/s2)", "SCH16T-K01", 122.296),
+        ("stim300#5g", "0.006 (°/s)/(m/s2)", "SCH16T-K01", 122.296),
+        # Of the same, without the one that prints the most: 7/sqrt(3).
+        ("sch16t-k01", "7 °/h/g", "STIM300 (5g)", 4.04145),
+    ],
+)
+def test_a_g_sensitivity_that_a_maker_prints_is_seen(device, printed, owner, ceiling):
+    """What sheets print is a line, not a figure that nobody compares with."""
+    hiding = without(load_device(device), "gyro", "g_sensitivity")
+    found = ceilings(hiding, [G_SENSITIVITY], catalogue())[G_SENSITIVITY]
+    worst = found.largest_comparable
+    assert (worst.printed, worst.owner) == (printed, owner)
+    assert_allclose(found.u / (np.deg2rad(1.0) / 3600 / 9.80665), ceiling, rtol=1e-5)
