@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import json
 import re
 
 import pytest
@@ -312,3 +313,29 @@ def test_limits_of_a_mission_and_of_triads_have_room_in_one_chart(files, tmp_pat
     for title in ("gyro bias", "accelerometer bias", "mission position"):
         assert title in words
     assert words.count("limit") == 1
+
+
+def test_limits_kept_together_are_used_by_one_number(tmp_path):
+    """Card and compare print the utilisation of the verdict, the output's as its own.
+
+    Of 12 limits each met with 97 %, all are met by fewer units than 95 %.
+    """
+    need = tmp_path / "need.yaml"
+    need.write_text(
+        "name: all\ncoverage: 95 %\ndecision: joint\nenvironment: none\nlimits:\n"
+        "  gyro: {scale_factor: 2300 ppm, mounting_angle: 460 arcsec, bias: 28.5 deg/h}",
+        encoding="utf-8",
+    )
+    call("analyze", "hg4930#C", "--requirement", need, *LAW, "--json", tmp_path / "j")
+    said = call("analyze", "hg4930#C", "--requirement", need, *LAW).out
+    (one,) = json.loads((tmp_path / "j").read_text("utf-8"))["assessment"]["sensors"]
+    used = round(100.0 * one["utilisation"])
+    assert used > 100
+    assert one["verdict"] == "fails"
+    assert_says(said, f"Its limits, kept together: {used} % used.")
+    assert_says(said, "93.2 % of its own limit.")
+    each = need.read_text("utf-8").replace("decision: joint\n", "")
+    need.write_text(each, encoding="utf-8")
+    said = call("analyze", "hg4930#C", "--requirement", need, *LAW).out
+    assert_says(said, "93.2 % of the limit.")
+    assert "kept together" not in said

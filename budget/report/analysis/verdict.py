@@ -26,6 +26,7 @@ from budget.report.tables import (
     UNKNOWN,
     Number,
     as_limited,
+    bound_number,
     join_outputs,
     largest_error,
     of_the_variance,
@@ -201,6 +202,7 @@ def verdict_cards(
             carried if carried and sensor.sensor == MISSION else budget,
             sensor,
             rows[sensor.worst_output],
+            is_joint=assessment.together is not None,
         )
         for sensor in assessment.sensors
     )
@@ -443,8 +445,41 @@ def _is_at_most(sensor: SensorAssessment) -> bool:
     return bool(missing) or sensor.standing.misses
 
 
+def _utilisation_lines(
+    sensor: SensorAssessment, worst: OutputAssessment, *, is_joint: bool
+) -> Iterator[Words]:
+    """Say how much of the limits is used, and by which output.
+
+    The utilisation of limits that are to be kept together is that of all of them; the
+    part that the worst output uses is then of its own limit alone.
+    """
+    if is_joint:
+        t = sensor.utilisation
+        used = Number(text=print_utilisation(t), exact=t)
+        used = bound_number(used, lower_bound=_is_at_most(sensor))
+        yield say_words("Its limits, kept together: {used} used.", used=value(used))
+    limited = as_limited(worst)
+    yield say_words(
+        "Worst output: {outputs}, largest error {error}, limit {limit}: {used} of its "
+        "own limit."
+        if is_joint
+        else "Worst output: {outputs}, largest error {error}, limit {limit}: {used} of "
+        "the limit.",
+        outputs=join_outputs(sensor.worst_outputs),
+        error=value(largest_error(limited), limited.output.unit),
+        limit=worst.printed_limit,
+        used=value(used_part(worst)),
+    )
+    if worst.by_monte_carlo:
+        yield (say("By Monte Carlo: the law is not sure enough there."),)
+
+
 def _verdict_card(
-    budget: Budget, sensor: SensorAssessment, worst: OutputAssessment
+    budget: Budget,
+    sensor: SensorAssessment,
+    worst: OutputAssessment,
+    *,
+    is_joint: bool,
 ) -> Card:
     """Say of a sensor whether it meets, by which output, and because of what."""
     missing = say(", ").join(
@@ -503,19 +538,7 @@ def _verdict_card(
                 ),
             )
         )
-    limited = as_limited(worst)
-    lines.append(
-        say_words(
-            "Worst output: {outputs}, largest error {error}, limit {limit}: {used} of "
-            "the limit.",
-            outputs=join_outputs(sensor.worst_outputs),
-            error=value(largest_error(limited), limited.output.unit),
-            limit=worst.printed_limit,
-            used=value(used_part(worst)),
-        )
-    )
-    if worst.by_monte_carlo:
-        lines.append((say("By Monte Carlo: the law is not sure enough there."),))
+    lines += _utilisation_lines(sensor, worst, is_joint=is_joint)
     if sensor.conformance is not None:
         is_open = _is_at_most(sensor)
         used = (print_most if is_open else print_probability)(sensor.conformance)
