@@ -323,7 +323,8 @@ def test_limits_kept_together_are_used_by_one_number(tmp_path):
     need = tmp_path / "need.yaml"
     need.write_text(
         "name: all\ncoverage: 95 %\ndecision: joint\nenvironment: none\nlimits:\n"
-        "  gyro: {scale_factor: 2300 ppm, mounting_angle: 460 arcsec, bias: 28.5 deg/h}",
+        "  gyro: {scale_factor: 2300 ppm, mounting_angle: 460 arcsec, "
+        "bias: 28.5 deg/h}",
         encoding="utf-8",
     )
     call("analyze", "hg4930#C", "--requirement", need, *LAW, "--json", tmp_path / "j")
