@@ -189,5 +189,5 @@ def compare(
     )
     if issues:
         raise typer.Exit(EXIT_BAD_INPUT)
-    if not found.has(options.accepted(accept)):
+    if found.not_compared or not found.has(options.accepted(accept)):
         raise typer.Exit(options.EXIT_NOT_MET)

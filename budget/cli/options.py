@@ -595,8 +595,13 @@ def check_exit_code(requirement: Path | None, *, exit_code: bool, accept: str) -
 
 
 def exit_by(assessment: Assessment | None, *, exit_code: bool, accept: str) -> None:
-    """End with 1 where a requirement is not met, if the code is to say so."""
-    is_met = assessment is None or assessment.verdict in accepted(accept)
+    """End with 1 where a requirement is not met, if the code is to say so.
+
+    One with limits that were not judged is not met: the headline names them.
+    """
+    is_met = assessment is None or (
+        assessment.verdict in accepted(accept) and not assessment.not_there
+    )
     if exit_code and not is_met:
         raise typer.Exit(EXIT_NOT_MET)
 

@@ -310,6 +310,7 @@ def test_an_environment_is_not_stated_twice(tmp_path):
         ("ten", ("--exit-code",), 0),
         ("mile", ("--exit-code",), 1),
         ("open", ("--exit-code",), 1),
+        ("both", ("--exit-code",), 1),  # limits of the calibration are not judged
         ("open", ("--exit-code", "--accept", "meets_if"), 0),
         ("mile", ("--exit-code", "--accept", "meets_if"), 1),
     ],

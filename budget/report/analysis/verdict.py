@@ -102,7 +102,13 @@ def headline(budget: Budget, assessment: Assessment | None) -> str:
         present = say(" and ").join(
             key_title(sensor.sensor) for sensor in assessment.sensors
         )
-        part = say(", {present} alone{part}", present=present, part=part)
+        left = say(" and ").join(map(key_title, assessment.not_there))
+        part = say(
+            ", {present} alone, {left} not judged{part}",
+            present=present,
+            left=left,
+            part=part,
+        )
     if overall == "predicted" and assessment.chance is not None:
         chance = print_chance(assessment.chance)
         part += say(": meets with a probability of {chance}", chance=chance)
@@ -155,7 +161,8 @@ def summary(
         absent.append(
             say(
                 "Limits on {triads} are on the calibration, which this does not judge: "
-                "`budget analyze --requirement` does. ",
+                "`budget analyze --requirement` does, and `budget compare --mission` "
+                "judges all. ",
                 triads=say(" and ").join(map(key_title, not_there)),
             )
         )
