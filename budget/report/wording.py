@@ -322,11 +322,12 @@ def outcome_words(assessment: Assessment, row: OutputAssessment) -> str:
         return say(NOT_KNOWN)
     if row in assessment.open_rows:
         return say("open: lines missing")
-    if row.lower_bound and row.is_within:
-        return say("conforms on conditions")
-    word = say(assessment.outcome(row))
     owner = row.output.name.owner
     own = next((one for one in assessment.sensors if one.sensor == owner), None)
+    on_conditions = row.lower_bound or (own is not None and own.verdict == "meets_if")
+    if on_conditions and row.is_within:
+        return say("conforms on conditions")
+    word = say(assessment.outcome(row))
     how = term("{word}, by Monte Carlo") if row.by_monte_carlo else term("{word}")
     if own is not None and own.doubt:
         how = term("{word} at the medians")

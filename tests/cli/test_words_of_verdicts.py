@@ -340,3 +340,42 @@ def test_limits_kept_together_are_used_by_one_number(tmp_path):
     said = call("analyze", "hg4930#C", "--requirement", need, *LAW).out
     assert_says(said, "93.2 % of the limit.")
     assert "kept together" not in said
+
+
+def test_what_is_not_judged_is_not_signed(tmp_path):
+    """Pairs of two files: nobody judged their misalignment, and the code is 1."""
+    (tmp_path / "need.yaml").write_text(
+        "name: all\nenvironment: none\nlimits:\n  gyro: {bias: 100 deg/h}\n"
+        "  accelerometer: {bias: 50 mg}\n",
+        encoding="utf-8",
+    )
+    both = tmp_path / "both.yaml"
+    sheets = []
+    for kind in ("gyro", "accelerometer"):
+        lines = SHEET[SHEET.index(f"\n{kind}:") + 1 :]
+        lines = lines[: lines.index("\naccelerometer:" if kind == "gyro" else "\nvar")]
+        sheet = f"name: {kind}\ntechnology: MEMS\n{lines}\n"
+        (tmp_path / f"{kind}.yaml").write_text(sheet, encoding="utf-8")
+        sheets.append(tmp_path / f"{kind}.yaml")
+    how = ("--method", "gum", "--pairs", "--requirement")
+    assert call("compare", *sheets, *how, tmp_path / "need.yaml").code == 0
+    text = (tmp_path / "need.yaml").read_text("utf-8") + "  misalignment: 900 arcsec\n"
+    both.write_text(text, encoding="utf-8")
+    run = call("compare", *sheets, *how, both)
+    assert run.code == 1
+    assert_says(run.out, "not judged")
+
+
+def test_a_table_is_as_conditional_as_its_headline(tmp_path):
+    """A g-sensitivity that is not given is a condition of each row."""
+    need, sheet = tmp_path / "need.yaml", tmp_path / "sheet.yaml"
+    need.write_text(
+        "name: bias\nenvironment: none\nlimits: {gyro: {bias: 900 deg/h}}\n", "utf-8"
+    )
+    sheet.write_text(SHEET.replace("    g_sensitivity: 1 deg/h/g\n", ""), "utf-8")
+    said = call("analyze", sheet, "--requirement", need, *LAW).out
+    assert_says(said, "MEETS bias ON A CONDITION", "conforms on conditions")
+    sheet.write_text(SHEET, "utf-8")
+    said = call("analyze", sheet, "--requirement", need, *LAW).out
+    assert_says(said, "MEETS bias,", "conforms")
+    assert "on conditions" not in said
