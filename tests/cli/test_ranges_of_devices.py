@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from command_line import call
 from saying import assert_says
@@ -16,6 +18,7 @@ gyro:
     angle_random_walk: 0.1 deg/sqrt(h)
     scale_factor_repeatability: 100 ppm
     mounting_repeatability: 2 arcsec
+    g_sensitivity: 1 deg/h/g
 """
 ACCELEROMETER = """\
 accelerometer:
@@ -102,6 +105,15 @@ def test_what_nobody_tests_is_not_refused(folder):
     )
     assert run.code == 0, run.err
     assert "saturates" not in run.out
+
+
+def test_what_a_report_advises_does_it(folder):
+    """A report has pages on a test; the advice is a command that needs none."""
+    what = (folder / "slow.yaml", "--mission", "outage-60-s", "--no-validate")
+    run = call("report", *what, "-o", folder / "slow.html")
+    assert run.code == 2
+    (advised,) = re.findall("`budget ([^`]+)`", run.err)
+    assert call(*advised.split(), *what).code == 0
 
 
 def test_a_mission_beyond_the_range_is_warned_of(folder):

@@ -72,8 +72,8 @@ def refusals(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[str, ...]
         note(
             "{device} cannot be tested by {procedure}: its {sensor} reads up to "
             "{range} along {axis} (range), and '{where}' asks {peak}; take a procedure "
-            "that stays within, another device, or, for a mission, --calibration "
-            "factory",
+            "that stays within (--procedure), another device, or, for a mission, "
+            "`budget mission --calibration factory`",
             device=found.device,
             procedure=procedure.name,
             sensor=note(found.peak.sensor),
