@@ -20,6 +20,7 @@ going with its square), of a vibration (with the fourth power of its rms) and of
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from math import floor, inf, log10
@@ -56,7 +57,7 @@ from budget.model.sources.temperature import (
     RATE_COEFFICIENT,
     SCALE_COEFFICIENT,
 )
-from budget.names import Name, time_text
+from budget.names import Name, time_text, words
 from budget.results import TINY, VERDICTS, Caution, Condition, Standing
 from budget.spec.records import FACTORY, JOINT, NONE
 from budget.spec.specification import read_value, time_of
@@ -775,7 +776,7 @@ class Margin:
         else:
             text = note(
                 "if {line} stays below {bound}; comparable devices print up to "
-                "{largest}",
+                "{largest}, 1 sigma",
                 largest=line_of(source, name.owner, largest.u).printed,
                 **texts,
             )
@@ -1222,6 +1223,7 @@ def cautions_of(case: Case) -> tuple[Caution, ...]:
     for device in case.devices:
         own = _unusual(device, case.catalogue)
         found += [one for one in own if one.line not in stands]
+        found += _aside(device)
     stated = stated_of(case.procedure) if case.is_later else {}
     for sensor in case.there:
         for line in sensor.lines:
@@ -1410,7 +1412,26 @@ def cautions_of_device(device: Device) -> tuple[Caution, ...]:
             elif key != "age" and time_of(line.horizon) is not None:
                 found.append(_lasting(name, line.horizon))
             found += _open_lines(name, line)
-    return (*found, *_unusual(device))
+    return (*found, *_unusual(device), *_aside(device))
+
+
+def _aside(device: Device) -> Iterator[Caution]:
+    """Yield figures that are called as a line which the sheet does not give."""
+    for figure in device.figures:
+        called = f" {re.sub('[^a-z0-9]+', ' ', figure.name.lower())} "
+        for sensor in device.sensors:
+            for line in sensor.not_given:
+                if f" {sensor.kind} {words(line.quantity)} " in called:
+                    yield Caution(
+                        kind="unusual",
+                        line=line,
+                        text=note(
+                            "{name} {value} stands under figures, where no verdict "
+                            "counts it: enter it as the line that it is",
+                            name=figure.name,
+                            value=figure.value,
+                        ),
+                    )
 
 
 def _absent(names: Sequence[Name]) -> Caution:
