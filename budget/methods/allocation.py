@@ -125,7 +125,9 @@ def proportional(task: Task) -> Array:
     return grow(task, task.now, task.free)
 
 
-def sparing(task: Task) -> Sparing:
+def sparing(
+    task: Task, *, now: ScaledLaw | None = None, known: NDArray[np.bool_] | None = None
+) -> Sparing:
     """Bring outputs to their limits by one factor on the sources that matter there.
 
     One factor on all free sources says which outputs come to their limits first. A
@@ -133,18 +135,21 @@ def sparing(task: Task) -> Sparing:
     of these now; the others stay as they are. Of those the one that takes most is taken
     in, one after the other, as long as a limit has less than 1 - MOST_SPARED of its
     square left for the sources that matter; and so are those that matter at an output
-    that comes to its limit only then. Where no limit is reached none is spared.
+    that comes to its limit only then. Where no limit is reached none is spared. What
+    is now may go by another law than the task's; sources `known` to matter, shape
+    (n_src,), do.
     """
     start = task.clip(task.now)
     everyone = grow(task, start, task.free)
-    variance = task.law.variance(start)[:, None]
-    alone = task.law.variance_alone(start)
+    law = now or task.law
+    variance, alone = law.variance(start)[:, None], law.variance_alone(start)
     share = np.divide(alone, variance, out=np.zeros_like(alone), where=variance > 0.0)
     matters = (share > SPARED) & task.free
     reached = task.binding(everyone)
     if not reached.any():
         return Sparing(s=everyone, spared=np.zeros_like(task.free))
     who = np.asarray(matters[reached].any(axis=0))
+    who |= np.zeros_like(who) if known is None else known
     while True:
         left = np.where(who, np.minimum(task.low, start), start)
         crowded = task.utilisation(left) ** 2 > MOST_SPARED
@@ -202,18 +207,30 @@ def headroom(task: Task, s: Array) -> tuple[Headroom, ...]:
     an output that it reaches passes its limit even without it. Outputs that fail and
     that a source does not reach do not stop it. Ceilings do not count here.
     """
-    found = []
-    for g in range(len(task.law.sources)):
-        alone = np.zeros(len(s), dtype=bool)
-        alone[g] = True
-        open_task = replace(
-            task,
-            free=alone,
-            low=np.zeros_like(task.low),
-            high=np.full_like(task.high, inf),
-        )
-        found.append(_headroom(open_task, s, g))
-    return tuple(found)
+    return tuple(headroom_of(task, s, g) for g in range(len(task.law.sources)))
+
+
+def headroom_of(task: Task, s: Array, g: int) -> Headroom:
+    """Return how far one source may go alone from s; see headroom."""
+    task = replace(
+        task,
+        free=np.arange(len(s)) == g,
+        low=np.zeros_like(task.low),
+        high=np.full_like(task.high, inf),
+    )
+    without = s.copy()
+    without[g] = 0.0
+    over = task.utilisation(without)
+    hopeless = (over > TARGET) & (task.part(s)[:, g] >= NEGLIGIBLE)
+    if hopeless.any():
+        places = largest(np.where(hopeless, over, 0.0).tolist())
+        return Headroom(factor=0.0, stopped_by=places)
+    counts = over <= TARGET
+    end = grow(task, s, task.free, among=counts)
+    used = np.where(counts, task.utilisation(end), 0.0)
+    if used.max() < AT_LIMIT:
+        return Headroom(factor=inf, stopped_by=())
+    return Headroom(factor=float(end[g]), stopped_by=largest(used.tolist()))
 
 
 def grow(
@@ -272,20 +289,3 @@ def _equal_start(task: Task) -> Array:
         # a q + b q^2 = wanted, in the form that does not cancel where b is small.
         s[g] = np.sqrt(2.0 * wanted / (a + np.sqrt(a**2 + 4.0 * b * wanted)))
     return s
-
-
-def _headroom(task: Task, s: Array, g: int) -> Headroom:
-    """Return how far the one free source may go from s."""
-    without = s.copy()
-    without[g] = 0.0
-    over = task.utilisation(without)
-    hopeless = (over > TARGET) & (task.part(s)[:, g] >= NEGLIGIBLE)
-    if hopeless.any():
-        places = largest(np.where(hopeless, over, 0.0).tolist())
-        return Headroom(factor=0.0, stopped_by=places)
-    counts = over <= TARGET
-    end = grow(task, s, task.free, among=counts)
-    used = np.where(counts, task.utilisation(end), 0.0)
-    if used.max() < AT_LIMIT:
-        return Headroom(factor=inf, stopped_by=())
-    return Headroom(factor=float(end[g]), stopped_by=largest(used.tolist()))

@@ -13,15 +13,12 @@ import pytest
 from command_line import call
 from numpy.testing import assert_allclose
 from places import TESTS
-from saying import assert_says
 
 from budget.names import MISSION
 from budget.results import Settings
 from budget.spec import load_device, load_mission, load_requirement, uncalibrated
-from budget.studies.allocation.allocate import allocate
 from budget.studies.analysis import analyze_as
 from budget.studies.comparison.compare import compare
-from budget.studies.mission import curve
 from budget.studies.what_if import what_if
 
 DATA = TESTS / "data" / "aided"
@@ -159,25 +156,3 @@ def test_forms_of_a_result_have_the_same_numbers(tmp_path):
     for out in one["outputs"]:
         key = (out["parameter"], out["axis"], out["time"])
         assert_allclose(totals[key], out["standard_uncertainty"], rtol=1e-9)
-
-
-def test_an_allocation_keeps_the_gains_and_says_so():
-    """Allotted lines meet the limit, with more to spare if the filter knows them."""
-    found = allocate(
-        DATA / "tac.yaml",
-        requirement=limited("7 m"),
-        mission=G1,
-        calibration="factory",
-        validate=False,
-    )
-    assert found.feasible
-    assert_says(" ".join(map(str, found.warnings)), "not retuned")
-    (row,) = found.outputs
-    assert_allclose(row.allowed, 1.0, rtol=1e-6)
-    both = {one.kind: one for one in found.sensors}
-    budget = on_mission(requirement=limited("7 m"))
-    unit = replace(
-        budget.analysis, devices=(replace(budget.analysis.devices[0], **both),)
-    )
-    (cep,) = curve(unit, (660.0,)).radius(0.5)
-    assert 0.9 * 7.0 < cep < 7.0

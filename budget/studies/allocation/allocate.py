@@ -200,13 +200,13 @@ def allocate(
         )
     if validate:  # begins with what Monte Carlo found of the present state
         cases = [replace(case, task=case.present) for case in cases]
-    feasible = all(case.task.is_feasible for case in cases)
+    feasible = all(case.is_feasible for case in cases)
     longer_tests = tuple(test for case in cases for test in find_longer_tests(case))
     share_out = partial(solve, strategy=strategy, costs=prices)
     for place, one in enumerate(cases):
         case = one if one.mission is None else one.at_most(_allowed(cases))
-        feasible = feasible and case.task.is_feasible
-        if case.task.is_feasible:
+        feasible = feasible and case.is_feasible
+        if case.is_feasible:
             solved = share_out(case)
             if validate:
                 solved = _correct(solved, share_out, seed=seed)
@@ -295,9 +295,8 @@ def allocate(
             ),
             *(
                 note(
-                    "the filter of the mission is not retuned while lines are shared "
-                    "out: its gains stay those of the lines as they are, and a filter "
-                    "that knows the allotted lines is off by no more"
+                    "the filter of the mission is retuned: what lines may be, all "
+                    "together or one alone, is with the filter of a unit that has it"
                 )
                 for _ in [journey]
                 if journey is not None and journey.aiding
@@ -401,15 +400,13 @@ def _correct(
         if not (at_limit & (moved > SETTLED)).any():
             case = replace(case, task=corrected)
             break
-        if not corrected.is_feasible:
+        if not replace(case, task=corrected).is_feasible:
             break
         case = share_out(replace(case, task=corrected))
     if not any(check.is_corrected for check in case.checks):
         return case
-    by_law = replace(case.task, coverage_factor=law_factor)
-    if not by_law.is_feasible:
-        return case
-    return replace(case, by_law=share_out(replace(case, task=by_law)).s)
+    by_law = replace(case, task=replace(case.task, coverage_factor=law_factor))
+    return replace(case, by_law=share_out(by_law).s) if by_law.is_feasible else case
 
 
 def _assure(
@@ -433,10 +430,12 @@ def _assure(
         if verdict == "meets" or (verdict == "undecided" and judged.by_trials.any()):
             break
         factor = np.where(task.binding(s), over * (1.0 + ASSURED), 1.0)
-        tightened = replace(task, coverage_factor=factor * task.coverage_factor)
+        tightened = replace(
+            case, task=replace(task, coverage_factor=factor * task.coverage_factor)
+        )
         if not tightened.is_feasible:
             break
-        case = share_out(replace(case, task=tightened))
+        case = share_out(tightened)
     return case
 
 

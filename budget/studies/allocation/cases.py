@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from budget.arrays import Array
+    from budget.methods.scaling import ScaledLaw
     from budget.problem import Output, Problem
     from budget.spec.records import (
         Costs,
@@ -49,6 +50,11 @@ ANGLE_CEILING = DEGREE  # [rad]
 OTHER_CEILING = 100.0  # times the present value [1]
 MOST_DECADES = 50  # of a price: what lies further apart adds to no sum
 COVERAGE_OFF = 0.002  # [1]; a coverage further off corrects the allocation
+# Relative change of an error by its own filter, in the place of the one before, from
+# which on no more are built: what is left then is of the order of its square [1].
+TUNED = 1e-4
+EXACT = 1e-9  # the same of a filter that is not the best: of the order of itself [1]
+RETUNINGS = 30  # at the most
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,7 +81,10 @@ class SensorCase:
     given: Mapping[Name, ErrorLine]
     # Expected lines that are not given and would widen an output.
     lacks: Mapping[Name, tuple[Name, ...]]
-    task: Task  # with the coverage factors that were allocated with in the end
+    # With the coverage factors, and the filter if any, allocated with in the end.
+    task: Task
+    law: ScaledLaw  # with the filter of the present state
+    least_law: ScaledLaw  # with that of free sources as small as they may be
     outputs: Mapping[Name, Output]  # of its owner, by name
     statuses: tuple[str, ...]  # of each source
     # The present state, as every command judges it, and coverage factors from that
@@ -109,8 +118,24 @@ class SensorCase:
 
     @property
     def present(self) -> Task:
-        """The task by the coverage factors of the present state."""
-        return replace(self.task, coverage_factor=self.present_factor)
+        """The task by the coverage factors and the filter of the present state."""
+        return replace(self.task, law=self.law, coverage_factor=self.present_factor)
+
+    @property
+    def is_feasible(self) -> bool:
+        """Whether the limits can be met at all."""
+        return replace(self.task, law=self.least_law).is_feasible
+
+    @property
+    def is_tuned(self) -> bool:
+        """Whether a filter goes with the lines."""
+        return self.mission is not None and bool(self.mission.aiding)
+
+    @property
+    def tuned_to(self) -> float:
+        """From which change of an error on filters are built no more [1]."""
+        best = self.mission is None or self.mission.filter is None
+        return TUNED if best else EXACT
 
     @property
     def normal_factor(self) -> Array:
@@ -129,6 +154,25 @@ class SensorCase:
             resize(sensor, self.task.law.sources, self.factors)
             for sensor in self.sensors
         )
+
+    def known(self, s: Array) -> tuple[float, ...]:
+        """Return factors that a filter knows; of what has none those of all are one."""
+        return tuple((s if self.is_tuned else self.task.now).tolist())
+
+    def law_of(
+        self, known: Sequence[float] | Array, procedure: Procedure | None = None
+    ) -> ScaledLaw:
+        """Return the law whose filter, if any, is that of a unit with these factors.
+
+        Maybe after another calibration. Shape (n_src,).
+        """
+        how = procedure or self.procedure
+        names = self.task.law.sources
+        knows = tuple(resize(one, names, np.asarray(known)) for one in self.sensors)
+        problem = required_problem(
+            self.sensors, how, self.requirement, self.mission, designed=(knows, how)
+        )
+        return scaled_law(problem).select(self.task.law.outputs)
 
     def allocated_problem(self) -> Problem:
         """Return the calibration, or the mission, with the lines as allocated."""
@@ -201,7 +245,7 @@ def set_up(
     is_off = np.abs(2.0 * NORMAL.probability(k) - 1.0 - coverage) > COVERAGE_OFF
     factor = np.where(judged.by_trials & is_off, k, task.coverage_factor)
     factor = shared_by_equals(task, task.now, factor)
-    return SensorCase(
+    case = SensorCase(
         sensors=sensors,
         mission=mission,
         procedure=procedure,
@@ -216,7 +260,10 @@ def set_up(
         present_factor=factor,
         spared=np.zeros(len(statuses), dtype=bool),
         task=task,
+        law=task.law,
+        least_law=task.law,
     )
+    return replace(case, least_law=case.law_of(task.least)) if case.is_tuned else case
 
 
 def shared_by_equals(task: Task, s: Array, factor: Array) -> Array:
@@ -238,14 +285,42 @@ def shared_by_equals(task: Task, s: Array, factor: Array) -> Array:
 
 
 def solve(case: SensorCase, strategy: str, costs: Costs | None) -> SensorCase:
-    """Allocate by the law with the coverage factors of the task."""
+    """Allocate by the law with the coverage factors of the task.
+
+    The filter of a mission is that of the unit as allocated. With given gains K a
+    variance V(q, K) is linear in the squared factors q; that of the filter that knows q
+    is V(q) = min over K of V(q, K), which is concave, below V(q, K) everywhere and
+    tangent to it at the q of K. So what meets the limits with the gains of other values
+    does with its own, and to share out again with these is a step of Newton's method,
+    which comes to the limits from below.
+    """
+    found = _share_out(case, strategy, costs)
+    for _ in range(RETUNINGS if case.is_tuned else 0):
+        law = case.law_of(found.factors)
+        task = replace(found.task, law=law)
+        before = found.task.utilisation(found.factors)
+        off = np.abs(task.utilisation(found.factors) / before - 1.0).max()
+        mattered = task.free & ~found.spared
+        found = _share_out(replace(found, task=task), strategy, costs, mattered)
+        if off <= case.tuned_to:
+            break
+    return found
+
+
+def _share_out(
+    case: SensorCase,
+    strategy: str,
+    costs: Costs | None,
+    mattered: NDArray[np.bool_] | None = None,
+) -> SensorCase:
+    """Allocate with the filter that there is; what mattered once still does."""
     if strategy == "cost":
         prices = _prices(case, costs)
         solution = least_cost(case.task, prices)
         return replace(case, s=solution.s, prices=prices, solution=solution)
     if strategy == "equal":
         return replace(case, s=equal(case.task))
-    shared = sparing(case.task)
+    shared = sparing(case.task, now=case.law, known=mattered)
     return replace(case, s=shared.s, spared=shared.spared)
 
 

@@ -8,9 +8,7 @@ from math import ceil, floor, log10, pi
 from typing import TYPE_CHECKING
 
 from budget.calibration.schemes import calibrates
-from budget.methods.scaling import scaled_law
 from budget.studies.allocation.records import LongerTest
-from budget.studies.judgement import required_problem
 from budget.units import HOUR
 
 if TYPE_CHECKING:
@@ -55,8 +53,11 @@ def find_longer_tests(case: SensorCase) -> tuple[LongerTest, ...]:
     task = case.task
     goals = [
         (s, goal)
-        for s, goal in ((task.now, AS_THEY_ARE), (task.least, FLOOR))
-        if (task.utilisation(s) > 1.0).any()
+        for s, goal, law in (
+            (task.now, AS_THEY_ARE, case.law),
+            (task.least, FLOOR, case.least_law),
+        )
+        if largest_utilisation(task, law, s) > 1.0
     ]
     if not goals:
         return ()
@@ -67,16 +68,10 @@ def find_longer_tests(case: SensorCase) -> tuple[LongerTest, ...]:
         for setting in _growing(sensor, case.procedure)
     ]
     return tuple(
-        _grow(setting, partial(_used_of, case.task, law_at, s), kind, goal)
+        _grow(setting, partial(_used_of, case, law_at, s), kind, goal)
         for s, goal in goals
         for kind, setting, law_at in settings
     )
-
-
-def law_under(case: SensorCase, changed: Procedure) -> ScaledLaw:
-    """Return the law of what is limited, by another procedure."""
-    problem = required_problem(case.sensors, changed, case.requirement, case.mission)
-    return scaled_law(problem).select(case.task.law.outputs)
 
 
 def largest_utilisation(task: Task, law: ScaledLaw, s: Array) -> float:
@@ -87,23 +82,28 @@ def largest_utilisation(task: Task, law: ScaledLaw, s: Array) -> float:
     return float(replace(task, law=law).utilisation(s).max())
 
 
-def _changed_laws(case: SensorCase, setting: _Setting) -> Callable[[float], ScaledLaw]:
-    """Return the law as a function of a setting; both goals ask for the same ones."""
+def _changed_laws(
+    case: SensorCase, setting: _Setting
+) -> Callable[[float, tuple[float, ...]], ScaledLaw]:
+    """Return the law by a setting and what a filter knows; goals may ask for one."""
 
     @cache
-    def law_at(value: float) -> ScaledLaw:
-        if value == setting.now:
-            return case.task.law
-        return law_under(case, setting.change(value))
+    def law_at(value: float, known: tuple[float, ...]) -> ScaledLaw:
+        if value != setting.now:
+            return case.law_of(known, setting.change(value))
+        return case.law if known == case.known(case.task.now) else case.least_law
 
     return law_at
 
 
 def _used_of(
-    task: Task, law_at: Callable[[float], ScaledLaw], s: Array, value: float
+    case: SensorCase,
+    law_at: Callable[[float, tuple[float, ...]], ScaledLaw],
+    s: Array,
+    value: float,
 ) -> float:
     """Return the largest part of a limit that is used at a value of a setting."""
-    return largest_utilisation(task, law_at(value), s)
+    return largest_utilisation(case.task, law_at(value, case.known(s)), s)
 
 
 def _growing(sensor: Sensor, procedure: Procedure) -> tuple[_Setting, ...]:

@@ -10,7 +10,6 @@ from budget.spec.station import with_age
 from budget.studies.allocation.longer_tests import (
     AS_THEY_ARE,
     largest_utilisation,
-    law_under,
 )
 from budget.studies.allocation.records import Recalibration
 from budget.studies.lower_bounds import expecting
@@ -43,7 +42,8 @@ def find_recalibrations(case: SensorCase) -> tuple[Recalibration, ...]:
     states = [(AS_THEY_ARE, case.task.now)]
     if case.s is not None:
         states.append((ALLOCATED, case.s))
-    laws = cache(lambda age: law_under(case, _aged(case, age)))  # both ask for the ends
+    # Both ask for the ends.
+    laws = cache(lambda age, known: case.law_of(known, _aged(case, age)))
     return tuple(_find(case, laws, s, goal) for goal, s in states)
 
 
@@ -53,12 +53,15 @@ def _aged(case: SensorCase, age: float) -> Procedure:
 
 
 def _find(
-    case: SensorCase, laws: Callable[[float], ScaledLaw], s: Array, goal: str
+    case: SensorCase,
+    laws: Callable[[float, tuple[float, ...]], ScaledLaw],
+    s: Array,
+    goal: str,
 ) -> Recalibration:
     """Look between a day and 30 years for the age at which the limits are reached."""
 
     def used(age: float) -> float:
-        return largest_utilisation(case.task, laws(age), s)
+        return largest_utilisation(case.task, laws(age, case.known(s)), s)
 
     age, utilisation = None, used(SOONEST)
     if utilisation <= 1.0:

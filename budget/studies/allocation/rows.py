@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.methods.allocation import SPARED, TOUCHES, headroom
+from budget.methods.allocation import SPARED, TOUCHES, headroom_of
 from budget.methods.scaling import NEGLIGIBLE
 from budget.model.sources import ENVIRONMENT, STATION
 from budget.names import Name
 from budget.results import INTERACTION, TINY
+from budget.studies.allocation.cases import RETUNINGS
 from budget.studies.allocation.records import (
     FREE,
     MEAN,
@@ -30,7 +32,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from budget.arrays import Array
-    from budget.methods.allocation import Headroom as Room
     from budget.methods.allocation import Task
     from budget.spec.records import Sensor
     from budget.studies.allocation.cases import SensorCase
@@ -44,10 +45,10 @@ def limited_outputs(case: SensorCase) -> tuple[LimitedOutput, ...]:
     task, s = case.task, case.s
     printed = {limit.output: limit.printed for limit in case.requirement.limits}
     # What is now is as every command judges it, each output by its own k.
-    judged = case.judged.factor / task.roundness(task.now)
+    judged = case.judged.factor / case.present.roundness(task.now)
     states = [
-        (replace(task, coverage_factor=judged), task.now),
-        (case.present, task.least),
+        (replace(case.present, coverage_factor=judged), task.now),
+        (replace(case.present, law=case.least_law), task.least),
         *([] if s is None else [(task, s)]),
     ]
     used = [by.utilisation(state) for by, state in states]
@@ -157,7 +158,6 @@ def _allotments(
 ) -> tuple[SourceAllotment, ...]:
     """Say it of the lines of some owners."""
     task, s = case.task, case.s
-    room = headroom(case.present, task.now)
     takes = task.part(case.factors)[task.binding(case.factors)].max(axis=0, initial=0.0)
     rows = []
     for g, name in enumerate(task.law.sources):
@@ -168,7 +168,7 @@ def _allotments(
         status = case.statuses[g]
         free = status == FREE
         allotted = s is not None and free
-        significant = status != ZERO and _counts(task, g)
+        significant = status != ZERO and _counts(replace(task, law=case.law), g)
         rows.append(
             SourceAllotment(
                 source=name,
@@ -194,7 +194,7 @@ def _allotments(
                 if allotted and not case.spared[g]
                 else (),
                 is_significant=significant,
-                headroom=_headroom(task, room[g], g, now) if significant else None,
+                headroom=_headroom(case, g, now) if significant else None,
                 best_offered=offered.get(name),
             )
         )
@@ -264,9 +264,21 @@ def _counts(task: Task, g: int) -> bool:
     return bool((np.maximum(part, shift) >= COUNTS).any())
 
 
-def _headroom(task: Task, room: Room, g: int, now: float) -> Headroom:
-    """Return how far a source may go alone: to a limit, or to its ceiling before."""
-    ceiling = float(task.high[g])
+def _headroom(case: SensorCase, g: int, now: float) -> Headroom:
+    """Return how far a source may go alone: to a limit, or to its ceiling before.
+
+    With the filter of a unit of which it is so large, step by step as in solve.
+    """
+    task, ceiling = case.present, float(case.task.high[g])
+    room = headroom_of(task, task.now, g)
+    own = case.is_tuned and task.law.sources[g].owner in case.kinds
+    for _ in range(RETUNINGS if own else 0):
+        if room.factor > ceiling:
+            break
+        law = case.law_of(np.where(np.arange(len(task.now)) == g, room.factor, 1.0))
+        before, room = room, headroom_of(replace(task, law=law), task.now, g)
+        if abs(room.factor - before.factor) <= sqrt(case.tuned_to) * room.factor:
+            break
     if not room.stopped_by or room.factor > ceiling:
         return Headroom(value=now * ceiling, stopped_by=())
     return Headroom(
