@@ -149,12 +149,26 @@ def _turned(analysis: Analysis, mission: Mission) -> Turned | None:
         Leg(duration=half, turn_rate=np.pi / half),
         Leg(duration=half),
     )
-    times = (route.duration,)
     straight, turned = (
-        float(curve(replace(analysis, mission=one, carried_to=times), times).drms()[-1])
+        _ends_off(replace(analysis, mission=one), one, route.duration)
         for one in (mission, replace(mission, route=replace(route, legs=back)))
     )
     return Turned(time=route.duration, straight=straight, turned=turned)
+
+
+def _ends_off(analysis: Analysis, mission: Mission, end: float) -> float:
+    """Return the root of the variances north and east at the end of a mission [m].
+
+    Of a filter that believes what is true it is what that believes: no source is
+    traced back.
+    """
+    if mission.filter is not None:
+        return float(curve(replace(analysis, carried_to=(end,)), (end,)).drms()[-1])
+    asked = Places.of(analysis.outputs or ()).times
+    times = asked if asked[-1:] == (end,) else (end,)  # with a filter that there is
+    journey = journey_of(mission, times, analysis.sensors, analysis.procedure)
+    C = journey.believed[-1] if isinstance(journey, Aided) else np.zeros((2, 2))
+    return float(np.sqrt(C[0, 0] + C[1, 1]))
 
 
 def _believed(analysis: Analysis, journey: Aided) -> Iterator[BelievedError]:

@@ -414,3 +414,15 @@ def test_a_measurement_below_rounding_is_believed_to_be_exact():
         assert 0.0 <= one.standard_uncertainty < np.inf
     for one in found.learnt:
         assert 0.0 <= one.after <= 1.001 * one.before
+
+
+@pytest.mark.parametrize("name", ["g3", "g5"])
+def test_ends_by_what_a_filter_believes_are_those_source_by_source(name):
+    """Of the optimal filter; one of its own believes less, and has its true ones."""
+    one = case(name)
+    end = (one.mission.route.duration,)
+    found = filtered(replace(one, carried_to=end)).turned
+    assert_allclose(found.straight, curve(one, end).drms()[-1], rtol=1e-9)
+    if name == "g5":
+        believed = journey(replace(one, carried_to=end)).believed[-1]
+        assert np.sqrt(believed[0, 0] + believed[1, 1]) < 0.8 * found.straight
