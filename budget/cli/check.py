@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 EXIT_MOVED = 1
 EXIT_BAD_INPUT = 2
 SUFFIX = ".json"
+DEVICE = "device"
 
 SchemaKind = Literal[
     "device",
@@ -56,9 +57,20 @@ def check(
         ),
     ] = None,
     kind: Annotated[
-        Literal["analyze", "compare", "allocate"] | None,
+        Literal["analyze", "mission", "compare", "allocate"] | None,
         typer.Option(
-            case_sensitive=False, help="What to store (analyze).", show_default=False
+            case_sensitive=False,
+            help="What to store (analyze; mission with --mission).",
+            show_default=False,
+        ),
+    ] = None,
+    mission: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FILE",
+            help="Mission file; without --procedure after the calibration by the "
+            "maker.",
+            show_default=False,
         ),
     ] = None,
     requirement: Annotated[
@@ -162,6 +174,7 @@ def check(
         "device": names or [],
         "procedure": procedure or [],
         "station": [str(station)] if station else [],
+        "mission": [mission] if mission else [],
         "requirement": [requirement] if requirement else [],
         "costs": [costs] if costs else [],
     }
@@ -184,7 +197,7 @@ def check(
         documents = (json, csv)
         _save(
             save,
-            kind or "analyze",
+            kind or ("mission" if mission else "analyze"),
             files,
             given,
             documents,
@@ -192,7 +205,7 @@ def check(
             workers=workers,
         )
         return
-    if given or kind or procedure or station or requirement or costs or changes:
+    if given or kind or changes or any(files[role] for role in files if role != DEVICE):
         from budget.errors import CallError
 
         raise CallError(
@@ -243,7 +256,7 @@ def _save(
     check_destinations(None, None, path, inputs=inputs)
     reference = make_reference(
         kind,
-        with_changes(_take(files, path.parent), changes, job=kind),
+        with_changes(_take(kind, files, path.parent), changes, job=kind),
         Asked(**given),
         workers=workers,
     )
@@ -259,10 +272,13 @@ def _save(
     talk(f"{in_line(path)}: written, {kind}, {numbers} numbers")
 
 
-def _take(files: dict[Role, list[str]], folder: Path) -> tuple[StoredInput, ...]:
+def _take(
+    kind: Job, files: dict[Role, list[str]], folder: Path
+) -> tuple[StoredInput, ...]:
     """Read all inputs, or say everything that is wrong in them."""
     from budget.errors import Issue, SpecError
     from budget.references.files import take, take_procedures
+    from budget.references.records import FILES
     from budget.spec.load import try_all
 
     if not files["device"]:
@@ -274,7 +290,8 @@ def _take(files: dict[Role, list[str]], folder: Path) -> tuple[StoredInput, ...]
     issues: list[Issue] = []
     for role, names in files.items():
         if role == "procedure":
-            wanted: list[list[str | None]] = [[*names] or [None]]
+            paper: list[str | None] = [] if 0 in FILES[kind][role] else [None]
+            wanted: list[list[str | None]] = [[*names] or paper]
             sets, wrong = try_all(wanted, partial(take_procedures, folder=folder))
             inputs += [one for own in sets for one in own]
             issues += wrong

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from budget.references.records import Job, ReferenceBudget, StoredInput
 
 SUFFIX = ".json"
-JOB: Job = "analyze"  # of a device, which is computed now
+JOBS: tuple[Job, ...] = ("analyze", "mission")  # of a device, which is computed now
 
 
 def diff(
@@ -34,6 +34,15 @@ def diff(
         typer.Option(
             metavar="FILE",
             help="Procedure file of the devices (the paper's).",
+            show_default=False,
+        ),
+    ] = None,
+    mission: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FILE",
+            help="Mission file: what the devices do to navigation; without "
+            "--procedure after the calibration by the maker.",
             show_default=False,
         ),
     ] = None,
@@ -67,25 +76,27 @@ def diff(
     from budget.report.reference.sections import difference_sections
     from budget.spec.records import CHANGED
 
-    check_destinations(json, csv, inputs=[first, second, procedure])
+    check_destinations(json, csv, inputs=[first, second, procedure, mission])
     stored = [_reference(name) for name in (first, second)]
     asked = Asked(coverage=coverage, reference=reference, only=tuple(only or ()))
-    if any(stored) and (procedure or asked != Asked()):
+    if any(stored) and (procedure or mission or asked != Asked()):
         raise CallError(
-            "a reference has its own procedure and settings, and a device beside it "
-            "takes them; leave --procedure, --coverage, --reference and --only out"
+            "a reference has its own procedure, mission and settings, and a device "
+            "beside it takes them; leave --procedure, --mission, --coverage, "
+            "--reference and --only out"
         )
     model = next((one for one in stored if one is not None), None)
+    job = JOBS[mission is not None] if model is None else model.job
     names = (first, second)
     inputs = [
-        None if own else _inputs(name, model, procedure)
+        None if own else _inputs(name, model, procedure, mission)
         for name, own in zip(names, stored, strict=True)
     ]
-    inputs = _changed(inputs, changes or ())
+    inputs = _changed(inputs, changes or (), job)
     settings = asked if model is None else model.settings
     sides = []
     for name, own, given in zip(names, stored, inputs, strict=True):
-        budget = own or make_reference(JOB, given or (), settings)
+        budget = own or make_reference(job, given or (), settings)
         changed = any(one.changes for one in given or ())
         shown = f"{name}{CHANGED}" if changed else name
         sides.append(side_of(budget, name=shown, is_fresh=own is None))
@@ -115,33 +126,39 @@ def _reference(name: str) -> ReferenceBudget | None:
 
 
 def _inputs(
-    name: str, model: ReferenceBudget | None, procedure: str | None
+    name: str,
+    model: ReferenceBudget | None,
+    procedure: str | None,
+    mission: str | None,
 ) -> tuple[StoredInput, ...]:
     """Return a device, and what it is calibrated with."""
     from budget.errors import CallError
     from budget.references.files import take, take_procedures
 
-    if model is not None and model.job != JOB:
+    if model is not None and model.job not in JOBS:
         raise CallError(
             f"{name} is a device, and the reference beside it is of kind {model.job}; "
-            "give two references of that kind, or one of kind analyze"
+            "give two references of that kind, or one of kind analyze or mission"
         )
     # Nothing is stored, so paths do not matter.
     device = take("device", name)
-    if model is None:
+    if model is None and mission is None:
         return (device, *take_procedures([procedure]))
+    if model is None:
+        given = take_procedures([procedure] if procedure else [])
+        return (device, *given, take("mission", mission))
     return (device, *(one for one in model.inputs if one.role != "device"))
 
 
 def _changed(
-    sides: list[tuple[StoredInput, ...] | None], changes: Sequence[str]
+    sides: list[tuple[StoredInput, ...] | None], changes: Sequence[str], job: Job
 ) -> list[tuple[StoredInput, ...] | None]:
     """Lay changes over the devices of both sides; of two that are one, over B's."""
     from budget.references.files import with_changes
 
     first, second = sides
     if first == second:
-        return [first, with_changes(second or (), changes, job=JOB)]
-    both = with_changes((*(first or ()), *(second or ())), changes, job=JOB)
+        return [first, with_changes(second or (), changes, job=job)]
+    both = with_changes((*(first or ()), *(second or ())), changes, job=job)
     count = len(first or ())
     return [first and both[:count], second and both[count:]]

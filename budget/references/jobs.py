@@ -1,4 +1,4 @@
-"""What a reference is of: an analysis, a comparison, an allocation; computed anew."""
+"""What a reference is of, a budget, a comparison, an allocation; computed anew."""
 
 from __future__ import annotations
 
@@ -10,11 +10,13 @@ from budget.methods.execution import small_blocks
 from budget.model.sources import STATION
 from budget.names import MISSION
 from budget.references.quantities import device_of, snapshot_of
-from budget.references.records import JOBS, Asked, files_fault
+from budget.references.records import FILES, JOBS, Asked, files_fault
 from budget.references.sampling import standard_errors
 from budget.results import BY_TRIALS
 from budget.spec.costs import read_costs
 from budget.spec.device import read_device
+from budget.spec.load import uncalibrated
+from budget.spec.mission import read_mission
 from budget.spec.procedure import read_procedure
 from budget.spec.requirement import read_requirement
 from budget.spec.station import done_at, named_station, read_station
@@ -28,6 +30,7 @@ from budget.studies.request import (
     analysis_of,
     choose_basis,
     find_sources,
+    needs_test,
     sensors_of,
     source_names,
 )
@@ -36,7 +39,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.references.records import Snapshot
-    from budget.spec.records import Device, Procedure, Requirement
+    from budget.results import Budget
+    from budget.spec.records import Device, Mission, Procedure, Requirement
     from budget.spec.tree import Document
 
 # Which settings mean something to which job; the others must stay as they are.
@@ -44,6 +48,10 @@ SETTINGS = {
     "analyze": (
         *("method", "trials", "max_trials", "digits", "seed", "coverage", "interval"),
         *("reference", "only", "samples"),
+    ),
+    "mission": (
+        *("method", "trials", "max_trials", "digits", "seed", "coverage", "interval"),
+        *("only", "samples"),
     ),
     "compare": ("method", "trials", "max_trials", "seed"),
     "allocate": ("strategy", "fix"),
@@ -90,11 +98,11 @@ def compute(
     devices = [read_device(one) for one in _told_apart(by_role.get("device", []))]
     procedures = _procedures(by_role.get("procedure", []), by_role.get(STATION, []))
     limits = [read_requirement(one) for one in by_role.get("requirement", [])]
-    if any(MISSION in one.kinds for one in limits):
+    if job != MISSION and any(MISSION in one.kinds for one in limits):
         raise CallError(
-            "the requirement has limits on a mission, and references are of "
-            "calibrations: what a mission gives is not stored; take those limits out, "
-            "or keep the JSON of `budget mission`"
+            "the requirement has limits on a mission, and a reference of kind "
+            f"{job} is of a calibration; take those limits out, or take --kind mission "
+            "and --mission FILE"
         )
     costs = [read_costs(one) for one in by_role.get("costs", [])]
     if job != "compare" and len(procedures) > 1:
@@ -102,7 +110,7 @@ def compute(
             f"{len(procedures)} procedures were given, a reference of kind {job} takes "
             "one; give one, or take --kind compare"
         )
-    if job != "analyze" and not limits:
+    if 0 not in FILES[job]["requirement"] and not limits:
         raise CallError(
             f"a reference of kind {job} needs a requirement; give --requirement FILE"
         )
@@ -120,6 +128,14 @@ def compute(
         if job == "analyze":
             requirement = limits[0] if limits else None
             return _analyze(devices, procedures[0], requirement, given, workers)
+        if job == MISSION:
+            return _of_mission(
+                devices,
+                _mission(by_role[MISSION][0]),
+                given | {"workers": workers},
+                procedure=procedures[0] if procedures else None,
+                requirement=limits[0] if limits else None,
+            )
         if job == "compare":
             return _compare(devices, procedures, limits[0], given, workers)
         known = source_names(sensors_of(devices))
@@ -163,6 +179,11 @@ def _procedures(
             "not among the inputs; save the reference again"
         )
     station = stations[0] if stations else None
+    if station is not None and not procedures:
+        raise CallError(
+            f"{station.file}: is a station, and no procedure is given that is done "
+            "there; give --procedure FILE, or leave --station out"
+        )
     found = []
     for one in procedures:
         procedure = read_procedure(one, station if one in named else None)
@@ -196,6 +217,11 @@ def _analyze(
         workers=workers,
         **(given | vars(basis)),
     )
+    return _snapshot(budget)
+
+
+def _snapshot(budget: Budget) -> Snapshot:
+    """Return what a budget states, with the standard errors of what trials made."""
     settings = budget.settings
     # By the law some intervals are of trials all the same.
     is_drawn = any(row.interval_by == BY_TRIALS for row in budget.outputs)
@@ -207,6 +233,54 @@ def _analyze(
         interval=settings.interval,
     )
     return snapshot_of(budget.to_dict(), {"": sure} if sure else {})
+
+
+def _of_mission(
+    devices: Sequence[Device],
+    mission: Mission,
+    given: dict[str, Any],
+    *,
+    procedure: Procedure | None,
+    requirement: Requirement | None,
+) -> Snapshot:
+    """Compute the errors of a mission at its times, without a test as made.
+
+    Raises
+    ------
+    CallError
+        The requirement limits what a test leaves, and there is none.
+    """
+    how = uncalibrated("factory") if procedure is None else procedure
+    if requirement is not None:
+        needs_test(requirement, how)
+    budget = analyze(
+        *devices,
+        calibration=how,
+        requirement=requirement,
+        mission=mission,
+        validate=False,
+        command=MISSION,
+        **given,
+    )
+    return _snapshot(budget)
+
+
+def _mission(document: Document) -> Mission:
+    """Read a mission; what a trajectory is in is a file that nobody stored.
+
+    Raises
+    ------
+    CallError
+        It takes its route from one: that is not opened.
+    """
+    part = document.root.child("mission")
+    if part is not None and part.child("trajectory") is not None:
+        raise CallError(
+            f"{document.file}: takes its route from a recorded trajectory, which a "
+            "reference does not store; expected a mission of segments: give one, or "
+            "keep the JSON of `budget mission`"
+        )
+    return read_mission(document)
 
 
 def _compare(

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
-from budget.names import Name, as_name
+from budget.model.source import SENSORS
+from budget.names import MISSION, Name, as_name
 from budget.references.records import NominalProperty, QuantityValue, Snapshot
 from budget.results import BY_TRIALS
 from budget.studies.jointly import NORMAL_TRIALS
@@ -58,18 +59,24 @@ _VERDICT, _NOT_GIVEN = (
     Meaning("not_given", "word"),
 )
 # By command and path in its document, lists passed through.
+_BUDGET = {
+    "outputs.mean": Meaning("mean", statistic="mean"),
+    "outputs.standard_uncertainty": Meaning("standard_uncertainty", statistic="u"),
+    "outputs.interval.0": Meaning("interval_low", statistic="low"),
+    "outputs.interval.1": Meaning("interval_high", statistic="high"),
+    "outputs.contributions.standard_uncertainty": Meaning("contribution"),
+    "outputs.contributions.sobol_first": Meaning("sobol_first", "part", "interval"),
+    "outputs.contributions.sobol_total": Meaning("sobol_total", "part", "interval"),
+    "assessment.outputs.utilisation": _USED,
+    "assessment.sensors.utilisation": _USED,
+    "assessment.sensors.verdict": _VERDICT,
+}
 MEANINGS: Mapping[str, Mapping[str, Meaning]] = {
-    "analyze": {
-        "outputs.mean": Meaning("mean", statistic="mean"),
-        "outputs.standard_uncertainty": Meaning("standard_uncertainty", statistic="u"),
-        "outputs.interval.0": Meaning("interval_low", statistic="low"),
-        "outputs.interval.1": Meaning("interval_high", statistic="high"),
-        "outputs.contributions.standard_uncertainty": Meaning("contribution"),
-        "outputs.contributions.sobol_first": Meaning("sobol_first", "part", "interval"),
-        "outputs.contributions.sobol_total": Meaning("sobol_total", "part", "interval"),
-        "assessment.outputs.utilisation": _USED,
-        "assessment.sensors.utilisation": _USED,
-        "assessment.sensors.verdict": _VERDICT,
+    "analyze": _BUDGET,
+    "mission": {
+        **_BUDGET,
+        "mission.filter.learnt.after": Meaning("learnt", "line"),
+        "mission.filter.believed.standard_uncertainty": Meaning("believed", "line"),
     },
     "compare": {
         "devices.outputs.standard_uncertainty": Meaning("standard_uncertainty"),
@@ -100,7 +107,7 @@ MEANINGS: Mapping[str, Mapping[str, Meaning]] = {
 
 
 def snapshot_of(document: Record, errors: Mapping[str, StandardErrors]) -> Snapshot:
-    """Return all that a document of analyze, compare or allocate states.
+    """Return all that a document of a job states.
 
     Standard errors are those of what trials made: of an analysis under '', of a
     comparison under the `device_of` each entry of its devices.
@@ -118,10 +125,11 @@ def snapshot_of(document: Record, errors: Mapping[str, StandardErrors]) -> Snaps
             words.append(_word(place.subject, meaning, value, sure))
         else:
             numbers.append(_number(meaning, place, value, sure))
-    if document["command"] == "analyze":
+    if meanings.keys() >= _BUDGET.keys():
         is_law = document["settings"]["method"] == "gum"
         numbers += _correlations(document, None if is_law else errors.get(""))
-        for sensor in dict.fromkeys(row["sensor"] for row in document["outputs"]):
+        there = dict.fromkeys(row["sensor"] for row in document["outputs"])
+        for sensor in SENSORS if MISSION in there else there:
             own = [name for name in document["not_given"] if name.owner == sensor]
             words.append(_word(sensor, _NOT_GIVEN, own))
     return Snapshot(numbers=tuple(numbers), words=tuple(words))
@@ -195,8 +203,13 @@ def _above(paths: Iterable[str]) -> frozenset[str]:
 
 def _name(record: Record) -> Name:
     """Return what a record is of; '' where it does not say."""
-    if "parameter" in record:
-        return Name(record["parameter"], owner=record["sensor"], axis=record["axis"])
+    if "axis" in record:  # of a bias that a filter has learnt it is that alone
+        return Name(
+            record.get("parameter", "bias"),
+            owner=record.get("sensor", MISSION),
+            axis=record["axis"],
+            time=record.get("time"),
+        )
     keys = ("source", "output", "sensor")
     return as_name(next((record[key] for key in keys if key in record), ""))
 
@@ -232,7 +245,7 @@ def _number(
         floor=max(
             _solver(document, meaning, value),
             *(one / part for one, part in zip(resolutions, parts, strict=True)),
-            0.0,
+            _traced(document, meaning, outputs),
         ),
         standard_error=error,
         degrees_of_freedom=freedom,
@@ -273,6 +286,17 @@ def _solver(document: Record, meaning: Meaning, value: float) -> float:
     return by_quantity.get(meaning.quantity, by_kind.get(meaning.of, 0.0))
 
 
+def _traced(document: Record, meaning: Meaning, outputs: Sequence[Record]) -> float:
+    """Return to what a contribution is sure that was traced back through a filter.
+
+    What aids have all but taken away is a small difference: sure to a part of the
+    output [its unit].
+    """
+    if document["command"] != MISSION or meaning.quantity != "contribution":
+        return 0.0
+    return float(PART * max(one["standard_uncertainty"] for one in outputs))
+
+
 def _of_interval(
     document: Record, record: Record, quantity: str
 ) -> tuple[float, float]:
@@ -298,7 +322,8 @@ def _correlations(
     ]
     kind = "correlation"
     for (sensor, one, a, u_a), (owner, other, b, u_b) in combinations(outputs, 2):
-        if sensor == owner:
+        # A length, horizontal of a position, has none.
+        if sensor == owner and document["covariance"][a][b] is not None:
             yield QuantityValue(
                 subject=one,
                 quantity=kind,

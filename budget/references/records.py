@@ -16,13 +16,13 @@ from pydantic import BeforeValidator, ConfigDict, Field, WithJsonSchema
 from budget.distributions import LEAST_COVERAGE, MOST_COVERAGE
 from budget.model.source import OWNERS
 from budget.model.sources import SOURCES
-from budget.names import OUTPUTS, PARAMETERS, Name
+from budget.names import AIDING, ALIGNMENT, MISSION, OUTPUTS, PARAMETERS, Name
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-Job = Literal["analyze", "compare", "allocate"]
-Role = Literal["device", "procedure", "station", "requirement", "costs"]
+Job = Literal["analyze", "mission", "compare", "allocate"]
+Role = Literal["device", "procedure", "station", "mission", "requirement", "costs"]
 
 MANY = 1000  # inputs of a reference at the most
 NONE, ONE, MAYBE = range(1), range(1, 2), range(2)
@@ -34,13 +34,16 @@ FILES: Mapping[str, Mapping[str, range]] = {
         "device": SOME,
         "procedure": procedures,
         "station": MAYBE,
+        "mission": missions,
         "requirement": limits,
         "costs": costs,
     }
-    for job, procedures, limits, costs in (
-        ("analyze", ONE, MAYBE, NONE),
-        ("compare", SOME, ONE, NONE),
-        ("allocate", ONE, ONE, MAYBE),
+    for job, procedures, missions, limits, costs in (
+        ("analyze", ONE, NONE, MAYBE, NONE),
+        # Without a procedure a unit is as its maker calibrated it.
+        ("mission", MAYBE, ONE, MAYBE, NONE),
+        ("compare", SOME, NONE, ONE, NONE),
+        ("allocate", ONE, NONE, ONE, MAYBE),
     )
 }
 JOBS = tuple(FILES)
@@ -186,6 +189,8 @@ class NominalProperty:
         return self.text
 
 
+# Owners of what a mission asks for and adds: every tool that takes one knows these.
+OF_MISSION = frozenset({MISSION, AIDING, ALIGNMENT})
 # What this version can say something of: quantities of sources and of outputs.
 # Lines that one kind of sensor had before the other: known by their full names.
 LATER = frozenset(
@@ -223,7 +228,7 @@ class Snapshot:
     def knows(self, item: Item) -> bool:
         """Whether the tool that made it had the quantities that an item is of."""
         names = [n for n in (item.subject, item.partner) if isinstance(n, Name)]
-        return all(not n.owner or self._has(n) for n in names)
+        return all(not n.owner or n.owner in OF_MISSION or self._has(n) for n in names)
 
     def _has(self, name: Name) -> bool:
         """Whether the tool that made it had a quantity of that owner."""
