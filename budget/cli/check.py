@@ -256,7 +256,7 @@ def _save(
     check_destinations(None, None, path, inputs=inputs)
     reference = make_reference(
         kind,
-        with_changes(_take(kind, files, path.parent), changes, job=kind),
+        with_changes(_take(files, path.parent), changes, job=kind),
         Asked(**given),
         workers=workers,
     )
@@ -272,13 +272,10 @@ def _save(
     talk(f"{in_line(path)}: written, {kind}, {numbers} numbers")
 
 
-def _take(
-    kind: Job, files: dict[Role, list[str]], folder: Path
-) -> tuple[StoredInput, ...]:
+def _take(files: dict[Role, list[str]], folder: Path) -> tuple[StoredInput, ...]:
     """Read all inputs, or say everything that is wrong in them."""
     from budget.errors import Issue, SpecError
     from budget.references.files import take, take_procedures
-    from budget.references.records import FILES
     from budget.spec.load import try_all
 
     if not files["device"]:
@@ -290,7 +287,7 @@ def _take(
     issues: list[Issue] = []
     for role, names in files.items():
         if role == "procedure":
-            paper: list[str | None] = [] if 0 in FILES[kind][role] else [None]
+            paper: list[str | None] = [] if files["mission"] else [None]
             wanted: list[list[str | None]] = [[*names] or paper]
             sets, wrong = try_all(wanted, partial(take_procedures, folder=folder))
             inputs += [one for own in sets for one in own]

@@ -20,6 +20,7 @@ from budget.spec.mission import read_mission
 from budget.spec.procedure import read_procedure
 from budget.spec.requirement import read_requirement
 from budget.spec.station import done_at, named_station, read_station
+from budget.spec.use import in_use
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.cases import Bounds
 from budget.studies.analysis import analyze
@@ -98,11 +99,11 @@ def compute(
     devices = [read_device(one) for one in _told_apart(by_role.get("device", []))]
     procedures = _procedures(by_role.get("procedure", []), by_role.get(STATION, []))
     limits = [read_requirement(one) for one in by_role.get("requirement", [])]
-    if job != MISSION and any(MISSION in one.kinds for one in limits):
+    mission = next(map(_mission, by_role.get(MISSION, [])), None)
+    if mission is None and any(MISSION in one.kinds for one in limits):
         raise CallError(
-            "the requirement has limits on a mission, and a reference of kind "
-            f"{job} is of a calibration; take those limits out, or take --kind mission "
-            "and --mission FILE"
+            "the requirement has limits on a mission, and none is given; take those "
+            "limits out, or give --mission FILE"
         )
     costs = [read_costs(one) for one in by_role.get("costs", [])]
     if job != "compare" and len(procedures) > 1:
@@ -117,6 +118,10 @@ def compute(
     fault = files_fault(job, [one.kind for one in inputs])
     if fault:
         raise CallError(f"found {fault}; give as many, or take another --kind")
+    if mission is not None:
+        procedures = procedures or [uncalibrated("factory")]
+        for one in limits:
+            needs_test(one, procedures[0])
     given = {
         name: value
         for name in SETTINGS[job]
@@ -129,15 +134,20 @@ def compute(
             requirement = limits[0] if limits else None
             return _analyze(devices, procedures[0], requirement, given, workers)
         if job == MISSION:
-            return _of_mission(
-                devices,
-                _mission(by_role[MISSION][0]),
-                given | {"workers": workers},
-                procedure=procedures[0] if procedures else None,
+            budget = analyze(
+                *devices,
+                procedure=procedures[0],
                 requirement=limits[0] if limits else None,
+                mission=mission,
+                validate=False,
+                workers=workers,
+                command=MISSION,
+                **given,
             )
+            return _snapshot(budget)
         if job == "compare":
-            return _compare(devices, procedures, limits[0], given, workers)
+            given |= {"workers": workers, "mission": mission}
+            return _compare(devices, procedures, limits[0], given)
         known = source_names(sensors_of(devices))
         held = find_sources(given.pop("fix"), known, option="--fix")
         # Limits are shared out by the law, without the catalogue.
@@ -145,6 +155,7 @@ def compute(
             *devices,
             requirement=limits[0],
             procedure=procedures[0],
+            mission=mission,
             costs=costs[0] if costs else None,
             bounds=Bounds(held=frozenset(held), most={}, least={}),
             catalogue=(),
@@ -235,36 +246,6 @@ def _snapshot(budget: Budget) -> Snapshot:
     return snapshot_of(budget.to_dict(), {"": sure} if sure else {})
 
 
-def _of_mission(
-    devices: Sequence[Device],
-    mission: Mission,
-    given: dict[str, Any],
-    *,
-    procedure: Procedure | None,
-    requirement: Requirement | None,
-) -> Snapshot:
-    """Compute the errors of a mission at its times, without a test as made.
-
-    Raises
-    ------
-    CallError
-        The requirement limits what a test leaves, and there is none.
-    """
-    how = uncalibrated("factory") if procedure is None else procedure
-    if requirement is not None:
-        needs_test(requirement, how)
-    budget = analyze(
-        *devices,
-        calibration=how,
-        requirement=requirement,
-        mission=mission,
-        validate=False,
-        command=MISSION,
-        **given,
-    )
-    return _snapshot(budget)
-
-
 def _mission(document: Document) -> Mission:
     """Read a mission; what a trajectory is in is a file that nobody stored.
 
@@ -288,22 +269,30 @@ def _compare(
     procedures: Sequence[Procedure],
     requirement: Requirement,
     given: dict[str, Any],
-    workers: int,
 ) -> Snapshot:
     """Compare devices; what missing lines could do hangs on the catalogue."""
-    document = compare(
-        devices, requirement, procedures, workers=workers, **given
-    ).to_dict()
+    document = compare(devices, requirement, procedures, **given).to_dict()
     by_name = {one.origin.file: one for one in devices}
     tests = {one.name: one for one in procedures}
     errors = {}
     for row in document["devices"]:
         if row["trials"] is not None:
-            analysis = Analysis.of(
-                by_name[row["file"]],
-                procedure=tests[row["procedure"]],
-                requirement=requirement,
-            ).alone(row["sensor"])
+            device, how = by_name[row["file"]], tests[row["procedure"]]
+            analysis = (
+                Analysis(
+                    devices=(device,),
+                    procedure=in_use(how, requirement, given["mission"]),
+                    coverage=requirement.coverage,
+                    reference=requirement.reference,
+                    requirement=requirement,
+                    mission=given["mission"],
+                    carried_to=(),
+                )
+                if row["sensor"] == MISSION
+                else Analysis.of(device, procedure=how, requirement=requirement).alone(
+                    row["sensor"]
+                )
+            )
             errors[device_of(document, row)] = standard_errors(
                 analysis.problem, trials=row["trials"], coverage=requirement.coverage
             )

@@ -32,18 +32,17 @@ SOME = range(1, 10**9)  # or more: a file may have many variants
 FILES: Mapping[str, Mapping[str, range]] = {
     job: {
         "device": SOME,
+        "mission": missions,
         "procedure": procedures,
         "station": MAYBE,
-        "mission": missions,
         "requirement": limits,
         "costs": costs,
     }
     for job, procedures, missions, limits, costs in (
         ("analyze", ONE, NONE, MAYBE, NONE),
-        # Without a procedure a unit is as its maker calibrated it.
-        ("mission", MAYBE, ONE, MAYBE, NONE),
-        ("compare", SOME, NONE, ONE, NONE),
-        ("allocate", ONE, NONE, ONE, MAYBE),
+        ("mission", ONE, ONE, MAYBE, NONE),
+        ("compare", SOME, MAYBE, ONE, NONE),
+        ("allocate", ONE, MAYBE, ONE, MAYBE),
     )
 }
 JOBS = tuple(FILES)
@@ -271,10 +270,15 @@ class ReferenceBudget(Snapshot):
 
 
 def files_fault(job: str, roles: Sequence[str]) -> str:
-    """Say which files are too few or too many for a job; '' where they are right."""
+    """Say which files are too few or too many for a job; '' where they are right.
+
+    On a mission without a procedure a unit is as its maker calibrated it.
+    """
     for role, counts in FILES[job].items():
         found = roles.count(role)
-        if found not in counts:
+        if found not in counts and (
+            found or role != "procedure" or MISSION not in roles
+        ):
             some = f"{counts[0]} or more" if counts is SOME else ""
             allowed = some or " or ".join(map(str, counts))
             return (

@@ -240,12 +240,12 @@ def test_a_mission_is_not_simulated():
     assert_says(run.err, "noise in run", "gum or monte-carlo")
 
 
-def test_a_mission_is_not_stored(limits, tmp_path):
-    """References are of calibrations; a limit on a mission is not lost in silence."""
+def test_a_limit_on_a_mission_is_not_stored_without_one(limits, tmp_path):
+    """It is not lost in silence."""
     file = tmp_path / "a.json"
     run = call("check", "--save", file, "zhao-2019", "--requirement", limits)
     assert run.code == 2
-    assert_says(run.err, "limits on a mission", "not stored")
+    assert_says(run.err, "limits on a mission", "give --mission FILE")
     assert not file.exists()
 
 

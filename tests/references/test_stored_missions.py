@@ -212,7 +212,7 @@ def test_trials_of_a_mission_have_their_standard_errors(folder):
     [
         (("--kind", "mission"), "0 of role mission, a reference of kind mission has 1"),
         (("--mission", "way.yaml", "--kind", "analyze"), "1 of role mission"),
-        (("--requirement", "far.yaml"), "--kind mission and --mission FILE"),
+        (("--requirement", "far.yaml"), "or give --mission FILE"),
         (("--mission", "way.yaml", "--requirement", "gyro.yaml"), "is no test"),
         (("--mission", "way.yaml", "--station", "hut.yaml"), "--procedure FILE"),
         (("--mission", "way.yaml", "--reference", "nominal"), "means nothing to"),
@@ -274,6 +274,25 @@ def test_a_forged_mission_is_refused_in_words(folder, tmp_path_factory):
     # The file itself, in its place, has a trajectory: refused before it is opened.
     (folder / "way.yaml").write_text(f"mission: {{trajectory: {secret}}}\n")
     assert_says(refused(), "a recorded trajectory, which a reference does not store")
+
+
+@pytest.mark.parametrize("way", MISSIONS)
+@pytest.mark.parametrize("kind", ["compare", "allocate"])
+def test_limits_on_a_mission_are_shared_out_and_compared(folder, kind, way):
+    """With the file of the mission, whose change is named too."""
+    (folder / "way.yaml").write_text(MISSIONS[way], encoding="utf-8")
+    options = ["--kind", kind, "--requirement", "far.yaml"]
+    if kind == "compare":
+        options += ["--method", "monte-carlo", "--trials", "2000"]
+    assert save(*options).code == 0
+    assert any("horizontal" in one["subject"] for one in stored(folder)["numbers"])
+    assert call("check", "ref.json").code == 0
+    change(folder, "way", "speed: 15 m/s", "speed: 150 m/s")
+    change(folder, "imu", "0.1 deg/sqrt(h)", "0.2 deg/sqrt(h)")
+    run = call("check", "ref.json")
+    assert run.code == 1
+    assert_says(run.out, "mission.speed: 15 m/s -> 150 m/s")
+    assert_says(run.out, WALK.replace("0.11 ", "0.2 "))
 
 
 def test_two_units_on_a_mission_side_by_side(folder):
