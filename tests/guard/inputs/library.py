@@ -1,0 +1,9 @@
+"""Results where they are computed: what a notebook shows of them."""
+
+import sys
+
+import budget
+
+result = budget.analyze("imu.yaml", requirement="bench.yaml", validate=False)
+shown = (repr(result), result.to_markdown(), result._repr_html_())
+sys.stdout.write("\n\n".join(shown))
