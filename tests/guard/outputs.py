@@ -15,7 +15,8 @@ differ in, is taken out:
 
 - the folder, the version of the package; the date is SOURCE_DATE_EPOCH;
 - of a number with more than DIGITS significant digits the others; in documents (JSON,
-  CSV) what is NOTHING or, of a covariance, UNCORRELATED is 0;
+  CSV, exact numbers of HTML) what is NOTHING or, of a covariance, UNCORRELATED is 0;
+  the checksum of a stored reference, which is of all digits;
 - of HTML all but tags, attributes and text: scripts and styles are digests, documents
   inside are JSON; of a drawing its words and how many there are of each element, its
   geometry is a digest in a file beside it, compared under the same matplotlib alone;
@@ -53,6 +54,7 @@ INPUTS, DIGESTS = HERE / "inputs", HERE / "digests.json"
 DIGITS = int(os.environ.get("DIGITS", "6"))
 NOTHING = 1e-10  # what rounding makes of zero, in printed units and in shares
 UNCORRELATED = 1e-9  # what it makes of a covariance, over both standard uncertainties
+EXACT = {"title", "data-exact"}  # attributes of a page with all digits of a number
 FLOAT = re.compile(r"(?<![\w.])-?\d+(?:\.\d+(?:[eE][+-]?\d+)?|[eE][+-]?\d+)(?![\w.])")
 VARIABLE = re.compile(r"[A-Z_]+=")
 SURROUNDINGS = {"SOURCE_DATE_EPOCH": "1767225600"}  # 1 January 2026
@@ -135,6 +137,8 @@ def document(text: str) -> str:
     """Write 0 for what is nothing in a JSON document, or in a covariance of it."""
 
     def settle(found: dict) -> dict:
+        if "checksum" in found:  # of a reference, over all digits
+            found["checksum"] = "CHECKSUM"
         rows = found.get("covariance")
         if isinstance(rows, list):
             # What is not estimated has none.
@@ -170,7 +174,10 @@ class Page(HTMLParser):
 
     def handle_starttag(self, tag, attrs) -> None:
         """Begin a line, or note an element of a drawing."""
-        attributes = "".join(f' {key}="{value or ""}"' for key, value in attrs)
+        attributes = "".join(
+            f' {key}="{data(value or "") if key in EXACT else value or ""}"'
+            for key, value in attrs
+        )
         if self.inside == "svg":
             self.elements[tag] += 1
             self.kept.append(f"<{tag}{attributes}>")

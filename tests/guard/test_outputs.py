@@ -59,12 +59,14 @@ def test_digests_are_of_the_calls_that_there_are():
 @pytest.mark.slow
 def test_a_word_that_moves_is_seen(tmp_path):
     """The control: another value, and what is left out alone, in every medium."""
-    found = outputs("diff", tmp_path.resolve() / "call")
-    assert moved("diff", digests(found), drawn=True) == []
+    found = outputs("analyze-brief", tmp_path.resolve() / "call")
+    assert moved("analyze-brief", digests(found), drawn=True) == []
     for medium, text in found.items():
         other = digests(found | {medium: text.replace("bias", "bia5", 1)})
-        assert moved("diff", other, drawn=True) == [medium]
-    assert moved("diff", digests(found | {"more.csv": ""}), drawn=True) == ["more.csv"]
+        assert moved("analyze-brief", other, drawn=True) == [medium]
+    assert moved("analyze-brief", digests(found | {"more.csv": ""}), drawn=True) == [
+        "more.csv"
+    ]
 
 
 @pytest.mark.parametrize(
