@@ -27,6 +27,7 @@ from budget.references.files import present_documents, stored_documents
 from budget.references.jobs import by_law, check_asked, compute
 from budget.references.records import QuantityValue, ReferenceBudget
 from budget.references.store import present_versions
+from budget.ties import settle
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -180,7 +181,7 @@ def compare_sides(first: Side, second: Side) -> Difference:
         second=second.name,
         before=a,
         after=b,
-        moves=tuple(sorted(moves, key=lambda move: -move.size)),
+        moves=tuple(sorted(moves, key=lambda move: -settle(move.size))),
         changes=changes,
     )
 

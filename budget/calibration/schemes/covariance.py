@@ -41,7 +41,8 @@ def noise_of(owner: str, lines: Sequence[Given]) -> list[Given]:
     return [
         line
         for line in lines
-        if line.u.any() and isinstance(source_of(owner, line.name).effect, Noise)
+        if line.u.any()
+        and isinstance(source_of(owner, line.name).meant(line).effect, Noise)
     ]
 
 
@@ -52,7 +53,7 @@ def covariances_of(
     n = len(schedule.windows)
     found = np.zeros((3, n, n))
     for line in noise_of(sensor.kind, sensor.lines):
-        effect = source_of(sensor.kind, line.name).effect
+        effect = source_of(sensor.kind, line.name).meant(line).effect
         if isinstance(effect, Noise):
             for axis in range(3):
                 process = effect.process(line, axis, procedure.sample_rate)

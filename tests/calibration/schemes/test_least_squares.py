@@ -35,6 +35,7 @@ from budget.model.scheme import Held
 from budget.model.windows import OUTER, Setting, Window
 from budget.names import parameters_of
 from budget.spec import load_device, load_procedure
+from budget.studies.analysis import analyze
 from budget.studies.request import not_weighted
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G, STANDARD_GRAVITY
 
@@ -476,3 +477,30 @@ def test_pulses_agree_with_the_law_on_every_shipped_scheme(name):
         mean = np.abs(errors.mean(axis=0) - law.mean) / law.standard_uncertainty
         chance = ndtri(1.0 - FALSE_ALARM / (2.0 * u.size))
         assert mean.max() * sqrt(RUNS) < chance, case
+
+
+def test_weighted_takes_the_floor_of_an_allan_curve_as_the_flicker_that_it_is(tmp_path):
+    """The same errors as by a line of flicker of B = floor/0.664, and no plain ones."""
+    path = tmp_path / "x.yaml"
+    lines = {
+        "floor": "bias_stability: {value: 1 deg/h, definition: allan_minimum}",
+        "flicker": f"flicker: {1.0 / 0.664!r} deg/h",
+    }
+    found = {}
+    for name, line in lines.items():
+        path.write_text(
+            "name: x\ngyro: {errors: {angle_random_walk: 0.1 deg/sqrt(h), "
+            f"{line}}}}}\n",
+            encoding="utf-8",
+        )
+        for formulas in ("weighted", "least_squares"):
+            plan = replace(load_procedure("hand-turns"), formulas=formulas, station=())
+            rows = analyze(load_device(path), procedure=plan, validate=False).outputs
+            found[name, formulas] = [row.standard_uncertainty for row in rows]
+    assert_allclose(
+        found["floor", "weighted"], found["flicker", "weighted"], rtol=1e-12
+    )
+    for best, plain in zip(
+        found["floor", "weighted"], found["floor", "least_squares"], strict=True
+    ):
+        assert best <= plain * (1.0 + 1e-9)
