@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from budget.distributions import Distribution
+    from budget.model.course import Course
     from budget.model.noise import Process
     from budget.model.place import Place
     from budget.model.response import Truth
@@ -67,6 +68,9 @@ class Given:
     horizons : tuple of (float, float)
         Ages of a calibration for which the maker prints it, rising [s], and its size
         there over u [1], the last 1; () where none is printed.
+    course : Course or None
+        Of a temperature or a vibration of the use: it at every time of a mission, where
+        that is known; u is the largest then. Of a line that it acts by likewise.
     """
 
     name: str
@@ -77,6 +81,7 @@ class Given:
     points: Array | None = None
     form: str = ""
     horizons: tuple[tuple[float, float], ...] = ()
+    course: Course | None = None
 
     @property
     def largest(self) -> float:
@@ -490,6 +495,12 @@ class Source:
     def varies(self) -> bool:
         """Whether it is an input of the budget; a coefficient is fixed."""
         return not isinstance(self.effect, Coefficient)
+
+    @property
+    def may_vary(self) -> bool:
+        """Whether it is one in any of its forms."""
+        effects = (self.effect, *self.forms.values())
+        return any(not isinstance(one, Coefficient) for one in effects)
 
     @property
     def is_signed(self) -> bool:

@@ -56,6 +56,8 @@ class Moment:
         Body axes right, forward, up as columns, north, east, down.
     turning : ndarray, shape (..., 3)
         Rate at which they turn against north, east, down, along these [rad/s].
+    time : ndarray, shape (...)
+        From the mission's start [s].
     """
 
     latitude: Array
@@ -64,6 +66,7 @@ class Moment:
     acceleration: Array
     body: Array
     turning: Array
+    time: Array
 
     def some(self, rows: slice) -> Moment:
         """Return some of many moments, by their first index."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import ceil, cos, hypot, sin
@@ -86,6 +87,7 @@ class Start:
     heading: float = 0.0  # from north to east [rad]
     longitude: float | None = None  # which nothing depends on [rad]
     roll: float = 0.0  # right side down [rad]
+    time: float = 0.0  # since the mission's start [s]
 
 
 # Gauss' four points in [0, 1], and their weights.
@@ -170,8 +172,8 @@ class Route(Protocol):
     def course(self) -> Moments:
         """All of it, at the points of Gauss of its steps."""
 
-    def steps(self, times: Sequence[float]) -> Steps:
-        """Return it in short steps, one of which ends at every asked time."""
+    def steps(self, times: Sequence[float], cuts: Sequence[float] = ()) -> Steps:
+        """Return it in short steps, one of which ends at every asked time and cut."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -216,13 +218,15 @@ class Legs:
         ends = np.cumsum([leg.duration for leg in self.legs])
         return min(int(np.searchsorted(ends, time)), len(self.legs) - 1)
 
-    def steps(self, times: Sequence[float]) -> Steps:
+    def steps(self, times: Sequence[float], cuts: Sequence[float] = ()) -> Steps:
         """Return the route in short steps, one of which ends at every asked time.
 
         Parameters
         ----------
         times : sequence of float
             From the start [s], rising, above 0; to the end at the most.
+        cuts : sequence of float
+            Where a step ends, too, if it is within them [s].
 
         Raises
         ------
@@ -233,13 +237,15 @@ class Legs:
         durations: list[float] = []
         nodes, ends = _Points(), _Points()
         asked: list[int] = []
-        here, begun, left = self.start, 0.0, list(times)
+        wanted = {*times}
+        here, begun, left = self.start, 0.0, cut_at(times, cuts)
         for leg in (piece for whole in self.legs for piece in whole.pieces):
             done = 0.0
             while done < leg.duration:
                 until = leg.duration
                 is_asked = bool(left) and left[0] <= (begun + until) * (1.0 + ROUNDING)
                 if is_asked:
+                    is_asked = left[0] in wanted
                     asks = left.pop(0) - begun
                     until = asks if asks < until * (1.0 - ROUNDING) else until
                 number = leg.steps(until - done)
@@ -336,7 +342,7 @@ class Track:
             longitude=(float(self.longitude[0]), float(self.longitude[-1])),
         )
 
-    def steps(self, times: Sequence[float]) -> Steps:
+    def steps(self, times: Sequence[float], cuts: Sequence[float] = ()) -> Steps:
         """Return the route to the last asked time; see Route.
 
         Raises
@@ -345,7 +351,12 @@ class Track:
             A time is not within the route, or the vehicle points up or down then.
         """
         checked(times, self.duration)
-        edges, asked = self._edges(times)
+        stops = cut_at(times, cuts)
+        edges, ended = self._edges(stops)
+        wanted = {*times}
+        asked = tuple(
+            step for step, stop in zip(ended, stops, strict=True) if stop in wanted
+        )
         ends = self._moments(edges[np.array(asked) + 1])
         if np.hypot(*np.moveaxis(ends.body[..., :2, 1], -1, 0)).min() < UPRIGHT:
             raise ProblemError(
@@ -464,6 +475,7 @@ class Track:
             acceleration=np.broadcast_to(acceleration, velocity.shape),
             body=front @ FRONT_OF_BODY,
             turning=(front @ rates)[..., 0],
+            time=t,
         )
 
 
@@ -545,6 +557,25 @@ def checked(times: Sequence[float], duration: float) -> None:
         )
 
 
+def cut_at(times: Sequence[float], cuts: Sequence[float]) -> list[float]:
+    """Return rising times with cuts between them, to the last of these.
+
+    A cut that is a time but for rounding is none.
+    """
+    slack = ROUNDING * times[-1]
+    return sorted(
+        (
+            *times,
+            *(
+                cut
+                for cut in cuts
+                if slack < cut < times[-1]
+                and times[bisect_left(times, cut - slack)] > cut + slack
+            ),
+        )
+    )
+
+
 def moved(start: Start, leg: Leg, time: float) -> Start:
     """Return where a leg leads in a short time: Runge and Kutta's fourth order."""
 
@@ -565,6 +596,7 @@ def moved(start: Start, leg: Leg, time: float) -> Start:
         speed=start.speed + leg.acceleration * time,
         heading=start.heading + leg.turn_rate * time,
         roll=start.roll + leg.roll_rate * time,
+        time=start.time + time,
     )
 
 
@@ -593,4 +625,5 @@ def moments(
         acceleration=gains * ahead + speed * turn_rate * aside,
         body=np.stack([c * aside + s * down, ahead, s * aside - c * down], axis=-1),
         turning=turn_rate * down + roll_rate * ahead,
+        time=column(point.time for point in points),
     )

@@ -7,11 +7,14 @@ textbook solves, through the same engine as a navigator's nine.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import exp
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.integrate import solve_ivp
 
+from budget.model.course import Fading, Profile
 from budget.navigation.growth import (
     AxisNoise,
     Growth,
@@ -20,7 +23,7 @@ from budget.navigation.growth import (
     Walk,
     White,
 )
-from budget.navigation.route import Steps
+from budget.navigation.route import Moments, Steps
 from budget.units import DEG_PER_HOUR, MICRO_G
 
 R, G = 6371000.0, 9.80665
@@ -36,6 +39,7 @@ class Channel:
 
     shape: tuple[int, ...] = ()
     sign: float = 1.0
+    time: np.ndarray | float = 0.0  # since the start [s]
 
     @property
     def at_rest(self):
@@ -45,7 +49,7 @@ class Channel:
     def some(self, rows):
         """Return fewer moments."""
         number = len(range(self.shape[0])[rows])
-        return Channel((number, *self.shape[1:]), self.sign)
+        return Channel((number, *self.shape[1:]), self.sign, self.time[rows])
 
     def all(self, one):
         """Return one matrix for every moment."""
@@ -82,9 +86,10 @@ def channel(times=TIMES, *, step=30.0, alignment=0.0, sign=1.0):
         durations += [(time - begun) / number] * number
         asked.append(len(durations) - 1)
         begun = time
+    at = Moments.of(np.array(durations), Channel())
     steps = Steps(
         durations=np.array(durations),
-        nodes=Channel((len(durations), 4), sign),
+        nodes=Channel((len(durations), 4), sign, at.time),
         asked=tuple(asked),
         ends=Channel((len(times),), sign),
     )
@@ -133,6 +138,57 @@ def test_constants():
     assert_allclose(-S[:, GYRO] * 0.01 * DEG_PER_HOUR, gyro, rtol=4e-6)
     force = [1.76438, 168.517, 792.235]
     assert_allclose(S[:, FORCE] * 100 * MICRO_G, force, rtol=4e-6)
+
+
+# Of the temperature: 0.1 degC/s from that of the test; 20 degC to it in 300 s.
+RAMP = Profile((0.0, 3600.0), (0.0, 360.0))
+WARM_UP = Fading(20.0, 300.0)
+
+
+@pytest.mark.parametrize(
+    ("row", "u", "course", "slope", "printed"),
+    [
+        (FORCE, 10 * MICRO_G, RAMP, lambda _: 0.1, (0.352942, 343.386)),
+        (GYRO, 0.01 * DEG_PER_HOUR, RAMP, lambda _: 0.1, (0.0256690, 252.042)),
+        (FORCE, 10 * MICRO_G, WARM_UP, None, (3.30478, 189.178)),
+        (GYRO, 0.01 * DEG_PER_HOUR, WARM_UP, None, (0.325772, 215.049)),
+    ],
+    ids=["ramp, force", "ramp, gyro", "warm-up, force", "warm-up, gyro"],
+)
+def test_a_temperature_that_is_known(row, u, course, slope, printed):
+    """Ramp in closed form, warm-up integrated by itself: 10 ug and 0.01 deg/h per K.
+
+    (b r/ws^2) (t - sin(ws t)/ws) and b r R (t^2/2 - (1 - cos ws t)/ws^2).
+    """
+    times = TIMES[:2]
+    b = np.zeros((6, 1))
+    b[row] = u
+    S = channel(times).of_constants(
+        lambda moment: course.at(moment.time)[..., None, None] * b
+    )
+    found = np.abs(S[:, 0, 0])
+    assert_allclose(found, printed, rtol=3e-6)
+
+    def moved(t, x):
+        T = 0.1 * t if slope else -20.0 * exp(-t / 300.0)
+        a, e = (u * T if row == one else 0.0 for one in (FORCE, GYRO))
+        return [x[1], -G * x[2] + a, x[1] / R + e]
+
+    own = solve_ivp(
+        moved, (0.0, 600.0), [0.0] * 3, t_eval=times, rtol=1e-11, atol=1e-15
+    )
+    assert_allclose(S[:, 0, 0], own.y[0], rtol=1e-7)
+    if slope:
+        t = np.array(times)
+        x = WS * t
+        closed = {
+            FORCE: (t - np.sin(x) / WS) / WS**2,
+            GYRO: R * (t**2 / 2 - (1 - np.cos(x)) / WS**2),
+        }
+        assert_allclose(found, u * slope(0.0) * closed[row], rtol=1e-8)
+    # Control: at the temperature of its start all the way it is another.
+    still = channel(times).of_constants(lambda _: course.at(np.array(60.0)) * b)
+    assert (np.abs(still[:, 0, 0] / found) < 0.9).any()
 
 
 def test_white_noise_and_walk():

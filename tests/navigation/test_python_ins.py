@@ -131,6 +131,7 @@ def flight():
         acceleration=np.zeros(3),
         body=level_body(np.array(np.radians(130.0))),
         turning=np.zeros(3),
+        time=np.array(0.0),
     )
 
 

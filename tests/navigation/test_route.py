@@ -251,3 +251,32 @@ def test_a_time_at_the_end_of_a_bank_needs_no_step_of_its_own():
     steps = route.steps(60.0 * np.arange(1.0, 31.0))
     assert steps.durations.min() > 0.1
     assert len(steps.asked) == 30
+
+
+@pytest.mark.parametrize("kind", ["legs", "track"])
+def test_a_step_ends_at_every_cut(kind):
+    """Cuts are ends of steps and ask for nothing; one at a time asked for is it."""
+    legs = Legs(
+        start=Start(latitude=0.8, speed=30.0),
+        legs=(Leg(duration=50.0), Leg(duration=60.0, turn_rate=0.02)),
+    )
+    t = np.linspace(0.0, 110.0, 111)
+    line = 0.8 + 30.0 * t / 6.4e6
+    flat = np.zeros((111, 3))
+    track = Track(
+        time=t, latitude=line, longitude=0.0 * t, height=0.0 * t, attitude=flat
+    )
+    route = {"legs": legs, "track": track}[kind]
+    times, cuts = (40.0, 110.0), (-3.0, 0.0, 7.3, 40.0 + 1e-12, 50.0, 70.1, 120.0)
+    steps = route.steps(times, cuts)
+    ends = np.cumsum(steps.durations)
+    assert_allclose(ends[list(steps.asked)], times, rtol=1e-12)
+    assert_allclose(steps.ends.time, times, rtol=1e-12)
+    for cut in (7.3, 50.0, 70.1):
+        assert np.abs(ends - cut).min() < 1e-9
+    assert steps.durations.min() > 1e-3
+    begins = ends - steps.durations
+    inside = (steps.nodes.time > begins[:, None]) & (steps.nodes.time < ends[:, None])
+    assert inside.all()
+    plain = np.cumsum(route.steps(times).durations)
+    assert np.abs(plain - 7.3).min() > 0.1  # control

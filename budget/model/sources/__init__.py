@@ -60,6 +60,8 @@ from budget.model.sources.rotation import (
     Wobble,
 )
 from budget.model.sources.temperature import (
+    ON_THE_WAY,
+    OnTheWay,
     RandomTemperature,
     Soaks,
     TemperatureChange,
@@ -260,6 +262,7 @@ SOURCES = (
         units={GYRO: "deg/h/degC", ACCELEROMETER: "ug/degC"},
         model="fixed change of the bias with the temperature of the environment",
         effect=TemperatureCoefficient(),
+        forms={ON_THE_WAY: OnTheWay("bias")},
         stays=DEVICE,
     ),
     Source(
@@ -267,6 +270,7 @@ SOURCES = (
         units={GYRO: "deg/h/(degC/min)", ACCELEROMETER: "ug/(degC/min)"},
         model="fixed change of the bias with the rate of change of that temperature",
         effect=TemperatureCoefficient(),
+        forms={ON_THE_WAY: OnTheWay("bias", is_of_rate=True)},
         stays=DEVICE,
     ),
     Source(
@@ -274,6 +278,7 @@ SOURCES = (
         units={GYRO: "ppm/degC", ACCELEROMETER: "ppm/degC"},
         model="fixed relative change of the scale factor with that temperature",
         effect=TemperatureCoefficient(),
+        forms={ON_THE_WAY: OnTheWay("scale_factor")},
         stays=DEVICE,
     ),
     Source(

@@ -20,6 +20,8 @@ from budget.model.source import Change, Coefficient, Given
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from budget.arrays import Array
+    from budget.model.course import Course
     from budget.model.source import Gains
 
 MISSION_TEMPERATURE = "temperature.mission"
@@ -48,7 +50,8 @@ class OverTemperature(Change):
     def gains(self, known: Mapping[str, Given]) -> Mapping[str, Gains]:
         """Return nothing in the test, all of it later; of a stated 0 nothing either."""
         later = known.get(MISSION_TEMPERATURE)
-        felt = 1.0 if later is None or later.u.any() else 0.0
+        is_felt = later is None or later.u.any() or later.course is not None
+        felt = 1.0 if is_felt else 0.0
         return {self.target: (np.zeros((3, 3)), felt * np.eye(3))}
 
 
@@ -56,6 +59,7 @@ class OverTemperature(Change):
 class VibrationRectification(Change):
     """db = VRE a^2, a the rms of the vibration: during the test, and later."""
 
+    target = "bias"
     needs = note(
         "a vibration (of the environment; one at test and mission alike cancels)"
     )
@@ -67,6 +71,10 @@ class VibrationRectification(Change):
             for name in (TEST_VIBRATION, MISSION_VIBRATION)
         )
         return {"bias": (test * np.eye(3), mission * np.eye(3))}
+
+    def felt(self, course: Course, t: Array) -> Array:
+        """Return the square of a vibration that is known on the way."""
+        return course.at(t) ** 2
 
 
 @dataclass(frozen=True)

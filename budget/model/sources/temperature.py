@@ -22,7 +22,15 @@ import numpy as np
 from budget.language import note
 from budget.model.noise import stationary, weighed
 from budget.model.response import BIAS
-from budget.model.source import Change, Coefficient, Disturbance, Given, Moment, Triad
+from budget.model.source import (
+    Change,
+    Coefficient,
+    Disturbance,
+    Effect,
+    Given,
+    Moment,
+    Triad,
+)
 from budget.model.waves import Waves
 
 if TYPE_CHECKING:
@@ -31,6 +39,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from budget.arrays import Array
+    from budget.model.course import Course
     from budget.model.response import Truth
     from budget.model.scheme import Scheme
     from budget.model.source import Act, Gains
@@ -40,6 +49,7 @@ BIAS_COEFFICIENT = "bias_temperature_coefficient"
 RATE_COEFFICIENT = "bias_temperature_rate_coefficient"
 SCALE_COEFFICIENT = "scale_factor_temperature_coefficient"
 COEFFICIENTS = (BIAS_COEFFICIENT, RATE_COEFFICIENT, SCALE_COEFFICIENT)
+ON_THE_WAY = "on the way"  # form of a coefficient of what is known at every time
 WAVES = 300  # of a random temperature in the simulation
 
 
@@ -48,6 +58,26 @@ class TemperatureCoefficient(Coefficient):
     """bT, bR or kT: change of a parameter with the temperature."""
 
     needs = note("a temperature that changes (temperature of the environment)")
+
+
+@dataclass(frozen=True)
+class OnTheWay(Effect):
+    """One of them where T(t) is known: a constant of each axis, whose size is given.
+
+    Attributes
+    ----------
+    target : str
+        'bias' or 'scale_factor'.
+    is_of_rate : bool
+        Whether it acts by dT/dt.
+    """
+
+    target: str
+    is_of_rate: bool = False
+
+    def felt(self, course: Course, t: Array) -> Array:
+        """Return T - T0 [K], or dT/dt [K/s]."""
+        return course.slope(t) if self.is_of_rate else course.at(t)
 
 
 @dataclass(frozen=True)
