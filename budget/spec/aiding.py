@@ -172,10 +172,9 @@ _Drift: Any = Annotated[
 ]
 
 
-class AidPart(Strict):
-    """Something that is measured at a rate."""
+class Spanned(Strict):
+    """Something that is there for a while."""
 
-    rate: Rate = Field(description="of its epochs, k/rate from the mission's start")
     during: tuple[tuple[Time, Time], ...] | None = Field(
         default=None,
         description="beside a trajectory: begins and ends of when it is there",
@@ -207,6 +206,12 @@ class AidPart(Strict):
                     f"{one[1].printed}; expected spans one after the other"
                 )
         return found
+
+
+class AidPart(Spanned):
+    """Something that is measured at a rate."""
+
+    rate: Rate = Field(description="of its epochs, k/rate from the mission's start")
 
     def measured(self) -> dict[str, tuple[float, ...]]:
         """Return sizes by the name of the source [SI]."""

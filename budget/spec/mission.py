@@ -27,6 +27,7 @@ from budget.spec.aiding import (
     OrWord,
 )
 from budget.spec.checking import check
+from budget.spec.course import Level, TemperaturePart, VibrationPart, stretches
 from budget.spec.fields import Measured, ShortText, Sign, Strict, faults
 from budget.spec.files import exists, unshown
 from budget.spec.procedure import MOST_HEIGHT
@@ -39,7 +40,15 @@ from budget.spec.trajectory import (
     read_trajectory,
 )
 from budget.spec.tree import all_of, describe
-from budget.spec.use import AGE_FIELD, ENVIRONMENT_FIELD, Age, Environment, stated_lines
+from budget.spec.use import (
+    AGE_FIELD,
+    ON_THE_WAY_FIELD,
+    Age,
+    OnTheWay,
+    Stated,
+    stated_line,
+    stated_lines,
+)
 from budget.units import Quantity
 
 if TYPE_CHECKING:
@@ -85,6 +94,7 @@ MOVES = {
 # What a trajectory says in their place.
 PLACED = ("latitude", "longitude", "height", "speed", "heading", "segments")
 START = ("speed", "heading")  # what a mission and its first straight may say
+MEANWHILE = ("aiding", "vibration")  # what a group says of all its segments
 NEEDED = {"turn": "3 deg/s", "climb": "5 m/s", "accelerate": "100 m/s"}
 
 
@@ -152,6 +162,9 @@ class SegmentLine(Strict):
     repeat: Count = Field(default=1, description="times one after the other")
     aiding: Aids | None = Field(
         default=None, description="what is measured meanwhile, of mission.aiding"
+    )
+    vibration: Level | None = Field(
+        default=None, description="meanwhile, rms; elsewhere that of environment"
     )
 
     @model_validator(mode="after")
@@ -280,15 +293,17 @@ class SegmentItem(SegmentLine):
             return super()._faults()
         found: Faults = {
             (key,): "stands beside a group of segments; say it in its lines"
-            for key in sorted(self.model_fields_set - {"segments", "repeat", "aiding"})
+            for key in sorted(
+                self.model_fields_set - {"segments", "repeat", *MEANWHILE}
+            )
         }
-        if self.aiding is not None:
-            found |= {
-                ("segments", place, "aiding"): "stands in a group that says it; remove "
-                "one of them"
-                for place, line in enumerate(self.segments)
-                if line.aiding is not None
-            }
+        found |= {
+            ("segments", place, key): "stands in a group that says it; remove one of "
+            "them"
+            for key in self.meanwhile
+            for place, line in enumerate(self.segments)
+            if getattr(line, key) is not None
+        }
         if not self.segments:
             found["segments",] = "names no segment, expected one at least"
         return found
@@ -305,14 +320,18 @@ class SegmentItem(SegmentLine):
         if self.segments is None:
             yield from super().each()
             return
-        lines = self.segments
-        if self.aiding is not None:
-            new = {"aiding": self.aiding}
-            lines = tuple(line.model_copy(update=new) for line in lines)
+        new = self.meanwhile
+        lines = tuple(line.model_copy(update=new) for line in self.segments)
         for _ in range(self.repeat):
             for place, line in enumerate(lines):
                 for _, one in line.each():
                     yield ("segments", place), one
+
+    @property
+    def meanwhile(self) -> dict[str, object]:
+        """What it says of its segments, or of all in its group."""
+        given = {key: getattr(self, key) for key in MEANWHILE}
+        return {key: one for key, one in given.items() if one is not None}
 
 
 ALIGNMENT: Any = Annotated[
@@ -539,14 +558,20 @@ class MissionPart(Strict):
             key: [(a.value, b.value) for a, b in part.during or ()]
             for key, part in given.items()
         }
-        begin = 0.0
-        for item in self.segments or ():
-            for _, line in item.each():
-                for key in line.aiding or ():
-                    if key in found:
-                        found[key].append((begin, begin + line.length))
-                begin += line.length
+        for begin, _, line in self.timed:
+            for key in line.aiding or ():
+                if key in found:
+                    found[key].append((begin, begin + line.length))
         return found
+
+    @property
+    def timed(self) -> Iterator[tuple[float, tuple[str | int, ...], SegmentLine]]:
+        """Yield each segment with when it begins [s], and its place."""
+        begin = 0.0
+        for place, item in enumerate(self.segments or ()):
+            for inside, line in item.each():
+                yield begin, (place, *inside), line
+                begin += line.length
 
     def late(self, end: float) -> Faults:
         """Return what is asked for when the mission is over, at that time [s]."""
@@ -616,8 +641,100 @@ class MissionFile(Strict):
     format: Literal["budget-mission/1"] = "budget-mission/1"
     name: ShortText | None = Field(default=None, description="unset: the file's name")
     mission: MissionPart = Field(description="place, alignment, what the vehicle does")
-    environment: Environment | None = ENVIRONMENT_FIELD
+    environment: OnTheWay | None = ON_THE_WAY_FIELD
     age: Age | None = AGE_FIELD
+
+    @property
+    def vibrations(self) -> list[tuple[float, float, Quantity]]:
+        """Begins and ends of what has a vibration of its own, and that."""
+        own = getattr(self.environment, "vibration", None)
+        return [
+            *(
+                (begin, begin + line.length, line.vibration)
+                for begin, _, line in self.mission.timed
+                if line.vibration is not None
+            ),
+            *(
+                (begin.value, end.value, part.value)
+                for part in (own if isinstance(own, tuple) else ())
+                for begin, end in part.during or ()
+            ),
+        ]
+
+    def course_faults(self, end: float) -> Faults:
+        """Return what is wrong with temperature and vibration to the end [s]."""
+        temperature = getattr(self.environment, "temperature", None)
+        vibration = getattr(self.environment, "vibration", None)
+        found: Faults = {}
+        if isinstance(temperature, TemperaturePart):
+            late = temperature.late(end)
+            found |= {("environment", "temperature", *x): y for x, y in late.items()}
+        if vibration is None:
+            found |= {
+                ("mission", "segments", *path, "vibration"): "is of a part of the way; "
+                "say that of the rest, such as 'environment: {vibration: 0 g}'"
+                for _, path, line in self.mission.timed
+                if line.vibration is not None
+            }
+        if isinstance(vibration, tuple):
+            found |= self._listed_faults(vibration, end)
+        return found
+
+    def _listed_faults(self, parts: tuple[VibrationPart, ...], end: float) -> Faults:
+        """Return what is wrong with a list of vibrations, to the end [s]."""
+        at = ("environment", "vibration")
+        if self.mission.trajectory is None:
+            text = "is a list, of a trajectory; here segments say 'vibration: 2 g'"
+            return {at: f"{text}, and this the rest, such as 'vibration: 1 g'"}
+        if sum(part.during is None for part in parts) != 1:
+            return {
+                at: "expected one value without during, of the rest of the way, such "
+                "as [{value: 2 g, during: [[0 s, 60 s]]}, {value: 1 g}]"
+            }
+        spans = sorted((begin, stop) for begin, stop, _ in self.vibrations)
+        for (_, stop), (begin, _) in pairwise([(0.0, 0.0), *spans, (end, end)]):
+            if begin < stop * (1.0 - _ROUNDING):
+                return {
+                    at: f"has a span to {stop:.6g} s, and the next, or the mission's "
+                    f"end, is at {begin:.6g} s; expected spans one after the other, "
+                    "within the mission"
+                }
+        return {}
+
+    def stated(self, end: float) -> Stated:
+        """Return what it states of its use, to the end [s]."""
+        own = self.environment
+        temperature = getattr(own, "temperature", None)
+        rest = getattr(own, "vibration", None)
+        if isinstance(temperature, TemperaturePart):
+            temperature = temperature.known
+        if isinstance(rest, tuple):
+            rest = next(part.value for part in rest if part.during is None)
+        parts = self.vibrations
+        return Stated(
+            temperature=temperature,
+            vibration=stretches(parts, stated_line("vibration", rest), end)
+            if parts
+            else rest,
+        )
+
+    def assumptions(self, end: float) -> tuple[str, ...]:
+        """Return how courses are taken where the file leaves it open."""
+        temperature = getattr(self.environment, "temperature", None)
+        found = []
+        if isinstance(temperature, TemperaturePart) and temperature.is_short(end):
+            found.append(
+                note(
+                    "environment.temperature: before its first point as there, after "
+                    "its last as there"
+                )
+            )
+        is_known = isinstance(temperature, TemperaturePart) or self.vibrations
+        if self.mission.alignment_time and is_known:
+            found.append(
+                note("environment: while the unit aligns itself, as at the start")
+            )
+        return tuple(found)
 
 
 def read_mission(document: Document) -> Mission:
@@ -641,17 +758,21 @@ def read_mission(document: Document) -> Mission:
         recorded = _recorded(document, part)
         said = recorded.assumptions
         route = _track_of(recorded)
+    end = route.duration
+    if messages := model.course_faults(end):
+        places = ((document.root.nearest(at), text) for at, text in messages.items())
+        raise all_of(document.issue(node, text) for node, text in places)
     return Mission(
         name=model.name or document.base_name.partition(".")[0],
         route=route,
         alignment=part.alignment_time.value if part.alignment_time else 0.0,
         aided=part.altitude != FREE,
-        at=part.times(route.duration),
-        assumptions=(*part.assumptions(route.duration), *said),
+        at=part.times(end),
+        assumptions=(*part.assumptions(end), *said, *model.assumptions(end)),
         origin=Origin(file=document.base_name, sha256=document.sha256),
         trajectory=recorded.origin if recorded else None,
         doubts=recorded.doubts if recorded else (),
-        use=stated_lines(model.environment, model.age),
+        use=stated_lines(model.stated(end), model.age),
         start=part.alignment.start
         if isinstance(part.alignment, AlignmentPart)
         else (0.0,) * 9,

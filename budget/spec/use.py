@@ -12,14 +12,16 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 from pydantic import BeforeValidator, Field
 from pydantic_core import core_schema
 
 from budget.errors import CallError, UnitError
-from budget.language import in_a_row, note
+from budget.language import in_a_row, note, term
 from budget.model.sources import ENVIRONMENT, source_of
 from budget.model.sources.later import AGE, MISSION_TEMPERATURE, MISSION_VIBRATION
 from budget.names import MISSION, Name
+from budget.spec.course import Known, SizeOrCourse, TemperaturePart, VibrationPart
 from budget.spec.fields import fault, mapping_of
 from budget.spec.specification import read_value, value_type
 from budget.spec.tree import describe
@@ -42,6 +44,7 @@ STATED = {
 }
 LINES = tuple(line for line, _ in STATED.values())
 NONE = "none"
+COURSE = term("known at every time")  # meaning of a course
 OPTION = {"environment": "--environment", "age": "--age"}  # how a call states it
 
 
@@ -102,11 +105,35 @@ Environment: Any = Annotated[
     mapping_of("use", {key: _VALUES[key] for key, _ in _NONE}),
     OrPart(words=((NONE, _NONE),)),
 ]
-ENVIRONMENT_FIELD: Any = Field(
+# As a mission does, whose temperature and vibration may be known on the way.
+OnTheWay: Any = Annotated[
+    mapping_of(
+        "use on the way",
+        {
+            "temperature": Annotated[
+                Any,
+                SizeOrCourse(
+                    _VALUES["temperature"],
+                    TemperaturePart,
+                    tuple(TemperaturePart.model_fields),
+                ),
+            ],
+            "vibration": Annotated[
+                Any, SizeOrCourse(_VALUES["vibration"], tuple[VibrationPart, ...])
+            ],
+        },
+    ),
+    OrPart(words=((NONE, _NONE),)),
+]
+_SAYS = (
+    "that it is used in: temperature, difference from that of the test, 1 "
+    "sigma{known}; vibration, rms; or none, as in the test and right after it. Unset: "
+    "not stated, and nothing meets without a condition"
+)
+ENVIRONMENT_FIELD: Any = Field(default=None, description=_SAYS.format(known=""))
+ON_THE_WAY_FIELD: Any = Field(
     default=None,
-    description="that it is used in: temperature, difference from that of the test, 1 "
-    "sigma; vibration, rms; or none, as in the test and right after it. Unset: not "
-    "stated, and nothing meets without a condition",
+    description=_SAYS.format(known=", or its profile or warm_up where it is known"),
 )
 AGE_FIELD: Any = Field(
     default=None, description="time from the calibration to the use; unset: not stated"
@@ -130,7 +157,9 @@ def stated_lines(environment: object, age: object) -> tuple[ErrorLine, ...]:
     given["age"] = age
     if age is None and is_none(environment):
         given["age"] = parse_quantity("0 s", "s")
-    return tuple(_line(key, value) for key, value in given.items() if value is not None)
+    return tuple(
+        stated_line(key, value) for key, value in given.items() if value is not None
+    )
 
 
 def is_none(environment: object) -> bool:
@@ -141,9 +170,20 @@ def is_none(environment: object) -> bool:
     return all(isinstance(one, Quantity) and one.value == 0.0 for one in found)
 
 
-def _line(key: str, value: Any) -> ErrorLine:  # noqa: ANN401
+def stated_line(key: str, value: Any) -> ErrorLine:  # noqa: ANN401
     """Return the line of the environment that a value states."""
-    return read_value(source_of(ENVIRONMENT, STATED[key][0]), ENVIRONMENT, value).line
+    source = source_of(ENVIRONMENT, STATED[key][0])
+    if not isinstance(value, Known):
+        return read_value(source, ENVIRONMENT, value).line
+    one = parse_quantity(f"1 {value.unit}", source.like(ENVIRONMENT))
+    size = value.course.largest
+    return replace(
+        read_value(source, ENVIRONMENT, one).line,
+        u=np.array([size]),
+        printed=value.printed,
+        meaning=COURSE,
+        course=value.course if size else None,
+    )
 
 
 def read_environment(text: str) -> tuple[ErrorLine, ...]:
@@ -156,7 +196,7 @@ def read_environment(text: str) -> tuple[ErrorLine, ...]:
     """
     if text.strip().casefold() == NONE:
         return stated_lines(
-            _Stated(**{key: _of(key, zero) for key, zero in _NONE}), None
+            Stated(**{key: _of(key, zero) for key, zero in _NONE}), None
         )
     found: dict[str, Quantity] = {}
     for part in text.strip().strip("{}").split(","):
@@ -168,20 +208,20 @@ def read_environment(text: str) -> tuple[ErrorLine, ...]:
                 "vibration, each once at the most: 'temperature 20 degC, vibration 1 g'"
             )
         found[key] = _of(key, value.strip())
-    return tuple(_line(key, value) for key, value in found.items())
+    return tuple(stated_line(key, value) for key, value in found.items())
 
 
 @dataclass(frozen=True)
-class _Stated:
-    """An environment as a call states it."""
+class Stated:
+    """An environment as a call states it, or as it is known on the way."""
 
-    temperature: Quantity | None = None
-    vibration: Quantity | None = None
+    temperature: object = None
+    vibration: object = None
 
 
 def read_age(text: str) -> ErrorLine:
     """Read the age that a call states, '1 year' or 0; CallError: it is none."""
-    return _line(AGE, _of(AGE, text))
+    return stated_line(AGE, _of(AGE, text))
 
 
 def _of(key: str, text: str) -> Quantity:
@@ -267,7 +307,7 @@ def refuse_two(one: ErrorLine, where: str, other: ErrorLine, there: str) -> None
     ------
     CallError
     """
-    if one.u[0] != other.u[0]:
+    if one.u[0] != other.u[0] or one.course != other.course:
         key = next(key for key, (own, _) in STATED.items() if own == one.name)
         raise CallError(
             f"{key} is {one.printed} in {where} and {other.printed} in {there}; state "

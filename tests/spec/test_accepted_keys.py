@@ -20,7 +20,7 @@ from jsonschema import Draft202012Validator
 from places import ROOT
 
 import budget
-from budget.calibration.mission import of_aiding
+from budget.calibration.mission import mission_outputs, mission_problem, of_aiding
 from budget.calibration.problem import calibration_problem
 from budget.calibration.saturation import Peak, beyond
 from budget.errors import SpecError
@@ -667,12 +667,51 @@ def stated(kind, key):
     return tree, replaced(tree, steps, value)
 
 
+# What is known at every time, by the key that it is said in.
+PROFILE = {"reference": "5 degC", "profile": [["0 s", "9 degC"], ["60 s", "20 degC"]]}
+SHAKEN = {"value": "2 g", "during": [["0 s", "9 s"]]}
+COURSES = {
+    "reference": ("temperature", PROFILE),
+    "profile": ("temperature", PROFILE),
+    "warm_up": ("temperature", {"warm_up": {"by": "9 degC", "time": "50 s"}}),
+    "[]": ("vibration", [SHAKEN, {"value": "1 g"}]),
+}
+OTHER = {
+    "reference": "6 degC",
+    "profile": [["0 s", "9 degC"], ["50 s", "30 degC"]],
+    "by": "8 degC",
+    "time": "40 s",
+    "value": "3 g",
+    "during": [["0 s", "20 s"]],
+}
+
+
+def known(key):
+    """Return a mission with a course without a key, or with another value, and it."""
+    name, said = COURSES[key.path[2]]
+    track = {"trajectory": str(ROOT / "tests" / "data" / "standing.csv")}
+    tree = {"environment": {name: said}, "mission": {**track, "at": ["60 s"]}}
+    return tree, replaced(tree, steps_of(key), OTHER[key.path[-1]])
+
+
+def warmed(tree):
+    """Return errors of what feels a temperature and a vibration on a mission."""
+    one = budget.load_mission(tree)
+    gyro = paper_gyro(bias_temperature_coefficient=1e-6, vibration_rectification=1e-9)
+    how = in_use(uncalibrated("factory"), None, one)
+    outputs = mission_outputs(one, one.at)
+    problem = mission_problem((gyro, paper_accelerometer()), how, one, outputs)
+    return propagate(problem).standard_uncertainty.tolist()
+
+
 @pytest.mark.parametrize("kind", WHOLE)
 def test_a_key_of_the_use_moves_a_number(kind):
     """A verdict, or the margin of one, is another one with each key."""
     keys = choices(kind, moving=True, of_use=True)
 
     def judged(key):
+        if kind == "mission" and {*key.path} & {*COURSES}:
+            return [warmed(tree) for tree in known(key)]
         return [used(kind, tree) for tree in stated(kind, key)]
 
     assert len(keys) > 4
@@ -826,6 +865,7 @@ OF_SEGMENTS = {
     "rate": "climb",
     "to": "accelerate",
     "repeat": "stand",
+    "vibration": "stand",
     "bank": "turn",
     "roll_rate": "bank",
 }
@@ -841,6 +881,9 @@ def going(key):
     if key.path[1:2] == ("segments",):
         own = SEGMENTS[OF_SEGMENTS.get(key.path[-1], key.path[-1])]
         part["segments"] = [{"segments": [own]} if len(key.path) > 4 else own]
+    if key.path[-1] == "vibration":
+        tree = {"mission": part, "environment": {"vibration": "1 g"}}
+        return tree, replaced(tree, steps_of(key), "2 g")
     if key.path[-1] == "alignment_time":
         part |= {"alignment": "self", "alignment_time": "300 s"}
     tree = {"mission": part}
@@ -937,6 +980,8 @@ def test_a_key_of_a_mission_moves_a_number(keys):
     """Errors of position, velocity or attitude are other ones with each key."""
 
     def flown(key):
+        if key.path[-1] == "vibration":
+            return [warmed(tree) for tree in going(key)]
         return [carried(budget.load_mission(one)) for one in going(key)]
 
     assert unmoved(keys, flown) == []
