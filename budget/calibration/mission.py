@@ -27,9 +27,17 @@ from budget.model import noise as processes
 from budget.model.response import COLUMN, ROW, SIGN, diagonal, tilt_matrix
 from budget.model.source import ACCELEROMETER, GYRO, Disturbance, Noise
 from budget.model.sources import ENVIRONMENT, source_of
+from budget.model.sources.later import (
+    MISSION_TEMPERATURE,
+    MISSION_VIBRATION,
+    VibrationRectification,
+)
 from budget.model.sources.temperature import (
+    COEFFICIENTS,
+    ON_THE_WAY,
     RATE_COEFFICIENT,
     History,
+    OnTheWay,
     Soaks,
     TemperatureChange,
     TemperatureCoefficient,
@@ -57,11 +65,13 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from budget.arrays import Array
+    from budget.model.course import Course
     from budget.navigation.aided import Aided
     from budget.navigation.dynamics import Moment
     from budget.spec.records import ErrorLine, Mission, Procedure, Sensor
 
 REFERENCE = "next_turn_on"  # a mission begins with a turn-on of its own
+RECTIFICATION = "vibration_rectification"
 FIRST = {GYRO: 0, ACCELEROMETER: len(AXES)}  # row of x among the six inputs
 RATIO = 10.0 ** (1.0 / 3.0)  # of the correlation times that make up flicker [1]
 FASTEST = 1.0  # of them: what is faster is gone in the mean [s]
@@ -99,10 +109,12 @@ def mission_outputs(mission: Mission, times: Iterable[float]) -> tuple[Name, ...
 @lru_cache(maxsize=64)  # a comparison asks for one again with every device
 def growth_of(mission: Mission, times: tuple[float, ...]) -> Growth:
     """Return how errors grow on a mission, at these times."""
+    courses = (line.course for line in mission.use)
+    cuts = {cut for one in courses if one is not None for cut in one.cuts}
     return Growth(
         first=mission.route.first,
         alignment=mission.alignment,
-        steps=mission.route.steps(times),
+        steps=mission.route.steps(times, sorted(cuts)),
         aided=mission.aided,
     )
 
@@ -138,6 +150,7 @@ def mission_problem(
         The sources of the calibration as groups, those of noise with what it does in
         run, and those of the aids; errors at each time as outputs [m, m/s, rad].
     """
+    sensors, procedure = on_the_way(sensors, procedure)
     calibration = constants_problem(sensors, procedure, only=only)
     places = Places.of(outputs)
     journey = journey or growth_of(mission, places.times)
@@ -186,8 +199,10 @@ def constants_problem(
 
     Errors of all parameters of both triads, those that are held too; after them the
     coefficients of what a unit adds to its readings by itself. One that the calibration
-    estimates is among the first.
+    estimates is among the first. So are those by which a temperature or a vibration
+    acts that is known on the way.
     """
+    sensors, procedure = on_the_way(sensors, procedure)
     calibration = calibration_problem(
         sensors, procedure, reference=REFERENCE, only=only, every=True
     )
@@ -248,10 +263,53 @@ def _added(sensor: Sensor) -> tuple[ErrorLine, ...]:
         line
         for line in sensor.lines
         for effect in [source_of(sensor.kind, line.name).meant(line).effect]
-        if isinstance(effect, Disturbance)
-        and line.u.any()
-        and effect.in_use(np.zeros(3), np.zeros(3)) is not None
+        if line.u.any()
+        and (
+            line.course is not None
+            or (
+                isinstance(effect, Disturbance)
+                and effect.in_use(np.zeros(3), np.zeros(3)) is not None
+            )
+        )
     )
+
+
+def on_the_way(
+    sensors: tuple[Sensor, ...], procedure: Procedure
+) -> tuple[tuple[Sensor, ...], Procedure]:
+    """Return what a temperature and a vibration act by that are known on the way.
+
+    Lines of the triads have the course of it, and coefficients of temperature are
+    constants of 1 sigma each; at the turn-on before nothing is left of it.
+    """
+    there = {x.name: x.course for x in procedure.environment if x.course is not None}
+    if not there:
+        return sensors, procedure
+    courses = {
+        **dict.fromkeys(COEFFICIENTS, there.get(MISSION_TEMPERATURE)),
+        RECTIFICATION: there.get(MISSION_VIBRATION),
+    }
+
+    def felt(sensor: Sensor) -> Sensor:
+        lines = (
+            line
+            if courses.get(line.name) is None
+            else replace(
+                line,
+                u=abs(line.u),
+                form=ON_THE_WAY if line.name in COEFFICIENTS else line.form,
+                course=courses[line.name],
+            )
+            for line in sensor.lines
+        )
+        beside = sensor.beside
+        return replace(sensor, lines=tuple(lines), beside=beside and felt(beside))
+
+    use = (
+        replace(line, u=0.0 * line.u) if line.name in there else line
+        for line in procedure.environment
+    )
+    return tuple(map(felt, sensors)), replace(procedure, environment=tuple(use))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -445,7 +503,10 @@ def columns_of(
         for triad, own in there:
             first = FIRST[triad.kind]
             found[..., first : first + len(AXES), own] = triad.columns(
-                [names[place] for place in own], moment.rate, moment.force
+                [names[place] for place in own],
+                moment.rate,
+                moment.force,
+                moment.time,
             )
         return found
 
@@ -460,13 +521,14 @@ class Sensing:
     bias: tuple[float, ...]  # nominal [unit of the input]
     angle: tuple[float, ...]  # nominal [rad]
     effects: tuple[tuple[str, Disturbance], ...]  # by the line
+    courses: tuple[tuple[str, OnTheWay | VibrationRectification, Course], ...] = ()
 
     @classmethod
     def of(cls, sensor: Sensor) -> Sensing:
         """Read it off a sensor; what says nothing of sizes is the same for many."""
         kind = sensor.kind
-        effects = (
-            (one.name, source_of(kind, one.name).meant(one).effect)
+        effects = tuple(
+            (one.name, source_of(kind, one.name).meant(one).effect, one.course)
             for one in _added(sensor)
         )
         return cls(
@@ -474,11 +536,22 @@ class Sensing:
             bias=tuple(sensor.nominal_bias.tolist()),
             angle=tuple(sensor.nominal_mounting_angle.tolist()),
             effects=tuple(
-                (name, one) for name, one in effects if isinstance(one, Disturbance)
+                (name, one) for name, one, _ in effects if isinstance(one, Disturbance)
+            ),
+            courses=tuple(
+                (name, one, course)
+                for name, one, course in effects
+                if isinstance(one, OnTheWay | VibrationRectification) and course
             ),
         )
 
-    def columns(self, names: Sequence[Name], rate: Array, force: Array) -> Array:
+    def columns(
+        self,
+        names: Sequence[Name],
+        rate: Array,
+        force: Array,
+        time: Array | float = 0.0,
+    ) -> Array:
         """Return what constants of 1 are of what is sensed, shape (..., 3, n).
 
         Parameters
@@ -487,6 +560,8 @@ class Sensing:
             Of parameters and lines of this triad, by axis.
         rate, force : ndarray, shape (..., 3)
             In body axes [rad/s, m/s^2].
+        time : ndarray, shape (...)
+            From the mission's start [s].
         """
         v = rate if self.kind == GYRO else force
         M = np.eye(3) + tilt_matrix(np.array(self.angle))
@@ -508,6 +583,9 @@ class Sensing:
             added = effect.in_use(x, force)
             if added is not None:
                 blocks[name] = (source_of(self.kind, name).axes, -1.0 * added)
+        for name, one, course in self.courses:
+            size = one.felt(course, np.asarray(time))
+            blocks[name] = (AXES, -size[..., None, None] * blocks[one.target][1])
         parts = [
             block[..., axes.index(name.axis)]
             for name in names
@@ -555,7 +633,8 @@ def not_carried(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[Name, 
 
     A temperature that changes on the way is not modelled. Of coefficients of
     temperature what another one at the start does (temperature.mission) is carried, so
-    they are named where nobody gives it; those of its rate always.
+    they are named where nobody gives it; those of its rate unless it is known on the
+    way.
     """
     felt = [
         (Name(line.name, owner=sensor.kind), line.name)
@@ -565,16 +644,21 @@ def not_carried(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[Name, 
         and isinstance(source_of(sensor.kind, line.name).effect, TemperatureCoefficient)
     ]
     known = [
-        (line.name, source_of(ENVIRONMENT, line.name).effect)
+        (line, source_of(ENVIRONMENT, line.name).effect)
         for line in procedure.environment
     ]
-    is_known = any(isinstance(effect, TemperatureChange) for _, effect in known)
+    at_start = [line for line, x in known if isinstance(x, TemperatureChange)]
+    has_course = any(line.course for line in at_start)
     courses = (
-        Name(name, owner=ENVIRONMENT)
-        for name, effect in known
+        Name(line.name, owner=ENVIRONMENT)
+        for line, effect in known
         if felt and isinstance(effect, History) and not isinstance(effect, Soaks)
     )
-    unknown = (name for name, line in felt if line == RATE_COEFFICIENT or not is_known)
+    unknown = (
+        name
+        for name, line in felt
+        if not (at_start and (has_course or line != RATE_COEFFICIENT))
+    )
     return (*unknown, *courses)
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 from math import degrees
 from typing import TYPE_CHECKING
 
+from budget.calibration.mission import on_the_way
 from budget.language import Note, say, term, words
 from budget.model.sources import ENVIRONMENT, SENSORS, STATION, source_of
 from budget.names import Name
@@ -47,7 +48,7 @@ def inputs_section(devices: Sequence[Device], procedure: Procedure) -> Section:
             blocks=tuple(sensor_blocks(sensor, device.assumptions)),
         )
         for device in devices
-        for sensor in device.sensors
+        for sensor in on_the_way(device.sensors, procedure)[0]
     ]
     panels += [
         Panel(
@@ -137,7 +138,7 @@ def _printed(line: ErrorLine) -> Cell:
 def _standard(line: ErrorLine, owner: str) -> Cell:
     """Return the standard uncertainty and its distribution, as the model takes them."""
     shape = say(", ").join(dict.fromkeys(say(d.name) for d in line.distributions))
-    if not source_of(owner, line.name).varies:
+    if not source_of(owner, line.name).meant(line).varies:
         shape = say("fixed")
     if line.correlation_time is not None:
         shape += say(

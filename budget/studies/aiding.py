@@ -17,6 +17,7 @@ from budget.calibration.mission import (
     growth_of,
     mission_problem,
     noises_of,
+    on_the_way,
 )
 from budget.methods.gum import covariance_by_source, derivatives
 from budget.navigation.aided import Aided, Belief, Filter
@@ -55,7 +56,7 @@ def journey_of(
     cuts = Cuts.of(mission, times)
     own = mission.filter
     believes = () if own is None else own.believes
-    believed = believing(sensors, believes)
+    believed, procedure = on_the_way(believing(sensors, believes), procedure)
     constants = constants_problem(believed, procedure)
     U = covariance_by_source(constants, derivatives(constants)).sum(axis=0)
     names = [output.name for output in constants.outputs]

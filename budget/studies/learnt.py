@@ -16,6 +16,7 @@ from budget.calibration.mission import (
     columns_of,
     constants_problem,
     noises_of,
+    on_the_way,
 )
 from budget.calibration.problem import BIAS_UNITS
 from budget.language import note
@@ -85,10 +86,11 @@ def overconfident(found: Filtered | None) -> tuple[str, ...]:
 
 def _learnt(analysis: Analysis, journey: Aided, mission: Mission) -> Iterator[Learnt]:
     """Yield what is left of the biases where aids end, and what was there before."""
-    constants = constants_problem(analysis.sensors, analysis.procedure)
+    sensors, procedure = on_the_way(analysis.sensors, analysis.procedure)
+    constants = constants_problem(sensors, procedure)
     U = covariance_by_source(constants, derivatives(constants)).sum(axis=0)
     names = [output.name for output in constants.outputs]
-    columns = columns_of(names, tuple(map(Sensing.of, analysis.sensors)))
+    columns = columns_of(names, tuple(map(Sensing.of, sensors)))
     growth = journey.filter.growth
     biases = columns(growth.first) * [name.quantity == BIAS for name in names]
     rate = analysis.procedure.sample_rate

@@ -14,6 +14,7 @@ from budget.calibration.mission import (
     map_of,
     noise_in_run,
     of_aiding,
+    on_the_way,
 )
 from budget.errors import CallError
 from budget.methods.gum import covariance_by_source, derivatives
@@ -179,9 +180,8 @@ def curve(analysis: Analysis, times: Sequence[float] | None = None) -> Curve:
     if times is None:
         times = np.linspace(0.0, mission.route.duration, POINTS + 1)[1:].tolist()
     whole = journey_of(mission, tuple(times), analysis.sensors, analysis.procedure)
-    constants = constants_problem(
-        analysis.sensors, analysis.procedure, only=analysis.only
-    )
+    sensors, procedure = on_the_way(analysis.sensors, analysis.procedure)
+    constants = constants_problem(sensors, procedure, only=analysis.only)
     each = covariance_by_source(constants, derivatives(constants))
     lines = (
         *(group.name for group in constants.groups),
@@ -190,7 +190,7 @@ def curve(analysis: Analysis, times: Sequence[float] | None = None) -> Curve:
     )
     found = []
     for journey in few_times(whole):
-        S = map_of(journey, constants, analysis.sensors)
+        S = map_of(journey, constants, sensors)
         made = S @ each[:, None] @ S.swapaxes(1, 2)
         more = len(lines) - len(each)
         C = np.insert(made, [len(each) - 1] * more, 0.0, axis=0)

@@ -36,7 +36,14 @@ from budget.errors import CallError, UnitError
 from budget.language import note
 from budget.methods.gum import propagate
 from budget.methods.intervals import KINDS as INTERVALS
-from budget.model.sources import ACCELEROMETER, ENVIRONMENT, SENSORS, STATION, lines_of
+from budget.model.sources import (
+    ACCELEROMETER,
+    ENVIRONMENT,
+    SENSORS,
+    STATION,
+    lines_of,
+    source_of,
+)
 from budget.names import (
     IMU,
     MISSION,
@@ -703,7 +710,7 @@ def source_names(
         Name(line.name, owner=owner)
         for owner in owners
         for line in lines_of(owner)
-        if line.varies
+        if line.may_vary
     )
 
 
@@ -790,7 +797,15 @@ def choose_sources(
         return None, ()
     if isinstance(only, str):  # one name, not a sequence of letters
         only = (only,)
-    known = (*source_names(sensors, procedure), *lines_of_mission(mission))
+    is_known = any(line.course for line in procedure.environment)
+    known = (
+        *(
+            name
+            for name in source_names(sensors, procedure)
+            if is_known or source_of(name.owner, name.quantity).varies
+        ),
+        *lines_of_mission(mission),
+    )
     chosen = frozenset(find_sources(only, known, option="--only"))
     given = given_lines(sensors, procedure, mission=mission)
     absent = sorted(chosen - given.keys())

@@ -1045,11 +1045,12 @@ def _standing(case: Case, name: Name, u: float) -> ErrorLine:
     """Return the line that stands for one that is not given, of a size [SI].
 
     Of a coefficient of temperature what it makes of the temperature that is stated: a
-    residual on each axis, whose sign nobody knows.
+    residual on each axis, whose sign nobody knows. Where that is known at every time of
+    a mission the coefficient is a constant itself.
     """
+    stated = stated_of(case.procedure).get("temperature")
     for coefficient, residual in BY_TEMPERATURE.values():
-        if name.quantity == coefficient:
-            stated = stated_of(case.procedure).get("temperature")
+        if name.quantity == coefficient and not (stated and stated.course):
             size = float((stated or PROBE["temperature"]).u[0])
             return line_of(source_of(name.owner, residual), name.owner, u * size)
     return line_of(stand_in(name), name.owner, u)

@@ -7,12 +7,17 @@ from functools import cache
 
 import numpy as np
 import pytest
+from builders import sensor
 from navigation.strapdown import Motion, aligned, gravity, navigate, radii, seen
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
+from budget.calibration.mission import mission_outputs, mission_problem
+from budget.methods.gum import propagate
 from budget.navigation.growth import AxisNoise, Growth, Markov, White
 from budget.navigation.route import Leg, Legs, Start, Track, moments, moved
+from budget.spec import load_mission, uncalibrated
+from budget.spec.use import in_use
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
 
 BENCH = Legs(start=Start(latitude=np.radians(34.2394)), legs=(Leg(duration=3600.0),))
@@ -148,6 +153,102 @@ def test_constants_are_those_of_navigators(route, times, aided, is_aligned):
     S = by_equations(route, times, alignment=alignment, aided=aided)
     own = flown(route, times, aided=aided)[is_aligned]
     assert gap(S, own) < 1e-6
+
+
+WARM = {
+    "name": "warm",
+    "environment": {"temperature": {}, "vibration": "1 g"},
+    "age": "0 s",
+    "mission": {
+        "latitude": "50 deg",
+        "alignment": "perfect",
+        "altitude": "aided",
+        "segments": [
+            {"straight": "50 s", "speed": "40 m/s", "vibration": "2 g"},
+            {"turn": "120 deg", "rate": "2 deg/s"},
+            {"straight": "130 s", "vibration": "3 g"},
+        ],
+    },
+}
+COURSES = {
+    "warm-up": (
+        {"warm_up": {"by": "20 degC", "time": "80 s"}},
+        lambda t: -20.0 * np.exp(-t / 80.0),
+        lambda t: 0.25 * np.exp(-t / 80.0),
+    ),
+    "profile": (
+        {
+            "reference": "25 degC",
+            "profile": [["31 s", "20 degC"], ["150 s", "45 degC"]],
+        },
+        lambda t: np.clip(-5.0 + 25.0 * (t - 31.0) / 119.0, -5.0, 20.0),
+        lambda t: 25.0 / 119.0 * ((t > 31.0) & (t < 150.0)),
+    ),
+}
+COEFFICIENTS = {
+    "bias_temperature_coefficient": (1e-8, 2e-5),
+    "scale_factor_temperature_coefficient": (2e-5, 3e-6),
+    "bias_temperature_rate_coefficient": (1e-6, 2e-3),
+    "vibration_rectification": (2e-10, 3e-7),
+}
+
+
+@pytest.mark.parametrize("course", COURSES)
+def test_a_course_on_the_way_is_that_of_navigators(course):
+    """Coefficients of a known temperature and vibration: each line, to 1e-3."""
+    said, at, slope = COURSES[course]
+    environment = {**WARM["environment"], "temperature": said}
+    mission = load_mission({**WARM, "environment": environment})
+    times = (60.0, 240.0)
+    motion = motion_of(mission.route, step=1.0, turn=np.pi / 360.0)
+    ends = np.cumsum(motion.durations)
+    middle = ends - motion.durations / 2.0
+    shaking = np.select([middle < 50.0, middle < 110.0], [2.0, 1.0], 3.0) * 9.80665
+    sizes = np.array([*COEFFICIENTS.values()])  # (lines, 2)
+    felt = {
+        "bias_temperature_coefficient": at(middle),
+        "scale_factor_temperature_coefficient": at(middle),
+        "bias_temperature_rate_coefficient": slope(middle),
+        "vibration_rectification": shaking**2,
+    }
+    own = []
+    for (name, size), u in zip(felt.items(), sizes, strict=True):
+        e = np.diag(np.repeat(u, 3))
+        off = np.concatenate([np.zeros((1, 6)), e, -e])
+
+        def errors(step, ideal, *, off=off, size=size, by_input="scale" in name):
+            return off * size[step] * (ideal if by_input else 1.0)
+
+        begin = np.tile(motion.body, (13, 1, 1))
+        stops = {int(np.argmin(np.abs(ends - time))) for time in times}
+        found = []
+        for state in navigate(motion, errors, begin, stops):
+            one = type(state)(state.body[:1], state.velocity[:1], state.place[:1])
+            left = seen(state, one)[1:]
+            found.append((left[:6] - left[6:]) / 2.0)
+        own.append(np.sqrt((np.array(found) ** 2).sum(axis=1)))  # (times, 9)
+    sensors = tuple(
+        sensor(kind, dict(zip(COEFFICIENTS, sizes[:, place], strict=True)))
+        for place, kind in enumerate(("gyro", "accelerometer"))
+    )
+    how = in_use(uncalibrated("none"), None, mission)
+    outputs = [x for x in mission_outputs(mission, times) if x.axis != "horizontal"]
+    rows = [k for k in range(9) if k not in {2, 5}]
+    problem = mission_problem(sensors, how, mission, outputs)
+    law = propagate(problem)
+    whole = np.sqrt((np.array(own) ** 2).sum(axis=0))[:, rows].ravel()
+    assert_allclose(law.standard_uncertainty[: len(whole)], whole, rtol=1e-3)
+    for name, u in zip(felt, own, strict=True):
+        only = frozenset({f"gyro.{name}", f"accelerometer.{name}"})
+        alone = mission_problem(sensors, how, mission, outputs, only=only)
+        found = propagate(alone).standard_uncertainty[: len(whole)]
+        assert_allclose(found, u[:, rows].ravel(), rtol=1e-3)
+    # Control: a temperature that stays as it begins is another.
+    steady = {"temperature": f"{at(np.array(0.0)):.9g} degC".replace("-", "")}
+    other = load_mission({**WARM, "environment": {**environment, **steady}})
+    held = in_use(uncalibrated("none"), None, other)
+    law = propagate(mission_problem(sensors, held, other, outputs))
+    assert np.abs(law.standard_uncertainty[: len(whole)] / whole - 1.0).max() > 0.05
 
 
 @pytest.mark.parametrize(("route", "times"), [(FLIGHT, FLOWN), (BANKED, LEANT)])

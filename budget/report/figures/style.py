@@ -58,8 +58,12 @@ SHARED = {
     source.name: (ink, hatch, "")
     for source, (hatch, ink) in zip(
         sorted(
-            (one for one in SOURCES if one.varies and (one.shared or not one.colour)),
-            key=lambda one: not one.shared,
+            (
+                one
+                for one in SOURCES
+                if one.may_vary and (one.shared or not (one.colour and one.varies))
+            ),
+            key=lambda one: (not one.shared, not one.varies),
         ),
         product(("....", "\\\\\\\\", "----", "++++"), INKS.values()),
         strict=False,
@@ -73,7 +77,7 @@ STYLES = {  # source: (colour, hatch, colour of text), in the order of the segme
         if source.is_hatched
         else (INKS[source.colour], "", ON_DARK if source.colour in DARK else ON_LIGHT)
         for source in SOURCES
-        if source.varies
+        if source.may_vary
     },
     INTERACTION: ("#9aa0a6", "xxxx", ""),
     OTHER: ("#c3c7cc", "", ON_LIGHT),
