@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.errors import CallError
 from budget.navigation.dynamics import ATTITUDE, INPUTS, POSITION, VELOCITY
 from budget.navigation.growth import begun, driven
 
@@ -31,6 +32,10 @@ if TYPE_CHECKING:
     from budget.navigation.growth import AxisNoise, Driven, Growth
 
 SEEN = 9  # rows of Moment.seen
+# Of Moment.measured: units, and standard uncertainties above which rounding moves what
+# an update leaves by more than 1e-4 of it.
+UNITS = ("m",) * 3 + ("m/s",) * 3 + ("rad",) * 3 + ("m/s",)
+MOST = {"m": 1e8, "m/s": 1e5, "rad": 1e3}
 # What an alignment knows, by the rows of Moment.given.
 KNOWN = {
     "position": POSITION,
@@ -207,6 +212,7 @@ class Filter:
             if len(H):
                 HP = H @ P
                 S = HP @ H.T
+                self._check_bounds(len(gains), np.diag(S))
                 np.einsum("ii->i", S)[:] += variances
                 K = np.linalg.solve(S, HP).T.astype(float)
                 P -= K @ HP
@@ -216,6 +222,27 @@ class Filter:
             if len(gains) - 1 in self.kept:
                 covariances[len(gains) - 1] = P.copy()
         return Run(gains=tuple(gains), covariances=covariances)
+
+    def _check_bounds(self, end: int, variances: Array) -> None:
+        """Refuse to measure what is off by so much that rounding decides.
+
+        Raises
+        ------
+        CallError
+            As of a height that nothing has measured for hours.
+        """
+        rows = [row for aid in self.at[end] for row in aid.rows]
+        for row, one in zip(rows, variances.tolist(), strict=True):
+            unit = UNITS[row]
+            if one > MOST[unit] ** 2:
+                steps = self.growth.steps
+                t = steps.durations[: steps.asked[end] + 1].sum()
+                raise CallError(
+                    f"mission.aiding: what is measured {t:.6g} s after the begin finds "
+                    f"errors of {one**0.5:.0e} {unit} (1 sigma), expected "
+                    f"{MOST[unit]:.0e} {unit} at the most, above which rounding "
+                    "decides; let aids begin earlier, or say 'altitude: aided'"
+                )
 
     @cached_property
     def steps(self) -> Steps:

@@ -53,6 +53,13 @@ SIZES = {
     "odometer": "m/s",
 }
 CORRELATION_TIME = "correlation_time"
+# Beyond these nothing is known: the earth's quarter, no speed that can be, half a turn.
+MOST_UNKNOWN = {
+    "position": parse_quantity("1e7 m", "m"),
+    "velocity": parse_quantity("1e4 m/s", "m/s"),
+    "level": parse_quantity("180 deg", "deg"),
+    "heading": parse_quantity("180 deg", "deg"),
+}
 _ROUNDING = 1e-9  # of a time, relative
 
 Time = Annotated[Quantity, Measured("s", bare=True)]
@@ -138,6 +145,21 @@ class AlignmentPart(Strict):
                 "beside it, as 'alignment_time: 300 s'"
             )
         return value
+
+    @model_validator(mode="after")
+    def _check_sizes(self) -> Self:
+        messages: dict[tuple[str | int, ...], str] = {
+            (
+                key,
+            ): f"found {one.printed!r}, expected {most.printed} at the most, which "
+            "is to know nothing of it"
+            for key, most in MOST_UNKNOWN.items()
+            if (one := getattr(self, key)) is not None
+            and one.value > most.value * (1.0 + _ROUNDING)
+        }
+        if messages:
+            raise faults(messages)
+        return self
 
     @property
     def start(self) -> tuple[float, ...]:

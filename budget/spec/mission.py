@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from math import atan, ceil, degrees, pi, remainder
+from math import atan, ceil, degrees, floor, pi, remainder
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
@@ -493,6 +493,11 @@ class MissionPart(Strict):
         """Return what is wrong with what is measured, and when, to the end [s]."""
         given = {} if self.aiding is None else self.aiding.given
         found = self._misnamed(tuple(given))
+        if self.aiding is not None and not given:
+            found["aiding",] = (
+                "names nothing that is measured, expected such as {gnss: {position: "
+                "2.5 m, rate: 1 Hz}}; or remove it"
+            )
         for key, part in given.items():
             for place, (_, last) in enumerate(part.during or ()):
                 if last.value > end * (1.0 + _ROUNDING):
@@ -500,15 +505,25 @@ class MissionPart(Strict):
                         f"ends at {last.printed}, and the mission ends at {end:.6g} s; "
                         "expected spans within it"
                     )
-        number = sum(
-            part.rate.value * (b - a)
+        numbers = {
+            key: sum(
+                floor(b * part.rate.value + _ROUNDING)
+                - floor(a * part.rate.value + _ROUNDING)
+                for a, b in self.spans[key]
+            )
             for key, part in given.items()
-            for a, b in self.spans[key]
-        )
-        if not found and number > MOST_EPOCHS:
+        }
+        if not found and sum(numbers.values()) > MOST_EPOCHS:
             found["aiding",] = (
-                f"has {number:.6g} epochs, expected {MOST_EPOCHS} at the most; lower "
-                "a rate"
+                f"has {sum(numbers.values()):.6g} epochs, expected {MOST_EPOCHS} at "
+                "the most; lower a rate"
+            )
+        idle = [key for key, number in numbers.items() if not (found or number)]
+        for key in idle:
+            found["aiding", key, "rate"] = (
+                f"found {given[key].rate.printed!r}, and no multiple of that period, "
+                "from the mission's start, is where segments or during name it; "
+                "expected a higher rate, or more time with it"
             )
         return found
 

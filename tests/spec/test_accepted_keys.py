@@ -940,7 +940,7 @@ def with_aids(key):
             one = {"stand": "20 s"}
             said = {**one, "aiding": ["gnss"]}
             named = {"straight": "10 s", "aiding": ["gnss", "heading", "odometer"]}
-            zero = {"stand": "1 s", "aiding": "zero_velocity"}
+            zero = {"stand": "3 s", "aiding": "zero_velocity"}
             more = [{"accelerate": "10 s", "to": "20 m/s"}, named]
             is_inside = len(rest) > 2
             first, then = (

@@ -262,6 +262,8 @@ def test_a_pole_is_not_flown_over(sense):
             "alignment",
             "standing",
         ),
+        ({"alignment": {"level": "181 deg"}}, "alignment.level", "180 deg at the most"),
+        ({"alignment": {"velocity": "1e5 m/s"}}, "alignment.velocity", "1e4 m/s at"),
         ({"altitude": "held"}, "altitude", "'aided' or 'free'"),
         ({"at": []}, "at", "1 to 16"),
         ({"at": [f"{n} s" for n in range(1, 18)]}, "at", "17 times, expected 1 to 16"),
@@ -414,6 +416,13 @@ SEEN = {**STAND, "aiding": "gnss"}
             },
             "segments[0].aiding",
             "the vehicle moves",
+        ),
+        ({"aiding": {}}, "aiding", "names nothing that is measured"),
+        ({"aiding": {}, "filter": "optimal"}, "aiding", "or remove it"),
+        (
+            {"aiding": {"gnss": {**GNSS, "rate": "0.01 Hz"}}, "segments": [SEEN]},
+            "aiding.gnss.rate",
+            "no multiple of that period",
         ),
         ({"filter": "optimal"}, "filter", "with aiding, which is not there"),
         (

@@ -426,3 +426,27 @@ def test_ends_by_what_a_filter_believes_are_those_source_by_source(name):
     if name == "g5":
         believed = journey(replace(one, carried_to=end)).believed[-1]
         assert np.sqrt(believed[0, 0] + believed[1, 1]) < 0.8 * found.straight
+
+
+def late(hours):
+    """Return a mission whose height nothing measures for hours, and then GNSS."""
+    gnss = {"position": "2.5 m", "velocity": "0.05 m/s", "rate": "1 Hz"}
+    segments = [{"stand": f"{hours} h"}, {"stand": "60 s", "aiding": "gnss"}]
+    part = {"latitude": "47 deg", "altitude": "free", "aiding": {"gnss": gnss}}
+    return {"name": "late", "mission": {**part, "segments": segments}}
+
+
+def test_what_rounding_would_decide_is_refused():
+    """A height that nothing measures grows by e in 570 s: after 2 h no filter has it.
+
+    After 1.5 h what the sources leave is still what the filter has, to 1e-4; after 6 h
+    it was 1e7 times that, and after 23 h a matrix was singular.
+    """
+    one = analysis("tac", late(1.5))
+    believed = journey(one).believed[-1]
+    total = curve(one, one.carried_to).covariance[:, -1].sum(axis=0)
+    assert_allclose(np.diag(total), np.diag(believed), rtol=1e-4)
+    for hours in (2, 6, 23):
+        one = analysis("tac", late(hours))
+        with pytest.raises(CallError, match=r"mission\.aiding: .* s after the begin"):
+            curve(one, one.carried_to)
