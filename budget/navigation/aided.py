@@ -239,8 +239,8 @@ class Filter:
                 t = steps.durations[: steps.asked[end] + 1].sum()
                 raise CallError(
                     f"mission.aiding: what is measured {t:.6g} s after the begin finds "
-                    f"errors of {one**0.5:.0e} {unit} (1 sigma), expected "
-                    f"{MOST[unit]:.0e} {unit} at the most, above which rounding "
+                    f"errors of {one**0.5:.2g} {unit} (1 sigma), expected "
+                    f"{MOST[unit]:g} {unit} at the most, above which rounding "
                     "decides; let aids begin earlier, or say 'altitude: aided'"
                 )
 

@@ -189,7 +189,9 @@ def _issue(
     node = root.nearest(steps)
     kind, given = detail["type"], node.value
     if kind == "missing":
-        return document.issue(node, f"{steps[-1]!r} is missing, expected it here")
+        last = steps[-1]
+        missing = repr(last) if isinstance(last, str) else f"item {last + 1}"
+        return document.issue(node, f"{missing} is missing, expected it here")
     if kind == "extra_forbidden":
         allowed = tuple(_model_at(model, steps[:-1]).model_fields)
         message = (

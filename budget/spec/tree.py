@@ -43,7 +43,7 @@ class Node:
         if isinstance(self.value, dict):
             return self.value.get(str(step))
         if isinstance(self.value, tuple) and isinstance(step, int):
-            return self.value[step]
+            return self.value[step] if step < len(self.value) else None
         return None
 
     def nearest(self, steps: Sequence[str | int]) -> Node:

@@ -496,6 +496,7 @@ def test_zero_velocity_where_a_trajectory_moves_is_refused(flown):
         ([["9 s", "1 s"]], "[0]", "after its begin"),
         ([["1 s", "9 s"], ["5 s", "20 s"]], "[1]", "one after the other"),
         ([["1 s", "9 h"]], "[0]", "the mission ends at"),
+        ([["1 s", "9 s"], ["20 s"]], "[1]", "item 2 is missing"),
         (None, "", "says not when"),
     ],
 )
