@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.calibration.aiding import lines_of_mission
+from budget.calibration.aiding import SAME, lines_of_mission
 from budget.calibration.mission import (
     SEEN,
     constants_problem,
@@ -219,12 +219,14 @@ def drawn_times(mission: Mission, asked: Sequence[float]) -> tuple[float, ...]:
 
     On a logarithmic axis, from the first that is asked for to the end of the mission,
     over two decades at the least and three at the most. On an even one with aids: from
-    as long before they first end as the mission goes on after that. Those that are
-    asked for and lie there among them.
+    as long before they first end as the mission goes on after that; all of it where
+    nothing goes on. Those that are asked for and lie there among them.
     """
     duration = mission.route.duration
     if mission.measured:
-        first = max(2.0 * mission.measured[0][1] - duration, 0.0)
+        end = mission.measured[0][1]
+        goes_on = end * (1.0 + SAME) < duration
+        first = max(2.0 * end - duration, 0.0) if goes_on else 0.0
         even = np.linspace(first, duration, DRAWN + 1)[1:-1].tolist()
         edges = (time for span in mission.measured for time in span)
         own = (time for time in (*asked, *edges) if first < time < duration)

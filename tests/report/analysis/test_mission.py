@@ -366,6 +366,22 @@ def test_a_mission_with_aids_is_drawn_to_where_they_end():
     assert "Shaded" not in growth_pictures(grown())[0].caption
 
 
+def test_a_mission_whose_aids_never_end_is_drawn_whole():
+    """On both of its figures: one point, at its end, warned of an axis of no length."""
+    part = {
+        "latitude": "47 deg",
+        "aiding": {"gnss": {"position": "2.5 m", "rate": "1 Hz"}},
+        "segments": [{"stand": "40 s", "aiding": "gnss"}],
+    }
+    mission = load_mission({"name": "always", "mission": part})
+    times = drawn_times(mission, mission.at)
+    assert times[0] < 2.0
+    assert times[-1] == 40.0
+    request = replace(aided("tac", "g1")[0].analysis, mission=mission)
+    request = replace(request, carried_to=mission.at)
+    assert len(growth_pictures(curve(request, times))) == 2
+
+
 def test_what_an_own_filter_believes_stands_beside_what_is_true():
     """At every time, of position and heading; the optimal one has no such table."""
     own, optimal = (
