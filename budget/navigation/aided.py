@@ -241,7 +241,8 @@ class Filter:
                     f"mission.aiding: what is measured {t:.6g} s after the begin finds "
                     f"errors of {one**0.5:.2g} {unit} (1 sigma), expected "
                     f"{MOST[unit]:g} {unit} at the most, above which rounding "
-                    "decides; let aids begin earlier, or say 'altitude: aided'"
+                    "decides; let aids begin earlier, say 'altitude: aided', or look "
+                    "for a slip in the sizes of the mission"
                 )
 
     @cached_property
