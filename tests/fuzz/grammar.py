@@ -274,12 +274,65 @@ _SEGMENTS = {
 }
 
 
-def _segment(one):
-    """Return a segment that is one thing, or a group of such."""
-    if "segments" in one:
-        return {"segments": [_segment(line) for line in one["segments"]]}
+ZERO_VELOCITY = "zero_velocity"
+RATES = ("1 Hz", "0.25 Hz", "7 Hz", "0.1 Hz")
+BELIEVED = {
+    "aiding.gnss_position": "5 m",
+    "gyro.angle_random_walk": "0.03 deg/sqrt(h)",
+    "gyro.bias_stability.correlation_time": "60 s",
+    "accelerometer.bias_repeatability.x": "1 mg",
+}
+
+
+def _segment(one, aids):
+    """Return a segment that is one thing, or a group of such, with aids that fit it."""
     own = next((key for key in one if key in _SEGMENTS), "stand")
-    return {key: one[key] for key in ("repeat",) if key in one} | _SEGMENTS[own]
+    lines = [_segment(line, aids) for line in one.get("segments", ())]
+    kept = {"segments": lines} if lines else _SEGMENTS[own]
+    moves = any("stand" not in line for line in lines or [kept])
+    named = one.get("aiding", [])
+    named = [named] if isinstance(named, str) else named
+    named = [
+        key for key in aids if key in named and not (moves and key == ZERO_VELOCITY)
+    ]
+    if named:
+        kept = {"aiding": named, **kept}
+        if lines:
+            kept["segments"] = [
+                {key: line[key] for key in line if key != "aiding"} for line in lines
+            ]
+    return {key: one[key] for key in ("repeat",) if not lines and key in one} | kept
+
+
+def _keep_aids(part):
+    """Mend aids and a filter; return the names of the aids."""
+    aids = part.get("aiding") or {}
+    for number, (key, one) in enumerate(aids.items()):
+        one["rate"] = RATES[(len(one) + number) % len(RATES)]
+        one.pop("during", None)  # beside a trajectory
+        if key == "gnss":
+            one.setdefault("position", "2.5 m")
+            for name in ("position", "velocity", "position_drift"):
+                if isinstance(one.get(name), dict):
+                    one[name].setdefault(
+                        "value", "3 m/s" if name == "velocity" else "3 m"
+                    )
+            if "position_drift" in one:
+                drift = one["position_drift"]
+                drift = drift if isinstance(drift, dict) else {"value": drift}
+                one["position_drift"] = {"correlation_time": "60 s", **drift}
+    if not aids:
+        part.pop("aiding", None)
+        part.pop("filter", None)
+    if isinstance(part.get("filter"), dict):
+        own = part["filter"]
+        if "estimates" in own:
+            own["estimates"] = ["gyro.bias", "accelerometer.scale_factor"]
+            del own["estimates"][len(aids) % 2 :]
+        if "believes" in own:
+            name = [*BELIEVED][len(str(own)) % len(BELIEVED)]
+            own["believes"] = {name: BELIEVED[name]}
+    return [*aids]
 
 
 def _keep_mission(tree):
@@ -290,10 +343,13 @@ def _keep_mission(tree):
     part |= {key: value for key, value in fixed.items() if key in part}
     part.pop("trajectory", None)
     part |= {"latitude": "-12.5 deg"}
-    part["segments"] = [_segment(one) for one in part.get("segments", [{}])]
-    # Aids go with segments that name them, and a filter with aids.
-    for key in ("aiding", "filter"):
-        part.pop(key, None)
+    aids = _keep_aids(part)
+    segments = [_segment(one, aids) for one in part.get("segments", [{}])]
+    lines = [line for one in segments for line in (one, *one.get("segments", ()))]
+    unused = {*aids}.difference(*(line.get("aiding", ()) for line in lines))
+    if unused:
+        segments.append({"stand": "20 s", "aiding": sorted(unused)})
+    part["segments"] = segments
     if part.get("alignment") == "self":
         part["alignment_time"] = "5 min"
     else:
