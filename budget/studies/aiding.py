@@ -10,6 +10,7 @@ import numpy as np
 
 from budget.calibration.aiding import Cuts, aids_of, believing
 from budget.calibration.mission import (
+    SEEN,
     Places,
     Sensing,
     columns_of,
@@ -19,18 +20,22 @@ from budget.calibration.mission import (
     noises_of,
     on_the_way,
 )
+from budget.language import note
 from budget.methods.gum import covariance_by_source, derivatives
+from budget.names import Name, components_of, key_title, time_text
 from budget.navigation.aided import Aided, Belief, Filter
 from budget.navigation.growth import Growth
+from budget.results import BelievedError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
-    from budget.names import Name
-    from budget.problem import Problem
+    from budget.arrays import Array
+    from budget.problem import Output, Problem
     from budget.spec.records import Mission, Procedure, Sensor
 
 AT_ONCE = 8  # times that are traced back together
+CONFIDENT = 0.8  # of what is true, below which a filter believes too much of itself
 BIAS = "bias"
 KEPT = 4  # journeys that are remembered: each has arrays for all its steps
 
@@ -125,4 +130,52 @@ def problem_of_mission(
         outputs,
         only=only,
         journey=journey_of(mission, Places.of(outputs).times, *known),
+    )
+
+
+def believed(
+    journey: Growth | Aided, outputs: Sequence[Output], u: Array
+) -> Iterator[BelievedError]:
+    """Yield what a filter believes of each output, beside what is true of it, u [SI].
+
+    The journey asks for the times of these outputs; without a filter there is nothing.
+    """
+    if not isinstance(journey, Aided):
+        return
+    times = Places.of([output.name for output in outputs]).times
+    for output, true in zip(outputs, u.tolist(), strict=True):
+        name = output.name
+        rows = [
+            SEEN.index((one.quantity, one.axis))
+            for one in (components_of(name) or (name,))
+        ]
+        C = journey.believed[times.index(name.time or 0.0)]
+        yield BelievedError(
+            parameter=name.quantity,
+            axis=name.axis,
+            time=name.time or 0.0,
+            # Below the rounding of what went in a variance may come out negative.
+            standard_uncertainty=float(np.sqrt(max(C[rows, rows].sum(), 0.0)))
+            / output.si_per_unit,
+            true=true / output.si_per_unit,
+            unit=output.unit,
+        )
+
+
+def overconfident(found: Iterable[BelievedError]) -> tuple[str, ...]:
+    """Warn of a filter that believes in errors far smaller than they are."""
+    off = [one for one in found if one.standard_uncertainty < CONFIDENT * one.true]
+    if not off:
+        return ()
+    worst = min(off, key=lambda one: one.standard_uncertainty / one.true)
+    return (
+        note(
+            "mission.filter: it believes {believed} {unit} of {what} after {time}, and "
+            "{true} {unit} is true; where it says how good it is, it says too much",
+            believed=f"{worst.standard_uncertainty:.3g}",
+            true=f"{worst.true:.3g}",
+            unit=worst.unit,
+            what=key_title(Name(worst.parameter, axis=worst.axis)),
+            time=time_text(worst.time),
+        ),
     )

@@ -56,7 +56,7 @@ from budget.studies.compensation import compensations
 from budget.studies.conformity import assess, open_to
 from budget.studies.input_quantities import input_quantities, sensitivities
 from budget.studies.judgement import intervals_of
-from budget.studies.learnt import filtered, overconfident
+from budget.studies.learnt import filtered, too_sure
 from budget.studies.lower_bounds import could_widen, expecting_device
 from budget.studies.missing import REFUSE, Filling, fill_all
 from budget.studies.mission import bought
@@ -362,7 +362,7 @@ def analyze_as(
     warnings += cautions.beyond_first_order(problem, law)
     # Of some sources alone what is true is no measure of what the filter believes.
     found_out = filtered(analysis) if chosen is None else None
-    warnings += overconfident(found_out)
+    warnings += too_sure(found_out, requirement)
     warnings += cautions.saturated(analysis)
     warnings += cautions.of_no_vehicle(analysis.journey)
     if chosen is None and of_test:

@@ -10,7 +10,6 @@ import numpy as np
 from budget.calibration.aiding import SAME
 from budget.calibration.mission import (
     FIRST,
-    SEEN,
     Places,
     Sensing,
     columns_of,
@@ -19,24 +18,22 @@ from budget.calibration.mission import (
     on_the_way,
 )
 from budget.calibration.problem import BIAS_UNITS
-from budget.language import note
 from budget.methods.gum import covariance_by_source, derivatives
-from budget.names import AXES, Name, components_of, key_title, time_text
+from budget.names import AXES
 from budget.navigation.aided import Aided
 from budget.navigation.route import Leg, Legs
-from budget.results import BelievedError, Filtered, Learnt, Turned
-from budget.studies.aiding import BIAS, journey_of
+from budget.results import Filtered, Learnt, Turned
+from budget.studies.aiding import BIAS, believed, journey_of, overconfident
 from budget.studies.mission import curve
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from budget.arrays import Array
-    from budget.spec.records import Mission
+    from budget.spec.records import Mission, Requirement
     from budget.studies.request import Analysis
 
 DECIMALS = 9  # of a time in s, which is the sum of steps
-CONFIDENT = 0.8  # of what is true, below which a filter believes too much of itself
 
 
 def filtered(analysis: Analysis) -> Filtered | None:
@@ -56,32 +53,22 @@ def filtered(analysis: Analysis) -> Filtered | None:
         states=journey.filter.size,
         updates=journey.filter.updates,
         learnt=tuple(_learnt(analysis, journey, mission)),
-        believed=tuple(_believed(analysis, journey)),
+        believed=tuple(
+            believed(
+                journey, analysis.problem.outputs, analysis.law.standard_uncertainty
+            )
+        ),
         turned=_turned(analysis, mission),
     )
 
 
-def overconfident(found: Filtered | None) -> tuple[str, ...]:
-    """Warn of a filter that believes in errors far smaller than they are."""
-    off = [
-        one
-        for one in (() if found is None else found.believed)
-        if one.standard_uncertainty < CONFIDENT * one.true
-    ]
-    if not off:
+def too_sure(
+    found: Filtered | None, requirement: Requirement | None
+) -> tuple[str, ...]:
+    """Warn of a filter that is too sure; beside a verdict it is a caution."""
+    if found is None or requirement is not None:
         return ()
-    worst = min(off, key=lambda one: one.standard_uncertainty / one.true)
-    return (
-        note(
-            "mission.filter: it believes {believed} {unit} of {what} after {time}, and "
-            "{true} {unit} is true; where it says how good it is, it says too much",
-            believed=f"{worst.standard_uncertainty:.3g}",
-            true=f"{worst.true:.3g}",
-            unit=worst.unit,
-            what=key_title(Name(worst.parameter, axis=worst.axis)),
-            time=time_text(worst.time),
-        ),
-    )
+    return overconfident(found.believed)
 
 
 def _learnt(analysis: Analysis, journey: Aided, mission: Mission) -> Iterator[Learnt]:
@@ -171,28 +158,3 @@ def _ends_off(analysis: Analysis, mission: Mission, end: float) -> float:
     journey = journey_of(mission, times, analysis.sensors, analysis.procedure)
     C = journey.believed[-1] if isinstance(journey, Aided) else np.zeros((2, 2))
     return float(np.sqrt(C[0, 0] + C[1, 1]))
-
-
-def _believed(analysis: Analysis, journey: Aided) -> Iterator[BelievedError]:
-    """Yield what the filter believes of what is asked for, beside what is true."""
-    law = analysis.law
-    times = Places.of(analysis.outputs or ()).times
-    for output, true in zip(
-        analysis.problem.outputs, law.standard_uncertainty.tolist(), strict=True
-    ):
-        name = output.name
-        rows = [
-            SEEN.index((one.quantity, one.axis))
-            for one in (components_of(name) or (name,))
-        ]
-        C = journey.believed[times.index(name.time or 0.0)]
-        yield BelievedError(
-            parameter=name.quantity,
-            axis=name.axis,
-            time=name.time or 0.0,
-            # Below the rounding of what went in a variance may come out negative.
-            standard_uncertainty=float(np.sqrt(max(C[rows, rows].sum(), 0.0)))
-            / output.si_per_unit,
-            true=true / output.si_per_unit,
-            unit=output.unit,
-        )

@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.calibration.mission import mission_outputs
+from budget.calibration.mission import Places, mission_outputs
 from budget.calibration.saturation import (
     UNITS as SHOWN,
 )
@@ -57,13 +57,18 @@ from budget.model.sources.temperature import (
     RATE_COEFFICIENT,
     SCALE_COEFFICIENT,
 )
-from budget.names import Name, time_text, words
+from budget.names import AIDING, Name, time_text, words
 from budget.results import TINY, VERDICTS, Caution, Condition, Standing
 from budget.spec.records import FACTORY, JOINT, NONE
 from budget.spec.specification import read_value, time_of
 from budget.spec.station import IDEAL
 from budget.spec.use import LINES, STATED, stated_of
-from budget.studies.aiding import problem_of_mission
+from budget.studies.aiding import (
+    believed,
+    journey_of,
+    overconfident,
+    problem_of_mission,
+)
 from budget.studies.cautions import beyond_first_order
 from budget.studies.ceilings import (
     BY_NATURE,
@@ -223,6 +228,8 @@ def decide(
         Verdicts under other readings of lines whose meaning is open.
     """
     found = _decided(case, held, law, judged, seed=seed, doubt=doubt, readings=readings)
+    aided = tuple(_of_aids(case, held, law))
+    found = replace(found, cautions=(*found.cautions, *aided))
     if found.verdict in {UNDECIDABLE, FAILS}:
         return found
     lost = (*_without_time(found.cautions), *_lost(case, held))
@@ -234,6 +241,34 @@ def decide(
         conditions=lost,
         cautions=tuple(dict.fromkeys((*_as_cautions(lost), *found.cautions))),
     )
+
+
+def _of_aids(case: Case, held: Limited, law: Propagation) -> Iterator[Caution]:
+    """Yield what an aided mission is judged with, and where its filter is too sure."""
+    mission, outputs = case.mission, held.outputs
+    if mission is None or not mission.aiding:
+        return
+    times = Places.of([output.name for output in outputs]).times
+    during = [
+        time
+        for time in times
+        if any(
+            begin < time < end or (time == end and end < mission.route.duration)
+            for aid in mission.aiding
+            for begin, end in aid.spans
+        )
+    ]
+    if during:
+        text = note(
+            "after {times} it is aided: aids and unit are judged together",
+            times=", ".join(map(time_text, during)),
+        )
+        yield Caution(kind="aided", line=Name(AIDING), text=text)
+    if mission.filter is not None and case.only is None:
+        journey = journey_of(mission, times, case.sensors, case.procedure)
+        errors = believed(journey, outputs, law.standard_uncertainty[held.rows])
+        for said in overconfident(errors):
+            yield Caution(kind="filter", line=Name(AIDING), text=said)
 
 
 def _without_time(cautions: Iterable[Caution]) -> Iterator[Condition]:

@@ -156,3 +156,30 @@ def test_forms_of_a_result_have_the_same_numbers(tmp_path):
     for out in one["outputs"]:
         key = (out["parameter"], out["axis"], out["time"])
         assert_allclose(totals[key], out["standard_uncertainty"], rtol=1e-9)
+
+
+@pytest.mark.parametrize(("mission", "at"), [("g4", "660 s"), ("g1", "600 s")])
+def test_what_a_verdict_owes_to_aids_stands_beside_it_in_every_command(mission, at):
+    """A filter that is too sure, and a limit while aids are there; once each."""
+    kind, words = {
+        "g4": ("filter", "it says too much"),
+        "g1": ("aided", "aids and unit are judged together"),
+    }[mission]
+    tree = {"horizontal": "80 m", "at": at, "probability": "50 %"}
+    need = load_requirement({"name": "n", "limits": {"mission": {"position": [tree]}}})
+    path = DATA / f"{mission}.yaml"
+    budget = on_mission(
+        "mems", mission=path, requirement=need, carried_to=(float(at[:-2]),)
+    )
+    (sensor,) = budget.assessment.sensors
+    found = compare(
+        [load_device(DATA / "mems.yaml")],
+        need,
+        mission=load_mission(path),
+        method="gum",
+    )
+    (row,) = found.on_mission if hasattr(found, "on_mission") else found.devices
+    for standing in (sensor.standing, row.standing):
+        (text,) = (str(one.text) for one in standing.cautions if one.kind == kind)
+        assert words in text
+    assert not any(words in text for text in budget.warnings)
